@@ -1,0 +1,104 @@
+//! What a state says about itself: energies, momentum, stretch, the first number that is none,
+//! and a hash of its bits.
+
+use crate::dispatch::Dispatch;
+use crate::forces::{self, Energy, Model, Term};
+use crate::real::{Real, Sum, Vec3, dot_sum, sqrt, to_f64};
+
+/// All energies of a state, J.
+pub fn energy(model: &Model<'_>, masses: &[Real], x: &[Vec3], v: &[Vec3]) -> Energy {
+    let kinetic = masses.iter().zip(v).map(|(&m, &v)| 0.5 * Sum::from(m) * dot_sum(v, v)).sum();
+    Energy { kinetic, ..forces::energy(model, masses, x) }
+}
+
+/// Linear momentum, kg m/s.
+pub fn momentum(masses: &[Real], v: &[Vec3]) -> [Sum; 3] {
+    let mut sum = [0.0; 3];
+    for (&m, &v) in masses.iter().zip(v) {
+        for (sum, v) in sum.iter_mut().zip(to_f64(v)) {
+            *sum += Sum::from(m) * v;
+        }
+    }
+    sum
+}
+
+/// Length over rest length of edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stretch {
+    /// The largest.
+    pub max: Sum,
+    /// The mean.
+    pub mean: Sum,
+}
+
+/// Stretch of edges with given rest lengths, m.
+pub fn stretch(edges: &[[u32; 2]], rest: &[Real], x: &[Vec3]) -> Stretch {
+    let mut stretch = Stretch::default();
+    for (&[a, b], &rest) in edges.iter().zip(rest) {
+        let d = x[b as usize] - x[a as usize];
+        let ratio = Sum::from(sqrt(d.length_squared()) / rest);
+        stretch.max = stretch.max.max(ratio);
+        stretch.mean += ratio / edges.len() as Sum;
+    }
+    stretch
+}
+
+/// The first particle whose position or velocity is NaN or infinite.
+pub fn first_non_finite(x: &[Vec3], v: &[Vec3]) -> Option<u32> {
+    // Zero times a finite number is zero: one sum tells for all, and only a bad one is searched.
+    let all = x.iter().zip(v).fold(Vec3::ZERO, |sum, (&x, &v)| sum + x * 0.0 + v * 0.0);
+    if all == Vec3::ZERO {
+        return None;
+    }
+    x.iter().zip(v).position(|(x, v)| !(x.is_finite() && v.is_finite())).map(|i| i as u32)
+}
+
+/// The term that pulls hardest on a particle, for the report of a divergence. `scratch` and `f`
+/// are overwritten.
+pub fn hardest_term(
+    model: &Model<'_>,
+    masses: &[Real],
+    x: &[Vec3],
+    v: &[Vec3],
+    particle: u32,
+    scratch: &mut [Vec3],
+    f: &mut [Vec3],
+    dispatch: &impl Dispatch,
+) -> Option<Term> {
+    let mut hardest = (None, -1.0);
+    for term in Term::ALL {
+        let Some(alone) = model.only(term) else { continue };
+        forces::evaluate(&alone, masses, x, v, scratch, f, dispatch);
+        let pull = f[particle as usize];
+        let square = if pull.is_finite() { dot_sum(pull, pull) } else { Sum::INFINITY };
+        if square > hardest.1 {
+            hardest = (Some(term), square);
+        }
+    }
+    hardest.0
+}
+
+/// FNV-1a over the bits of positions and velocities, chained over steps: two runs that agree in
+/// it went through the same states, and the first step at which chains differ is the first that
+/// differed. Taken over whole scalars rather than bytes; negative zero counts as zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StateHash(pub u64);
+
+impl Default for StateHash {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl StateHash {
+    /// Adds a state to the chain.
+    pub fn add(&mut self, x: &[Vec3], v: &[Vec3]) {
+        const PRIME: u64 = 0x0000_0100_0000_01b3;
+        for column in [x, v] {
+            for scalar in bytemuck::cast_slice::<Vec3, Real>(column) {
+                // -0.0 + 0.0 is 0.0.
+                self.0 = (self.0 ^ u64::from((scalar + 0.0).to_bits())).wrapping_mul(PRIME);
+            }
+        }
+    }
+}

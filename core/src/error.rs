@@ -1,0 +1,159 @@
+//! What can be wrong with a scene: small `Copy` enums, one sentence a variant. Only set-up
+//! returns errors; kernels return nothing and steps return a status.
+
+#![expect(missing_docs, reason = "a variant's sentence explains its fields")]
+
+use core::fmt;
+
+/// Why a mesh cannot be cloth. Found once by [`TriMesh::check`](crate::mesh::TriMesh::check);
+/// kernels index freely afterwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshError {
+    /// The mesh has no triangles.
+    Empty,
+    /// A triangle names a vertex that does not exist.
+    VertexOutOfRange { triangle: u32, vertex: u32, vertices: u32 },
+    /// A triangle names a texture coordinate that does not exist.
+    TextureOutOfRange { triangle: u32, coordinate: u32, coordinates: u32 },
+    /// A position is NaN or infinite.
+    NotFinite { vertex: u32 },
+    /// A texture coordinate is NaN or infinite.
+    TextureNotFinite { coordinate: u32 },
+    /// A triangle names one vertex twice.
+    RepeatedVertex { triangle: u32, vertex: u32 },
+    /// A triangle without area at rest.
+    NoArea { triangle: u32 },
+    /// An edge shared by more than two triangles.
+    NonManifoldEdge { a: u32, b: u32 },
+    /// No triangle uses this vertex: it would have no mass.
+    LooseVertex { vertex: u32 },
+    /// The rest shape was asked from texture coordinates and there are none.
+    NoTextureCoordinates,
+    /// The start positions are not as many as the vertices.
+    StateLength { expected: u32, found: u32 },
+    /// A stitch names a vertex that does not exist, or its weight is not in 0..1.
+    BadStitch { stitch: u32 },
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Empty => write!(f, "the mesh has no triangles"),
+            Self::VertexOutOfRange { triangle, vertex, vertices } => {
+                write!(
+                    f,
+                    "triangle {triangle} names vertex {vertex}, but there are only {vertices} (indices count from 0)"
+                )
+            }
+            Self::TextureOutOfRange { triangle, coordinate, coordinates } => {
+                write!(f, "triangle {triangle} names texture coordinate {coordinate}, but there are only {coordinates}")
+            }
+            Self::NotFinite { vertex } => write!(f, "the position of vertex {vertex} is not a finite number"),
+            Self::TextureNotFinite { coordinate } => {
+                write!(f, "texture coordinate {coordinate} is not a finite number")
+            }
+            Self::RepeatedVertex { triangle, vertex } => write!(f, "triangle {triangle} names vertex {vertex} twice"),
+            Self::NoArea { triangle } => write!(f, "triangle {triangle} has no area at rest"),
+            Self::NonManifoldEdge { a, b } => {
+                write!(
+                    f,
+                    "the edge between vertices {a} and {b} belongs to more than two triangles; split the mesh there"
+                )
+            }
+            Self::LooseVertex { vertex } => {
+                write!(f, "vertex {vertex} belongs to no triangle and would have no mass; remove it")
+            }
+            Self::NoTextureCoordinates => {
+                write!(f, "rest = \"uv\" needs texture coordinates (vt), and the mesh has none; use rest = \"shape\"")
+            }
+            Self::StateLength { expected, found } => {
+                write!(f, "the start state has {found} vertices, the mesh has {expected}")
+            }
+            Self::BadStitch { stitch } => {
+                write!(f, "stitch {stitch} names a vertex that does not exist, or its weight is not between 0 and 1")
+            }
+        }
+    }
+}
+
+impl core::error::Error for MeshError {}
+
+/// Why a scene cannot be built. `cloth` and `pin` count from 0 in the order of the scene file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SceneError {
+    /// The scene has no cloth.
+    NoCloth,
+    /// A cloth names no source of its mesh, or more than one.
+    OneMeshSource { cloth: u32 },
+    /// The mesh file that a cloth names was not given to the build.
+    MissingMesh { cloth: u32 },
+    /// A mesh is not usable.
+    Mesh { cloth: u32, error: MeshError },
+    /// A number that must be positive and finite is not.
+    NotPositive { key: &'static str, value: f64 },
+    /// A number that must be zero or more and finite is not.
+    Negative { key: &'static str, value: f64 },
+    /// A number that must be finite is not.
+    NotFinite { key: &'static str },
+    /// A generator was asked for too few cells.
+    TooFewCells { key: &'static str, least: u32 },
+    /// The mesh would have more vertices than an index can name.
+    TooLarge { vertices: u64 },
+    /// A key is given that the chosen model does not have.
+    KeyNotForModel { key: &'static str, model: &'static str },
+    /// A key is missing that the chosen model needs.
+    KeyNeeded { key: &'static str, model: &'static str },
+    /// A pin selects no vertex.
+    EmptyPin { cloth: u32, pin: u32 },
+    /// A pin names no selection, or more than one.
+    OneSelection { cloth: u32, pin: u32 },
+    /// A pin names a corner or a vertex that does not exist.
+    PinOutOfRange { cloth: u32, pin: u32, index: u32 },
+    /// The axes of a pin are not a combination of x, y and z.
+    PinAxes { cloth: u32, pin: u32 },
+    /// The keys of a motion are empty or not in the order of time.
+    MotionKeys { cloth: u32, pin: u32 },
+}
+
+impl From<(u32, MeshError)> for SceneError {
+    fn from((cloth, error): (u32, MeshError)) -> Self {
+        Self::Mesh { cloth, error }
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NoCloth => write!(f, "the scene has no [[cloth]]"),
+            Self::OneMeshSource { cloth } => write!(f, "cloth {cloth}: give exactly one of grid, tube, disc or mesh"),
+            Self::MissingMesh { cloth } => write!(f, "cloth {cloth}: its mesh file was not loaded"),
+            Self::Mesh { cloth, error } => write!(f, "cloth {cloth}: {error}"),
+            Self::NotPositive { key, value } => write!(f, "{key} = {value}: must be greater than zero"),
+            Self::Negative { key, value } => write!(f, "{key} = {value}: must not be negative"),
+            Self::NotFinite { key } => write!(f, "{key}: must be a finite number"),
+            Self::TooFewCells { key, least } => write!(f, "{key}: must be at least {least}"),
+            Self::TooLarge { vertices } => {
+                write!(f, "the scene would have {vertices} vertices; at most 2^28 are possible")
+            }
+            Self::KeyNotForModel { key, model } => {
+                write!(f, "{key} has no meaning with model = \"{model}\"; remove it")
+            }
+            Self::KeyNeeded { key, model } => write!(f, "{key} is needed with model = \"{model}\""),
+            Self::EmptyPin { cloth, pin } => write!(f, "cloth {cloth}, pin {pin}: selects no vertex"),
+            Self::OneSelection { cloth, pin } => {
+                write!(f, "cloth {cloth}, pin {pin}: give exactly one of corners, vertices, box, nearest or edge")
+            }
+            Self::PinOutOfRange { cloth, pin, index } => {
+                write!(f, "cloth {cloth}, pin {pin}: there is no {index} to hold")
+            }
+            Self::PinAxes { cloth, pin } => {
+                write!(f, "cloth {cloth}, pin {pin}: axes must be a combination of x, y and z, such as \"xz\"")
+            }
+            Self::MotionKeys { cloth, pin } => {
+                write!(f, "cloth {cloth}, pin {pin}: the times of motion.keys must be finite and increase")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SceneError {}

@@ -1,0 +1,122 @@
+//! Elements with `K` corners, and the three ways in which the model uses them: forces, energy,
+//! Jacobian. Kernels gather: every element writes its own slot, then every vertex sums the slots
+//! that meet there in the fixed order of its [`Incidence`].
+
+use bytemuck::Pod;
+
+use super::{Energy, Jacobian, TangentScale};
+use crate::dispatch::Dispatch;
+use crate::integrate::matrix::BlockMatrix;
+use crate::mesh::Incidence;
+use crate::real::{Mat3, Real, Vec3};
+
+/// A force term over elements with `K` corners. `x` and `v` are the corners' positions and
+/// velocities; every force is affine in `v`.
+pub trait Element<const K: usize>: Sync {
+    /// What the projected Jacobian of one element is packed into.
+    type Tangent: Pod + Send + Sync;
+
+    /// The corners of every element.
+    fn vertices(&self) -> &[[u32; K]];
+    /// Which corners meet at each vertex.
+    fn incidence(&self) -> Incidence<'_>;
+    /// Forces on the corners, N.
+    fn force(&self, element: usize, x: &[Vec3; K], v: &[Vec3; K]) -> [Vec3; K];
+    /// Stored energy, J.
+    fn energy(&self, element: usize, x: &[Vec3; K]) -> Energy;
+    /// `-(position Kx + velocity Kv)`, positive semidefinite.
+    fn tangent(&self, element: usize, x: &[Vec3; K], scale: TangentScale) -> Self::Tangent;
+    /// The 3x3 block of corners `a`, `b` of a packed Jacobian.
+    fn block(&self, element: usize, tangent: &Self::Tangent, a: usize, b: usize) -> Mat3;
+    /// `-(position df/dx + velocity df/dv)` to the last derivative, by corners `[a][b]`. The part
+    /// of the damping force (`v` not zero) is not symmetric.
+    fn exact(&self, element: usize, x: &[Vec3; K], v: &[Vec3; K], scale: TangentScale) -> [[Mat3; K]; K];
+}
+
+#[inline]
+fn corners<const K: usize>(ids: &[u32; K], column: &[Vec3]) -> [Vec3; K] {
+    ids.map(|i| column[i as usize])
+}
+
+/// Adds the term's forces to `f`. `scratch` holds `K` vectors an element.
+pub fn add_forces<const K: usize, E: Element<K>>(
+    term: &E,
+    x: &[Vec3],
+    v: &[Vec3],
+    scratch: &mut [Vec3],
+    f: &mut [Vec3],
+    dispatch: &impl Dispatch,
+) {
+    let vertices = term.vertices();
+    let (slots, _) = scratch[..vertices.len() * K].as_chunks_mut::<K>();
+    dispatch.run(slots, |start, part| {
+        for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
+            *slot = term.force(element, &corners(ids, x), &corners(ids, v));
+        }
+    });
+    let (forces, incidence) = (&*scratch, term.incidence());
+    dispatch.run(f, |start, part| {
+        for (vertex, f) in part.iter_mut().enumerate() {
+            for &slot in incidence.at(start + vertex) {
+                *f += forces[slot as usize];
+            }
+        }
+    });
+}
+
+/// The energy stored in the term.
+pub fn energy<const K: usize, E: Element<K>>(term: &E, x: &[Vec3]) -> Energy {
+    let each = term.vertices().iter().enumerate();
+    each.fold(Energy::default(), |sum, (element, ids)| sum + term.energy(element, &corners(ids, x)))
+}
+
+/// Adds `-(position Kx + velocity Kv)` to `matrix`. `targets` says where in its row each block
+/// goes; `scratch` holds the packed Jacobians.
+pub fn add_tangents<const K: usize, E: Element<K>>(
+    term: &E,
+    x: &[Vec3],
+    scale: TangentScale,
+    jacobian: Jacobian,
+    targets: &[u16],
+    scratch: &mut [Real],
+    matrix: &mut BlockMatrix<'_>,
+    dispatch: &impl Dispatch,
+) {
+    let (vertices, incidence) = (term.vertices(), term.incidence());
+    let packed = size_of::<E::Tangent>() / size_of::<Real>() * vertices.len();
+    let tangents: &mut [E::Tangent] = bytemuck::cast_slice_mut(&mut scratch[..packed]);
+    if jacobian == Jacobian::Projected {
+        dispatch.run(&mut *tangents, |start, part| {
+            for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
+                *slot = term.tangent(element, &corners(ids, x), scale);
+            }
+        });
+    }
+    let tangents = &*tangents;
+    dispatch.run(matrix.rows_mut(), |start, mut rows| {
+        for i in 0..rows.count() {
+            let row = rows.row(i);
+            for at in incidence.range(start + i) {
+                let slot = incidence.slots[at] as usize;
+                let (element, a) = (slot / K, slot % K);
+                let targets = &targets[at * K..at * K + K];
+                match jacobian {
+                    Jacobian::Projected => {
+                        for b in 0..K {
+                            row[targets[b] as usize] += term.block(element, &tangents[element], a, b);
+                        }
+                    }
+                    // For studies: computed once a corner rather than stored. At rest (v = 0) the
+                    // damping force has no part in df/dx, which keeps the matrix symmetric.
+                    Jacobian::Exact => {
+                        let x = corners(&vertices[element], x);
+                        let blocks = term.exact(element, &x, &[Vec3::ZERO; K], scale);
+                        for b in 0..K {
+                            row[targets[b] as usize] += blocks[a][b];
+                        }
+                    }
+                }
+            }
+        }
+    });
+}

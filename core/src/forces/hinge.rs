@@ -1,0 +1,251 @@
+//! Hinge bending, E = 1/2 ke (theta - theta0)^2 with ke = D |e|^2 / (A1 + A2), where theta is
+//! the angle between the triangles' normals, 0 when flat, and D the flexural rigidity
+//! [Bridson 2003, Grinspun 2003; eq. 3.9 with the angle by atan2]. Damping f = -kd dtheta/dt
+//! grad theta.
+//!
+//! Corners: a, b the shared edge, c in triangle (a, b, c), d in triangle (a, d, b). The
+//! projected Jacobian is Gauss-Newton, ke grad grad^T.
+
+use core::f64::consts::PI;
+
+use super::element::Element;
+use super::{Energy, TangentScale};
+use crate::mesh::Incidence;
+use crate::real::{DEGENERATE, Mat3, Real, Vec3, atan2, cross, outer, sqrt};
+
+/// Hinges with their rest shape and stiffness.
+#[derive(Clone, Copy, Debug)]
+pub struct Hinges<'a> {
+    /// Corners a, b, c, d.
+    pub vertices: &'a [[u32; 4]],
+    /// ke, N m per radian.
+    pub stiffness: &'a [Real],
+    /// theta0, radians.
+    pub rest_angles: &'a [Real],
+    /// A tenth of the smaller rest height over the edge, m: of flatter triangles the gradient,
+    /// which grows as 1/height, is scaled down, and with it the force.
+    pub least_heights: &'a [Real],
+    /// N m s; empty where no hinge is damped.
+    pub damping: &'a [Real],
+    /// Hinges at each vertex.
+    pub incidence: Incidence<'a>,
+}
+
+/// ke of a hinge from the sheet's flexural rigidity D, its rest length and its triangles' rest
+/// areas: bends a sheet about any line of an equilateral mesh with D [Grinspun 2003].
+pub fn stiffness(rigidity: f64, length: f64, areas: [f64; 2]) -> f64 {
+    rigidity * length * length / (areas[0] + areas[1])
+}
+
+/// The two triangles of a hinge.
+struct Fold {
+    /// Unit vector along the edge and its length.
+    along: Vec3,
+    length: Real,
+    /// Normals as long as twice the areas, and their squared lengths.
+    normals: [Vec3; 2],
+    squares: [Real; 2],
+    /// `gradient[i] = weights[i][0] P1 + weights[i][1] P2` with P = N / |N|^2.
+    weights: [[Real; 2]; 4],
+}
+
+/// None where the edge or a triangle has collapsed: there is no angle.
+#[inline]
+fn fold(x: &[Vec3; 4], least_height: Real) -> Option<Fold> {
+    let [a, b, c, d] = *x;
+    let e = b - a;
+    let length = sqrt(e.length_squared());
+    let normals = [e.cross(c - a), (d - a).cross(e)];
+    let squares = normals.map(Vec3::length_squared);
+    let least = length * least_height * DEGENERATE;
+    if length <= least_height * DEGENERATE || squares[0].min(squares[1]) <= least * least {
+        return None;
+    }
+    let along = e / length;
+    let weights = [
+        [(b - c).dot(along), (b - d).dot(along)],
+        [(c - a).dot(along), (d - a).dot(along)],
+        [-length, 0.0],
+        [0.0, -length],
+    ];
+    Some(Fold { along, length, normals, squares, weights })
+}
+
+impl Fold {
+    #[inline]
+    fn angle(&self) -> Real {
+        let [n1, n2] = self.normals;
+        atan2(n1.cross(n2).dot(self.along), n1.dot(n2))
+    }
+
+    #[inline]
+    fn gradient(&self) -> [Vec3; 4] {
+        let (p1, p2) = (self.normals[0] / self.squares[0], self.normals[1] / self.squares[1]);
+        self.weights.map(|[s1, s2]| p1 * s1 + p2 * s2)
+    }
+
+    /// One while both triangles are at least `least_height` high over the edge, falling to zero
+    /// as one collapses. A common factor keeps the forces' sum and torque zero.
+    #[inline]
+    fn relief(&self, least_height: Real) -> Real {
+        let least = self.length * least_height;
+        let lowest = self.squares[0].min(self.squares[1]);
+        if lowest >= least * least { 1.0 } else { sqrt(lowest) / least }
+    }
+
+    /// Second derivative of the angle by corners `[i][k]`.
+    fn hessian(&self, x: &[Vec3; 4]) -> [[Mat3; 4]; 4] {
+        let [a, b, c, d] = *x;
+        let eh = self.along;
+        let p = [self.normals[0] / self.squares[0], self.normals[1] / self.squares[1]];
+        // d(N/|N|^2) = R dN.
+        let turn = |t: usize| (Mat3::IDENTITY - outer(p[t] * 2.0, self.normals[t])) * (1.0 / self.squares[t]);
+        let turned = [turn(0), turn(1)];
+        let normal = [
+            [cross(c - b), cross(a - c), cross(b - a), Mat3::ZERO],
+            [cross(b - d), cross(d - a), Mat3::ZERO, cross(a - b)],
+        ];
+        let across = [c, d].map(|far| {
+            let to_far = far - a;
+            (to_far - eh * to_far.dot(eh)) / self.length
+        });
+        // Derivatives of the weights [triangle][corner][by].
+        let weight = [0, 1].map(|t| {
+            let h = across[t];
+            let mut by_a = [h, eh - h, Vec3::ZERO, Vec3::ZERO];
+            let mut by_b = [-eh - h, h, Vec3::ZERO, Vec3::ZERO];
+            by_a[2 + t] = -eh;
+            by_b[2 + t] = eh;
+            let mut rows = [by_a, by_b, [Vec3::ZERO; 4], [Vec3::ZERO; 4]];
+            rows[2 + t] = [eh, -eh, Vec3::ZERO, Vec3::ZERO];
+            rows
+        });
+        core::array::from_fn(|i| {
+            core::array::from_fn(|k| {
+                let part = |t: usize| outer(p[t], weight[t][i][k]) + turned[t] * normal[t][k] * self.weights[i][t];
+                part(0) + part(1)
+            })
+        })
+    }
+}
+
+impl Hinges<'_> {
+    /// `theta - theta0` in (-pi, pi].
+    #[inline]
+    fn bent(&self, hinge: usize, angle: Real) -> Real {
+        let bent = angle - self.rest_angles[hinge];
+        let turn = 2.0 * PI as Real;
+        if bent > PI as Real {
+            bent - turn
+        } else if bent <= -PI as Real {
+            bent + turn
+        } else {
+            bent
+        }
+    }
+
+    #[inline]
+    fn damping(&self, hinge: usize) -> Real {
+        self.damping.get(hinge).copied().unwrap_or(0.0)
+    }
+
+    /// The angle of one hinge, radians; 0 where it has none.
+    pub fn angle(&self, hinge: usize, x: &[Vec3; 4]) -> Real {
+        fold(x, self.least_heights[hinge]).map_or(0.0, |fold| fold.angle())
+    }
+}
+
+impl Element<4> for Hinges<'_> {
+    /// The gradient times the square root of the scaled stiffness.
+    type Tangent = [Vec3; 4];
+
+    fn vertices(&self) -> &[[u32; 4]] {
+        self.vertices
+    }
+
+    fn incidence(&self) -> Incidence<'_> {
+        self.incidence
+    }
+
+    #[inline]
+    fn force(&self, hinge: usize, x: &[Vec3; 4], v: &[Vec3; 4]) -> [Vec3; 4] {
+        let Some(fold) = fold(x, self.least_heights[hinge]) else { return [Vec3::ZERO; 4] };
+        let gradient = fold.gradient();
+        let relief = fold.relief(self.least_heights[hinge]);
+        let mut moment = self.stiffness[hinge] * self.bent(hinge, fold.angle());
+        if !self.damping.is_empty() {
+            let rate: Real = (0..4).map(|i| gradient[i].dot(v[i])).sum();
+            moment += self.damping[hinge] * relief * rate;
+        }
+        gradient.map(|g| g * (-moment * relief))
+    }
+
+    fn energy(&self, hinge: usize, x: &[Vec3; 4]) -> Energy {
+        let bent = self.bent(hinge, self.angle(hinge, x));
+        Energy { bend: (0.5 * self.stiffness[hinge] * bent * bent).into(), ..Energy::default() }
+    }
+
+    #[inline]
+    fn tangent(&self, hinge: usize, x: &[Vec3; 4], scale: TangentScale) -> [Vec3; 4] {
+        let Some(fold) = fold(x, self.least_heights[hinge]) else { return [Vec3::ZERO; 4] };
+        let stiffness = scale.position * self.stiffness[hinge] + scale.velocity * self.damping(hinge);
+        let root = sqrt(stiffness) * fold.relief(self.least_heights[hinge]);
+        fold.gradient().map(|g| g * root)
+    }
+
+    #[inline]
+    fn block(&self, _: usize, t: &[Vec3; 4], a: usize, b: usize) -> Mat3 {
+        outer(t[a], t[b])
+    }
+
+    fn exact(&self, hinge: usize, x: &[Vec3; 4], v: &[Vec3; 4], scale: TangentScale) -> [[Mat3; 4]; 4] {
+        let Some(fold) = fold(x, self.least_heights[hinge]) else { return [[Mat3::ZERO; 4]; 4] };
+        let (gradient, hessian) = (fold.gradient(), fold.hessian(x));
+        let (stiffness, damping) = (self.stiffness[hinge], self.damping(hinge));
+        let rate: Real = (0..4).map(|i| gradient[i].dot(v[i])).sum();
+        // d rate / dx, at fixed velocities.
+        let rate_gradient: [Vec3; 4] =
+            core::array::from_fn(|k| (0..4).map(|l| hessian[k][l] * v[l]).fold(Vec3::ZERO, |sum, part| sum + part));
+        let moment = stiffness * self.bent(hinge, fold.angle()) + damping * rate;
+        core::array::from_fn(|i| {
+            core::array::from_fn(|k| {
+                outer(gradient[i] * (scale.position * stiffness + scale.velocity * damping), gradient[k])
+                    + outer(gradient[i] * (scale.position * damping), rate_gradient[k])
+                    + hessian[i][k] * (scale.position * moment)
+            })
+        })
+    }
+}
+
+/// The owned columns of [`Hinges`].
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug, Default)]
+pub struct HingeColumns {
+    /// Corners a, b, c, d.
+    pub vertices: alloc::vec::Vec<[u32; 4]>,
+    /// ke, N m per radian.
+    pub stiffness: alloc::vec::Vec<Real>,
+    /// theta0, radians.
+    pub rest_angles: alloc::vec::Vec<Real>,
+    /// A tenth of the smaller rest height, m.
+    pub least_heights: alloc::vec::Vec<Real>,
+    /// N m s; empty where no hinge is damped.
+    pub damping: alloc::vec::Vec<Real>,
+    /// Hinges at each vertex.
+    pub incidence: crate::mesh::IncidenceColumns,
+}
+
+#[cfg(feature = "alloc")]
+impl HingeColumns {
+    /// The borrowed view that kernels take.
+    pub fn view(&self) -> Hinges<'_> {
+        Hinges {
+            vertices: &self.vertices,
+            stiffness: &self.stiffness,
+            rest_angles: &self.rest_angles,
+            least_heights: &self.least_heights,
+            damping: &self.damping,
+            incidence: self.incidence.view(),
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Linear springs, f = k (r - l) u, with projected damping, f = kd (w . u) u
+//! [Provot 1996; eqs. 3.1, 3.2].
+//!
+//! Every spring is stored at both of its ends, so that a vertex sums its own springs in one
+//! stream: computing each spring twice costs less than storing and gathering its force.
+
+use super::{Jacobian, TangentScale};
+use crate::dispatch::Dispatch;
+use crate::integrate::matrix::BlockMatrix;
+use crate::real::{DEGENERATE, Mat3, Real, Sum, Vec3, outer, scaled_identity, sqrt};
+
+/// Springs as seen from each vertex (CSR).
+#[derive(Clone, Copy, Debug)]
+pub struct Springs<'a> {
+    /// Start of each vertex's springs; one more than there are vertices.
+    pub offsets: &'a [u32],
+    /// The vertex at the other end.
+    pub others: &'a [u32],
+    /// Rest length, m.
+    pub rest: &'a [Real],
+    /// N/m.
+    pub stiffness: &'a [Real],
+    /// N s/m; empty where no spring is damped.
+    pub damping: &'a [Real],
+}
+
+/// One spring.
+#[derive(Clone, Copy, Debug)]
+pub struct Spring {
+    /// Rest length, m.
+    pub rest: Real,
+    /// N/m.
+    pub stiffness: Real,
+    /// N s/m.
+    pub damping: Real,
+}
+
+impl Springs<'_> {
+    /// Springs stored, each counted once.
+    pub fn count(&self) -> usize {
+        self.others.len() / 2
+    }
+
+    #[inline]
+    fn range(&self, vertex: usize) -> core::ops::Range<usize> {
+        self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize
+    }
+
+    #[inline]
+    fn spring(&self, at: usize) -> Spring {
+        Spring {
+            rest: self.rest[at],
+            stiffness: self.stiffness[at],
+            damping: self.damping.get(at).copied().unwrap_or(0.0),
+        }
+    }
+}
+
+/// Elastic force on the near end; `d` points to the far end. Zero where the ends coincide.
+#[inline]
+pub fn elastic_force(d: Vec3, rest: Real, stiffness: Real) -> Vec3 {
+    let r = sqrt(d.length_squared());
+    if r <= DEGENERATE * rest { Vec3::ZERO } else { d * (stiffness * (1.0 - rest / r)) }
+}
+
+/// Damping force on the near end; `w` is the far end's velocity minus the near end's.
+#[inline]
+pub fn damping_force(d: Vec3, w: Vec3, spring: &Spring) -> Vec3 {
+    let square = d.length_squared();
+    let least = DEGENERATE * spring.rest;
+    if square <= least * least { Vec3::ZERO } else { d * (spring.damping * w.dot(d) / square) }
+}
+
+/// Stored energy, J.
+#[inline]
+pub fn energy(d: Vec3, spring: &Spring) -> Sum {
+    let stretched = Sum::from(sqrt(d.length_squared()) - spring.rest);
+    0.5 * Sum::from(spring.stiffness) * stretched * stretched
+}
+
+/// `position df_near/dx_far + velocity df_near/dv_far`, positive semidefinite: the transverse
+/// part, negative under compression, is left out there [Choi 2002].
+#[inline]
+pub fn tangent(d: Vec3, spring: &Spring, scale: TangentScale) -> Mat3 {
+    let k = scale.position * spring.stiffness;
+    let Some((u, r)) = direction(d, spring.rest) else { return scaled_identity(k) };
+    let across = k * (1.0 - spring.rest / r).max(0.0);
+    scaled_identity(across) + outer(u * (k - across + scale.velocity * spring.damping), u)
+}
+
+/// `position df_near/dx_far + velocity df_near/dv_far` to the last derivative. Not symmetric
+/// where `w` is not zero.
+pub fn exact(d: Vec3, w: Vec3, spring: &Spring, scale: TangentScale) -> Mat3 {
+    let k = scale.position * spring.stiffness;
+    let Some((u, r)) = direction(d, spring.rest) else { return scaled_identity(k) };
+    let across = k * (1.0 - spring.rest / r);
+    let elastic = scaled_identity(across) + outer(u * (k - across), u);
+    let project = Mat3::IDENTITY - outer(u, u);
+    let turned = project * w.dot(u) + outer(u, project * w);
+    elastic + turned * (scale.position * spring.damping / r) + outer(u * (scale.velocity * spring.damping), u)
+}
+
+#[inline]
+fn direction(d: Vec3, rest: Real) -> Option<(Vec3, Real)> {
+    let r = sqrt(d.length_squared());
+    (r > DEGENERATE * rest).then(|| (d / r, r))
+}
+
+/// Adds the springs' forces to `f`.
+pub fn add_forces(springs: &Springs<'_>, x: &[Vec3], v: &[Vec3], f: &mut [Vec3], dispatch: &impl Dispatch) {
+    dispatch.run(f, |start, part| {
+        for (vertex, f) in (start..).zip(part.iter_mut()) {
+            let range = springs.range(vertex);
+            let mut sum = *f;
+            let columns =
+                (&springs.others[range.clone()], &springs.rest[range.clone()], &springs.stiffness[range.clone()]);
+            for ((&other, &rest), &stiffness) in columns.0.iter().zip(columns.1).zip(columns.2) {
+                sum += elastic_force(x[other as usize] - x[vertex], rest, stiffness);
+            }
+            if !springs.damping.is_empty() {
+                for at in range {
+                    let other = springs.others[at] as usize;
+                    sum += damping_force(x[other] - x[vertex], v[other] - v[vertex], &springs.spring(at));
+                }
+            }
+            *f = sum;
+        }
+    });
+}
+
+/// The energy stored in all springs, J.
+pub fn total_energy(springs: &Springs<'_>, x: &[Vec3]) -> Sum {
+    let at_vertex = |vertex: usize| -> Sum {
+        springs.range(vertex).map(|at| energy(x[springs.others[at] as usize] - x[vertex], &springs.spring(at))).sum()
+    };
+    // Both ends count every spring.
+    0.5 * (0..x.len()).map(at_vertex).sum::<Sum>()
+}
+
+/// Adds `-(position Kx + velocity Kv)` to `matrix`; `targets` says where in its row each block
+/// goes.
+pub fn add_tangents(
+    springs: &Springs<'_>,
+    x: &[Vec3],
+    scale: TangentScale,
+    jacobian: Jacobian,
+    targets: &[u16],
+    matrix: &mut BlockMatrix<'_>,
+    dispatch: &impl Dispatch,
+) {
+    dispatch.run(matrix.rows_mut(), |start, mut rows| {
+        for i in 0..rows.count() {
+            let row = rows.row(i);
+            for at in springs.range(start + i) {
+                let d = x[springs.others[at] as usize] - x[start + i];
+                let block = match jacobian {
+                    Jacobian::Projected => tangent(d, &springs.spring(at), scale),
+                    Jacobian::Exact => exact(d, Vec3::ZERO, &springs.spring(at), scale),
+                };
+                row[0] += block;
+                row[targets[at] as usize] -= block;
+            }
+        }
+    });
+}
+
+/// The owned columns of [`Springs`].
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug, Default)]
+pub struct SpringColumns {
+    offsets: alloc::vec::Vec<u32>,
+    others: alloc::vec::Vec<u32>,
+    rest: alloc::vec::Vec<Real>,
+    stiffness: alloc::vec::Vec<Real>,
+    damping: alloc::vec::Vec<Real>,
+}
+
+#[cfg(feature = "alloc")]
+impl SpringColumns {
+    /// Springs between pairs of vertices, stored at both ends.
+    pub fn build(vertices: usize, springs: &[([u32; 2], Spring)]) -> Self {
+        let ends: alloc::vec::Vec<[u32; 2]> = springs.iter().map(|(ends, _)| *ends).collect();
+        let incidence = crate::mesh::IncidenceColumns::build(vertices, &ends);
+        let incidence = incidence.view();
+        let stored = || incidence.slots.iter().map(|&slot| (slot as usize / 2, slot as usize % 2));
+        let damped = springs.iter().any(|(_, s)| s.damping > 0.0);
+        Self {
+            offsets: incidence.offsets.into(),
+            others: stored().map(|(spring, end)| ends[spring][1 - end]).collect(),
+            rest: stored().map(|(spring, _)| springs[spring].1.rest).collect(),
+            stiffness: stored().map(|(spring, _)| springs[spring].1.stiffness).collect(),
+            damping: stored().filter(|_| damped).map(|(spring, _)| springs[spring].1.damping).collect(),
+        }
+    }
+
+    /// The borrowed view that kernels take.
+    pub fn view(&self) -> Springs<'_> {
+        Springs {
+            offsets: &self.offsets,
+            others: &self.others,
+            rest: &self.rest,
+            stiffness: &self.stiffness,
+            damping: &self.damping,
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Wind on triangles, f = A (cn (w . n) n + ct (w - (w . n) n)) with w the wind's velocity
+//! relative to the triangle: linear in w, a third on each corner [Wilhelms 1987].
+
+use super::element::Element;
+use super::{Energy, TangentScale};
+use crate::mesh::Incidence;
+use crate::real::{Mat3, Real, Vec3, cross, outer, scaled_identity, sqrt};
+
+/// A steady wind on triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct Wind<'a> {
+    /// Corners.
+    pub vertices: &'a [[u32; 3]],
+    /// m/s.
+    pub velocity: Vec3,
+    /// cn, N s/m^3.
+    pub normal: Real,
+    /// ct, N s/m^3.
+    pub tangential: Real,
+    /// Triangles at each vertex.
+    pub incidence: Incidence<'a>,
+}
+
+impl Wind<'_> {
+    /// Twice the area's normal, its length, and the relative wind.
+    #[inline]
+    fn facing(&self, x: &[Vec3; 3], v: &[Vec3; 3]) -> (Vec3, Real, Vec3) {
+        let n = (x[1] - x[0]).cross(x[2] - x[0]);
+        (n, sqrt(n.length_squared()), self.velocity - (v[0] + v[1] + v[2]) / 3.0)
+    }
+
+    /// Derivative of the triangle's force by its mean velocity, negated: A (cn n n^T + ct P).
+    #[inline]
+    fn resistance(&self, n: Vec3, length: Real) -> Mat3 {
+        let along = outer(n * (0.5 * (self.normal - self.tangential) / length), n);
+        scaled_identity(0.5 * self.tangential * length) + along
+    }
+}
+
+impl Element<3> for Wind<'_> {
+    /// The block of every pair of corners; of the velocities only: wind has no potential.
+    type Tangent = Mat3;
+
+    fn vertices(&self) -> &[[u32; 3]] {
+        self.vertices
+    }
+
+    fn incidence(&self) -> Incidence<'_> {
+        self.incidence
+    }
+
+    #[inline]
+    fn force(&self, _: usize, x: &[Vec3; 3], v: &[Vec3; 3]) -> [Vec3; 3] {
+        let (n, length, w) = self.facing(x, v);
+        if length <= Real::MIN_POSITIVE {
+            return [Vec3::ZERO; 3];
+        }
+        [self.resistance(n, length) * w / 3.0; 3]
+    }
+
+    fn energy(&self, _: usize, _: &[Vec3; 3]) -> Energy {
+        Energy::default()
+    }
+
+    #[inline]
+    fn tangent(&self, _: usize, x: &[Vec3; 3], scale: TangentScale) -> Mat3 {
+        let (n, length, _) = self.facing(x, &[Vec3::ZERO; 3]);
+        if length <= Real::MIN_POSITIVE {
+            return Mat3::ZERO;
+        }
+        self.resistance(n, length) * (scale.velocity / 9.0)
+    }
+
+    #[inline]
+    fn block(&self, _: usize, tangent: &Mat3, _: usize, _: usize) -> Mat3 {
+        *tangent
+    }
+
+    fn exact(&self, triangle: usize, x: &[Vec3; 3], v: &[Vec3; 3], scale: TangentScale) -> [[Mat3; 3]; 3] {
+        let (n, length, w) = self.facing(x, v);
+        let velocity = self.tangent(triangle, x, scale);
+        if length <= Real::MIN_POSITIVE {
+            return [[velocity; 3]; 3];
+        }
+        // f = (ct |N| w + (cn - ct) N (N . w) / |N|) / 6, by N.
+        let h = n / length;
+        let along = scaled_identity(h.dot(w)) + outer(h, w) - outer(h * h.dot(w), h);
+        let by_normal = (outer(w * self.tangential, h) + along * (self.normal - self.tangential)) * (1.0 / 6.0);
+        let opposite = [x[2] - x[1], x[0] - x[2], x[1] - x[0]];
+        core::array::from_fn(|_| core::array::from_fn(|b| velocity - by_normal * cross(opposite[b]) * scale.position))
+    }
+}
+
+/// The owned columns of [`Wind`].
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug, Default)]
+pub struct WindColumns {
+    /// Corners.
+    pub vertices: alloc::vec::Vec<[u32; 3]>,
+    /// m/s.
+    pub velocity: Vec3,
+    /// cn, N s/m^3.
+    pub normal: Real,
+    /// ct, N s/m^3.
+    pub tangential: Real,
+    /// Triangles at each vertex.
+    pub incidence: crate::mesh::IncidenceColumns,
+}
+
+#[cfg(feature = "alloc")]
+impl WindColumns {
+    /// The borrowed view that kernels take.
+    pub fn view(&self) -> Wind<'_> {
+        Wind {
+            vertices: &self.vertices,
+            velocity: self.velocity,
+            normal: self.normal,
+            tangential: self.tangential,
+            incidence: self.incidence.view(),
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! BDF2, M (v1 - vh) = g f(x1, v1), x1 = xh + g v1 with g = 2h/3 and xh = (4 x0 - x-1)/3, vh
+//! likewise [Choi 2002]: a backward Euler stage from an extrapolated state. Second order,
+//! dissipative; needs a constant step. Without a history the first step is implicit midpoint.
+
+use super::newton::{self, Stage};
+use super::{Context, Work, implicit_midpoint};
+use crate::dispatch::Dispatch;
+use crate::real::Vec3;
+use crate::scratch::Scratch;
+
+/// One step into `s.next_positions`, `s.next_velocities`; reads `s.previous_positions`,
+/// `s.previous_velocities` where `s.has_history`.
+pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut Scratch<'_>, work: &mut Work) {
+    if !s.has_history {
+        return implicit_midpoint::advance(c, x, v, s, work);
+    }
+    let g = c.step * (2.0 / 3.0);
+    let (xp, vp) = (&*s.previous_positions, &*s.previous_velocities);
+    c.dispatch.run((&mut *s.base_positions, &mut *s.base_velocities), |start, (xh, vh)| {
+        for (i, (xh, vh)) in (start..).zip(xh.iter_mut().zip(vh)) {
+            *xh = x[i] + (x[i] - xp[i]) / 3.0;
+            *vh = v[i] + (v[i] - vp[i]) / 3.0;
+        }
+    });
+    let (base_positions, base_velocities) =
+        (core::mem::take(&mut s.base_positions), core::mem::take(&mut s.base_velocities));
+    let stage = Stage { length: g, positions: base_positions, velocities: base_velocities };
+    s.next_velocities.copy_from_slice(base_velocities);
+    c.pins.lead(c.time_after(1.0), base_positions, g, s.next_velocities);
+    newton::solve(c, &stage, s, work);
+    let (xh, v1) = (&*base_positions, &*s.next_velocities);
+    c.dispatch.run(&mut *s.next_positions, |start, x1| {
+        for (i, x1) in (start..).zip(x1) {
+            *x1 = xh[i] + v1[i] * g;
+        }
+    });
+    (s.base_positions, s.base_velocities) = (base_positions, base_velocities);
+}

@@ -1,0 +1,146 @@
+//! Preconditioned conjugate gradients on the pre-filtered system `(S A S + I - S) y = S b`
+//! [Tamstorf 2015], A = M + S': held axes never enter. Stops on the preconditioned residual, on
+//! negative curvature (truncated Newton) or on the limit of iterations.
+
+use super::Work;
+use super::matrix::{self, BlockMatrix};
+use super::pins::Pins;
+use crate::dispatch::Dispatch;
+use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
+
+/// Iterations after which a solve is given up and counted as unconverged.
+const MOST_ITERATIONS: u32 = 20_000;
+
+/// Vertices whose inner products are summed in one part; fixed, so that the bits do not depend
+/// on the threads.
+pub const PART: usize = 1024;
+
+/// `M + S'` with held axes.
+pub struct System<'a> {
+    /// S'.
+    pub matrix: &'a BlockMatrix<'a>,
+    /// kg.
+    pub masses: &'a [Real],
+    /// The held axes.
+    pub pins: &'a Pins<'a>,
+}
+
+/// The columns that a solve works in.
+pub struct Vectors<'a> {
+    /// y, written.
+    pub solution: &'a mut [Vec3],
+    /// b with held axes cleared; consumed.
+    pub residual: &'a mut [Vec3],
+    /// Search direction.
+    pub direction: &'a mut [Vec3],
+    /// A times the direction.
+    pub product: &'a mut [Vec3],
+    /// The preconditioned residual.
+    pub preconditioned: &'a mut [Vec3],
+    /// One partial sum for each [`PART`] vertices.
+    pub partials: &'a mut [Sum],
+}
+
+/// Writes the inverse of each diagonal block, held axes decoupled.
+pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatch: &impl Dispatch) {
+    let matrix = system.matrix;
+    dispatch.run(&mut *inverse, |start, part| {
+        for (i, block) in (start..).zip(part) {
+            *block = matrix.blocks[matrix.offsets[i] as usize] + scaled_identity(system.masses[i]);
+        }
+    });
+    system.pins.filter_diagonal(inverse);
+    dispatch.run(inverse, |_, part| {
+        for block in part {
+            let determinant = block.determinant();
+            // An indefinite block (exact Jacobian) is replaced by its trace.
+            *block = if determinant > 0.0 && block.x_axis.x > 0.0 && block.y_axis.y > 0.0 && block.z_axis.z > 0.0 {
+                block.inverse()
+            } else {
+                scaled_identity(3.0 / (block.x_axis.x.abs() + block.y_axis.y.abs() + block.z_axis.z.abs()))
+            };
+        }
+    });
+}
+
+/// Solves for `vectors.solution` from zero until the preconditioned residual has fallen to
+/// `reduction` of its start.
+pub fn solve(
+    system: &System<'_>,
+    inverse_diagonal: &[Mat3],
+    reduction: Sum,
+    vectors: Vectors<'_>,
+    work: &mut Work,
+    dispatch: &impl Dispatch,
+) {
+    let Vectors { solution, residual, direction, product, preconditioned, partials } = vectors;
+    solution.fill(Vec3::ZERO);
+    precondition(inverse_diagonal, residual, preconditioned, dispatch);
+    direction.copy_from_slice(preconditioned);
+    let mut rho = dot(residual, preconditioned, partials, dispatch);
+    let target = rho * reduction * reduction;
+    let mut iteration = 0;
+    while rho > target && rho > 0.0 {
+        if iteration == MOST_ITERATIONS {
+            work.unconverged += 1;
+            return;
+        }
+        iteration += 1;
+        work.cg_iterations += 1;
+        work.matrix_products += 1;
+        apply(system, direction, product, dispatch);
+        let curvature = dot(direction, product, partials, dispatch);
+        if curvature <= 0.0 {
+            work.negative_curvature += 1;
+            if iteration == 1 {
+                solution.copy_from_slice(direction);
+            }
+            return;
+        }
+        let alpha = (rho / curvature) as Real;
+        let (p, q) = (&*direction, &*product);
+        dispatch.run((&mut *solution, &mut *residual), |start, (y, r)| {
+            for (i, (y, r)) in (start..).zip(y.iter_mut().zip(r)) {
+                *y += p[i] * alpha;
+                *r -= q[i] * alpha;
+            }
+        });
+        precondition(inverse_diagonal, residual, preconditioned, dispatch);
+        let next = dot(residual, preconditioned, partials, dispatch);
+        let beta = (next / rho) as Real;
+        rho = next;
+        let z = &*preconditioned;
+        dispatch.run(&mut *direction, |start, part| {
+            for (p, &z) in part.iter_mut().zip(&z[start..]) {
+                *p = z + *p * beta;
+            }
+        });
+    }
+}
+
+/// `out = S A p` for a `p` with held axes clear.
+fn apply(system: &System<'_>, p: &[Vec3], out: &mut [Vec3], dispatch: &impl Dispatch) {
+    matrix::multiply(system.matrix, system.masses, 1.0, p, out, dispatch);
+    system.pins.filter(out);
+}
+
+fn precondition(inverse: &[Mat3], residual: &[Vec3], out: &mut [Vec3], dispatch: &impl Dispatch) {
+    dispatch.run(out, |start, part| {
+        for (i, out) in (start..).zip(part) {
+            *out = inverse[i] * residual[i];
+        }
+    });
+}
+
+/// Inner product in parts of fixed size: within a part in the crate's precision, over the parts
+/// in double.
+pub fn dot(a: &[Vec3], b: &[Vec3], partials: &mut [Sum], dispatch: &impl Dispatch) -> Sum {
+    dispatch.run(&mut *partials, |start, part| {
+        for (k, partial) in (start..).zip(part) {
+            let range = k * PART..((k + 1) * PART).min(a.len());
+            let sum = a[range.clone()].iter().zip(&b[range]).fold(Vec3::ZERO, |sum, (&a, &b)| sum + a * b);
+            *partial = Sum::from(sum.x) + Sum::from(sum.y) + Sum::from(sum.z);
+        }
+    });
+    partials.iter().sum()
+}

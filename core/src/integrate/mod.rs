@@ -1,0 +1,176 @@
+//! Time integration: forces -> candidate positions and velocities.
+//!
+//! Every method writes the candidates to [`Scratch`] and leaves the state alone; the step
+//! decides whether they become the state.
+
+pub mod backward_euler;
+pub mod bdf2;
+pub mod conjugate_gradient;
+pub mod explicit_euler;
+pub mod implicit_midpoint;
+pub mod matrix;
+pub mod midpoint;
+pub mod newton;
+pub mod pins;
+pub mod rk4;
+pub mod symplectic_euler;
+
+use crate::dispatch::Dispatch;
+use crate::forces::{self, Model};
+use crate::real::{Real, Sum, Vec3};
+use crate::scratch::Scratch;
+use pins::Pins;
+
+/// The integration methods.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Method {
+    /// First order, never stable without damping.
+    ExplicitEuler,
+    /// First order, keeps energy bounded below its critical step.
+    SymplecticEuler,
+    /// Second order Runge-Kutta.
+    Midpoint,
+    /// Fourth order Runge-Kutta.
+    Rk4,
+    /// First order, dissipative, stable for large steps.
+    #[default]
+    BackwardEuler,
+    /// Second order, keeps energy.
+    ImplicitMidpoint,
+    /// Second order, dissipative, two-step.
+    Bdf2,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Self; 7] = [
+        Self::ExplicitEuler,
+        Self::SymplecticEuler,
+        Self::Midpoint,
+        Self::Rk4,
+        Self::BackwardEuler,
+        Self::ImplicitMidpoint,
+        Self::Bdf2,
+    ];
+
+    /// As scenes spell it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ExplicitEuler => "explicit-euler",
+            Self::SymplecticEuler => "symplectic-euler",
+            Self::Midpoint => "midpoint",
+            Self::Rk4 => "rk4",
+            Self::BackwardEuler => "backward-euler",
+            Self::ImplicitMidpoint => "implicit-midpoint",
+            Self::Bdf2 => "bdf2",
+        }
+    }
+
+    /// Whether it solves for its velocities.
+    pub const fn is_implicit(self) -> bool {
+        matches!(self, Self::BackwardEuler | Self::ImplicitMidpoint | Self::Bdf2)
+    }
+}
+
+/// Which Jacobian implicit methods use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Jacobian {
+    /// Element by element positive semidefinite: conjugate gradients always descend.
+    #[default]
+    Projected,
+    /// The true one, indefinite under compression.
+    Exact,
+}
+
+/// What conjugate gradients are preconditioned with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Preconditioner {
+    /// The inverse of each 3x3 diagonal block.
+    #[default]
+    BlockJacobi,
+}
+
+/// How a scene is integrated.
+#[derive(Clone, Copy, Debug)]
+pub struct Scheme {
+    /// The method.
+    pub method: Method,
+    /// Newton iterations per step; 1: one linearised step without line search.
+    pub newton: u32,
+    /// Relative residual at which conjugate gradients and Newton stop.
+    pub tolerance: Real,
+    /// The preconditioner.
+    pub preconditioner: Preconditioner,
+    /// The Jacobian.
+    pub jacobian: Jacobian,
+}
+
+/// Work done, in counts that do not depend on the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Evaluations of all forces.
+    pub force_evaluations: u64,
+    /// Iterations of conjugate gradients.
+    pub cg_iterations: u64,
+    /// Newton iterations.
+    pub newton_iterations: u64,
+    /// Products of the system matrix with a vector.
+    pub matrix_products: u64,
+    /// Solves ended by a direction of negative curvature.
+    pub negative_curvature: u64,
+    /// Solves ended by the limit on iterations.
+    pub unconverged: u64,
+    /// Newton searches that found no decrease.
+    pub stalled_searches: u64,
+}
+
+/// What every method is handed: what acts on the particles, and when.
+#[derive(Clone, Copy)]
+pub struct Context<'a, D> {
+    /// The forces.
+    pub model: &'a Model<'a>,
+    /// The held vertices.
+    pub pins: &'a Pins<'a>,
+    /// kg.
+    pub masses: &'a [Real],
+    /// 1/kg.
+    pub inverse_masses: &'a [Real],
+    /// Start of the step, s.
+    pub time: Sum,
+    /// Length of the step, s.
+    pub step: Real,
+    /// The method and its settings.
+    pub scheme: &'a Scheme,
+    /// Runs the kernels.
+    pub dispatch: &'a D,
+}
+
+impl<D: Dispatch> Context<'_, D> {
+    /// Forces at a state, into `f`.
+    pub fn forces(&self, x: &[Vec3], v: &[Vec3], scratch: &mut [Vec3], f: &mut [Vec3], work: &mut Work) {
+        work.force_evaluations += 1;
+        forces::evaluate(self.model, self.masses, x, v, scratch, f, self.dispatch);
+    }
+
+    /// The time a fraction of the step after its start, s.
+    pub fn time_after(&self, fraction: Sum) -> Sum {
+        self.time + fraction * Sum::from(self.step)
+    }
+}
+
+/// Advances `x`, `v` by one step into `scratch.next_positions` and `scratch.next_velocities`.
+pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], scratch: &mut Scratch<'_>, work: &mut Work) {
+    match c.scheme.method {
+        Method::ExplicitEuler => explicit_euler::advance(c, x, v, scratch, work),
+        Method::SymplecticEuler => symplectic_euler::advance(c, x, v, scratch, work),
+        Method::Midpoint => midpoint::advance(c, x, v, scratch, work),
+        Method::Rk4 => rk4::advance(c, x, v, scratch, work),
+        Method::BackwardEuler => backward_euler::advance(c, x, v, scratch, work),
+        Method::ImplicitMidpoint => implicit_midpoint::advance(c, x, v, scratch, work),
+        Method::Bdf2 => bdf2::advance(c, x, v, scratch, work),
+    }
+    c.pins.impose(c.time_after(1.0), scratch.next_positions, scratch.next_velocities);
+}

@@ -1,0 +1,229 @@
+//! The implicit stage that all implicit methods share: find v with
+//! `M (v - vh) = g f(xh + g v, v)`.
+//!
+//! With one iteration f is linearised at (xh, 0): forces are affine in the velocities, so that is
+//! the classical linearised step [Baraff 1998, eq. 3.25] for backward Euler and its equivalents
+//! for the others. With more, Newton's method from the inertial guess, each step along a descent
+//! direction of
+//!
+//! `G(v) = |v - vh|^2_M / 2 + E(xh + g v) + g R(v)`
+//!
+//! where E is the potential and R the dissipation, frozen during a line search. Without
+//! dissipation G is one function and every accepted iteration decreases it.
+
+use super::conjugate_gradient::{self, System};
+use super::matrix::{self, BlockMatrix};
+use super::{Context, Work};
+use crate::dispatch::Dispatch;
+use crate::forces::{self, Model, TangentScale};
+use crate::real::{Real, Sum, Vec3, dot_sum};
+use crate::scratch::Scratch;
+
+/// A backward Euler stage of `length` g from (xh, vh).
+#[derive(Clone, Copy)]
+pub struct Stage<'a> {
+    /// g, s.
+    pub length: Real,
+    /// xh, m.
+    pub positions: &'a [Vec3],
+    /// vh, m/s.
+    pub velocities: &'a [Vec3],
+}
+
+/// Least relative residual that conjugate gradients are asked for inside Newton's method: a
+/// better direction would not be a better step.
+const INNER_TOLERANCE: Real = 1e-3;
+
+/// Fraction of the predicted decrease that a line search asks for [Armijo].
+const SUFFICIENT_DECREASE: Sum = 1e-4;
+
+/// Halvings before a line search gives up.
+const MOST_HALVINGS: u32 = 24;
+
+/// Solves the stage for `s.next_velocities`, which holds the guess, with pins already led.
+pub fn solve<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
+    if c.scheme.newton <= 1 {
+        linearised(c, stage, s, work);
+    } else {
+        converged(c, stage, s, work);
+    }
+}
+
+fn linearised<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
+    s.products.fill(Vec3::ZERO);
+    c.forces(stage.positions, s.products, s.elements, s.forces, work);
+    write_matrix(c, stage, false, s);
+    // b = g f - S v + M (vh - v) at the guess v.
+    matrix::multiply(&s.matrix, c.masses, 0.0, s.next_velocities, s.products, c.dispatch);
+    write_residual(c, stage, s, true);
+    work.newton_iterations += 1;
+    solve_linear(c, stage, s, c.scheme.tolerance, work);
+    add_scaled(c, s.solution, 1.0, s.next_velocities);
+}
+
+fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
+    let weight = weight_impulse(c, stage);
+    let mut target = 0.0;
+    for iteration in 0..c.scheme.newton {
+        write_stage_positions(c, stage, 0.0, s);
+        c.forces(s.stage_positions, s.next_velocities, s.elements, s.forces, work);
+        write_residual(c, stage, s, false);
+        let norm = residual_norm(c, s.residual);
+        if iteration == 0 {
+            target = Sum::from(c.scheme.tolerance) * norm.max(weight);
+        }
+        if norm <= target {
+            return;
+        }
+        write_matrix(c, stage, true, s);
+        work.newton_iterations += 1;
+        // Conjugate gradients consume the residual, which is minus the slope of the objective.
+        s.base_residual.copy_from_slice(s.residual);
+        solve_linear(c, stage, s, c.scheme.tolerance.max(INNER_TOLERANCE), work);
+        let slope = -column_dot(s.base_residual, s.solution);
+        match search(c, stage, slope, s, work) {
+            Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
+            None => {
+                work.stalled_searches += 1;
+                return;
+            }
+        }
+    }
+}
+
+/// `S = -(g^2 Kx + g Kv)` at the start of the stage or at the iterate in `stage_positions`.
+fn write_matrix<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, at_iterate: bool, s: &mut Scratch<'_>) {
+    let scale = TangentScale { position: stage.length * stage.length, velocity: stage.length };
+    let x = if at_iterate { &*s.stage_positions } else { stage.positions };
+    forces::write_tangents(c.model, x, scale, c.scheme.jacobian, &s.targets, s.tangents, &mut s.matrix, c.dispatch);
+}
+
+/// `residual = M (vh - v) + g f`, less `products` when linearised, with held axes cleared.
+fn write_residual<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, linearised: bool) {
+    let (v, f, products) = (&*s.next_velocities, &*s.forces, &*s.products);
+    c.dispatch.run(&mut *s.residual, |start, part| {
+        for (i, r) in (start..).zip(part) {
+            *r = (stage.velocities[i] - v[i]) * c.masses[i] + f[i] * stage.length;
+            if linearised {
+                *r -= products[i];
+            }
+        }
+    });
+    c.pins.filter(s.residual);
+}
+
+fn solve_linear<D: Dispatch>(
+    c: &Context<'_, D>,
+    stage: &Stage<'_>,
+    s: &mut Scratch<'_>,
+    tolerance: Real,
+    work: &mut Work,
+) {
+    let matrix = BlockMatrix { offsets: s.matrix.offsets, columns: s.matrix.columns, blocks: s.matrix.blocks };
+    let system = System { matrix: &matrix, masses: c.masses, pins: c.pins };
+    let norm = residual_norm(c, s.residual);
+    let reduction = Sum::from(tolerance) * (weight_impulse(c, stage) / norm.max(Sum::MIN_POSITIVE)).max(1.0);
+    conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
+    let vectors = conjugate_gradient::Vectors {
+        solution: s.solution,
+        residual: s.residual,
+        direction: s.direction,
+        product: s.products,
+        preconditioned: s.preconditioned,
+        partials: s.partials,
+    };
+    conjugate_gradient::solve(&system, s.inverse_diagonal, reduction, vectors, work, c.dispatch);
+}
+
+/// Norm of the impulse that gravity gives in the stage, sqrt(sum m |g h|^2): a residual small
+/// beside it is small, even where a sheet at rest leaves nothing else to compare with.
+fn weight_impulse<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>) -> Sum {
+    let gravity = c.model.gravity.unwrap_or(Vec3::ZERO) * stage.length;
+    let mass: Sum = c.masses.iter().map(|&m| Sum::from(m)).sum();
+    libm::sqrt(mass * dot_sum(gravity, gravity))
+}
+
+/// sqrt(sum |r|^2 / m): the mass-weighted change of velocity that the residual asks for.
+fn residual_norm<D: Dispatch>(c: &Context<'_, D>, residual: &[Vec3]) -> Sum {
+    libm::sqrt(residual.iter().zip(c.inverse_masses).map(|(&r, &w)| dot_sum(r, r) * Sum::from(w)).sum())
+}
+
+/// `stage_positions = xh + g (v + scale y)`.
+fn write_stage_positions<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, scale: Real, s: &mut Scratch<'_>) {
+    let (v, y) = (&*s.next_velocities, &*s.solution);
+    c.dispatch.run(&mut *s.stage_positions, |start, part| {
+        for (i, x) in (start..).zip(part) {
+            *x = stage.positions[i] + (v[i] + y[i] * scale) * stage.length;
+        }
+    });
+}
+
+/// Halves the step along `s.solution` until the objective falls; `slope` is its derivative.
+fn search<D: Dispatch>(
+    c: &Context<'_, D>,
+    stage: &Stage<'_>,
+    slope: Sum,
+    s: &mut Scratch<'_>,
+    work: &mut Work,
+) -> Option<Real> {
+    let (linear, quadratic) = dissipation(c, s, work);
+    let start = objective(c, stage, 0.0, s);
+    // Below the rounding of the objective a decrease can no longer be seen.
+    let rounding = 8.0 * Sum::from(Real::EPSILON) * start.abs();
+    let mut scale = 1.0;
+    for _ in 0..MOST_HALVINGS {
+        write_stage_positions(c, stage, scale, s);
+        let t = Sum::from(scale);
+        let dissipated = Sum::from(stage.length) * t * (linear + 0.5 * t * quadratic);
+        let change = objective(c, stage, scale, s) - start + dissipated;
+        if change <= SUFFICIENT_DECREASE * t * slope + rounding {
+            return Some(scale);
+        }
+        scale *= 0.5;
+    }
+    None
+}
+
+/// `|v + scale y - vh|^2_M / 2 + E` at `s.stage_positions`, J.
+pub fn objective<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, scale: Real, s: &Scratch<'_>) -> Sum {
+    let columns = s.next_velocities.iter().zip(&*s.solution).zip(stage.velocities).zip(c.masses);
+    let inertia: Sum = columns
+        .map(|(((&v, &y), &vh), &m)| {
+            let d = v + y * scale - vh;
+            0.5 * Sum::from(m) * dot_sum(d, d)
+        })
+        .sum();
+    inertia + forces::energy(c.model, c.masses, s.stage_positions).total()
+}
+
+/// Slope and curvature along `s.solution` of the frozen dissipation R, whose gradient is minus
+/// the force without potential.
+fn dissipation<D: Dispatch>(c: &Context<'_, D>, s: &mut Scratch<'_>, work: &mut Work) -> (Sum, Sum) {
+    if !c.model.dissipates() {
+        return (0.0, 0.0);
+    }
+    let conservative = Model { wind: None, drag: None, ..*c.model };
+    s.products.fill(Vec3::ZERO);
+    work.force_evaluations += 1;
+    forces::evaluate(&conservative, c.masses, s.stage_positions, s.products, s.elements, s.direction, c.dispatch);
+    for (p, (&v, &y)) in s.products.iter_mut().zip(s.next_velocities.iter().zip(&*s.solution)) {
+        *p = v + y;
+    }
+    c.forces(s.stage_positions, s.products, s.elements, s.preconditioned, work);
+    let difference = |a: &[Vec3], b: &[Vec3]| -> Sum {
+        a.iter().zip(b).zip(&*s.solution).map(|((&a, &b), &y)| dot_sum(a - b, y)).sum()
+    };
+    (-difference(s.forces, s.direction), -difference(s.preconditioned, s.forces))
+}
+
+fn column_dot(a: &[Vec3], b: &[Vec3]) -> Sum {
+    a.iter().zip(b).map(|(&a, &b)| dot_sum(a, b)).sum()
+}
+
+fn add_scaled<D: Dispatch>(c: &Context<'_, D>, from: &[Vec3], scale: Real, to: &mut [Vec3]) {
+    c.dispatch.run(to, |start, part| {
+        for (to, &from) in part.iter_mut().zip(&from[start..]) {
+            *to += from * scale;
+        }
+    });
+}

@@ -1,0 +1,178 @@
+//! Pins: vertices whose chosen axes follow a prescribed motion, whatever the forces. Explicit
+//! stages are overwritten; implicit solves are filtered [Baraff 1998, Tamstorf 2015].
+
+use crate::real::{Mat3, Real, Sum, Vec3, cos, sin};
+
+/// A key of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// s.
+    pub time: Sum,
+    /// m.
+    pub offset: Vec3,
+}
+
+/// A steady turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// Unit vector along the axis.
+    pub axis: Vec3,
+    /// A point on the axis, m.
+    pub centre: Vec3,
+    /// rad/s.
+    pub rate: Sum,
+    /// The turn stops then, s.
+    pub until: Sum,
+}
+
+/// How a pin moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// First of the motion's keys, and how many there are.
+    pub keys: [u32; 2],
+    /// Absent: no turn.
+    pub turn: Option<Turn>,
+}
+
+/// In [`Pins::motions`]: the pin rests.
+pub const AT_REST: u32 = u32::MAX;
+
+/// Held vertices, borrowed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pins<'a> {
+    /// The vertices.
+    pub vertices: &'a [u32],
+    /// Bits 0, 1, 2: whether x, y, z are held.
+    pub axes: &'a [u8],
+    /// Where each is held at time 0 before any motion, m.
+    pub anchors: &'a [Vec3],
+    /// Index into `table`, or [`AT_REST`].
+    pub motions: &'a [u32],
+    /// The motions.
+    pub table: &'a [Motion],
+    /// The keys of all motions.
+    pub keys: &'a [Key],
+}
+
+impl Pins<'_> {
+    /// Where a pin is at a time, m, and how fast it moves, m/s.
+    pub fn target(&self, pin: usize, time: Sum) -> (Vec3, Vec3) {
+        let anchor = self.anchors[pin];
+        let Some(motion) = self.table.get(self.motions[pin] as usize) else { return (anchor, Vec3::ZERO) };
+        let (turned, spin) = motion.turn.map_or((anchor, Vec3::ZERO), |turn| turned(&turn, anchor, time));
+        let [first, count] = motion.keys;
+        let (offset, slope) = offset(&self.keys[first as usize..(first + count) as usize], time);
+        (turned + offset, spin + slope)
+    }
+
+    /// Puts the held axes where they belong at a time.
+    pub fn impose(&self, time: Sum, x: &mut [Vec3], v: &mut [Vec3]) {
+        for (pin, &vertex) in self.vertices.iter().enumerate() {
+            let (position, velocity) = self.target(pin, time);
+            for axis in held(self.axes[pin]) {
+                x[vertex as usize][axis] = position[axis];
+                v[vertex as usize][axis] = velocity[axis];
+            }
+        }
+    }
+
+    /// Sets the held axes of `v` so that `base + length v` is where they belong at a time.
+    pub fn lead(&self, time: Sum, base: &[Vec3], length: Real, v: &mut [Vec3]) {
+        for (pin, &vertex) in self.vertices.iter().enumerate() {
+            let (position, _) = self.target(pin, time);
+            let velocity = (position - base[vertex as usize]) / length;
+            for axis in held(self.axes[pin]) {
+                v[vertex as usize][axis] = velocity[axis];
+            }
+        }
+    }
+
+    /// Clears the held axes of a column.
+    pub fn filter(&self, column: &mut [Vec3]) {
+        for (&vertex, &axes) in self.vertices.iter().zip(self.axes) {
+            for axis in held(axes) {
+                column[vertex as usize][axis] = 0.0;
+            }
+        }
+    }
+
+    /// Replaces the held axes of diagonal blocks by the identity, `S A S + I - S`.
+    pub fn filter_diagonal(&self, blocks: &mut [Mat3]) {
+        for (&vertex, &axes) in self.vertices.iter().zip(self.axes) {
+            filter_block(&mut blocks[vertex as usize], axes);
+        }
+    }
+}
+
+/// `S A S + I - S` for one block.
+pub fn filter_block(block: &mut Mat3, axes: u8) {
+    for axis in held(axes) {
+        for other in 0..3 {
+            block.col_mut(axis)[other] = 0.0;
+            block.col_mut(other)[axis] = 0.0;
+        }
+        block.col_mut(axis)[axis] = 1.0;
+    }
+}
+
+fn held(axes: u8) -> impl Iterator<Item = usize> {
+    (0..3).filter(move |axis| axes >> axis & 1 == 1)
+}
+
+/// Rotation of a point about the axis, and its velocity [Rodrigues].
+fn turned(turn: &Turn, point: Vec3, time: Sum) -> (Vec3, Vec3) {
+    let angle = (turn.rate * time.min(turn.until)) as Real;
+    let arm = point - turn.centre;
+    let along = turn.axis * arm.dot(turn.axis);
+    let across = arm - along;
+    let rotated = across * cos(angle) + turn.axis.cross(across) * sin(angle);
+    let spin = if time < turn.until { turn.axis.cross(rotated) * turn.rate as Real } else { Vec3::ZERO };
+    (turn.centre + along + rotated, spin)
+}
+
+/// Offset and its rate, linear between keys and resting outside them.
+fn offset(keys: &[Key], time: Sum) -> (Vec3, Vec3) {
+    let after = keys.partition_point(|key| key.time <= time);
+    match (after.checked_sub(1).map(|i| keys[i]), keys.get(after)) {
+        (Some(a), Some(b)) => {
+            let span = b.time - a.time;
+            let slope = (b.offset - a.offset) / span as Real;
+            (a.offset + (b.offset - a.offset) * ((time - a.time) / span) as Real, slope)
+        }
+        (Some(only), None) | (None, Some(&only)) => (only.offset, Vec3::ZERO),
+        (None, None) => (Vec3::ZERO, Vec3::ZERO),
+    }
+}
+
+/// The owned columns of [`Pins`].
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug, Default)]
+pub struct PinColumns {
+    /// The vertices.
+    pub vertices: alloc::vec::Vec<u32>,
+    /// Held axes.
+    pub axes: alloc::vec::Vec<u8>,
+    /// Where each is held, m.
+    pub anchors: alloc::vec::Vec<Vec3>,
+    /// Index into `table`.
+    pub motions: alloc::vec::Vec<u32>,
+    /// The motions.
+    pub table: alloc::vec::Vec<Motion>,
+    /// The keys of all motions.
+    pub keys: alloc::vec::Vec<Key>,
+}
+
+#[cfg(feature = "alloc")]
+impl PinColumns {
+    /// The borrowed view that kernels take.
+    pub fn view(&self) -> Pins<'_> {
+        Pins {
+            vertices: &self.vertices,
+            axes: &self.axes,
+            anchors: &self.anchors,
+            motions: &self.motions,
+            table: &self.table,
+            keys: &self.keys,
+        }
+    }
+}

@@ -1,0 +1,57 @@
+/// Which element corners meet at each vertex: a CSR whose fixed order makes every gathered sum
+/// repeatable. A slot is `element * corners + corner`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Incidence<'a> {
+    /// Start of each vertex's slots; one more than there are vertices.
+    pub offsets: &'a [u32],
+    /// Element corners in the order of the elements.
+    pub slots: &'a [u32],
+}
+
+impl<'a> Incidence<'a> {
+    /// Positions of the vertex's entries in `slots`.
+    #[inline]
+    pub fn range(&self, vertex: usize) -> core::ops::Range<usize> {
+        self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize
+    }
+
+    /// The element corners that meet at a vertex.
+    #[inline]
+    pub fn at(&self, vertex: usize) -> &'a [u32] {
+        &self.slots[self.range(vertex)]
+    }
+}
+
+/// The owned columns of an [`Incidence`].
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug, Default)]
+pub struct IncidenceColumns {
+    offsets: alloc::vec::Vec<u32>,
+    slots: alloc::vec::Vec<u32>,
+}
+
+#[cfg(feature = "alloc")]
+impl IncidenceColumns {
+    /// Incidence of elements with `K` corners over `vertices` vertices.
+    pub fn build<const K: usize>(vertices: usize, elements: &[[u32; K]]) -> Self {
+        let mut offsets = alloc::vec![0u32; vertices + 1];
+        for &v in elements.as_flattened() {
+            offsets[v as usize + 1] += 1;
+        }
+        for v in 0..vertices {
+            offsets[v + 1] += offsets[v];
+        }
+        let mut next = offsets.clone();
+        let mut slots = alloc::vec![0u32; elements.len() * K];
+        for (slot, &v) in elements.as_flattened().iter().enumerate() {
+            slots[next[v as usize] as usize] = slot as u32;
+            next[v as usize] += 1;
+        }
+        Self { offsets, slots }
+    }
+
+    /// The borrowed view that kernels take.
+    pub fn view(&self) -> Incidence<'_> {
+        Incidence { offsets: &self.offsets, slots: &self.slots }
+    }
+}

@@ -1,0 +1,19 @@
+//! Triangles -> unique edges, hinges, incidence and rest shape. Built once, in double precision;
+//! only the finished columns are rounded to [`Real`](crate::real::Real).
+
+mod incidence;
+pub use incidence::Incidence;
+
+#[cfg(feature = "alloc")]
+pub mod edges;
+#[cfg(feature = "alloc")]
+pub mod hinges;
+#[cfg(feature = "alloc")]
+pub mod rest;
+#[cfg(feature = "alloc")]
+pub use incidence::IncidenceColumns;
+#[cfg(feature = "alloc")]
+pub use tri_mesh::{Stitch, TriMesh};
+
+#[cfg(feature = "alloc")]
+mod tri_mesh;

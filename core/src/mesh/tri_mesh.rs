@@ -1,0 +1,91 @@
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::error::MeshError;
+
+/// A stitch: vertex `a` is sewn to the point `(1 - weight) b + weight c`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stitch {
+    /// The sewn vertex.
+    pub a: u32,
+    /// The ends of the edge that it is sewn to; equal ends sew vertex to vertex.
+    pub edge: [u32; 2],
+    /// Where on the edge, 0 at its first end.
+    pub weight: f64,
+}
+
+/// Triangles as a host or a generator hands them over.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TriMesh {
+    /// Vertex positions, metres.
+    pub positions: Vec<[f64; 3]>,
+    /// Vertices of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// Texture coordinates; empty where the mesh has none.
+    pub uvs: Vec<[f64; 2]>,
+    /// Texture coordinates of each triangle's corners; empty where the mesh has none.
+    pub uv_triangles: Vec<[u32; 3]>,
+    /// Sewn vertices.
+    pub stitches: Vec<Stitch>,
+}
+
+impl TriMesh {
+    /// Checks once all that kernels rely on: indices, finite numbers, a vertex in every
+    /// triangle only once, no vertex without a triangle. Edges are checked where they are
+    /// [built](super::edges::build), areas where the [rest shape](super::rest) is.
+    pub fn check(&self) -> Result<(), MeshError> {
+        if self.triangles.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        if let Some(vertex) = self.positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            return Err(MeshError::NotFinite { vertex: vertex as u32 });
+        }
+        if let Some(i) = self.uvs.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            return Err(MeshError::TextureNotFinite { coordinate: i as u32 });
+        }
+        self.check_triangles()?;
+        self.check_stitches()
+    }
+
+    /// Whether every triangle has texture coordinates.
+    pub fn has_uvs(&self) -> bool {
+        !self.triangles.is_empty() && self.uv_triangles.len() == self.triangles.len()
+    }
+
+    fn check_triangles(&self) -> Result<(), MeshError> {
+        let vertices = self.positions.len() as u32;
+        let mut used = vec![false; self.positions.len()];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            let triangle = t as u32;
+            for (k, &vertex) in corners.iter().enumerate() {
+                match used.get_mut(vertex as usize) {
+                    Some(slot) => *slot = true,
+                    None => return Err(MeshError::VertexOutOfRange { triangle, vertex, vertices }),
+                }
+                if corners[..k].contains(&vertex) {
+                    return Err(MeshError::RepeatedVertex { triangle, vertex });
+                }
+            }
+        }
+        if let Some(vertex) = used.iter().position(|used| !used) {
+            return Err(MeshError::LooseVertex { vertex: vertex as u32 });
+        }
+        let coordinates = self.uvs.len() as u32;
+        for (t, corners) in self.uv_triangles.iter().enumerate() {
+            if let Some(&coordinate) = corners.iter().find(|&&c| c >= coordinates) {
+                return Err(MeshError::TextureOutOfRange { triangle: t as u32, coordinate, coordinates });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_stitches(&self) -> Result<(), MeshError> {
+        let exists = |v: u32| (v as usize) < self.positions.len();
+        let good =
+            |s: &Stitch| exists(s.a) && exists(s.edge[0]) && exists(s.edge[1]) && (0.0..=1.0).contains(&s.weight);
+        match self.stitches.iter().position(|s| !good(s)) {
+            Some(stitch) => Err(MeshError::BadStitch { stitch: stitch as u32 }),
+            None => Ok(()),
+        }
+    }
+}

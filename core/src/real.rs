@@ -1,0 +1,80 @@
+//! The precision of the crate: the only file that knows it.
+//!
+//! `muslin-core` computes in f32, `muslin-core-f64` compiles the same sources in f64. All
+//! transcendental functions come from libm, so that every machine gives the same bits.
+
+#[cfg(not(double))]
+mod precision {
+    /// The scalar of every column.
+    pub type Real = f32;
+    /// Three scalars: a position, a velocity, a force.
+    pub type Vec3 = glam::Vec3;
+    /// Nine scalars in columns: one block of a Jacobian.
+    pub type Mat3 = glam::Mat3;
+    /// The unsigned integer with the bits of a [`Real`].
+    pub type Bits = u32;
+
+    pub use libm::{atan2f as atan2, cosf as cos, sinf as sin, sqrtf as sqrt};
+}
+
+#[cfg(double)]
+mod precision {
+    /// The scalar of every column.
+    pub type Real = f64;
+    /// Three scalars: a position, a velocity, a force.
+    pub type Vec3 = glam::DVec3;
+    /// Nine scalars in columns: one block of a Jacobian.
+    pub type Mat3 = glam::DMat3;
+    /// The unsigned integer with the bits of a [`Real`].
+    pub type Bits = u64;
+
+    pub use libm::{atan2, cos, sin, sqrt};
+}
+
+pub use precision::*;
+
+/// Sums over many elements (energies, inner products between blocks) are carried in double in
+/// both precisions: they cost little and would otherwise be the first thing to round.
+pub type Sum = f64;
+
+/// Below this fraction of its rest size a length counts as zero: direction unknown, no force.
+pub const DEGENERATE: Real = 1e-6;
+
+/// The precision's name, as scenes and summaries spell it.
+pub const NAME: &str = if size_of::<Real>() == 4 { "f32" } else { "f64" };
+
+/// A vector from three doubles, rounded to the crate's precision.
+#[inline]
+pub fn vec3(v: [f64; 3]) -> Vec3 {
+    Vec3::new(v[0] as Real, v[1] as Real, v[2] as Real)
+}
+
+/// A vector as three doubles, exactly.
+#[inline]
+pub fn to_f64(v: Vec3) -> [f64; 3] {
+    [v.x as f64, v.y as f64, v.z as f64]
+}
+
+/// Inner product carried in double.
+#[inline]
+pub fn dot_sum(a: Vec3, b: Vec3) -> Sum {
+    a.x as Sum * b.x as Sum + a.y as Sum * b.y as Sum + a.z as Sum * b.z as Sum
+}
+
+/// `a b^T`.
+#[inline]
+pub fn outer(a: Vec3, b: Vec3) -> Mat3 {
+    Mat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+/// The matrix with `cross(a) b = a x b`.
+#[inline]
+pub fn cross(a: Vec3) -> Mat3 {
+    Mat3::from_cols(Vec3::new(0.0, a.z, -a.y), Vec3::new(-a.z, 0.0, a.x), Vec3::new(a.y, -a.x, 0.0))
+}
+
+/// `s I`.
+#[inline]
+pub fn scaled_identity(s: Real) -> Mat3 {
+    Mat3::from_diagonal(Vec3::splat(s))
+}

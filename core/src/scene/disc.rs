@@ -1,0 +1,65 @@
+//! A disc in the xz plane, centred at the origin: concentric rings of nearly equilateral
+//! triangles.
+
+use core::f64::consts::PI;
+
+use crate::error::SceneError;
+use crate::mesh::TriMesh;
+
+/// A disc of `rings` rings.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+pub struct DiscDesc {
+    /// m.
+    pub radius: f64,
+    /// Radius of the hole, m; 0: none.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub hole: f64,
+    /// Rings between the centre, or the hole, and the border.
+    pub rings: u32,
+}
+
+pub(super) fn mesh(disc: &DiscDesc) -> Result<TriMesh, SceneError> {
+    super::build::positive("disc.radius", disc.radius)?;
+    super::build::not_negative("disc.hole", disc.hole)?;
+    super::build::positive("disc.radius - disc.hole", disc.radius - disc.hole)?;
+    super::build::at_least("disc.rings", [disc.rings, u32::MAX], 1)?;
+    let spacing = (disc.radius - disc.hole) / f64::from(disc.rings);
+    let mut mesh = TriMesh::default();
+    let mut inner = (0, 0);
+    for ring in 0..=disc.rings {
+        let radius = disc.hole + spacing * f64::from(ring);
+        let count = if radius == 0.0 { 1 } else { (libm::round(6.0 * radius / spacing) as u32).max(6) };
+        let outer = (mesh.positions.len() as u32, count);
+        for i in 0..count {
+            let angle = 2.0 * PI * f64::from(i) / f64::from(count);
+            let (x, z) = (radius * libm::cos(angle), radius * libm::sin(angle));
+            mesh.positions.push([x, 0.0, z]);
+            mesh.uvs.push([x, z]);
+        }
+        if ring > 0 {
+            zip_rings(&mut mesh, inner, outer);
+        }
+        inner = outer;
+    }
+    Ok(super::grid::finish(mesh))
+}
+
+/// Triangles between two rings (first vertex, count), walking both by angle.
+fn zip_rings(mesh: &mut TriMesh, inner: (u32, u32), outer: (u32, u32)) {
+    let (mut i, mut k) = (0, 0);
+    let at = |ring: (u32, u32), n: u32| ring.0 + n % ring.1;
+    let inner_steps = if inner.1 == 1 { 0 } else { inner.1 };
+    while i < inner_steps || k < outer.1 {
+        // Compare the angles of the next vertices in whole numbers.
+        let outer_next = i == inner_steps
+            || (k < outer.1 && u64::from(k + 1) * u64::from(inner.1) <= u64::from(i + 1) * u64::from(outer.1));
+        if outer_next {
+            mesh.triangles.push([at(inner, i), at(outer, k + 1), at(outer, k)]);
+            k += 1;
+        } else {
+            mesh.triangles.push([at(inner, i), at(inner, i + 1), at(outer, k)]);
+            i += 1;
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! A rectangle in the xz plane, centred at the origin.
+//!
+//! The default pattern is equilateral: hinge bending is isotropic on it and on no other (README).
+
+use crate::error::SceneError;
+use crate::mesh::TriMesh;
+
+/// How the rectangle is cut into triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Pattern {
+    /// Every second row shifted by half a cell; equilateral where `size.z / cells.z` is
+    /// `sqrt(3) / 2` times `size.x / cells.x`. Shifted rows end in half triangles.
+    #[default]
+    Equilateral,
+    /// Squares, all cut along the same diagonal.
+    Diagonal,
+    /// Squares, cut along diagonals that alternate like a chessboard.
+    Alternating,
+}
+
+/// A rectangle of `cells` cells.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+pub struct GridDesc {
+    /// m along x and z.
+    pub size: [f64; 2],
+    /// Cells along x and z.
+    pub cells: [u32; 2],
+    /// How cells are cut.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub pattern: Pattern,
+}
+
+pub(super) fn mesh(grid: &GridDesc) -> Result<TriMesh, SceneError> {
+    super::build::positive("grid.size", grid.size[0])?;
+    super::build::positive("grid.size", grid.size[1])?;
+    super::build::at_least("grid.cells", grid.cells, 1)?;
+    Ok(match grid.pattern {
+        Pattern::Equilateral => shifted_rows(grid),
+        Pattern::Diagonal => squares(grid, |_, _| false),
+        Pattern::Alternating => squares(grid, |i, j| (i + j) % 2 == 1),
+    })
+}
+
+fn squares(grid: &GridDesc, flip: impl Fn(u32, u32) -> bool) -> TriMesh {
+    let [nx, nz] = grid.cells;
+    let mut mesh = TriMesh::default();
+    for j in 0..=nz {
+        for i in 0..=nx {
+            add_vertex(&mut mesh, grid, f64::from(i), j);
+        }
+    }
+    for j in 0..nz {
+        for i in 0..nx {
+            let a = j * (nx + 1) + i;
+            let (b, c, d) = (a + 1, a + nx + 1, a + nx + 2);
+            if flip(i, j) {
+                mesh.triangles.extend([[a, c, b], [b, c, d]]);
+            } else {
+                mesh.triangles.extend([[a, d, b], [a, c, d]]);
+            }
+        }
+    }
+    finish(mesh)
+}
+
+fn shifted_rows(grid: &GridDesc) -> TriMesh {
+    let [nx, nz] = grid.cells;
+    let mut mesh = TriMesh::default();
+    let mut start = 0;
+    let mut previous: Option<(u32, u32)> = None;
+    for j in 0..=nz {
+        let count = if j % 2 == 0 { nx + 1 } else { nx + 2 };
+        for i in 0..count {
+            let column = match j % 2 {
+                0 => f64::from(i),
+                _ => (f64::from(i) - 0.5).clamp(0.0, f64::from(nx)),
+            };
+            add_vertex(&mut mesh, grid, column, j);
+        }
+        if let Some((above, above_count)) = previous {
+            // Whichever row is shifted has one vertex more; walk both from the left.
+            let (mut i, mut k) = (0, 0);
+            while i + 1 < above_count || k + 1 < count {
+                let lower_next = k + 1 < count && (i + 1 == above_count || (k <= i && count > above_count) || k < i);
+                if lower_next {
+                    mesh.triangles.push([above + i, start + k, start + k + 1]);
+                    k += 1;
+                } else {
+                    mesh.triangles.push([above + i, start + k, above + i + 1]);
+                    i += 1;
+                }
+            }
+        }
+        previous = Some((start, count));
+        start += count;
+    }
+    finish(mesh)
+}
+
+/// Vertex at a column and row, in cells; its texture coordinates are its place in metres.
+fn add_vertex(mesh: &mut TriMesh, grid: &GridDesc, column: f64, row: u32) {
+    let [w, d] = grid.size;
+    let x = w * (column / f64::from(grid.cells[0]) - 0.5);
+    let z = d * (f64::from(row) / f64::from(grid.cells[1]) - 0.5);
+    mesh.positions.push([x, 0.0, z]);
+    mesh.uvs.push([x, z]);
+}
+
+/// Texture coordinates are one per vertex.
+pub(super) fn finish(mut mesh: TriMesh) -> TriMesh {
+    mesh.uv_triangles = mesh.triangles.clone();
+    mesh
+}

@@ -1,0 +1,135 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::export::Format;
+
+/// A cloth simulator that says what each method costs and how wrong it is.
+#[derive(Debug, Parser)]
+#[command(
+    name = "muslin",
+    version,
+    arg_required_else_help = true,
+    after_help = "\
+Examples:
+  muslin run flag                       run a built-in scene, leave a picture in out/flag
+  muslin scenes flag > my.toml          start a scene of your own
+  muslin bench                          what each stage costs on this machine"
+)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate a scene; write frames, a picture and a summary
+    Run(RunArguments),
+    /// List the built-in scenes, or print one
+    Scenes(ScenesArguments),
+    /// Measure what each stage costs on this machine
+    Bench(BenchArguments),
+}
+
+/// In which precision to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Precision {
+    /// Single: to run.
+    F32,
+    /// Double: as reference.
+    F64,
+}
+
+/// Which preview picture to leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PreviewKind {
+    /// preview.gif, the cloth in motion.
+    Gif,
+    /// preview.png, six moments.
+    Png,
+    /// No picture.
+    None,
+}
+
+/// `muslin run`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  muslin run hanging
+  muslin run my.toml --out result --export obj,pc2 --preview png
+  muslin run flag --set integrator.method=rk4 --set integrator.step=0.0001 --duration 0.5
+  muslin run curtain --checkpoint 100; muslin run curtain --resume out/curtain/checkpoint.muslin
+
+Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 diverged (outputs up to then are
+valid), 130 interrupted (a checkpoint is written).")]
+pub struct RunArguments {
+    /// A scene file, or the name of a built-in scene
+    pub scene: String,
+    /// Where to write [default: out/<scene name>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Override a key of the scene, such as integrator.step=0.001; cloth.KEY means every cloth,
+    /// cloth.0.KEY the first
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Simulated seconds, instead of the scene's
+    #[arg(long, value_name = "S")]
+    pub duration: Option<f64>,
+    /// Precision of the computation
+    #[arg(long, value_enum, default_value = "f32")]
+    pub precision: Precision,
+    /// Threads [default: one per core]; the result does not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Formats of the exported frames
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "pc2")]
+    pub export: Vec<Format>,
+    /// The preview picture
+    #[arg(long, value_enum, default_value = "gif")]
+    pub preview: PreviewKind,
+    /// Write a checkpoint every N steps
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub checkpoint: Option<u64>,
+    /// Go on from a checkpoint of the same scene
+    #[arg(long, value_name = "FILE")]
+    pub resume: Option<PathBuf>,
+    /// Print the summary as one JSON document
+    #[arg(long)]
+    pub json: bool,
+    /// No progress, no summary; warnings and errors only
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// `muslin scenes`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  muslin scenes flag > my.toml")]
+pub struct ScenesArguments {
+    /// Print this scene's file
+    pub name: Option<String>,
+    /// Print the list as one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `muslin bench`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  muslin bench                          the scenes and sizes of the README
+  muslin bench hanging swing --threads 1
+  muslin bench my.toml --json")]
+pub struct BenchArguments {
+    /// Scene files or names of built-in scenes [default: the standard set]
+    pub scenes: Vec<String>,
+    /// Threads
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub threads: usize,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}

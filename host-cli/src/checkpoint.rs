@@ -1,0 +1,167 @@
+//! Checkpoints: the state of a run, to go on from bit for bit.
+//!
+//! Little-endian: magic, version, precision, CRC of the scene, steps, hash chain, work, then each
+//! column with its length, and last the CRC of all before. Written whole or not at all.
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::args::Precision;
+use crate::engine::Snapshot;
+use crate::export::whole::{self, WriteError};
+use crate::scene_file::SceneFile;
+
+const MAGIC: &[u8; 8] = b"MUSLINCP";
+const VERSION: u32 = 1;
+
+/// What a checkpoint holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Precision of the columns.
+    pub precision: Precision,
+    /// [`scene_crc`] of the scene that was run.
+    pub scene: u32,
+    /// The hash chain over all steps.
+    pub chain: u64,
+    /// The state.
+    pub snapshot: Snapshot,
+}
+
+/// Why a checkpoint cannot be resumed.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// The file could not be read.
+    #[error("cannot read checkpoint: {0}")]
+    Read(#[from] std::io::Error),
+    /// Not a checkpoint.
+    #[error("this is no checkpoint of muslin")]
+    Foreign,
+    /// Written by another version.
+    #[error("this checkpoint has format {found}, this version reads {VERSION}; run the scene anew")]
+    Version {
+        /// Format of the file.
+        found: u32,
+    },
+    /// Truncated or altered.
+    #[error("this checkpoint is damaged (its checksum does not fit); use an older one or run the scene anew")]
+    Damaged,
+}
+
+/// Writes a checkpoint, atomically.
+pub fn write(path: &Path, checkpoint: &Checkpoint) -> Result<(), WriteError> {
+    let bytes = encode(checkpoint);
+    let written = whole::write(path.into(), |file| {
+        file.write_all(&bytes)?;
+        file.flush()?;
+        file.get_ref().sync_all()
+    });
+    written.map(|_| ())
+}
+
+/// Reads a checkpoint back.
+pub fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
+    decode(&std::fs::read(path)?)
+}
+
+/// Identity of a scene: its keys but for the duration, and the meshes that it names.
+pub fn scene_crc(scene: &SceneFile) -> u32 {
+    let mut crc = crc32fast::Hasher::new();
+    if let Ok(mut table) = toml::from_str::<toml::Table>(&scene.text) {
+        table.remove("duration");
+        crc.update(table.to_string().as_bytes());
+    }
+    for (name, mesh) in &scene.resources {
+        crc.update(name.as_bytes());
+        crc.update(bytemuck::cast_slice(&mesh.positions));
+        crc.update(bytemuck::cast_slice(&mesh.triangles));
+        crc.update(bytemuck::cast_slice(&mesh.uvs));
+    }
+    crc.finalize()
+}
+
+fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
+    let Checkpoint { precision, scene, chain, snapshot } = checkpoint;
+    let mut bytes = MAGIC.to_vec();
+    for word in [VERSION, *precision as u32, *scene] {
+        bytes.extend(word.to_le_bytes());
+    }
+    for word in [snapshot.steps, *chain].iter().chain(&snapshot.work) {
+        bytes.extend(word.to_le_bytes());
+    }
+    for column in &snapshot.columns {
+        bytes.extend((column.len() as u64).to_le_bytes());
+        bytes.extend(column);
+    }
+    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+    bytes
+}
+
+fn decode(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
+    let mut rest = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::Foreign)?;
+    let version = take(&mut rest).map(u32::from_le_bytes).ok_or(CheckpointError::Damaged)?;
+    if version != VERSION {
+        return Err(CheckpointError::Version { found: version });
+    }
+    let (body, crc) = bytes.split_last_chunk().ok_or(CheckpointError::Damaged)?;
+    if crc32fast::hash(body) != u32::from_le_bytes(*crc) {
+        return Err(CheckpointError::Damaged);
+    }
+    fields(rest).ok_or(CheckpointError::Damaged)
+}
+
+fn fields(mut rest: &[u8]) -> Option<Checkpoint> {
+    let precision = match u32::from_le_bytes(take(&mut rest)?) {
+        p if p == Precision::F32 as u32 => Precision::F32,
+        p if p == Precision::F64 as u32 => Precision::F64,
+        _ => return None,
+    };
+    let scene = u32::from_le_bytes(take(&mut rest)?);
+    let mut word = || take(&mut rest).map(u64::from_le_bytes);
+    let (steps, chain) = (word()?, word()?);
+    let mut snapshot = Snapshot { steps, ..Snapshot::default() };
+    for counter in &mut snapshot.work {
+        *counter = word()?;
+    }
+    for column in &mut snapshot.columns {
+        let length = usize::try_from(u64::from_le_bytes(take(&mut rest)?)).ok()?;
+        let (bytes, after) = rest.split_at_checked(length)?;
+        *column = bytes.into();
+        rest = after;
+    }
+    Some(Checkpoint { precision, scene, chain, snapshot })
+}
+
+fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
+    let (first, after) = rest.split_first_chunk()?;
+    *rest = after;
+    Some(*first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Checkpoint {
+        let columns = [vec![1, 2, 3, 4], vec![5; 24], vec![], vec![9; 12]];
+        let snapshot = Snapshot { steps: 77, work: [1, 2, 3, 4, 5, 6, 7], columns };
+        Checkpoint { precision: Precision::F64, scene: 0xdead_beef, chain: 42, snapshot }
+    }
+
+    #[test]
+    fn a_checkpoint_reads_back_as_written() {
+        assert_eq!(decode(&encode(&example())).unwrap(), example());
+    }
+
+    #[test]
+    fn every_truncation_and_every_flipped_bit_is_an_error() {
+        let good = encode(&example());
+        for length in 0..good.len() {
+            assert!(decode(&good[..length]).is_err(), "truncated to {length} bytes it was read");
+        }
+        for bit in 0..good.len() * 8 {
+            let mut bad = good.clone();
+            bad[bit / 8] ^= 1 << (bit % 8);
+            assert!(decode(&bad).is_err(), "with bit {bit} flipped it was read");
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! A simulation in either precision behind one trait: the two crates are the same sources, so
+//! one macro serves both.
+
+use muslin_core::scene::Timing;
+
+use crate::args::Precision;
+use crate::pool::Pool;
+use crate::scene_file::SceneFile;
+
+/// Why a step was not taken.
+#[derive(Clone, Debug)]
+pub struct Divergence {
+    /// The step that failed, counted from 1.
+    pub step: u64,
+    /// The first particle that is not finite.
+    pub particle: u32,
+    /// The term that pulled hardest on it.
+    pub term: &'static str,
+}
+
+/// Numbers about the state and the work, in double.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Steps taken.
+    pub steps: u64,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Length over rest length of edges: largest, mean.
+    pub stretch: [f64; 2],
+    /// kinetic, stretch, shear, bend, seam, gravity; J.
+    pub energy: [f64; 6],
+    /// kg m/s.
+    pub momentum: [f64; 3],
+    /// Evaluations of all forces.
+    pub force_evaluations: u64,
+    /// Iterations of conjugate gradients.
+    pub cg_iterations: u64,
+    /// Newton iterations.
+    pub newton_iterations: u64,
+    /// Solves ended by negative curvature.
+    pub negative_curvature: u64,
+    /// Solves ended by the limit on iterations.
+    pub unconverged: u64,
+}
+
+/// What a checkpoint keeps of a simulation, as little-endian bits.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Snapshot {
+    /// Steps taken.
+    pub steps: u64,
+    /// Counters of work, in the order of the core's `Work`.
+    pub work: [u64; 7],
+    /// Positions, velocities and, for BDF2, the same one step before.
+    pub columns: [Vec<u8>; 4],
+}
+
+/// A simulation in some precision.
+pub trait Engine: Send {
+    /// Takes one step; on divergence the state stays as it was.
+    fn step(&mut self, pool: &Pool) -> Result<(), Divergence>;
+    /// Positions as exporters take them, m.
+    fn write_positions(&self, out: &mut Vec<[f32; 3]>);
+    /// Triangles of all cloths.
+    fn triangles(&self) -> &[[u32; 3]];
+    /// Held vertices.
+    fn pins(&self) -> &[u32];
+    /// Numbers about the state and the work.
+    fn report(&self) -> Report;
+    /// Adds the state to a hash chain and returns the chain.
+    fn chain(&self, chain: Option<u64>) -> u64;
+    /// What a checkpoint keeps.
+    fn snapshot(&self) -> Snapshot;
+    /// Goes on from a snapshot; false where it does not fit the scene.
+    fn restore(&mut self, snapshot: &Snapshot) -> bool;
+}
+
+/// Builds a scene's engine; the message says what is wrong with the scene.
+pub fn build(scene: &SceneFile, precision: Precision) -> Result<(Box<dyn Engine>, Timing), String> {
+    let engine: Box<dyn Engine> = match precision {
+        Precision::F32 => Box::new(single::build(scene)?),
+        Precision::F64 => Box::new(double::build(scene)?),
+    };
+    Ok((engine, scene.desc.timing()))
+}
+
+macro_rules! engine {
+    ($module:ident, $core:ident) => {
+        mod $module {
+            use $core::diagnostics::StateHash;
+            use $core::forces::Term;
+            use $core::integrate::Work;
+            use $core::mesh::{Stitch, TriMesh};
+            use $core::real::{Real, Vec3};
+            use $core::scene::SceneDesc;
+            use $core::simulation::{Simulation, State};
+
+            use super::{Divergence, Engine, Pool, Report, SceneFile, Snapshot};
+
+            pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
+                let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
+                let mesh = |mesh: &muslin_core::mesh::TriMesh| TriMesh {
+                    positions: mesh.positions.clone(),
+                    triangles: mesh.triangles.clone(),
+                    uvs: mesh.uvs.clone(),
+                    uv_triangles: mesh.uv_triangles.clone(),
+                    stitches: mesh.stitches.iter().map(|s| Stitch { a: s.a, edge: s.edge, weight: s.weight }).collect(),
+                };
+                let resources: Vec<_> = scene.resources.iter().map(|(name, m)| (name.clone(), mesh(m))).collect();
+                Simulation::new(&desc, &resources).map_err(|error| error.to_string())
+            }
+
+            fn to_bytes(column: &[Vec3]) -> Vec<u8> {
+                bytemuck::cast_slice::<Vec3, Real>(column).iter().flat_map(|x| x.to_le_bytes()).collect()
+            }
+
+            fn from_bytes(bytes: &[u8]) -> Vec<Vec3> {
+                let scalars = bytes.as_chunks().0.iter().map(|&b| Real::from_le_bytes(b));
+                let scalars: Vec<Real> = scalars.collect();
+                scalars.as_chunks::<3>().0.iter().map(|&v| Vec3::from_array(v)).collect()
+            }
+
+            impl Engine for Simulation {
+                fn step(&mut self, pool: &Pool) -> Result<(), Divergence> {
+                    Simulation::step(self, pool).map_err(|diverged| Divergence {
+                        step: diverged.step,
+                        particle: diverged.particle,
+                        term: diverged.term.map_or("no term", Term::name),
+                    })
+                }
+
+                fn write_positions(&self, out: &mut Vec<[f32; 3]>) {
+                    out.clear();
+                    out.extend(self.positions().iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]));
+                }
+
+                fn triangles(&self) -> &[[u32; 3]] {
+                    Simulation::triangles(self)
+                }
+
+                fn pins(&self) -> &[u32] {
+                    &self.scene().pins.vertices
+                }
+
+                fn report(&self) -> Report {
+                    let (stretch, e, work) = (self.stretch(), self.energy(), self.work());
+                    Report {
+                        steps: self.state().steps,
+                        time: self.time(),
+                        stretch: [stretch.max, stretch.mean],
+                        energy: [e.kinetic, e.stretch, e.shear, e.bend, e.seam, e.gravity],
+                        momentum: self.momentum(),
+                        force_evaluations: work.force_evaluations,
+                        cg_iterations: work.cg_iterations,
+                        newton_iterations: work.newton_iterations,
+                        negative_curvature: work.negative_curvature,
+                        unconverged: work.unconverged,
+                    }
+                }
+
+                fn chain(&self, chain: Option<u64>) -> u64 {
+                    let mut hash = chain.map_or_else(StateHash::default, StateHash);
+                    hash.add(self.positions(), self.velocities());
+                    hash.0
+                }
+
+                fn snapshot(&self) -> Snapshot {
+                    let (state, w) = (self.state(), self.work());
+                    Snapshot {
+                        steps: state.steps,
+                        work: [
+                            w.force_evaluations,
+                            w.cg_iterations,
+                            w.newton_iterations,
+                            w.matrix_products,
+                            w.negative_curvature,
+                            w.unconverged,
+                            w.stalled_searches,
+                        ],
+                        columns: [state.positions, state.velocities, state.previous[0], state.previous[1]]
+                            .map(to_bytes),
+                    }
+                }
+
+                fn restore(&mut self, snapshot: &Snapshot) -> bool {
+                    let columns = [0, 1, 2, 3].map(|i| from_bytes(&snapshot.columns[i]));
+                    let w = snapshot.work;
+                    let work = Work {
+                        force_evaluations: w[0],
+                        cg_iterations: w[1],
+                        newton_iterations: w[2],
+                        matrix_products: w[3],
+                        negative_curvature: w[4],
+                        unconverged: w[5],
+                        stalled_searches: w[6],
+                    };
+                    let [positions, velocities, previous_positions, previous_velocities] = &columns;
+                    let previous: [&[Vec3]; 2] = [previous_positions, previous_velocities];
+                    Simulation::restore(self, &State { steps: snapshot.steps, positions, velocities, previous }, work)
+                }
+            }
+        }
+    };
+}
+
+engine!(single, muslin_core);
+engine!(double, muslin_core_f64);

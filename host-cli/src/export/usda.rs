@@ -1,0 +1,114 @@
+//! Universal Scene Description, text form (openusd.org, UsdGeomMesh): one mesh with a sample of
+//! its points for each frame.
+
+use std::fmt::Display;
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::PathBuf;
+
+use super::whole::{Partial, WriteError};
+use super::{Clip, Writer};
+
+const BEGIN: &str = "#usda 1.0\n(\n    defaultPrim = \"Cloth\"\n    endTimeCode = ";
+
+/// Streams `cloth.usda`.
+pub struct Usda {
+    partial: Partial,
+}
+
+impl Usda {
+    /// Begins a new file with all that does not move.
+    pub fn begin(clip: &Clip) -> Result<Usda, WriteError> {
+        let mut partial = Partial::create(clip.dir.join("cloth.usda"))?;
+        partial.with(|file| head(file, clip))?;
+        Ok(Usda { partial })
+    }
+}
+
+impl Writer for Usda {
+    fn frame(&mut self, _clip: &Clip, frame: u32, positions: &[[f32; 3]]) -> Result<(), WriteError> {
+        self.partial.with(|file| {
+            write!(file, "        {frame}: ")?;
+            list(file, positions.iter().map(point))?;
+            writeln!(file, ",")
+        })
+    }
+
+    fn finish(mut self: Box<Self>, clip: &Clip, frames: u32) -> Result<Vec<PathBuf>, WriteError> {
+        self.partial.with(|file| {
+            file.write_all(b"    }\n}\n")?;
+            file.seek(SeekFrom::Start(BEGIN.len() as u64))?;
+            end_time(file, frames.saturating_sub(1).max(clip.first_frame))
+        })?;
+        Ok(vec![self.partial.finish()?])
+    }
+}
+
+fn head(file: &mut impl Write, clip: &Clip) -> io::Result<()> {
+    let Clip { frame_rate, first_frame, triangles, .. } = clip;
+    file.write_all(BEGIN.as_bytes())?;
+    end_time(file, *first_frame)?;
+    write!(
+        file,
+        "
+    framesPerSecond = {frame_rate}
+    metersPerUnit = 1
+    startTimeCode = {first_frame}
+    timeCodesPerSecond = {frame_rate}
+    upAxis = \"Y\"
+)
+
+def Mesh \"Cloth\"
+{{
+    uniform bool doubleSided = 1
+    uniform token subdivisionScheme = \"none\"
+    int[] faceVertexCounts = "
+    )?;
+    list(file, triangles.iter().map(|_| 3))?;
+    file.write_all(b"\n    int[] faceVertexIndices = ")?;
+    list(file, triangles.as_flattened().iter())?;
+    file.write_all(b"\n    point3f[] points.timeSamples = {\n")
+}
+
+/// USD knows `nan` in lower case only.
+fn point([x, y, z]: &[f32; 3]) -> String {
+    format!("({x}, {y}, {z})").replace("NaN", "nan")
+}
+
+/// Always as wide, so that it can be set again when the last frame is known.
+fn end_time(file: &mut impl Write, frame: u32) -> io::Result<()> {
+    write!(file, "{frame:>10}")
+}
+
+fn list<T: Display>(file: &mut impl Write, items: impl Iterator<Item = T>) -> io::Result<()> {
+    file.write_all(b"[")?;
+    for (place, item) in items.enumerate() {
+        write!(file, "{}{item}", if place > 0 { ", " } else { "" })?;
+    }
+    file.write_all(b"]")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Format;
+    use super::super::tests::export;
+
+    #[test]
+    fn writes_a_mesh_in_motion() {
+        let dir = tempfile::tempdir().unwrap();
+        let paths = export(dir.path(), Format::Usda, 3, 15).finish().unwrap();
+        let text = std::fs::read_to_string(&paths[0]).unwrap();
+        for part in [
+            "#usda 1.0\n",
+            "endTimeCode =         14\n",
+            "startTimeCode = 3\n",
+            "timeCodesPerSecond = 25\n",
+            "upAxis = \"Y\"",
+            "faceVertexCounts = [3, 3]\n",
+            "faceVertexIndices = [0, 1, 2, 0, 2, 3]\n",
+            "        14: [(0, 14, 0), (1, 14, 0), (1, 14, 0.1), (0, 14, 1)],\n    }\n}\n",
+        ] {
+            assert!(text.contains(part), "{part} is not in {text}");
+        }
+        assert_eq!(text.matches(['{', '[', '(']).count(), text.matches(['}', ']', ')']).count());
+    }
+}

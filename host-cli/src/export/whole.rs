@@ -1,0 +1,119 @@
+//! Files that are whole or absent: written to `NAME.partial`, renamed when done.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {cause}; check that its folder exists, is writable and has room", path.display())]
+pub struct WriteError {
+    path: PathBuf,
+    cause: io::Error,
+}
+
+/// A file under its partial name, opened to read and write.
+pub struct Partial {
+    path: PathBuf,
+    file: BufWriter<File>,
+}
+
+impl Partial {
+    /// A new, empty file that is to become `path`; its folder is made if need be.
+    pub fn create(path: PathBuf) -> Result<Partial, WriteError> {
+        Partial::open(path, OpenOptions::new().read(true).write(true).create(true).truncate(true))
+    }
+
+    /// The file that an interrupted run left of `path`, if there is one.
+    pub fn reopen(path: &Path) -> Result<Option<Partial>, WriteError> {
+        if !partial_name(path).exists() {
+            return Ok(None);
+        }
+        Partial::open(path.into(), OpenOptions::new().read(true).write(true)).map(Some)
+    }
+
+    fn open(path: PathBuf, options: &OpenOptions) -> Result<Partial, WriteError> {
+        let open = || {
+            path.parent().map_or(Ok(()), fs::create_dir_all)?;
+            options.open(partial_name(&path))
+        };
+        match open() {
+            Ok(file) => Ok(Partial { path, file: BufWriter::new(file) }),
+            Err(cause) => Err(WriteError { path, cause }),
+        }
+    }
+
+    /// Its final name.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Reads or writes the file; a failure names it.
+    pub fn with<T>(&mut self, act: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) -> Result<T, WriteError> {
+        act(&mut self.file).map_err(|cause| WriteError { path: self.path.clone(), cause })
+    }
+
+    /// Writes out what is buffered and leaves the file under its partial name.
+    pub fn suspend(mut self) -> Result<(), WriteError> {
+        self.with(|file| file.flush())
+    }
+
+    /// Gives the file its final name, which is returned.
+    pub fn finish(mut self) -> Result<PathBuf, WriteError> {
+        self.with(|file| file.flush())?;
+        let Partial { path, file } = self;
+        drop(file);
+        match fs::rename(partial_name(&path), &path) {
+            Ok(()) => Ok(path),
+            Err(cause) => Err(WriteError { path, cause }),
+        }
+    }
+}
+
+/// Writes a whole file at once.
+pub fn write(path: PathBuf, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<PathBuf, WriteError> {
+    let mut partial = Partial::create(path)?;
+    if let Err(error) = partial.with(fill) {
+        // The failure to write is what matters; what is left of it is no result in any case.
+        let _ = fs::remove_file(partial_name(partial.path()));
+        return Err(error);
+    }
+    partial.finish()
+}
+
+fn partial_name(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".partial");
+    name.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_appears_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep/a.txt");
+        let failed = write(path.clone(), |_| Err(io::Error::other("no more")));
+        assert!(failed.unwrap_err().to_string().contains("a.txt: no more; check"));
+        assert_eq!(fs::read_dir(folder.path().join("deep")).unwrap().count(), 0);
+
+        write(path.clone(), |file| file.write_all(b"whole")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"whole");
+        assert_eq!(fs::read_dir(folder.path().join("deep")).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_suspended_file_can_be_reopened() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        assert!(Partial::reopen(&path).unwrap().is_none());
+        let mut partial = Partial::create(path.clone()).unwrap();
+        partial.with(|file| file.write_all(b"one")).unwrap();
+        partial.suspend().unwrap();
+        assert!(!path.exists());
+        assert_eq!(Partial::reopen(&path).unwrap().unwrap().finish().unwrap(), path);
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+    }
+}

@@ -1,0 +1,64 @@
+//! What a command can end with besides success, and the exit codes of the interface.
+
+use std::io::{self, ErrorKind};
+use std::process::ExitCode;
+
+use crate::export::ExportError;
+use crate::preview::PreviewError;
+
+/// A failed command.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The tool failed: reading, writing.
+    #[error("{0}")]
+    Tool(String),
+    /// Bad usage or a bad scene.
+    #[error("{0}")]
+    Usage(String),
+    /// The simulation diverged; the outputs up to then are valid.
+    #[error("{0}")]
+    Diverged(String),
+    /// Interrupted by the user; a checkpoint is written.
+    #[error("{0}")]
+    Interrupted(String),
+}
+
+impl Failure {
+    /// Prints the message for a person.
+    pub fn report(&self) {
+        eprintln!("muslin: {self}");
+    }
+
+    /// 1 the tool, 2 usage or scene, 3 diverged, 130 interrupted.
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Tool(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Diverged(_) => 3,
+            Self::Interrupted(_) => 130,
+        })
+    }
+}
+
+impl From<ExportError> for Failure {
+    fn from(error: ExportError) -> Self {
+        Self::Tool(error.to_string())
+    }
+}
+
+impl From<PreviewError> for Failure {
+    fn from(error: PreviewError) -> Self {
+        Self::Tool(error.to_string())
+    }
+}
+
+/// Prints data to stdout; a reader that went away is no failure.
+pub fn print_data(text: &str) -> Result<(), Failure> {
+    use io::Write;
+    match writeln!(io::stdout().lock(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Tool(format!("cannot write to stdout: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

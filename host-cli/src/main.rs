@@ -1,0 +1,36 @@
+//! `muslin`: the command line host. It owns threads, files and clocks; the core owns the physics.
+#![forbid(unsafe_code)]
+
+mod args;
+mod bench;
+mod checkpoint;
+mod engine;
+mod export;
+mod failure;
+mod mesh_io;
+mod pool;
+mod preview;
+mod run;
+mod scene_file;
+mod scenes;
+mod summary;
+
+use std::process::ExitCode;
+
+use args::{Arguments, Command};
+use clap::Parser;
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Scenes(arguments) => scenes::print(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.report();
+            failure.exit_code()
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Reading meshes from files: Wavefront OBJ and Stanford PLY. Vertex order is kept exactly.
+
+mod obj;
+mod ply;
+mod polygon;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use muslin_core::mesh::TriMesh;
+
+pub use obj::ObjError;
+pub use ply::PlyError;
+
+/// Why a mesh file could not be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshFileError {
+    /// The file could not be opened or read.
+    #[error("cannot read {}: {cause}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// The file name ends in neither `.obj` nor `.ply`.
+    #[error("{}: unknown mesh format; give a file that ends in .obj or .ply", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The OBJ text is malformed.
+    #[error("{}: {cause}", path.display())]
+    Obj {
+        /// The file.
+        path: PathBuf,
+        /// Where and what.
+        cause: ObjError,
+    },
+    /// The PLY file is malformed.
+    #[error("{}: {cause}", path.display())]
+    Ply {
+        /// The file.
+        path: PathBuf,
+        /// Where and what.
+        cause: PlyError,
+    },
+}
+
+/// Loads the mesh in `path`, in the format that its extension names (`obj` or `ply`, any case).
+pub fn load(path: &Path) -> Result<TriMesh, MeshFileError> {
+    let owned = || path.to_path_buf();
+    let read = || fs::read(path).map_err(|cause| MeshFileError::Read { path: owned(), cause });
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("obj") => {
+            obj::parse(&String::from_utf8_lossy(&read()?)).map_err(|cause| MeshFileError::Obj { path: owned(), cause })
+        }
+        Some("ply") => ply::parse(&read()?).map_err(|cause| MeshFileError::Ply { path: owned(), cause }),
+        _ => Err(MeshFileError::UnknownFormat { path: owned() }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file of `shared/data`; `None`, with a word on it, where it is absent and need not be there.
+    fn data(name: &str) -> Option<TriMesh> {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")).join(name);
+        if !path.exists() && std::env::var("MUSLIN_REQUIRE_DATA").as_deref() != Ok("1") {
+            eprintln!("skipped: {} is absent", path.display());
+            return None;
+        }
+        Some(load(&path).unwrap())
+    }
+
+    #[test]
+    fn reads_the_dress_pattern() {
+        let Some(dress) = data("garment/dress.obj") else { return };
+        assert_eq!((dress.positions.len(), dress.triangles.len(), dress.stitches.len()), (15_656, 29_456, 851));
+        assert!(dress.has_uvs());
+        assert_eq!(dress.check(), Ok(()));
+        assert_eq!(dress.positions[0], [1.892435e-2, -8.321909e-2, 4.124258e-1]);
+        assert_eq!(dress.stitches[0].edge, [37, 704]);
+    }
+
+    #[test]
+    fn reads_the_body() {
+        let Some(body) = data("garment/body.obj") else { return };
+        assert_eq!((body.positions.len(), body.triangles.len()), (12_811, 25_472));
+        assert_eq!(body.triangles[0], [0, 1, 2]);
+        assert_eq!(body.check(), Ok(()));
+    }
+
+    #[test]
+    fn reads_the_cloth_on_a_ball() {
+        let Some(cloth) = data("cloth-ball/cloth_ball92.ply") else { return };
+        assert_eq!((cloth.positions.len(), cloth.triangles.len()), (46_598, 92_230));
+        assert_eq!(cloth.check(), Ok(()));
+    }
+
+    #[test]
+    fn chooses_by_extension_and_names_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.OBJ");
+        fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        assert_eq!(load(&path).unwrap().triangles, [[0, 1, 2]]);
+
+        let message = |name: &str| load(&folder.path().join(name)).unwrap_err().to_string();
+        assert!(message("a.stl").contains(".obj or .ply"));
+        assert!(message("none").contains(".obj or .ply"));
+        assert!(message("none.ply").starts_with("cannot read ") && message("none.ply").contains("none.ply"));
+        fs::write(folder.path().join("bad.obj"), "\nv 1 x 0\n").unwrap();
+        assert!(message("bad.obj").contains("bad.obj: line 2: "));
+    }
+}

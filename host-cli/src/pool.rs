@@ -1,0 +1,57 @@
+//! Threads: the core's `Dispatch` by rayon. Work is split in halves down to a grain, so small
+//! scenes stay on one thread; the bits do not depend on where it is split.
+
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+
+/// Fewest slots worth handing to another thread.
+const GRAIN: usize = 2048;
+
+/// Runs kernels on the threads of a pool; valid inside [`Pool::install`].
+pub struct Pool {
+    pool: ThreadPool,
+}
+
+impl Pool {
+    /// A pool of so many threads; `None`: one per core.
+    pub fn new(threads: Option<usize>) -> Result<Self, ThreadPoolBuildError> {
+        let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?;
+        Ok(Self { pool })
+    }
+
+    /// Threads in the pool.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// Runs `work` inside the pool, where dispatching costs least.
+    pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.pool.install(work)
+    }
+}
+
+macro_rules! dispatch_by_rayon {
+    ($halve:ident, $dispatch:path, $split:path) => {
+        impl $dispatch for Pool {
+            fn run<S: $split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K) {
+                if self.threads() == 1 {
+                    kernel(0, out);
+                } else {
+                    let grain = GRAIN.max(out.len() / (4 * self.threads()));
+                    $halve(0, out, grain, &kernel);
+                }
+            }
+        }
+
+        fn $halve<S: $split, K: Fn(usize, S) + Sync>(start: usize, out: S, grain: usize, kernel: &K) {
+            if out.len() <= grain {
+                return kernel(start, out);
+            }
+            let middle = out.len() / 2;
+            let (low, high) = out.split_at(middle);
+            rayon::join(|| $halve(start, low, grain, kernel), || $halve(start + middle, high, grain, kernel));
+        }
+    };
+}
+
+dispatch_by_rayon!(halve_f32, muslin_core::dispatch::Dispatch, muslin_core::dispatch::Split);
+dispatch_by_rayon!(halve_f64, muslin_core_f64::dispatch::Dispatch, muslin_core_f64::dispatch::Split);

@@ -1,0 +1,332 @@
+//! Pictures of the cloth in motion: a looping GIF and a contact sheet (PNG).
+
+mod camera;
+mod palette;
+mod picture;
+mod raster;
+mod shade;
+mod shadow;
+mod stage;
+
+use std::io;
+use std::path::Path;
+
+use glam::Vec3;
+use image::codecs::gif::{GifEncoder, Repeat};
+use image::codecs::png::PngEncoder;
+use image::{Delay, DynamicImage, ExtendedColorType, Frame, ImageEncoder, ImageError, Rgb, RgbImage, imageops};
+use rayon::prelude::*;
+
+use crate::export::whole::{self, WriteError};
+use palette::Palette;
+use stage::Stage;
+
+/// Picture size, pixels.
+const SIZE: [usize; 2] = [480, 360];
+/// Columns and rows of the contact sheet.
+const SHEET: [usize; 2] = [3, 2];
+/// White between the pictures of the sheet, pixels.
+const GAP: usize = 4;
+/// The shortest time that viewers show a picture, hundredths of a second.
+const SHORTEST_DELAY: f64 = 3.0;
+/// How long the last picture is shown, hundredths of a second.
+const LAST_DELAY: u16 = 80;
+/// Pictures from which the palette is chosen.
+const PALETTE_PICTURES: usize = 8;
+/// Pictures drawn at once.
+const BATCH: usize = 16;
+
+/// Why a picture could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PreviewError {
+    /// The file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// There is nothing to show.
+    #[error("there is no frame to make a picture of; simulate one step or more")]
+    Empty,
+}
+
+/// Collects snapshots of a run and draws them.
+pub struct Preview {
+    triangles: Vec<[u32; 3]>,
+    pins: Vec<u32>,
+    frame_rate: f64,
+    most_frames: usize,
+    snapshots: Vec<Vec<Vec3>>,
+    /// Frames from one snapshot to the next.
+    stride: usize,
+    frames: usize,
+}
+
+impl Preview {
+    /// For cloth of these triangles and pinned vertices, at `frame_rate` frames per second. Never
+    /// holds more than `most_frames` snapshots.
+    pub fn new(triangles: &[[u32; 3]], pins: &[u32], frame_rate: f64, most_frames: usize) -> Preview {
+        Preview {
+            triangles: triangles.into(),
+            pins: pins.into(),
+            frame_rate,
+            most_frames: most_frames.max(2),
+            snapshots: Vec::new(),
+            stride: 1,
+            frames: 0,
+        }
+    }
+
+    /// Takes the next frame: the position of every vertex, metres. When there are too many
+    /// snapshots, every second one is dropped, so that they span the whole run.
+    pub fn frame(&mut self, positions: &[[f32; 3]]) {
+        if self.frames.is_multiple_of(self.stride) {
+            if self.snapshots.len() == self.most_frames {
+                self.thin_out();
+            }
+            if self.frames.is_multiple_of(self.stride) {
+                self.snapshots.push(positions.iter().copied().map(Vec3::from_array).collect());
+            }
+        }
+        self.frames += 1;
+    }
+
+    fn thin_out(&mut self) {
+        let mut place = 0;
+        self.snapshots.retain(|_| {
+            place += 1;
+            place % 2 == 1
+        });
+        self.stride *= 2;
+    }
+
+    /// Writes an animation that loops and runs in real time.
+    pub fn write_gif(&self, path: &Path) -> Result<(), PreviewError> {
+        let stage = self.stage()?;
+        let shown = self.shown();
+        let sample: Vec<usize> = spread(shown.len(), PALETTE_PICTURES).map(|k| shown[k]).collect();
+        let palette = Palette::of(&self.draw(&stage, &sample));
+        let delays = self.delays(&shown);
+        whole::write(path.into(), |file| {
+            let mut encoder = GifEncoder::new(file);
+            encoder.set_repeat(Repeat::Infinite).map_err(io_error)?;
+            for (batch, delays) in shown.chunks(BATCH).zip(delays.chunks(BATCH)) {
+                let mut pictures = self.draw(&stage, batch);
+                pictures.par_iter_mut().for_each(|picture| palette.apply(picture));
+                for (picture, &delay) in pictures.into_iter().zip(delays) {
+                    let picture = DynamicImage::from(picture).into_rgba8();
+                    let delay = Delay::from_numer_denom_ms(u32::from(delay) * 10, 1);
+                    encoder.encode_frame(Frame::from_parts(picture, 0, 0, delay)).map_err(io_error)?;
+                }
+            }
+            Ok(())
+        })?;
+        Ok(())
+    }
+
+    /// Writes one picture of six instants over the run.
+    pub fn write_png(&self, path: &Path) -> Result<(), PreviewError> {
+        let stage = self.stage()?;
+        let instants: Vec<usize> = spread(self.snapshots.len(), SHEET[0] * SHEET[1]).collect();
+        let side = |k: usize| (SHEET[k] * (SIZE[k] + GAP) - GAP) as u32;
+        let mut sheet = RgbImage::from_pixel(side(0), side(1), Rgb([255; 3]));
+        for (k, tile) in self.draw(&stage, &instants).iter().enumerate() {
+            let [x, y] = [k % SHEET[0] * (SIZE[0] + GAP), k / SHEET[0] * (SIZE[1] + GAP)];
+            imageops::replace(&mut sheet, tile, x as i64, y as i64);
+        }
+        whole::write(path.into(), |file| {
+            let (width, height) = sheet.dimensions();
+            let encoder = PngEncoder::new(file);
+            encoder.write_image(sheet.as_raw(), width, height, ExtendedColorType::Rgb8).map_err(io_error)
+        })?;
+        Ok(())
+    }
+
+    fn stage(&self) -> Result<Stage, PreviewError> {
+        if self.snapshots.is_empty() {
+            return Err(PreviewError::Empty);
+        }
+        Ok(Stage::around(self.snapshots.iter().map(Vec::as_slice), SIZE))
+    }
+
+    fn draw(&self, stage: &Stage, snapshots: &[usize]) -> Vec<RgbImage> {
+        let last = (self.snapshots.len() - 1).max(1) as f32;
+        let draw = |&k: &usize| picture::draw(stage, &self.triangles, &self.pins, &self.snapshots[k], k as f32 / last);
+        snapshots.par_iter().map(draw).collect()
+    }
+
+    /// Time of a snapshot, hundredths of a second.
+    fn time(&self, snapshot: usize) -> f64 {
+        (snapshot * self.stride) as f64 / self.frame_rate * 100.0
+    }
+
+    /// The snapshots of the animation: all, or fewer if viewers could not keep up.
+    fn shown(&self) -> Vec<usize> {
+        let step = (SHORTEST_DELAY / self.time(1)).ceil().max(1.0) as usize;
+        (0..self.snapshots.len()).step_by(step).collect()
+    }
+
+    /// How long each is shown, hundredths of a second, without drift.
+    fn delays(&self, shown: &[usize]) -> Vec<u16> {
+        let delay = |pair: &[usize]| (self.time(pair[1]).round() - self.time(pair[0]).round()) as u16;
+        shown.windows(2).map(delay).chain([LAST_DELAY]).collect()
+    }
+}
+
+/// So many instants, evenly from the first to the last of `count` snapshots, of which there is one or more.
+fn spread(count: usize, instants: usize) -> impl Iterator<Item = usize> {
+    let steps = instants - 1;
+    (0..instants).map(move |k| (2 * k * (count - 1) + steps) / (2 * steps))
+}
+
+fn io_error(error: ImageError) -> io::Error {
+    match error {
+        ImageError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::AnimationDecoder;
+    use image::codecs::gif::GifDecoder;
+    use std::collections::HashSet;
+    use std::fs;
+    use std::io::Cursor;
+
+    const SIDE: usize = 12;
+
+    /// Side by side squares, two triangles each.
+    fn grid() -> Vec<[u32; 3]> {
+        let corner = |i: usize, j: usize| (j * SIDE + i) as u32;
+        let squares = (1..SIDE).flat_map(|j| (1..SIDE).map(move |i| [i - 1, i, j - 1, j]));
+        squares
+            .flat_map(|[i, k, j, l]| {
+                [[corner(i, j), corner(i, l), corner(k, j)], [corner(k, j), corner(i, l), corner(k, l)]]
+            })
+            .collect()
+    }
+
+    /// A horizontal cloth of one metre on which waves run.
+    fn waves(frame: usize) -> Vec<[f32; 3]> {
+        let across = |k: usize| k as f32 / (SIDE - 1) as f32;
+        let height = |x: f32| 0.1 * frame.min(1) as f32 * (6.0 * x + 0.5 * frame as f32).sin();
+        (0..SIDE * SIDE).map(|k| (across(k % SIDE), across(k / SIDE))).map(|(x, z)| [x, height(x), z]).collect()
+    }
+
+    fn preview(frames: usize) -> Preview {
+        let mut preview = Preview::new(&grid(), &[0, 11], 30.0, 16);
+        (0..frames).for_each(|frame| preview.frame(&waves(frame)));
+        preview
+    }
+
+    /// The pictures of the animation and how long each is shown, milliseconds.
+    fn gif(preview: &Preview) -> Vec<(RgbImage, u32)> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.gif");
+        preview.write_gif(&path).unwrap();
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+        let frames = GifDecoder::new(Cursor::new(fs::read(path).unwrap())).unwrap().into_frames();
+        let picture = |frame: Frame| {
+            let delay = frame.delay().numer_denom_ms();
+            (DynamicImage::from(frame.into_buffer()).into_rgb8(), delay.0 / delay.1)
+        };
+        frames.map(|frame| picture(frame.unwrap())).collect()
+    }
+
+    fn sheet(preview: &Preview) -> RgbImage {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sheet.png");
+        preview.write_png(&path).unwrap();
+        image::open(path).unwrap().into_rgb8()
+    }
+
+    /// Pixels of fabric: more red than blue, or the other way round, than wall and floor ever are.
+    fn fabric(picture: &RgbImage) -> usize {
+        picture.pixels().filter(|p| p.0[0].abs_diff(p.0[2]) > 24).count()
+    }
+
+    #[test]
+    fn the_animation_shows_moving_cloth() {
+        let pictures = gif(&preview(8));
+        assert_eq!(pictures.len(), 8);
+        for (picture, _) in &pictures {
+            assert_eq!(picture.dimensions(), (480, 360));
+            assert!(fabric(picture) > 10_000, "{}", fabric(picture));
+            assert!(picture.pixels().collect::<HashSet<_>>().len() > 60);
+        }
+        for pair in pictures.windows(2) {
+            let changed = pair[0].0.pixels().zip(pair[1].0.pixels()).filter(|(a, b)| a != b).count();
+            assert!(changed > 1000, "{changed}");
+        }
+    }
+
+    #[test]
+    fn the_animation_keeps_real_time() {
+        let time = |rate: f64| {
+            let mut preview = preview(13);
+            preview.frame_rate = rate;
+            let pictures = gif(&preview);
+            assert!(pictures.iter().all(|(_, delay)| *delay >= 30));
+            pictures.iter().rev().skip(1).map(|(_, delay)| delay).sum::<u32>()
+        };
+        assert_eq!(time(30.0), 400);
+        assert_eq!(time(60.0), 200);
+        assert_eq!(time(120.0), 100);
+    }
+
+    #[test]
+    fn the_sheet_shows_six_instants() {
+        let sheet = sheet(&preview(3));
+        assert_eq!(sheet.dimensions(), (1448, 724));
+        assert!(fabric(&sheet) > 60_000);
+        assert!(sheet.pixels().collect::<HashSet<_>>().len() > 1000);
+    }
+
+    #[test]
+    fn snapshots_span_the_run() {
+        for frames in [1, 16, 17, 100, 1000] {
+            let preview = preview(frames);
+            assert!(preview.snapshots.len() <= 16 && preview.snapshots.len() * 2 >= frames.min(16));
+            for (k, snapshot) in preview.snapshots.iter().enumerate() {
+                assert_eq!(snapshot[5].to_array(), waves(k * preview.stride)[5]);
+            }
+            let last = (preview.snapshots.len() - 1) * preview.stride;
+            assert!(last < frames && frames - last <= preview.stride);
+        }
+    }
+
+    #[test]
+    fn diverged_cloth_does_no_harm() {
+        let mut preview = preview(3);
+        let whole = fabric(&sheet(&preview));
+        for bad in [f32::NAN, f32::INFINITY, 1e30, -3e38] {
+            let mut frame = waves(3);
+            frame[40] = [bad, 0.0, bad];
+            preview.frame(&frame);
+            preview.frame(&[[bad; 3]; SIDE * SIDE]);
+        }
+        let left = fabric(&sheet(&preview));
+        assert!(whole / 4 < left && left < whole, "{left} of {whole}");
+        assert_eq!(gif(&preview).len(), 11);
+    }
+
+    #[test]
+    fn odd_input_does_no_harm() {
+        let mut preview = Preview::new(&[[0, 1, 7]], &[9], f64::NAN, 0);
+        assert!(matches!(preview.write_gif(Path::new("never.gif")), Err(PreviewError::Empty)));
+        preview.frame(&[]);
+        preview.frame(&[[0.0; 3]; 2]);
+        preview.frame(&[[1.0; 3]; 8]);
+        for rate in [f64::NAN, 0.0, -1.0, f64::INFINITY, 1e-9] {
+            preview.frame_rate = rate;
+            assert!(!gif(&preview).is_empty());
+        }
+    }
+
+    #[test]
+    fn names_the_file_that_cannot_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("file"), "").unwrap();
+        let failed = preview(1).write_png(&folder.path().join("file/a.png"));
+        assert!(failed.unwrap_err().to_string().contains("a.png: "));
+    }
+}

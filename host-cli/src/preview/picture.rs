@@ -1,0 +1,166 @@
+//! Draws one snapshot of the cloth.
+
+use glam::Vec3;
+use image::{Rgb, RgbImage};
+
+use super::raster;
+use super::shade::{self, Surface};
+use super::shadow::ShadowMap;
+use super::stage::Stage;
+
+/// Samples along each side of a pixel.
+const SAMPLES: usize = 2;
+/// Texels over which shadows are softened on cloth and floor.
+const SOFTNESS: [i32; 2] = [2, 7];
+/// Radius of a pin's dot, pixels.
+const PIN_RADIUS: f32 = 2.0;
+
+/// The cloth at one instant.
+struct Cloth<'a> {
+    points: &'a [Vec3],
+    normals: Vec<Vec3>,
+    /// Triangles of which the camera follows all corners.
+    triangles: Vec<[usize; 3]>,
+    shadows: ShadowMap<'a>,
+}
+
+/// What a sample of the picture sees.
+#[derive(Clone, Copy)]
+struct Hit {
+    /// Inverse depth, 1/metres; 0 where there is no cloth.
+    nearness: f32,
+    triangle: usize,
+    weights: [f32; 3],
+}
+
+/// Draws cloth and pins at `points`; `progress`, from 0 to 1, is shown as a bar along the bottom.
+pub fn draw(stage: &Stage, triangles: &[[u32; 3]], pins: &[u32], points: &[Vec3], progress: f32) -> RgbImage {
+    let cloth = Cloth::new(stage, triangles, points);
+    let hits = cloth.hits(stage);
+    let [width, height] = stage.size;
+    let mut pixels: Vec<Vec3> = (0..width * height).map(|k| cloth.pixel(stage, &hits, k % width, k / width)).collect();
+    for &pin in pins.iter().filter_map(|&pin| points.get(pin as usize)) {
+        draw_pin(stage, &hits, pin, &mut pixels);
+    }
+    draw_bar(stage, progress, &mut pixels);
+    RgbImage::from_fn(width as u32, height as u32, |x, y| Rgb(shade::encode(pixels[y as usize * width + x as usize])))
+}
+
+impl<'a> Cloth<'a> {
+    fn new(stage: &'a Stage, triangles: &[[u32; 3]], points: &'a [Vec3]) -> Self {
+        let shown: Vec<bool> = points.iter().map(|&point| stage.shows(point)).collect();
+        let shows = |triangle: &[usize; 3]| triangle.iter().all(|&v| shown.get(v) == Some(&true));
+        let triangles: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(|v| v as usize)).filter(shows).collect();
+        let corners = |triangle: &[usize; 3]| triangle.map(|v| points[v]);
+        let shadows = stage.light.shadows(triangles.iter().map(corners));
+        let normals = normals(points, &triangles);
+        Cloth { points, normals, triangles, shadows }
+    }
+
+    fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].map(|v| self.points[v])
+    }
+
+    /// What each sample sees, the nearest triangle first.
+    fn hits(&self, stage: &Stage) -> Vec<Hit> {
+        let size = stage.size.map(|s| s * SAMPLES);
+        let mut hits = vec![Hit { nearness: 0.0, triangle: 0, weights: [0.0; 3] }; size[0] * size[1]];
+        let scale = Vec3::new(SAMPLES as f32, SAMPLES as f32, 1.0);
+        for triangle in 0..self.triangles.len() {
+            let corners = self.corners(triangle).map(|corner| stage.camera.project(corner) * scale);
+            if corners.iter().any(|corner| corner.z <= 0.0) {
+                continue;
+            }
+            raster::triangle(size, corners, |sample, weights| {
+                let weights: [f32; 3] = std::array::from_fn(|k| weights[k] * corners[k].z);
+                let nearness: f32 = weights.iter().sum();
+                if nearness > hits[sample].nearness {
+                    hits[sample] = Hit { nearness, triangle, weights: weights.map(|w| w / nearness) };
+                }
+            });
+        }
+        hits
+    }
+
+    /// Colour of a pixel: the mean over its samples.
+    fn pixel(&self, stage: &Stage, hits: &[Hit], x: usize, y: usize) -> Vec3 {
+        let samples = samples(stage, x, y).map(|sample| hits[sample]).filter(|hit| hit.nearness > 0.0);
+        let (count, fabric) = samples.fold((0, Vec3::ZERO), |(n, sum), hit| (n + 1, sum + self.fabric(stage, hit)));
+        let free = (SAMPLES * SAMPLES - count) as f32;
+        let behind = if count < SAMPLES * SAMPLES { self.backdrop(stage, x, y) } else { Vec3::ZERO };
+        (fabric + behind * free) / (SAMPLES * SAMPLES) as f32
+    }
+
+    fn fabric(&self, stage: &Stage, hit: Hit) -> Vec3 {
+        let blend = |values: [Vec3; 3]| (0..3).map(|k| values[k] * hit.weights[k]).sum::<Vec3>();
+        let corners = self.corners(hit.triangle);
+        let point = blend(corners);
+        let to_eye = (stage.camera.eye - point).normalize_or_zero();
+        let flat = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let front = flat.dot(to_eye) > 0.0;
+        let smooth = blend(self.triangles[hit.triangle].map(|v| self.normals[v])).normalize_or_zero();
+        let normal = if front { smooth } else { -smooth };
+
+        // Off the cloth towards the light, so that it does not shade itself.
+        let light = &stage.light;
+        let side = normal * normal.dot(light.direction).signum();
+        let lit = self.shadows.lit(point + (side * 3.0 + light.direction) * light.texel, SOFTNESS[0]);
+        shade::fabric(stage, &Surface { to_eye, normal, front, lit })
+    }
+
+    fn backdrop(&self, stage: &Stage, x: usize, y: usize) -> Vec3 {
+        let down = y as f32 / stage.size[1] as f32;
+        let centre = [x as f32 + 0.5, y as f32 + 0.5];
+        shade::backdrop(stage, centre, down, |point| self.shadows.lit(point, SOFTNESS[1]))
+    }
+}
+
+/// The samples of a pixel.
+fn samples(stage: &Stage, x: usize, y: usize) -> impl Iterator<Item = usize> + use<> {
+    let row = stage.size[0] * SAMPLES;
+    (0..SAMPLES * SAMPLES).map(move |k| (y * SAMPLES + k / SAMPLES) * row + x * SAMPLES + k % SAMPLES)
+}
+
+/// Normals of the vertices, the mean of their triangles' by area.
+fn normals(points: &[Vec3], triangles: &[[usize; 3]]) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::ZERO; points.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|v| points[v]);
+        let normal = (b - a).cross(c - a);
+        triangle.iter().for_each(|&v| normals[v] += normal);
+    }
+    normals.into_iter().map(Vec3::normalize_or_zero).collect()
+}
+
+/// A dot on a vertex, unless cloth hides it.
+fn draw_pin(stage: &Stage, hits: &[Hit], pin: Vec3, pixels: &mut [Vec3]) {
+    let place = stage.camera.project(pin);
+    let inside = (0.0..stage.size[0] as f32).contains(&place.x) && (0.0..stage.size[1] as f32).contains(&place.y);
+    if !stage.shows(pin) || !inside || place.z <= 0.0 {
+        return;
+    }
+    let hidden = |sample: usize| {
+        hits[sample].nearness > 0.0 && 1.0 / place.z - 1.0 / hits[sample].nearness > 0.01 * stage.extent
+    };
+    if samples(stage, place.x as usize, place.y as usize).all(hidden) {
+        return;
+    }
+    let around =
+        |x: f32, count: usize| (x - PIN_RADIUS - 1.0).max(0.0) as usize..count.min((x + PIN_RADIUS + 2.0) as usize);
+    for y in around(place.y, stage.size[1]) {
+        for x in around(place.x, stage.size[0]) {
+            let off = (x as f32 + 0.5 - place.x).hypot(y as f32 + 0.5 - place.y);
+            let pixel = &mut pixels[y * stage.size[0] + x];
+            *pixel = pixel.lerp(shade::PIN, (PIN_RADIUS + 0.5 - off).clamp(0.0, 1.0));
+        }
+    }
+}
+
+/// A bar of three pixels that shows how much of the run has passed.
+fn draw_bar(stage: &Stage, progress: f32, pixels: &mut [Vec3]) {
+    let [width, height] = stage.size;
+    let passed = ((width as f32 * progress) as usize).min(width);
+    for y in height.saturating_sub(3)..height {
+        pixels[y * width..][..passed].iter_mut().for_each(|pixel| *pixel = shade::BAR);
+    }
+}

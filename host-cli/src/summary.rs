@@ -1,0 +1,143 @@
+//! `summary.json`: what a run came to.
+
+use serde::Serialize;
+
+use crate::engine::Report;
+
+/// The keys of the interface, in its order, and a few more.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    pub tool: &'static str,
+    pub version: &'static str,
+    pub scene: String,
+    pub precision: &'static str,
+    pub backend: &'static str,
+    pub adapter: Option<String>,
+    pub threads: usize,
+    pub vertices: usize,
+    pub triangles: usize,
+    pub method: &'static str,
+    pub step_s: f64,
+    pub frames: u64,
+    pub steps: u64,
+    pub rejected_steps: u64,
+    pub simulated_s: f64,
+    pub wall_s: f64,
+    pub verdict: &'static str,
+    pub divergence: Option<String>,
+    pub stage_ms: StageMs,
+    pub stretch: Stretch,
+    pub energy: Energy,
+    pub momentum: [f64; 3],
+    pub contacts: Contacts,
+    pub intersections: Option<u64>,
+    pub penetration_m: Option<f64>,
+    pub work: Work,
+    pub state_hash: String,
+}
+
+/// Means per step, ms.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct StageMs {
+    pub predict: f64,
+    pub broad_phase: f64,
+    pub narrow_phase: f64,
+    pub response: f64,
+    pub output: f64,
+}
+
+/// Edge length over rest length, last frame.
+#[derive(Clone, Debug, Serialize)]
+pub struct Stretch {
+    pub max: f64,
+    pub mean: f64,
+}
+
+/// J, last frame.
+#[derive(Clone, Debug, Serialize)]
+pub struct Energy {
+    pub kinetic: f64,
+    pub stretch: f64,
+    pub shear: f64,
+    pub bend: f64,
+    pub seam: f64,
+    pub gravity: f64,
+}
+
+/// Totals; zero without contact.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Contacts {
+    pub candidates: u64,
+    pub proximity: u64,
+    pub impacts: u64,
+    pub zones: u64,
+    pub failsafe: u64,
+}
+
+/// Counts that do not depend on the machine.
+#[derive(Clone, Debug, Serialize)]
+pub struct Work {
+    pub force_evaluations: u64,
+    pub cg_iterations: u64,
+    pub newton_iterations: u64,
+    pub negative_curvature: u64,
+    pub unconverged: u64,
+}
+
+impl From<&Report> for Stretch {
+    fn from(report: &Report) -> Self {
+        let [max, mean] = report.stretch;
+        Self { max, mean }
+    }
+}
+
+impl From<&Report> for Energy {
+    fn from(report: &Report) -> Self {
+        let [kinetic, stretch, shear, bend, seam, gravity] = report.energy;
+        Self { kinetic, stretch, shear, bend, seam, gravity }
+    }
+}
+
+impl From<&Report> for Work {
+    fn from(report: &Report) -> Self {
+        Self {
+            force_evaluations: report.force_evaluations,
+            cg_iterations: report.cg_iterations,
+            newton_iterations: report.newton_iterations,
+            negative_curvature: report.negative_curvature,
+            unconverged: report.unconverged,
+        }
+    }
+}
+
+impl Summary {
+    /// For a person.
+    pub fn lines(&self) -> String {
+        let per_step = if self.steps > 0 { 1e3 * self.wall_s / self.steps as f64 } else { 0.0 };
+        let mut text = format!(
+            "{}: {} vertices, {} triangles, {} in {}\n\
+             {:.3} s in {} steps of {:.4} ms: {:.2} s of wall time, {per_step:.3} ms a step\n\
+             stretch {:.2} % at most, {:.3} % in the mean\n\
+             work {} force evaluations, {} CG iterations\n\
+             state {}",
+            self.scene,
+            self.vertices,
+            self.triangles,
+            self.method,
+            self.precision,
+            self.simulated_s,
+            self.steps,
+            1e3 * self.step_s,
+            self.wall_s,
+            1e2 * (self.stretch.max - 1.0),
+            1e2 * (self.stretch.mean - 1.0),
+            self.work.force_evaluations,
+            self.work.cg_iterations,
+            self.state_hash,
+        );
+        if self.work.unconverged > 0 {
+            text += &format!("\n{} linear solves ended before their tolerance", self.work.unconverged);
+        }
+        text
+    }
+}
