@@ -2,8 +2,9 @@
 //! and a hash of its bits.
 
 use crate::dispatch::Dispatch;
-use crate::forces::{self, Energy, Model, Term};
+use crate::forces::{self, Energy, Model};
 use crate::real::{Real, Sum, Vec3, dot_sum, sqrt, to_f64};
+use crate::stage::Term;
 
 /// All energies of a state, J.
 pub fn energy(model: &Model<'_>, masses: &[Real], x: &[Vec3], v: &[Vec3]) -> Energy {
@@ -70,9 +71,10 @@ pub fn hardest_term(
         let Some(alone) = model.only(term) else { continue };
         forces::evaluate(&alone, masses, x, v, scratch, f, dispatch);
         let pull = f[particle as usize];
-        let square = if pull.is_finite() { dot_sum(pull, pull) } else { Sum::INFINITY };
-        if square > hardest.1 {
-            hardest = (Some(term), square);
+        // Not the square, which overflows first.
+        let size = if pull.is_finite() { pull.abs().max_element() } else { Real::INFINITY };
+        if size > hardest.1 {
+            hardest = (Some(term), size);
         }
     }
     hardest.0
@@ -80,7 +82,10 @@ pub fn hardest_term(
 
 /// FNV-1a over the bits of positions and velocities, chained over steps: two runs that agree in
 /// it went through the same states, and the first step at which chains differ is the first that
-/// differed. Taken over whole scalars rather than bytes; negative zero counts as zero.
+/// differed.
+///
+/// Taken over whole scalars in four interleaved streams, because a step must not wait for its
+/// hash; negative zero counts as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateHash(pub u64);
 
@@ -93,12 +98,28 @@ impl Default for StateHash {
 impl StateHash {
     /// Adds a state to the chain.
     pub fn add(&mut self, x: &[Vec3], v: &[Vec3]) {
-        const PRIME: u64 = 0x0000_0100_0000_01b3;
+        let mut streams = [self.0, !self.0, self.0.rotate_left(21), self.0.rotate_left(42)];
         for column in [x, v] {
-            for scalar in bytemuck::cast_slice::<Vec3, Real>(column) {
-                // -0.0 + 0.0 is 0.0.
-                self.0 = (self.0 ^ u64::from((scalar + 0.0).to_bits())).wrapping_mul(PRIME);
+            let (fours, rest) = bytemuck::cast_slice::<Vec3, Real>(column).as_chunks::<4>();
+            for four in fours {
+                for (stream, scalar) in streams.iter_mut().zip(four) {
+                    *stream = mix(*stream, scalar_bits(*scalar));
+                }
+            }
+            for scalar in rest {
+                streams[0] = mix(streams[0], scalar_bits(*scalar));
             }
         }
+        self.0 = streams.into_iter().fold(self.0, mix);
     }
+}
+
+/// One round of FNV-1a.
+fn mix(hash: u64, bits: u64) -> u64 {
+    (hash ^ bits).wrapping_mul(0x0000_0100_0000_01b3)
+}
+
+fn scalar_bits(scalar: Real) -> u64 {
+    // -0.0 + 0.0 is 0.0.
+    (scalar + 0.0).to_bits().into()
 }

@@ -3,6 +3,8 @@
 //! A kernel writes only the columns that it is handed as `out`. Because each slot's value does
 //! not depend on where the columns were split, the bits do not depend on the thread count.
 
+use crate::stage::Stage;
+
 /// Output that can be handed out in disjoint parts.
 pub trait Split: Sized + Send {
     /// Number of slots.
@@ -50,6 +52,10 @@ pub trait Dispatch: Sync {
     /// Calls `kernel(start, part)` until every slot of `out` has been handed out once, where
     /// `start` is the index of the part's first slot in `out`.
     fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K);
+
+    /// Told which stage the following kernels belong to.
+    #[inline]
+    fn enter(&self, _: Stage) {}
 }
 
 /// One thread: the whole output in one call.

@@ -27,6 +27,8 @@ pub enum MeshError {
     NonManifoldEdge { a: u32, b: u32 },
     /// No triangle uses this vertex: it would have no mass.
     LooseVertex { vertex: u32 },
+    /// More triangles meet at a vertex than the solver can index.
+    Hub { vertex: u32, most: u32 },
     /// The rest shape was asked from texture coordinates and there are none.
     NoTextureCoordinates,
     /// The start positions are not as many as the vertices.
@@ -62,6 +64,9 @@ impl fmt::Display for MeshError {
             }
             Self::LooseVertex { vertex } => {
                 write!(f, "vertex {vertex} belongs to no triangle and would have no mass; remove it")
+            }
+            Self::Hub { vertex, most } => {
+                write!(f, "more than {most} triangles meet at vertex {vertex}; split the mesh there")
             }
             Self::NoTextureCoordinates => {
                 write!(f, "rest = \"uv\" needs texture coordinates (vt), and the mesh has none; use rest = \"shape\"")
@@ -111,8 +116,10 @@ pub enum SceneError {
     PinOutOfRange { cloth: u32, pin: u32, index: u32 },
     /// The axes of a pin are not a combination of x, y and z.
     PinAxes { cloth: u32, pin: u32 },
-    /// The keys of a motion are empty or not in the order of time.
+    /// The keys of a motion are not in the order of time.
     MotionKeys { cloth: u32, pin: u32 },
+    /// The turn of a motion has no direction, or a number that is none.
+    MotionTurn { cloth: u32, pin: u32 },
 }
 
 impl From<(u32, MeshError)> for SceneError {
@@ -128,8 +135,8 @@ impl fmt::Display for SceneError {
             Self::OneMeshSource { cloth } => write!(f, "cloth {cloth}: give exactly one of grid, tube, disc or mesh"),
             Self::MissingMesh { cloth } => write!(f, "cloth {cloth}: its mesh file was not loaded"),
             Self::Mesh { cloth, error } => write!(f, "cloth {cloth}: {error}"),
-            Self::NotPositive { key, value } => write!(f, "{key} = {value}: must be greater than zero"),
-            Self::Negative { key, value } => write!(f, "{key} = {value}: must not be negative"),
+            Self::NotPositive { key, value } => write!(f, "{key} = {value}: must be greater than zero and finite"),
+            Self::Negative { key, value } => write!(f, "{key} = {value}: must not be negative, and must be finite"),
             Self::NotFinite { key } => write!(f, "{key}: must be a finite number"),
             Self::TooFewCells { key, least } => write!(f, "{key}: must be at least {least}"),
             Self::TooLarge { vertices } => {
@@ -144,13 +151,16 @@ impl fmt::Display for SceneError {
                 write!(f, "cloth {cloth}, pin {pin}: give exactly one of corners, vertices, box, nearest or edge")
             }
             Self::PinOutOfRange { cloth, pin, index } => {
-                write!(f, "cloth {cloth}, pin {pin}: there is no {index} to hold")
+                write!(f, "cloth {cloth}, pin {pin}: there is no corner or vertex {index} to hold")
             }
             Self::PinAxes { cloth, pin } => {
                 write!(f, "cloth {cloth}, pin {pin}: axes must be a combination of x, y and z, such as \"xz\"")
             }
             Self::MotionKeys { cloth, pin } => {
                 write!(f, "cloth {cloth}, pin {pin}: the times of motion.keys must be finite and increase")
+            }
+            Self::MotionTurn { cloth, pin } => {
+                write!(f, "cloth {cloth}, pin {pin}: motion.turn needs an axis with a direction and a finite rate")
             }
         }
     }

@@ -50,3 +50,5 @@ pub mod simulation;
 pub mod dispatch;
 pub mod error;
 pub mod real;
+pub mod stage;
+pub mod traffic;

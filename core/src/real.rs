@@ -11,8 +11,8 @@ mod precision {
     pub type Vec3 = glam::Vec3;
     /// Nine scalars in columns: one block of a Jacobian.
     pub type Mat3 = glam::Mat3;
-    /// The unsigned integer with the bits of a [`Real`].
-    pub type Bits = u32;
+    /// Four scalars that are multiplied and added at once.
+    pub type Lanes = wide::f32x4;
 
     pub use libm::{atan2f as atan2, cosf as cos, sinf as sin, sqrtf as sqrt};
 }
@@ -25,8 +25,8 @@ mod precision {
     pub type Vec3 = glam::DVec3;
     /// Nine scalars in columns: one block of a Jacobian.
     pub type Mat3 = glam::DMat3;
-    /// The unsigned integer with the bits of a [`Real`].
-    pub type Bits = u64;
+    /// Four scalars that are multiplied and added at once.
+    pub type Lanes = wide::f64x4;
 
     pub use libm::{atan2, cos, sin, sqrt};
 }
@@ -59,6 +59,12 @@ pub fn to_f64(v: Vec3) -> [f64; 3] {
 #[inline]
 pub fn dot_sum(a: Vec3, b: Vec3) -> Sum {
     a.x as Sum * b.x as Sum + a.y as Sum * b.y as Sum + a.z as Sum * b.z as Sum
+}
+
+/// The components of a vector, and a zero.
+#[inline(always)]
+pub fn lanes(v: Vec3) -> Lanes {
+    Lanes::new([v.x, v.y, v.z, 0.0])
 }
 
 /// `a b^T`.

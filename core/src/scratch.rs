@@ -1,7 +1,8 @@
 //! Everything a step writes besides the state, sized once. A column that a method does not use
 //! is empty.
 
-use crate::integrate::matrix::{BlockMatrix, Targets};
+use crate::forces::matrix::{BlockMatrix, Targets};
+use crate::integrate::coarse::{CoarseFactor, Patches};
 use crate::real::{Mat3, Real, Sum, Vec3};
 
 /// Work columns, borrowed. Lengths: one entry a vertex where not said otherwise.
@@ -53,6 +54,10 @@ pub struct Scratch<'a> {
     pub preconditioned: &'a mut [Vec3],
     /// Implicit: the block Jacobi preconditioner.
     pub inverse_diagonal: &'a mut [Mat3],
+    /// Two-level preconditioner: the patches.
+    pub patches: Patches<'a>,
+    /// Two-level preconditioner: their small system.
+    pub coarse: CoarseFactor<'a>,
     /// Implicit: one for each [`PART`](crate::integrate::conjugate_gradient::PART) vertices.
     pub partials: &'a mut [Sum],
 }
@@ -66,13 +71,15 @@ mod owned {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    use super::{BlockMatrix, Mat3, Real, Scratch, Sum, Vec3};
-    use crate::forces::Model;
+    use super::{BlockMatrix, CoarseFactor, Mat3, Real, Scratch, Sum, Vec3};
+    use crate::forces::matrix::{Block, Pattern};
+    use crate::integrate::coarse::{Dense, MODES, PatchColumns};
     use crate::integrate::conjugate_gradient::PART;
-    use crate::integrate::matrix::Pattern;
-    use crate::integrate::{Method, Scheme};
+    use crate::integrate::{Method, Preconditioner, Scheme};
+    use crate::scene::BuiltScene;
+    use crate::traffic::Sizes;
 
-    /// Owned work columns, sized for a model and a scheme.
+    /// Owned work columns, sized for a scene and a scheme.
     #[derive(Clone, Debug, Default)]
     pub struct ScratchColumns {
         forces: Vec<Vec3>,
@@ -87,7 +94,7 @@ mod owned {
         base_velocities: Vec<Vec3>,
         pub(crate) has_history: bool,
         pattern: Pattern,
-        blocks: Vec<Mat3>,
+        blocks: Vec<Block>,
         tangents: Vec<Real>,
         solution: Vec<Vec3>,
         residual: Vec<Vec3>,
@@ -97,16 +104,29 @@ mod owned {
         preconditioned: Vec<Vec3>,
         inverse_diagonal: Vec<Mat3>,
         partials: Vec<Sum>,
+        patches: PatchColumns,
+        coarse_values: Vec<Sum>,
+        coarse_own: Vec<Dense>,
+        coarse_inverse_diagonal: Vec<Sum>,
+        coarse_vector: Vec<Sum>,
     }
 
     impl ScratchColumns {
-        /// Columns for `vertices` vertices.
-        pub fn build(vertices: usize, model: &Model<'_>, scheme: &Scheme) -> Self {
+        /// Columns for a scene and a scheme.
+        pub fn build(scene: &BuiltScene, scheme: &Scheme) -> Self {
+            let (vertices, model) = (scene.particles.positions.len(), &scene.model.view());
             let column = |used: bool| vec![Vec3::ZERO; if used { vertices } else { 0 }];
             let implicit = scheme.method.is_implicit();
             let iterates = implicit && scheme.newton > 1;
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
             let pattern = if implicit { Pattern::build(vertices, model) } else { Pattern::default() };
+            let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
+                let cloths: Vec<_> = scene.cloths.iter().map(|cloth| cloth.vertices.clone()).collect();
+                PatchColumns::build(&scene.material, &cloths, &pattern, &scene.pins.view())
+            } else {
+                PatchColumns::default()
+            };
+            let [coarse_rows, coarse_values] = patches.sizes();
             Self {
                 forces: column(true),
                 elements: vec![Vec3::ZERO; model.force_scratch()],
@@ -119,7 +139,7 @@ mod owned {
                 base_positions: column(bdf2),
                 base_velocities: column(bdf2),
                 has_history: false,
-                blocks: vec![Mat3::ZERO; pattern.columns.len()],
+                blocks: vec![Block::default(); pattern.columns.len()],
                 pattern,
                 tangents: vec![0.0; if implicit { model.tangent_scratch() } else { 0 }],
                 solution: column(implicit),
@@ -130,7 +150,53 @@ mod owned {
                 preconditioned: column(implicit),
                 inverse_diagonal: vec![Mat3::ZERO; if implicit { vertices } else { 0 }],
                 partials: vec![0.0; if implicit { vertices.div_ceil(PART) } else { 0 }],
+                patches,
+                coarse_values: vec![0.0; coarse_values],
+                coarse_own: vec![[[0.0; MODES]; MODES]; coarse_rows / MODES],
+                coarse_inverse_diagonal: vec![0.0; coarse_rows],
+                coarse_vector: vec![0.0; coarse_rows],
             }
+        }
+
+        /// What traffic depends on.
+        pub fn sizes(&self) -> Sizes {
+            Sizes {
+                vertices: self.forces.len(),
+                blocks: [self.pattern.columns.len(), self.pattern.mirrored.len()],
+                coarse_values: self.coarse_values.len(),
+            }
+        }
+
+        /// Bytes held.
+        pub fn bytes(&self) -> usize {
+            let vectors = [
+                &self.forces,
+                &self.elements,
+                &self.next_positions,
+                &self.next_velocities,
+                &self.stage_positions,
+                &self.stage_velocities,
+                &self.previous_positions,
+                &self.previous_velocities,
+                &self.base_positions,
+                &self.base_velocities,
+                &self.solution,
+                &self.residual,
+                &self.base_residual,
+                &self.direction,
+                &self.products,
+                &self.preconditioned,
+            ];
+            vectors.iter().map(|column| size_of_val(&column[..])).sum::<usize>()
+                + self.pattern.bytes()
+                + size_of_val(&self.blocks[..])
+                + size_of_val(&self.tangents[..])
+                + size_of_val(&self.inverse_diagonal[..])
+                + size_of_val(&self.partials[..])
+                + self.patches.bytes()
+                + size_of_val(&self.coarse_values[..])
+                + size_of_val(&self.coarse_own[..])
+                + 2 * size_of_val(&self.coarse_vector[..])
         }
 
         /// The borrowed view that a step takes.
@@ -151,6 +217,8 @@ mod owned {
                 matrix: BlockMatrix {
                     offsets: &self.pattern.offsets,
                     columns: &self.pattern.columns,
+                    mirrored_offsets: &self.pattern.mirrored_offsets,
+                    mirrored: &self.pattern.mirrored,
                     blocks: &mut self.blocks,
                 },
                 tangents: &mut self.tangents,
@@ -162,6 +230,13 @@ mod owned {
                 preconditioned: &mut self.preconditioned,
                 inverse_diagonal: &mut self.inverse_diagonal,
                 partials: &mut self.partials,
+                patches: self.patches.view(),
+                coarse: CoarseFactor {
+                    values: &mut self.coarse_values,
+                    own: &mut self.coarse_own,
+                    inverse_diagonal: &mut self.coarse_inverse_diagonal,
+                    vector: &mut self.coarse_vector,
+                },
             }
         }
     }

@@ -3,14 +3,16 @@
 use crate::diagnostics::{self, Stretch};
 use crate::dispatch::Dispatch;
 use crate::error::SceneError;
-use crate::forces::{Energy, Model, Term};
+use crate::forces::{Energy, Model};
 use crate::integrate::pins::Pins;
 use crate::integrate::{Context, Scheme, Work};
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
+use crate::stage::Term;
 use crate::step::{self, Prediction};
+use crate::traffic::Sizes;
 
 /// A simulation that a host steps.
 #[derive(Clone, Debug)]
@@ -75,7 +77,7 @@ impl Simulation {
 
     /// A simulation over columns made elsewhere.
     pub fn from_columns(built: BuiltScene, scheme: Scheme, step: Real) -> Self {
-        let scratch = ScratchColumns::build(built.particles.positions.len(), &built.model.view(), &scheme);
+        let scratch = ScratchColumns::build(&built, &scheme);
         Self { built, scratch, scheme, step, steps: 0, work: Work::default() }
     }
 
@@ -168,6 +170,16 @@ impl Simulation {
     /// The columns that the scene was built into, with the particles as they are now.
     pub fn scene(&self) -> &BuiltScene {
         &self.built
+    }
+
+    /// What traffic depends on ([`traffic::bytes`](crate::traffic::bytes)).
+    pub fn sizes(&self) -> Sizes {
+        self.scratch.sizes()
+    }
+
+    /// Bytes held in columns.
+    pub fn bytes(&self) -> usize {
+        self.built.bytes() + self.scratch.bytes()
     }
 
     /// Positions, m.

@@ -35,6 +35,19 @@ pub enum Command {
     Bench(BenchArguments),
 }
 
+/// Most threads; more than this is a slip of the hand.
+const MOST_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse().ok().filter(|threads| (1..=MOST_THREADS).contains(threads));
+    threads.ok_or_else(|| format!("must be a whole number from 1 to {MOST_THREADS}"))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|&seconds: &f64| seconds >= 0.0 && seconds.is_finite());
+    seconds.ok_or_else(|| "must be a time in seconds, zero or more".into())
+}
+
 /// In which precision to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Precision {
@@ -69,7 +82,7 @@ valid), 130 interrupted (a checkpoint is written).")]
 pub struct RunArguments {
     /// A scene file, or the name of a built-in scene
     pub scene: String,
-    /// Where to write [default: out/<scene name>]
+    /// Where to write [default: a folder of the scene's name in out]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Override a key of the scene, such as integrator.step=0.001; cloth.KEY means every cloth,
@@ -77,13 +90,13 @@ pub struct RunArguments {
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// Simulated seconds, instead of the scene's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
     /// Precision of the computation
     #[arg(long, value_enum, default_value = "f32")]
     pub precision: Precision,
     /// Threads [default: one per core]; the result does not depend on it
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<usize>,
     /// Formats of the exported frames
     #[arg(long, value_enum, value_delimiter = ',', default_value = "pc2")]
@@ -92,7 +105,7 @@ pub struct RunArguments {
     #[arg(long, value_enum, default_value = "gif")]
     pub preview: PreviewKind,
     /// Write a checkpoint every N steps
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
     pub checkpoint: Option<u64>,
     /// Go on from a checkpoint of the same scene
     #[arg(long, value_name = "FILE")]
@@ -127,7 +140,7 @@ pub struct BenchArguments {
     /// Scene files or names of built-in scenes [default: the standard set]
     pub scenes: Vec<String>,
     /// Threads
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = threads, allow_negative_numbers = true)]
     pub threads: usize,
     /// Print one JSON document
     #[arg(long)]

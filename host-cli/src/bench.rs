@@ -1,8 +1,224 @@
-//! `muslin bench`.
-use crate::args::BenchArguments;
-use crate::failure::Failure;
+//! `muslin bench`: what each stage costs on this machine, beside what its memory traffic would
+//! cost if copying were all there is to it.
 
-/// Measures.
-pub fn bench(_: &BenchArguments) -> Result<(), Failure> {
-    Ok(())
+mod copy;
+mod stopwatch;
+
+use std::time::{Duration, Instant};
+
+use muslin_core::simulation::Simulation;
+use muslin_core::stage::Stage;
+use muslin_core::traffic;
+use serde::Serialize;
+
+use crate::args::BenchArguments;
+use crate::failure::{Failure, print_data, print_note};
+use crate::limits;
+use crate::pool::Pool;
+use crate::scene_file::{self, SceneFile};
+use stopwatch::Stopwatch;
+
+/// Wall time after which a scene is cut short.
+const LONGEST: Duration = Duration::from_secs(4);
+
+/// Steps before the clocks start: caches fill, pages are mapped.
+const WARM_UP: u64 = 3;
+
+/// The standard set: explicit springs from 10k to 1M particles, then the implicit scenes.
+const SPRINGS: [(&str, u32); 3] = [("springs-10k", 100), ("springs-100k", 315), ("springs-1m", 1000)];
+const IMPLICIT: [&str; 3] = ["hanging", "swing", "flag"];
+
+/// What is printed.
+#[derive(Serialize)]
+struct Report {
+    machine: Machine,
+    scenes: Vec<SceneReport>,
+}
+
+#[derive(Serialize)]
+struct Machine {
+    cpu: String,
+    threads: usize,
+    copy_gb_per_s: f64,
+}
+
+#[derive(Serialize)]
+struct SceneReport {
+    scene: String,
+    method: &'static str,
+    particles: usize,
+    bytes_per_particle: f64,
+    steps: u64,
+    ms_per_step: f64,
+    ms_per_frame: f64,
+    particles_per_s: f64,
+    largest_stretch: f64,
+    cg_iterations_per_step: f64,
+    stages: Vec<StageReport>,
+}
+
+#[derive(Serialize)]
+struct StageReport {
+    stage: String,
+    ms_per_step: f64,
+    particles_per_s: f64,
+    /// Counted, not measured.
+    traffic_bytes_per_particle: f64,
+    gb_per_s: f64,
+    /// Speed over the speed that copying as many bytes would allow.
+    of_copy_speed: f64,
+}
+
+/// Measures the scenes and prints a table or JSON.
+pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
+    let pool =
+        Pool::new(Some(arguments.threads)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
+    let copy = copy::bandwidth();
+    let machine = Machine { cpu: cpu_name(), threads: pool.threads(), copy_gb_per_s: copy / 1e9 };
+    let mut report = Report { machine, scenes: Vec::new() };
+    for scene in scenes(&arguments.scenes)? {
+        print_note(&format!("measuring {} ...", scene.desc.name));
+        report.scenes.push(pool.install(|| measure(&scene, &pool, copy))?);
+    }
+    match arguments.json {
+        true => print_data(&serde_json::to_string_pretty(&report).map_err(|error| Failure::Tool(error.to_string()))?),
+        false => print_data(&table(&report)),
+    }
+}
+
+fn scenes(names: &[String]) -> Result<Vec<SceneFile>, Failure> {
+    if !names.is_empty() {
+        return names.iter().map(|name| scene_file::load(name, &[])).collect();
+    }
+    let springs = SPRINGS.iter().map(|&(name, cells)| scene_file::from_text(name, springs_scene(name, cells)));
+    springs.chain(IMPLICIT.iter().map(|name| scene_file::load(name, &[]))).collect()
+}
+
+/// A hanging sheet of springs that keeps the same step whatever its resolution: the stiffness
+/// falls as the masses do.
+fn springs_scene(name: &str, cells: u32) -> String {
+    let stiffness = 100.0 * (315.0 / f64::from(cells)).powi(2);
+    format!(
+        "name = \"{name}\"\nduration = 0.1\nframe_rate = 50\ngravity = [0.0, -9.81, 0.0]\n\
+         [[cloth]]\ngrid = {{ size = [1.0, 1.0], cells = [{cells}, {cells}] }}\ndensity = 0.2\n\
+         stretch = {{ model = \"spring\", stiffness = {stiffness:?} }}\npin = [{{ select = {{ corners = [0, 1] }} }}]\n\
+         [integrator]\nmethod = \"symplectic-euler\"\nstep = 0.00005\n"
+    )
+}
+
+fn measure(scene: &SceneFile, pool: &Pool, copy: f64) -> Result<SceneReport, Failure> {
+    limits::check(&scene.desc).map_err(Failure::Usage)?;
+    let mut simulation = Simulation::new(&scene.desc, &scene.resources).map_err(|e| Failure::Usage(e.to_string()))?;
+    let timing = scene.desc.timing();
+    let total = (timing.frames * timing.steps_per_frame).max(WARM_UP + 1);
+    let stopwatch = Stopwatch::new(pool);
+    let (mut largest_stretch, mut times, started) = (0.0_f64, Vec::new(), Instant::now());
+    for step in 0..total {
+        if step == WARM_UP {
+            stopwatch.reset();
+        }
+        let before = Instant::now();
+        simulation.step(&stopwatch).map_err(|diverged| Failure::Diverged(diverged.to_string()))?;
+        stopwatch.pause();
+        if step >= WARM_UP {
+            times.push(before.elapsed().as_secs_f64());
+        }
+        largest_stretch = largest_stretch.max(simulation.stretch().max);
+        if started.elapsed() > LONGEST && step > WARM_UP {
+            break;
+        }
+    }
+    let steps = times.len() as u64;
+    let mean = times.iter().sum::<f64>() / steps as f64;
+    let particles = simulation.positions().len();
+    let work = simulation.work();
+    let all_steps = (steps + WARM_UP) as f64;
+    let per_step = |stage: Stage| match stage {
+        Stage::Solve => work.cg_iterations as f64 / all_steps,
+        Stage::Force(_) => work.force_evaluations as f64 / all_steps,
+        _ => 1.0,
+    };
+    let stages = stopwatch.times().into_iter().map(|(stage, time)| {
+        let seconds = time.as_secs_f64() / steps as f64;
+        let bytes = traffic::bytes(stage, &simulation.model(), simulation.sizes()) as f64 * per_step(stage);
+        StageReport {
+            stage: stage_name(stage),
+            ms_per_step: 1e3 * seconds,
+            particles_per_s: particles as f64 / seconds,
+            traffic_bytes_per_particle: bytes / particles as f64,
+            gb_per_s: bytes / seconds / 1e9,
+            of_copy_speed: bytes / seconds / copy,
+        }
+    });
+    let mut stages: Vec<_> = stages.collect();
+    let traffic: f64 = stages.iter().map(|s| s.traffic_bytes_per_particle).sum();
+    stages.push(StageReport {
+        stage: "all".into(),
+        ms_per_step: 1e3 * mean,
+        particles_per_s: particles as f64 / mean,
+        traffic_bytes_per_particle: traffic,
+        gb_per_s: traffic * particles as f64 / mean / 1e9,
+        of_copy_speed: traffic * particles as f64 / mean / copy,
+    });
+    Ok(SceneReport {
+        scene: scene.desc.name.clone(),
+        method: scene.desc.integrator.method.name(),
+        particles,
+        bytes_per_particle: simulation.bytes() as f64 / particles as f64,
+        steps,
+        ms_per_step: 1e3 * mean,
+        ms_per_frame: 1e3 * mean * timing.steps_per_frame as f64,
+        particles_per_s: particles as f64 / mean,
+        largest_stretch,
+        cg_iterations_per_step: work.cg_iterations as f64 / all_steps,
+        stages,
+    })
+}
+
+fn stage_name(stage: Stage) -> String {
+    match stage {
+        Stage::Force(term) => format!("force {}", term.name()),
+        Stage::Jacobian(term) => format!("jacobian {}", term.name()),
+        Stage::Solve => "solve".into(),
+        Stage::Integrate => "integrate".into(),
+    }
+}
+
+fn cpu_name() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split(": ").nth(1));
+    model.unwrap_or(std::env::consts::ARCH).into()
+}
+
+fn table(report: &Report) -> String {
+    let Machine { cpu, threads, copy_gb_per_s } = &report.machine;
+    let mut text = format!("{cpu}, {threads} thread(s), copies {copy_gb_per_s:.1} GB/s (read + written)\n");
+    for scene in &report.scenes {
+        text += &format!(
+            "\n{}: {} particles, {}, {:.0} bytes a particle held\n\
+             {:.3} ms a step, {:.2} ms a frame, {:.1} CG iterations a step, largest stretch {:.2} %\n\
+             {:36}{:>10}{:>14}{:>12}{:>9}{:>9}\n",
+            scene.scene,
+            scene.particles,
+            scene.method,
+            scene.bytes_per_particle,
+            scene.ms_per_step,
+            scene.ms_per_frame,
+            scene.cg_iterations_per_step,
+            1e2 * (scene.largest_stretch - 1.0),
+            "stage",
+            "ms/step",
+            "particles/s",
+            "bytes/part.",
+            "GB/s",
+            "of copy",
+        );
+        for s in &scene.stages {
+            text += &format!(
+                "{:36}{:>10.4}{:>14.3e}{:>12.0}{:>9.1}{:>9.2}\n",
+                s.stage, s.ms_per_step, s.particles_per_s, s.traffic_bytes_per_particle, s.gb_per_s, s.of_copy_speed
+            );
+        }
+    }
+    text.trim_end().into()
 }

@@ -7,8 +7,9 @@ use std::io::Write;
 use std::path::Path;
 
 use crate::args::Precision;
-use crate::engine::Snapshot;
+use crate::engine::{Engine, Snapshot};
 use crate::export::whole::{self, WriteError};
+use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
@@ -59,8 +60,32 @@ pub fn write(path: &Path, checkpoint: &Checkpoint) -> Result<(), WriteError> {
 }
 
 /// Reads a checkpoint back.
-pub fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
+fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
     decode(&std::fs::read(path)?)
+}
+
+/// Puts the engine of a run of `total` steps where a checkpoint left it; returns the hash chain up
+/// to there. Errors say what to do instead; all are of usage, as for any other input.
+pub fn resume(
+    path: &Path,
+    engine: &mut dyn Engine,
+    precision: Precision,
+    scene_crc: u32,
+    total: u64,
+) -> Result<u64, Failure> {
+    let failed = |why: String| Failure::Usage(format!("{}: {why}", path.display()));
+    let found = read(path).map_err(|error| failed(error.to_string()))?;
+    if found.precision != precision {
+        return Err(failed("was made in the other precision; add --precision as in the first run".into()));
+    }
+    if found.scene != scene_crc || !engine.restore(&found.snapshot) {
+        return Err(failed("belongs to another scene; resume with the scene and the --set of the first run".into()));
+    }
+    let steps = found.snapshot.steps;
+    if steps > total {
+        return Err(failed(format!("is at step {steps}, the run ends with step {total}; give a longer --duration")));
+    }
+    Ok(found.chain)
 }
 
 /// Identity of a scene: its keys but for the duration, and the meshes that it names.
@@ -75,6 +100,11 @@ pub fn scene_crc(scene: &SceneFile) -> u32 {
         crc.update(bytemuck::cast_slice(&mesh.positions));
         crc.update(bytemuck::cast_slice(&mesh.triangles));
         crc.update(bytemuck::cast_slice(&mesh.uvs));
+        crc.update(bytemuck::cast_slice(&mesh.uv_triangles));
+        for stitch in &mesh.stitches {
+            crc.update(bytemuck::cast_slice(&[stitch.a, stitch.edge[0], stitch.edge[1]]));
+            crc.update(&stitch.weight.to_le_bytes());
+        }
     }
     crc.finalize()
 }

@@ -4,6 +4,7 @@
 use muslin_core::scene::Timing;
 
 use crate::args::Precision;
+use crate::limits;
 use crate::pool::Pool;
 use crate::scene_file::SceneFile;
 
@@ -76,10 +77,16 @@ pub trait Engine: Send {
 
 /// Builds a scene's engine; the message says what is wrong with the scene.
 pub fn build(scene: &SceneFile, precision: Precision) -> Result<(Box<dyn Engine>, Timing), String> {
+    limits::check(&scene.desc)?;
     let engine: Box<dyn Engine> = match precision {
         Precision::F32 => Box::new(single::build(scene)?),
         Precision::F64 => Box::new(double::build(scene)?),
     };
+    let mut positions = Vec::new();
+    engine.write_positions(&mut positions);
+    if positions.as_flattened().iter().any(|x| !x.is_finite()) {
+        return Err("a start position is beyond single precision; check cloth.position, scale and size".into());
+    }
     Ok((engine, scene.desc.timing()))
 }
 
@@ -87,12 +94,12 @@ macro_rules! engine {
     ($module:ident, $core:ident) => {
         mod $module {
             use $core::diagnostics::StateHash;
-            use $core::forces::Term;
             use $core::integrate::Work;
             use $core::mesh::{Stitch, TriMesh};
             use $core::real::{Real, Vec3};
             use $core::scene::SceneDesc;
             use $core::simulation::{Simulation, State};
+            use $core::stage::Term;
 
             use super::{Divergence, Engine, Pool, Report, SceneFile, Snapshot};
 

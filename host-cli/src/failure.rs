@@ -26,7 +26,7 @@ pub enum Failure {
 impl Failure {
     /// Prints the message for a person.
     pub fn report(&self) {
-        eprintln!("muslin: {self}");
+        print_note(&format!("muslin: {self}"));
     }
 
     /// 1 the tool, 2 usage or scene, 3 diverged, 130 interrupted.
@@ -50,6 +50,12 @@ impl From<PreviewError> for Failure {
     fn from(error: PreviewError) -> Self {
         Self::Tool(error.to_string())
     }
+}
+
+/// Prints a note for a person to stderr, if anyone listens.
+pub fn print_note(text: &str) {
+    use io::Write;
+    let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
 /// Prints data to stdout; a reader that went away is no failure.

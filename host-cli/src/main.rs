@@ -7,6 +7,8 @@ mod checkpoint;
 mod engine;
 mod export;
 mod failure;
+mod interrupt;
+mod limits;
 mod mesh_io;
 mod pool;
 mod preview;

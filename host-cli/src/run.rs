@@ -1,7 +1,6 @@
 //! `muslin run`: a scene from its first to its last frame, and what is left of it on disk.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -12,7 +11,8 @@ use crate::args::{Precision, PreviewKind, RunArguments};
 use crate::checkpoint::{self, Checkpoint};
 use crate::engine::{self, Divergence, Engine};
 use crate::export::{Exporter, whole};
-use crate::failure::{Failure, print_data};
+use crate::failure::{Failure, print_data, print_note};
+use crate::interrupt;
 use crate::pool::Pool;
 use crate::preview::Preview;
 use crate::scene_file::{self, SceneFile};
@@ -34,6 +34,10 @@ enum Ending {
     Interrupted,
 }
 
+fn total_steps(timing: &Timing) -> u64 {
+    timing.frames * timing.steps_per_frame
+}
+
 /// A run under way.
 struct Run<'a> {
     arguments: &'a RunArguments,
@@ -41,8 +45,11 @@ struct Run<'a> {
     timing: Timing,
     out: PathBuf,
     scene_crc: u32,
-    chain: Option<u64>,
+    /// The hash chain over the first state and all steps.
+    chain: u64,
     steps: u64,
+    /// The step at which this process began; above 0 when resumed.
+    begun: u64,
     exporter: Exporter,
     preview: Option<Preview>,
     positions: Vec<[f32; 3]>,
@@ -54,22 +61,35 @@ struct Run<'a> {
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let scene = load(arguments)?;
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
-    let (mut engine, timing) = engine::build(&scene, arguments.precision).map_err(Failure::Usage)?;
+    let built = engine::build(&scene, arguments.precision);
+    let (mut engine, timing) = built.map_err(|why| Failure::Usage(format!("{}: {why}", arguments.scene)))?;
     let scene_crc = checkpoint::scene_crc(&scene);
-    let mut chain = None;
-    if let Some(path) = &arguments.resume {
-        chain = Some(resume(path, engine.as_mut(), arguments.precision, scene_crc)?);
-    }
+    let resumed = match &arguments.resume {
+        Some(path) => {
+            let total = total_steps(&timing);
+            Some(checkpoint::resume(path, engine.as_mut(), arguments.precision, scene_crc, total)?)
+        }
+        None => None,
+    };
+    let out = out(arguments, &scene)?;
     say_what_changed(arguments, &scene, &timing);
-    let out = arguments.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.desc.name));
-    let mut run = Run::begin(arguments, engine, timing, out, scene_crc, chain, scene.desc.frame_rate)?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))
-        .map_err(|error| Failure::Tool(format!("cannot watch for interrupts: {error}")))?;
-    let started = Instant::now();
-    let ending = pool.install(|| run.advance(&pool, &stop))?;
-    run.finish(&scene, &ending, pool.threads(), started.elapsed())
+    let stop = interrupt::watch()?;
+    let mut run = Run::begin(arguments, engine, timing, out, scene_crc, resumed, scene.desc.frame_rate)?;
+    pool.install(|| {
+        let started = Instant::now();
+        let ending = run.advance(&pool, &stop)?;
+        run.finish(&scene, &ending, pool.threads(), started.elapsed())
+    })
+}
+
+/// Where to write: as asked, or a folder of the scene's name.
+fn out(arguments: &RunArguments, scene: &SceneFile) -> Result<PathBuf, Failure> {
+    let name = Path::new(&scene.desc.name);
+    match (&arguments.out, name.components().collect::<Vec<_>>().as_slice()) {
+        (Some(out), _) => Ok(out.clone()),
+        (None, [Component::Normal(_)]) => Ok(Path::new("out").join(name)),
+        _ => Err(Failure::Usage(format!("the scene's name {name:?} is no name for a folder; say --out DIR"))),
+    }
 }
 
 fn load(arguments: &RunArguments) -> Result<SceneFile, Failure> {
@@ -80,23 +100,21 @@ fn load(arguments: &RunArguments) -> Result<SceneFile, Failure> {
     scene_file::load(&arguments.scene, &overrides)
 }
 
-fn resume(path: &Path, engine: &mut dyn Engine, precision: Precision, scene_crc: u32) -> Result<u64, Failure> {
-    let failed = |why: String| Failure::Usage(format!("{}: {why}", path.display()));
-    let found = checkpoint::read(path).map_err(|error| failed(error.to_string()))?;
-    if found.precision != precision {
-        return Err(failed("was made in the other precision; add --precision as in the first run".into()));
-    }
-    if found.scene != scene_crc || !engine.restore(&found.snapshot) {
-        return Err(failed("belongs to another scene; resume with the scene and the --set of the first run".into()));
-    }
-    Ok(found.chain)
-}
-
 fn say_what_changed(arguments: &RunArguments, scene: &SceneFile, timing: &Timing) {
-    let asked = scene.desc.integrator.step;
-    if !arguments.quiet && (timing.step / asked - 1.0).abs() > 1e-9 {
+    if arguments.quiet {
+        return;
+    }
+    let (asked, duration, rate) = (scene.desc.integrator.step, scene.desc.duration, scene.desc.frame_rate);
+    if (timing.step / asked - 1.0).abs() > 1e-9 {
         let (n, step) = (timing.steps_per_frame, 1e3 * timing.step);
-        eprintln!("step {:.4} ms does not divide a frame: taking {n} steps of {step:.4} ms", 1e3 * asked);
+        print_note(&format!("step {:.4} ms does not divide a frame: taking {n} steps of {step:.4} ms", 1e3 * asked));
+    }
+    let taken = timing.frames as f64 / rate;
+    if (taken - duration).abs() > 1e-6 * duration {
+        print_note(&format!(
+            "duration {duration} s is no whole number of frames: taking {} of them, {taken} s",
+            timing.frames
+        ));
     }
 }
 
@@ -107,12 +125,13 @@ impl<'a> Run<'a> {
         timing: Timing,
         out: PathBuf,
         scene_crc: u32,
-        chain: Option<u64>,
+        resumed: Option<u64>,
         frame_rate: f64,
     ) -> Result<Self, Failure> {
         let steps = engine.report().steps;
-        let first_frame = if chain.is_some() { steps / timing.steps_per_frame + 1 } else { 0 };
+        let first_frame = if resumed.is_some() { steps / timing.steps_per_frame + 1 } else { 0 };
         let exporter = Exporter::create(&out, &arguments.export, engine.triangles(), frame_rate, first_frame as u32)?;
+        let chain = resumed.unwrap_or_else(|| engine.chain(None));
         let mut run = Self {
             arguments,
             engine,
@@ -121,6 +140,7 @@ impl<'a> Run<'a> {
             scene_crc,
             chain,
             steps,
+            begun: steps,
             exporter,
             preview: None,
             positions: Vec::new(),
@@ -130,9 +150,14 @@ impl<'a> Run<'a> {
         run.engine.write_positions(&mut run.positions);
         if arguments.preview != PreviewKind::None {
             let most = (PREVIEW_MEMORY / (12 * run.positions.len())).clamp(6, PREVIEW_FRAMES);
-            run.preview = Some(Preview::new(run.engine.triangles(), run.engine.pins(), frame_rate, most));
+            let mut preview = Preview::new(run.engine.triangles(), run.engine.pins(), frame_rate, most);
+            // A resumed run's picture begins here: the frames before are in files, if at all.
+            if resumed.is_some() {
+                preview.frame(&run.positions);
+            }
+            run.preview = Some(preview);
         }
-        if first_frame == 0 {
+        if resumed.is_none() {
             run.frame()?;
         }
         Ok(run)
@@ -140,8 +165,14 @@ impl<'a> Run<'a> {
 
     /// Steps until the end, a divergence or an interrupt.
     fn advance(&mut self, pool: &Pool, stop: &AtomicBool) -> Result<Ending, Failure> {
-        let total = self.timing.frames * self.timing.steps_per_frame;
-        let bar = progress(self.arguments, total, self.steps);
+        let bar = progress(self.arguments, total_steps(&self.timing), self.steps);
+        let ending = self.take_steps(pool, stop, &bar);
+        bar.finish_and_clear();
+        ending
+    }
+
+    fn take_steps(&mut self, pool: &Pool, stop: &AtomicBool, bar: &ProgressBar) -> Result<Ending, Failure> {
+        let total = total_steps(&self.timing);
         while self.steps < total {
             if stop.load(Ordering::Relaxed) {
                 return Ok(Ending::Interrupted);
@@ -153,7 +184,7 @@ impl<'a> Run<'a> {
                 return Ok(Ending::Diverged(divergence));
             }
             self.steps += 1;
-            self.chain = Some(self.engine.chain(self.chain));
+            self.chain = self.engine.chain(Some(self.chain));
             if self.steps.is_multiple_of(self.timing.steps_per_frame) {
                 self.frame()?;
             }
@@ -162,7 +193,6 @@ impl<'a> Run<'a> {
             }
             bar.set_position(self.steps);
         }
-        bar.finish_and_clear();
         Ok(Ending::Complete)
     }
 
@@ -184,7 +214,7 @@ impl<'a> Run<'a> {
         let checkpoint = Checkpoint {
             precision: self.arguments.precision,
             scene: self.scene_crc,
-            chain: self.chain.unwrap_or_else(|| self.engine.chain(None)),
+            chain: self.chain,
             snapshot: self.engine.snapshot(),
         };
         checkpoint::write(&path, &checkpoint).map_err(|error| Failure::Tool(error.to_string()))?;
@@ -211,7 +241,7 @@ impl<'a> Run<'a> {
         }
         if !arguments.quiet {
             let names: Vec<_> = written.iter().map(|path| path.display().to_string()).collect();
-            eprintln!("wrote {}", names.join(", "));
+            print_note(&format!("wrote {}", names.join(", ")));
         }
         match summary.divergence {
             Some(message) => Err(Failure::Diverged(message)),
@@ -221,7 +251,8 @@ impl<'a> Run<'a> {
 
     fn summary(&self, scene: &SceneFile, ending: &Ending, threads: usize, wall: Duration) -> Summary {
         let report = self.engine.report();
-        let per_step = |total: Duration| 1e3 * total.as_secs_f64() / (self.steps.max(1) as f64);
+        let steps = self.steps - self.begun;
+        let per_step = |total: Duration| 1e3 * total.as_secs_f64() / (steps.max(1) as f64);
         let divergence = match ending {
             Ending::Diverged(d) => Some(format!(
                 "diverged in step {} at particle {}, pulled hardest by {}; take a smaller integrator.step, \
@@ -260,7 +291,7 @@ impl<'a> Run<'a> {
             intersections: None,
             penetration_m: None,
             work: (&report).into(),
-            state_hash: format!("fnv1a:{:016x}", self.chain.unwrap_or_else(|| self.engine.chain(None))),
+            state_hash: format!("fnv1a:{:016x}", self.chain),
         }
     }
 }
@@ -273,6 +304,7 @@ fn progress(arguments: &RunArguments, total: u64, done: u64) -> ProgressBar {
         bar.set_style(style);
     }
     bar.set_position(done);
+    bar.reset_eta();
     bar
 }
 

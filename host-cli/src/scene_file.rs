@@ -24,22 +24,24 @@ pub struct SceneFile {
 /// Errors are of usage: they name the line of the file or the override.
 pub fn load(scene: &str, overrides: &[String]) -> Result<SceneFile, Failure> {
     let (label, text, directory) = read(scene)?;
-    let in_file = |error: toml::de::Error| Failure::Usage(format!("{label}: {}", explain(&error)));
-    let table: Table = toml::from_str(&text).map_err(in_file)?;
-    for key in ["contact", "collider"] {
-        if table.contains_key(key) {
-            let message = format!("{label}: [{key}] is not modelled by this version; remove it to run without contact");
-            return Err(Failure::Usage(message));
-        }
-    }
+    let in_file = |why: String| Failure::Usage(format!("{label}: {why}"));
+    let table: Table = toml::from_str(&text).map_err(|error| in_file(explain(&error)))?;
+    modelled(&table).map_err(in_file)?;
     // From the text, because only it knows lines and columns.
-    let mut desc: SceneDesc = toml::from_str(&text).map_err(in_file)?;
+    let mut desc: SceneDesc = toml::from_str(&text).map_err(|error| in_file(explain(&error)))?;
     let mut text = text;
     if !overrides.is_empty() {
         (desc, text) = apply(table, overrides)?;
     }
     let resources = load_resources(&desc, &directory)?;
     Ok(SceneFile { desc, text, resources })
+}
+
+/// A scene without files from a text made here.
+pub fn from_text(label: &str, text: String) -> Result<SceneFile, Failure> {
+    let failed = |error: toml::de::Error| Failure::Tool(format!("{label}: {}", explain(&error)));
+    let desc: SceneDesc = toml::from_str(&text).map_err(failed)?;
+    Ok(SceneFile { desc, text, resources: Vec::new() })
 }
 
 /// Label for messages, text, and the directory that names in the scene are relative to.
@@ -62,25 +64,34 @@ fn read(scene: &str) -> Result<(String, String, PathBuf), Failure> {
     }
 }
 
-/// Applies overrides one by one, so that an error names the one that made it.
-fn apply(mut table: Table, overrides: &[String]) -> Result<(SceneDesc, String), Failure> {
-    let mut desc = None;
-    for text in overrides {
-        let failed = |why: &str| Failure::Usage(format!("--set {text}: {why}"));
-        let (key, value) = text.split_once('=').ok_or_else(|| failed("must be KEY=VALUE"))?;
-        let path: Vec<&str> = key.trim().split('.').collect();
-        set(&mut Value::Table(std::mem::take(&mut table)), &path, &parse_value(value.trim()))
-            .and_then(|value| match value {
-                Value::Table(changed) => Ok(changed),
-                _ => Err("the scene is no table".into()),
-            })
-            .map(|changed| table = changed)
-            .map_err(|why| failed(&why))?;
-        let parsed: SceneDesc = table.clone().try_into().map_err(|error| failed(&explain(&error)))?;
-        desc = Some(parsed);
+/// Whether all sections are of terms that this version has.
+fn modelled(table: &Table) -> Result<(), String> {
+    match ["contact", "collider"].iter().find(|key| table.contains_key(**key)) {
+        Some(key) => Err(format!("[{key}] is not modelled by this version; remove it to run without contact")),
+        None => Ok(()),
     }
-    let text = toml::to_string(&table).map_err(|error| Failure::Usage(error.to_string()))?;
-    let desc = desc.ok_or_else(|| Failure::Usage("no override was given".into()))?;
+}
+
+/// Applies overrides one by one, so that an error names the one that made it. Only the last result
+/// must be a scene: a new section may take several overrides.
+fn apply(table: Table, overrides: &[String]) -> Result<(SceneDesc, String), Failure> {
+    let mut scene = Value::Table(table);
+    let mut first_failure = None;
+    for text in overrides {
+        let failed = |why: String| Failure::Usage(format!("--set {text}: {why}"));
+        let assignment = text.split_once('=').map(|(key, value)| (key.trim().split('.').collect::<Vec<_>>(), value));
+        let (path, value) = assignment
+            .filter(|(path, _)| path.iter().all(|key| !key.is_empty()))
+            .ok_or_else(|| failed("must be KEY=VALUE, such as integrator.step=0.001".into()))?;
+        set(&mut scene, &path, &parse_value(value.trim())).map_err(failed)?;
+        scene.as_table().map_or(Ok(()), modelled).map_err(failed)?;
+        if let Err(error) = scene.clone().try_into::<SceneDesc>() {
+            first_failure.get_or_insert(failed(explain(&error)));
+        }
+    }
+    let desc = scene.clone().try_into();
+    let desc = desc.map_err(|error| first_failure.unwrap_or_else(|| Failure::Usage(explain(&error))))?;
+    let text = toml::to_string(&scene).map_err(|error| Failure::Usage(error.to_string()))?;
     Ok((desc, text))
 }
 
@@ -92,30 +103,24 @@ fn parse_value(text: &str) -> Value {
         .unwrap_or_else(|| Value::String(text.into()))
 }
 
-/// `value` with the key at `path` set. An array of tables takes an index, or the key in each.
-fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<Value, String> {
-    let Some((first, rest)) = path.split_first() else { return Ok(new.clone()) };
+/// Sets the key at `path` inside `value`. An array takes an index, or the key in each of its items.
+fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> {
+    let Some((first, rest)) = path.split_first() else {
+        *value = new.clone();
+        return Ok(());
+    };
     match value {
-        Value::Table(table) => {
-            let mut inner = table.remove(*first).unwrap_or_else(|| Value::Table(Table::new()));
-            let changed = set(&mut inner, rest, new)?;
-            table.insert((*first).into(), changed);
-        }
-        Value::Array(items) => match first.parse::<usize>() {
-            Ok(index) => {
-                let count = items.len();
-                let item = items.get_mut(index).ok_or_else(|| format!("there is no {first}, only {count}"))?;
-                *item = set(item, rest, new)?;
-            }
-            Err(_) => {
-                for item in items {
-                    *item = set(item, path, new)?;
-                }
-            }
+        Value::Table(table) => set(table.entry(*first).or_insert_with(|| Value::Table(Table::new())), rest, new),
+        Value::Array(items) => match (first.parse::<usize>(), items.len()) {
+            (_, 0) => Err(format!("there is nothing that could have {first}: the array is empty")),
+            (Ok(index), count) => match items.get_mut(index) {
+                Some(item) => set(item, rest, new),
+                None => Err(format!("there is no number {index}; the last is {}, counted from 0", count - 1)),
+            },
+            (Err(_), _) => items.iter_mut().try_for_each(|item| set(item, path, new)),
         },
-        _ => return Err(format!("{first} is inside a value that is no section")),
+        _ => Err(format!("{first} is inside a value that is no section")),
     }
-    Ok(value.clone())
 }
 
 /// The parser's message, with the nearest known key where one is unknown.
@@ -126,7 +131,15 @@ fn explain(error: &toml::de::Error) -> String {
         Some((unknown, known)) if message.starts_with("unknown") => nearest(unknown, known.iter().copied()),
         _ => None,
     };
-    let text = error.to_string();
+    // The names of Rust types mean nothing to who writes a scene.
+    let text = error.to_string().replace(", expected f64", ", expected a number");
+    let text = match text.split_once("expected struct ") {
+        Some((before, after)) => {
+            let rest = after.trim_start_matches(|letter: char| letter.is_alphanumeric());
+            format!("{before}expected a section of keys{rest}")
+        }
+        None => text,
+    };
     match hint {
         Some(known) => format!("{}\ndid you mean `{known}`?", text.trim_end()),
         None => text.trim_end().into(),

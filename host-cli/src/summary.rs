@@ -113,7 +113,7 @@ impl From<&Report> for Work {
 impl Summary {
     /// For a person.
     pub fn lines(&self) -> String {
-        let per_step = if self.steps > 0 { 1e3 * self.wall_s / self.steps as f64 } else { 0.0 };
+        let per_step = self.stage_ms.predict + self.stage_ms.output;
         let mut text = format!(
             "{}: {} vertices, {} triangles, {} in {}\n\
              {:.3} s in {} steps of {:.4} ms: {:.2} s of wall time, {per_step:.3} ms a step\n\

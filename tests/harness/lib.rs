@@ -3,6 +3,16 @@
 pub mod dense;
 pub mod differences;
 pub mod kit;
+pub mod net;
+pub mod oscillator;
 pub mod rng;
+pub mod spectrum;
 pub mod states;
+pub mod threads;
+pub mod topology;
 pub mod worst;
+
+/// The README, so that its Rust is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

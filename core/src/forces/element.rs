@@ -6,7 +6,7 @@ use bytemuck::Pod;
 
 use super::{Energy, Jacobian, TangentScale};
 use crate::dispatch::Dispatch;
-use crate::integrate::matrix::BlockMatrix;
+use crate::forces::matrix::{BlockMatrix, NOT_STORED, add};
 use crate::mesh::Incidence;
 use crate::real::{Mat3, Real, Vec3};
 
@@ -102,8 +102,8 @@ pub fn add_tangents<const K: usize, E: Element<K>>(
                 let targets = &targets[at * K..at * K + K];
                 match jacobian {
                     Jacobian::Projected => {
-                        for b in 0..K {
-                            row[targets[b] as usize] += term.block(element, &tangents[element], a, b);
+                        for b in (0..K).filter(|&b| targets[b] != NOT_STORED) {
+                            add(&mut row[targets[b] as usize], &term.block(element, &tangents[element], a, b));
                         }
                     }
                     // For studies: computed once a corner rather than stored. At rest (v = 0) the
@@ -111,8 +111,8 @@ pub fn add_tangents<const K: usize, E: Element<K>>(
                     Jacobian::Exact => {
                         let x = corners(&vertices[element], x);
                         let blocks = term.exact(element, &x, &[Vec3::ZERO; K], scale);
-                        for b in 0..K {
-                            row[targets[b] as usize] += blocks[a][b];
+                        for b in (0..K).filter(|&b| targets[b] != NOT_STORED) {
+                            add(&mut row[targets[b] as usize], &blocks[a][b]);
                         }
                     }
                 }

@@ -22,8 +22,9 @@ pub struct Hinges<'a> {
     pub stiffness: &'a [Real],
     /// theta0, radians.
     pub rest_angles: &'a [Real],
-    /// A tenth of the smaller rest height over the edge, m: of flatter triangles the gradient,
-    /// which grows as 1/height, is scaled down, and with it the force.
+    /// A tenth of the rest edge or of the smaller rest height over it, whichever is less, m: of
+    /// shorter edges and flatter triangles the gradient, which grows as 1/(length height), is
+    /// scaled down, and with it the force.
     pub least_heights: &'a [Real],
     /// N m s; empty where no hinge is damped.
     pub damping: &'a [Real],
@@ -62,9 +63,11 @@ fn fold(x: &[Vec3; 4], least_height: Real) -> Option<Fold> {
         return None;
     }
     let along = e / length;
+    let reach = [(c - a).dot(along), (d - a).dot(along)];
     let weights = [
-        [(b - c).dot(along), (b - d).dot(along)],
-        [(c - a).dot(along), (d - a).dot(along)],
+        // b - c as the rest of the edge: so the weights of a, b and c sum to zero to the last bit.
+        [length - reach[0], length - reach[1]],
+        reach,
         [-length, 0.0],
         [0.0, -length],
     ];
@@ -84,13 +87,14 @@ impl Fold {
         self.weights.map(|[s1, s2]| p1 * s1 + p2 * s2)
     }
 
-    /// One while both triangles are at least `least_height` high over the edge, falling to zero
-    /// as one collapses. A common factor keeps the forces' sum and torque zero.
+    /// One while the edge is at least `least_height` long and both triangles that high over it,
+    /// falling to zero as one collapses. A common factor keeps the forces' sum and torque zero.
     #[inline]
     fn relief(&self, least_height: Real) -> Real {
         let least = self.length * least_height;
         let lowest = self.squares[0].min(self.squares[1]);
-        if lowest >= least * least { 1.0 } else { sqrt(lowest) / least }
+        let height = if lowest >= least * least { 1.0 } else { sqrt(lowest) / least };
+        if self.length >= least_height { height } else { height * self.length / least_height }
     }
 
     /// Second derivative of the angle by corners `[i][k]`.
@@ -130,6 +134,12 @@ impl Fold {
 }
 
 impl Hinges<'_> {
+    /// Bytes of its columns.
+    pub fn bytes(&self) -> usize {
+        let scalars = [self.stiffness, self.rest_angles, self.least_heights, self.damping];
+        size_of_val(self.vertices) + scalars.map(size_of_val).iter().sum::<usize>() + self.incidence.bytes()
+    }
+
     /// `theta - theta0` in (-pi, pi].
     #[inline]
     fn bent(&self, hinge: usize, angle: Real) -> Real {
@@ -227,7 +237,7 @@ pub struct HingeColumns {
     pub stiffness: alloc::vec::Vec<Real>,
     /// theta0, radians.
     pub rest_angles: alloc::vec::Vec<Real>,
-    /// A tenth of the smaller rest height, m.
+    /// A tenth of the rest edge or of the smaller rest height, m.
     pub least_heights: alloc::vec::Vec<Real>,
     /// N m s; empty where no hinge is damped.
     pub damping: alloc::vec::Vec<Real>,

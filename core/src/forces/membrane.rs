@@ -108,6 +108,15 @@ fn add_projected_shear(blocks: &mut [Mat3; 3], wu: Vec3, wv: Vec3, k: Real) {
 }
 
 impl Membrane<'_> {
+    /// Bytes of its columns.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.vertices)
+            + size_of_val(self.weights)
+            + size_of_val(self.areas)
+            + size_of_val(self.materials)
+            + self.incidence.bytes()
+    }
+
     #[inline]
     fn material(&self, triangle: usize) -> &MembraneMaterial {
         &self.table[self.materials[triangle] as usize]

@@ -5,15 +5,33 @@
 
 pub mod element;
 pub mod hinge;
+pub mod matrix;
 pub mod membrane;
+mod model;
 pub mod seam;
 pub mod spring;
 pub mod wind;
 
+#[cfg(feature = "alloc")]
+pub use model::ModelColumns;
+pub use model::{Drag, Model};
+
 use crate::dispatch::Dispatch;
-use crate::integrate::Jacobian;
-use crate::integrate::matrix::{BlockMatrix, Targets};
 use crate::real::{Real, Sum, Vec3, dot_sum, scaled_identity};
+use crate::stage::Stage;
+pub use crate::stage::Term;
+use matrix::{BlockMatrix, Targets, add};
+
+/// Which Jacobian implicit methods use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Jacobian {
+    /// Element by element positive semidefinite: conjugate gradients always descend.
+    #[default]
+    Projected,
+    /// The true one, indefinite under compression.
+    Exact,
+}
 
 /// What a Jacobian is multiplied with: an implicit stage of length g needs `g^2 Kx + g Kv`.
 #[derive(Clone, Copy, Debug)]
@@ -62,175 +80,6 @@ impl core::ops::Add for Energy {
     }
 }
 
-/// Linear drag, f = -c v.
-#[derive(Clone, Copy, Debug)]
-pub struct Drag<'a> {
-    /// c of each vertex, N s/m.
-    pub coefficients: &'a [Real],
-}
-
-/// The listed terms.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Model<'a> {
-    /// m/s^2.
-    pub gravity: Option<Vec3>,
-    /// Linear drag.
-    pub drag: Option<Drag<'a>>,
-    /// Springs along the edges.
-    pub stretch_springs: Option<spring::Springs<'a>>,
-    /// Springs between unshared vertices of neighbouring triangles.
-    pub bend_springs: Option<spring::Springs<'a>>,
-    /// Stretch and shear of triangles.
-    pub membrane: Option<membrane::Membrane<'a>>,
-    /// Angles between neighbouring triangles.
-    pub hinges: Option<hinge::Hinges<'a>>,
-    /// Sewn vertices.
-    pub seams: Option<seam::Seams<'a>>,
-    /// Wind on triangles.
-    pub wind: Option<wind::Wind<'a>>,
-}
-
-/// The names of the terms, for reports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Term {
-    /// Gravity.
-    Gravity,
-    /// Linear drag.
-    Drag,
-    /// Stretch springs.
-    StretchSpring,
-    /// Bending springs.
-    BendSpring,
-    /// Stretch and shear of triangles.
-    Membrane,
-    /// Hinge bending.
-    Hinge,
-    /// Seams.
-    Seam,
-    /// Wind.
-    Wind,
-}
-
-impl Term {
-    /// Every term, in the order of evaluation.
-    pub const ALL: [Self; 8] = [
-        Self::Gravity,
-        Self::Drag,
-        Self::StretchSpring,
-        Self::BendSpring,
-        Self::Membrane,
-        Self::Hinge,
-        Self::Seam,
-        Self::Wind,
-    ];
-
-    /// As scenes and messages call it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Gravity => "gravity",
-            Self::Drag => "drag",
-            Self::StretchSpring => "stretch (springs)",
-            Self::BendSpring => "bend (springs)",
-            Self::Membrane => "stretch and shear (membrane)",
-            Self::Hinge => "bend (hinges)",
-            Self::Seam => "seam",
-            Self::Wind => "wind",
-        }
-    }
-}
-
-impl<'a> Model<'a> {
-    /// The model with one of its terms alone; none where it has no such term.
-    pub fn only(&self, term: Term) -> Option<Self> {
-        let mut alone = Self::default();
-        let present = match term {
-            Term::Gravity => take(&mut alone.gravity, self.gravity),
-            Term::Drag => take(&mut alone.drag, self.drag),
-            Term::StretchSpring => take(&mut alone.stretch_springs, self.stretch_springs),
-            Term::BendSpring => take(&mut alone.bend_springs, self.bend_springs),
-            Term::Membrane => take(&mut alone.membrane, self.membrane),
-            Term::Hinge => take(&mut alone.hinges, self.hinges),
-            Term::Seam => take(&mut alone.seams, self.seams),
-            Term::Wind => take(&mut alone.wind, self.wind),
-        };
-        present.then_some(alone)
-    }
-
-    /// Whether any force depends on velocities.
-    pub fn dissipates(&self) -> bool {
-        let springs = [&self.stretch_springs, &self.bend_springs].into_iter().flatten();
-        let mut damped = springs.map(|s| !s.damping.is_empty());
-        self.drag.is_some()
-            || self.wind.is_some()
-            || damped.any(|damped| damped)
-            || self.membrane.is_some_and(|m| m.table.iter().any(|m| m.stretch_damping > 0.0 || m.shear_damping > 0.0))
-            || self.hinges.is_some_and(|h| !h.damping.is_empty())
-            || self.seams.is_some_and(|s| s.damping.iter().any(|&d| d > 0.0))
-    }
-
-    /// Vectors that [`evaluate`] needs as scratch.
-    pub fn force_scratch(&self) -> usize {
-        let triangles = self.membrane.map_or(0, |m| m.vertices.len()).max(self.wind.map_or(0, |w| w.vertices.len()));
-        let stitches = self.seams.map_or(0, |s| s.vertices.len());
-        (3 * triangles.max(stitches)).max(4 * self.hinges.map_or(0, |h| h.vertices.len()))
-    }
-
-    /// Scalars that [`write_tangents`] needs as scratch.
-    pub fn tangent_scratch(&self) -> usize {
-        let sizes = [
-            27 * self.membrane.map_or(0, |m| m.vertices.len()),
-            12 * self.hinges.map_or(0, |h| h.vertices.len()),
-            self.seams.map_or(0, |s| s.vertices.len()),
-            9 * self.wind.map_or(0, |w| w.vertices.len()),
-        ];
-        sizes.into_iter().max().unwrap_or(0)
-    }
-}
-
-fn take<T: Copy>(slot: &mut Option<T>, value: Option<T>) -> bool {
-    *slot = value;
-    value.is_some()
-}
-
-/// The owned columns of a [`Model`].
-#[cfg(feature = "alloc")]
-#[derive(Clone, Debug, Default)]
-pub struct ModelColumns {
-    /// m/s^2.
-    pub gravity: Option<Vec3>,
-    /// N s/m of each vertex.
-    pub drag: Option<alloc::vec::Vec<Real>>,
-    /// Springs along the edges.
-    pub stretch_springs: Option<spring::SpringColumns>,
-    /// Springs between unshared vertices.
-    pub bend_springs: Option<spring::SpringColumns>,
-    /// Stretch and shear of triangles.
-    pub membrane: Option<membrane::MembraneColumns>,
-    /// Hinges.
-    pub hinges: Option<hinge::HingeColumns>,
-    /// Seams.
-    pub seams: Option<seam::SeamColumns>,
-    /// Wind.
-    pub wind: Option<wind::WindColumns>,
-}
-
-#[cfg(feature = "alloc")]
-impl ModelColumns {
-    /// The borrowed view that kernels take.
-    pub fn view(&self) -> Model<'_> {
-        Model {
-            gravity: self.gravity,
-            drag: self.drag.as_deref().map(|coefficients| Drag { coefficients }),
-            stretch_springs: self.stretch_springs.as_ref().map(spring::SpringColumns::view),
-            bend_springs: self.bend_springs.as_ref().map(spring::SpringColumns::view),
-            membrane: self.membrane.as_ref().map(membrane::MembraneColumns::view),
-            hinges: self.hinges.as_ref().map(hinge::HingeColumns::view),
-            seams: self.seams.as_ref().map(seam::SeamColumns::view),
-            wind: self.wind.as_ref().map(wind::WindColumns::view),
-        }
-    }
-}
-
 /// Writes the sum of all terms to `f`, N.
 pub fn evaluate(
     model: &Model<'_>,
@@ -241,32 +90,45 @@ pub fn evaluate(
     f: &mut [Vec3],
     dispatch: &impl Dispatch,
 ) {
+    dispatch.enter(Stage::Force(Term::Gravity));
     let gravity = model.gravity.unwrap_or(Vec3::ZERO);
     dispatch.run(&mut *f, |start, part| {
         for (f, &mass) in part.iter_mut().zip(&masses[start..]) {
             *f = gravity * mass;
         }
-        if let Some(drag) = model.drag {
+    });
+    if let Some(drag) = model.drag {
+        dispatch.enter(Stage::Force(Term::Drag));
+        dispatch.run(&mut *f, |start, part| {
             for (i, f) in (start..).zip(part) {
                 *f -= v[i] * drag.coefficients[i];
             }
+        });
+    }
+    let springs = [(Term::StretchSpring, &model.stretch_springs), (Term::BendSpring, &model.bend_springs)];
+    for (term, springs) in springs {
+        if let Some(springs) = springs {
+            dispatch.enter(Stage::Force(term));
+            spring::add_forces(springs, x, v, f, dispatch);
         }
-    });
-    for springs in [&model.stretch_springs, &model.bend_springs].into_iter().flatten() {
-        spring::add_forces(springs, x, v, f, dispatch);
     }
     if let Some(membrane) = &model.membrane {
+        dispatch.enter(Stage::Force(Term::Membrane));
         element::add_forces(membrane, x, v, scratch, f, dispatch);
     }
     if let Some(hinges) = &model.hinges {
+        dispatch.enter(Stage::Force(Term::Hinge));
         element::add_forces(hinges, x, v, scratch, f, dispatch);
     }
     if let Some(seams) = &model.seams {
+        dispatch.enter(Stage::Force(Term::Seam));
         element::add_forces(seams, x, v, scratch, f, dispatch);
     }
     if let Some(wind) = &model.wind {
+        dispatch.enter(Stage::Force(Term::Wind));
         element::add_forces(wind, x, v, scratch, f, dispatch);
     }
+    dispatch.enter(Stage::Integrate);
 }
 
 /// The stored energies; kinetic is left zero.
@@ -304,31 +166,41 @@ pub fn write_tangents(
     matrix: &mut BlockMatrix<'_>,
     dispatch: &impl Dispatch,
 ) {
+    dispatch.enter(Stage::Jacobian(Term::Drag));
     dispatch.run(matrix.rows_mut(), |start, mut rows| {
         rows.clear();
         if let Some(drag) = model.drag {
             for i in 0..rows.count() {
-                rows.row(i)[0] = scaled_identity(scale.velocity * drag.coefficients[start + i]);
+                add(&mut rows.row(i)[0], &scaled_identity(scale.velocity * drag.coefficients[start + i]));
             }
         }
     });
-    if let Some(springs) = &model.stretch_springs {
-        spring::add_tangents(springs, x, scale, jacobian, targets.stretch_springs, matrix, dispatch);
-    }
-    if let Some(springs) = &model.bend_springs {
-        spring::add_tangents(springs, x, scale, jacobian, targets.bend_springs, matrix, dispatch);
+    let springs = [
+        (Term::StretchSpring, &model.stretch_springs, targets.stretch_springs),
+        (Term::BendSpring, &model.bend_springs, targets.bend_springs),
+    ];
+    for (term, springs, targets) in springs {
+        if let Some(springs) = springs {
+            dispatch.enter(Stage::Jacobian(term));
+            spring::add_tangents(springs, x, scale, jacobian, targets, matrix, dispatch);
+        }
     }
     if let Some(membrane) = &model.membrane {
+        dispatch.enter(Stage::Jacobian(Term::Membrane));
         element::add_tangents(membrane, x, scale, jacobian, targets.membrane, scratch, matrix, dispatch);
     }
     if let Some(hinges) = &model.hinges {
+        dispatch.enter(Stage::Jacobian(Term::Hinge));
         element::add_tangents(hinges, x, scale, jacobian, targets.hinges, scratch, matrix, dispatch);
     }
     if let Some(seams) = &model.seams {
+        dispatch.enter(Stage::Jacobian(Term::Seam));
         element::add_tangents(seams, x, scale, jacobian, targets.seams, scratch, matrix, dispatch);
     }
     if let Some(wind) = &model.wind {
+        dispatch.enter(Stage::Jacobian(Term::Wind));
         // Wind has no potential: its exact Jacobian is not symmetric, its projected one is.
         element::add_tangents(wind, x, scale, Jacobian::Projected, targets.wind, scratch, matrix, dispatch);
     }
+    dispatch.enter(Stage::Integrate);
 }

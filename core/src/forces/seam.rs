@@ -33,6 +33,14 @@ fn gap(w: &[Real; 3], x: &[Vec3; 3]) -> Vec3 {
     (x[1] - x[0]) * w[1] + (x[2] - x[0]) * w[2]
 }
 
+impl Seams<'_> {
+    /// Bytes of its columns.
+    pub fn bytes(&self) -> usize {
+        let scalars = [self.weights, self.stiffness, self.damping];
+        size_of_val(self.vertices) + scalars.map(size_of_val).iter().sum::<usize>() + self.incidence.bytes()
+    }
+}
+
 impl Element<3> for Seams<'_> {
     /// Scaled stiffness.
     type Tangent = Real;

@@ -6,8 +6,8 @@
 
 use super::{Jacobian, TangentScale};
 use crate::dispatch::Dispatch;
-use crate::integrate::matrix::BlockMatrix;
-use crate::real::{DEGENERATE, Mat3, Real, Sum, Vec3, outer, scaled_identity, sqrt};
+use crate::forces::matrix::{BlockMatrix, NOT_STORED, add};
+use crate::real::{DEGENERATE, Lanes, Mat3, Real, Sum, Vec3, outer, scaled_identity, sqrt};
 
 /// Springs as seen from each vertex (CSR).
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +36,12 @@ pub struct Spring {
 }
 
 impl Springs<'_> {
+    /// Bytes of its columns.
+    pub fn bytes(&self) -> usize {
+        let scalars = [self.rest, self.stiffness, self.damping];
+        size_of_val(self.offsets) + size_of_val(self.others) + scalars.map(size_of_val).iter().sum::<usize>()
+    }
+
     /// Springs stored, each counted once.
     pub fn count(&self) -> usize {
         self.others.len() / 2
@@ -110,22 +116,47 @@ fn direction(d: Vec3, rest: Real) -> Option<(Vec3, Real)> {
 pub fn add_forces(springs: &Springs<'_>, x: &[Vec3], v: &[Vec3], f: &mut [Vec3], dispatch: &impl Dispatch) {
     dispatch.run(f, |start, part| {
         for (vertex, f) in (start..).zip(part.iter_mut()) {
-            let range = springs.range(vertex);
-            let mut sum = *f;
-            let columns =
-                (&springs.others[range.clone()], &springs.rest[range.clone()], &springs.stiffness[range.clone()]);
-            for ((&other, &rest), &stiffness) in columns.0.iter().zip(columns.1).zip(columns.2) {
-                sum += elastic_force(x[other as usize] - x[vertex], rest, stiffness);
-            }
-            if !springs.damping.is_empty() {
-                for at in range {
+            *f += elastic_sum(springs, x, vertex);
+        }
+        if !springs.damping.is_empty() {
+            for (vertex, f) in (start..).zip(part) {
+                for at in springs.range(vertex) {
                     let other = springs.others[at] as usize;
-                    sum += damping_force(x[other] - x[vertex], v[other] - v[vertex], &springs.spring(at));
+                    *f += damping_force(x[other] - x[vertex], v[other] - v[vertex], &springs.spring(at));
                 }
             }
-            *f = sum;
         }
     });
+}
+
+/// The elastic force of all springs on a vertex: [`elastic_force`], four springs at once.
+#[inline(always)]
+fn elastic_sum(springs: &Springs<'_>, x: &[Vec3], vertex: usize) -> Vec3 {
+    let (range, near) = (springs.range(vertex), x[vertex]);
+    let (others, _) = springs.others[range.clone()].as_chunks::<4>();
+    let (rest, _) = springs.rest[range.clone()].as_chunks::<4>();
+    let (stiffness, _) = springs.stiffness[range.clone()].as_chunks::<4>();
+    let mut sum = [Lanes::ZERO; 3];
+    for ((others, rest), stiffness) in others.iter().zip(rest).zip(stiffness) {
+        add_four(&mut sum, others.map(|other| x[other as usize]), near, Lanes::new(*rest), Lanes::new(*stiffness));
+    }
+    let [sum_x, sum_y, sum_z] = sum.map(|lanes| lanes.to_array().iter().sum());
+    let mut sum = Vec3::new(sum_x, sum_y, sum_z);
+    for at in range.start + 4 * others.len()..range.end {
+        sum += elastic_force(x[springs.others[at] as usize] - near, springs.rest[at], springs.stiffness[at]);
+    }
+    sum
+}
+
+#[inline(always)]
+fn add_four(sum: &mut [Lanes; 3], fars: [Vec3; 4], near: Vec3, rest: Lanes, stiffness: Lanes) {
+    let d = [0, 1, 2].map(|axis| Lanes::new(fars.map(|far| far[axis])) - Lanes::splat(near[axis]));
+    let r = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+    let apart = r.simd_gt(rest * Lanes::splat(DEGENERATE));
+    let factor = apart & (stiffness * (Lanes::splat(1.0) - rest / r));
+    for (sum, d) in sum.iter_mut().zip(d) {
+        *sum += d * factor;
+    }
 }
 
 /// The energy stored in all springs, J.
@@ -157,8 +188,10 @@ pub fn add_tangents(
                     Jacobian::Projected => tangent(d, &springs.spring(at), scale),
                     Jacobian::Exact => exact(d, Vec3::ZERO, &springs.spring(at), scale),
                 };
-                row[0] += block;
-                row[targets[at] as usize] -= block;
+                add(&mut row[0], &block);
+                if targets[at] != NOT_STORED {
+                    add(&mut row[targets[at] as usize], &-block);
+                }
             }
         }
     });

@@ -1,5 +1,5 @@
 //! Wind on triangles, f = A (cn (w . n) n + ct (w - (w . n) n)) with w the wind's velocity
-//! relative to the triangle: linear in w, a third on each corner [Wilhelms 1987].
+//! relative to the triangle: linear in w, a third on each corner.
 
 use super::element::Element;
 use super::{Energy, TangentScale};

@@ -3,9 +3,10 @@
 //! negative curvature (truncated Newton) or on the limit of iterations.
 
 use super::Work;
-use super::matrix::{self, BlockMatrix};
+use super::coarse::{self, CoarseFactor, Patches};
 use super::pins::Pins;
 use crate::dispatch::Dispatch;
+use crate::forces::matrix::{self, BlockMatrix};
 use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
 
 /// Iterations after which a solve is given up and counted as unconverged.
@@ -23,6 +24,14 @@ pub struct System<'a> {
     pub masses: &'a [Real],
     /// The held axes.
     pub pins: &'a Pins<'a>,
+}
+
+/// What the residual is multiplied with before a step.
+pub struct Preconditioner<'a, 'b> {
+    /// Inverse of each diagonal block.
+    pub inverse_diagonal: &'a [Mat3],
+    /// Patches and the factor of their small system, where there are two levels.
+    pub coarse: Option<(Patches<'a>, &'a mut CoarseFactor<'b>)>,
 }
 
 /// The columns that a solve works in.
@@ -46,7 +55,7 @@ pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatc
     let matrix = system.matrix;
     dispatch.run(&mut *inverse, |start, part| {
         for (i, block) in (start..).zip(part) {
-            *block = matrix.blocks[matrix.offsets[i] as usize] + scaled_identity(system.masses[i]);
+            *block = matrix::to_mat3(&matrix.blocks[matrix.offsets[i] as usize]) + scaled_identity(system.masses[i]);
         }
     });
     system.pins.filter_diagonal(inverse);
@@ -67,7 +76,7 @@ pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatc
 /// `reduction` of its start.
 pub fn solve(
     system: &System<'_>,
-    inverse_diagonal: &[Mat3],
+    preconditioner: &mut Preconditioner<'_, '_>,
     reduction: Sum,
     vectors: Vectors<'_>,
     work: &mut Work,
@@ -75,7 +84,7 @@ pub fn solve(
 ) {
     let Vectors { solution, residual, direction, product, preconditioned, partials } = vectors;
     solution.fill(Vec3::ZERO);
-    precondition(inverse_diagonal, residual, preconditioned, dispatch);
+    precondition(system, preconditioner, residual, preconditioned, dispatch);
     direction.copy_from_slice(preconditioned);
     let mut rho = dot(residual, preconditioned, partials, dispatch);
     let target = rho * reduction * reduction;
@@ -105,7 +114,7 @@ pub fn solve(
                 *r -= q[i] * alpha;
             }
         });
-        precondition(inverse_diagonal, residual, preconditioned, dispatch);
+        precondition(system, preconditioner, residual, preconditioned, dispatch);
         let next = dot(residual, preconditioned, partials, dispatch);
         let beta = (next / rho) as Real;
         rho = next;
@@ -116,6 +125,10 @@ pub fn solve(
             }
         });
     }
+    if !rho.is_finite() {
+        // Never a step without its forces: what is not a number is found after the step.
+        solution.fill(Vec3::NAN);
+    }
 }
 
 /// `out = S A p` for a `p` with held axes clear.
@@ -124,12 +137,23 @@ fn apply(system: &System<'_>, p: &[Vec3], out: &mut [Vec3], dispatch: &impl Disp
     system.pins.filter(out);
 }
 
-fn precondition(inverse: &[Mat3], residual: &[Vec3], out: &mut [Vec3], dispatch: &impl Dispatch) {
-    dispatch.run(out, |start, part| {
+fn precondition(
+    system: &System<'_>,
+    preconditioner: &mut Preconditioner<'_, '_>,
+    residual: &[Vec3],
+    out: &mut [Vec3],
+    dispatch: &impl Dispatch,
+) {
+    let inverse = preconditioner.inverse_diagonal;
+    dispatch.run(&mut *out, |start, part| {
         for (i, out) in (start..).zip(part) {
             *out = inverse[i] * residual[i];
         }
     });
+    if let Some((patches, factor)) = &mut preconditioner.coarse {
+        coarse::add_correction(patches, factor, residual, out);
+        system.pins.filter(out);
+    }
 }
 
 /// Inner product in parts of fixed size: within a part in the crate's precision, over the parts

@@ -5,15 +5,17 @@
 
 pub mod backward_euler;
 pub mod bdf2;
+pub mod coarse;
 pub mod conjugate_gradient;
 pub mod explicit_euler;
 pub mod implicit_midpoint;
-pub mod matrix;
 pub mod midpoint;
 pub mod newton;
 pub mod pins;
 pub mod rk4;
 pub mod symplectic_euler;
+
+pub use crate::forces::Jacobian;
 
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Model};
@@ -73,24 +75,15 @@ impl Method {
     }
 }
 
-/// Which Jacobian implicit methods use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum Jacobian {
-    /// Element by element positive semidefinite: conjugate gradients always descend.
-    #[default]
-    Projected,
-    /// The true one, indefinite under compression.
-    Exact,
-}
-
 /// What conjugate gradients are preconditioned with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Preconditioner {
     /// The inverse of each 3x3 diagonal block.
-    #[default]
     BlockJacobi,
+    /// The same, and exact for the affine motions of patches ([`coarse`]).
+    #[default]
+    TwoLevel,
 }
 
 /// How a scene is integrated.

@@ -12,12 +12,13 @@
 //! dissipation G is one function and every accepted iteration decreases it.
 
 use super::conjugate_gradient::{self, System};
-use super::matrix::{self, BlockMatrix};
-use super::{Context, Work};
+use super::{Context, Preconditioner, Work, coarse};
 use crate::dispatch::Dispatch;
+use crate::forces::matrix;
 use crate::forces::{self, Model, TangentScale};
 use crate::real::{Real, Sum, Vec3, dot_sum};
 use crate::scratch::Scratch;
+use crate::stage;
 
 /// A backward Euler stage of `length` g from (xh, vh).
 #[derive(Clone, Copy)]
@@ -57,7 +58,9 @@ fn linearised<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratc
     matrix::multiply(&s.matrix, c.masses, 0.0, s.next_velocities, s.products, c.dispatch);
     write_residual(c, stage, s, true);
     work.newton_iterations += 1;
-    solve_linear(c, stage, s, c.scheme.tolerance, work);
+    let norm = residual_norm(c, s.residual).max(Sum::MIN_POSITIVE);
+    let reduction = Sum::from(c.scheme.tolerance) * (weight_impulse(c, stage) / norm).max(1.0);
+    solve_linear(c, reduction, s, work);
     add_scaled(c, s.solution, 1.0, s.next_velocities);
 }
 
@@ -75,11 +78,14 @@ fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch
         if norm <= target {
             return;
         }
+        if !norm.is_finite() {
+            return s.next_velocities.fill(Vec3::NAN);
+        }
         write_matrix(c, stage, true, s);
         work.newton_iterations += 1;
         // Conjugate gradients consume the residual, which is minus the slope of the objective.
         s.base_residual.copy_from_slice(s.residual);
-        solve_linear(c, stage, s, c.scheme.tolerance.max(INNER_TOLERANCE), work);
+        solve_linear(c, c.scheme.tolerance.max(INNER_TOLERANCE).into(), s, work);
         let slope = -column_dot(s.base_residual, s.solution);
         match search(c, stage, slope, s, work) {
             Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
@@ -112,17 +118,9 @@ fn write_residual<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Sc
     c.pins.filter(s.residual);
 }
 
-fn solve_linear<D: Dispatch>(
-    c: &Context<'_, D>,
-    stage: &Stage<'_>,
-    s: &mut Scratch<'_>,
-    tolerance: Real,
-    work: &mut Work,
-) {
-    let matrix = BlockMatrix { offsets: s.matrix.offsets, columns: s.matrix.columns, blocks: s.matrix.blocks };
-    let system = System { matrix: &matrix, masses: c.masses, pins: c.pins };
-    let norm = residual_norm(c, s.residual);
-    let reduction = Sum::from(tolerance) * (weight_impulse(c, stage) / norm.max(Sum::MIN_POSITIVE)).max(1.0);
+fn solve_linear<D: Dispatch>(c: &Context<'_, D>, reduction: Sum, s: &mut Scratch<'_>, work: &mut Work) {
+    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
+    c.dispatch.enter(stage::Stage::Solve);
     conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
     let vectors = conjugate_gradient::Vectors {
         solution: s.solution,
@@ -132,7 +130,14 @@ fn solve_linear<D: Dispatch>(
         preconditioned: s.preconditioned,
         partials: s.partials,
     };
-    conjugate_gradient::solve(&system, s.inverse_diagonal, reduction, vectors, work, c.dispatch);
+    let mut coarse = None;
+    if c.scheme.preconditioner == Preconditioner::TwoLevel {
+        coarse::write_factor(&s.patches, &system, &mut s.coarse);
+        coarse = Some((s.patches, &mut s.coarse));
+    }
+    let mut preconditioner = conjugate_gradient::Preconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
+    conjugate_gradient::solve(&system, &mut preconditioner, reduction, vectors, work, c.dispatch);
+    c.dispatch.enter(stage::Stage::Integrate);
 }
 
 /// Norm of the impulse that gravity gives in the stage, sqrt(sum m |g h|^2): a residual small

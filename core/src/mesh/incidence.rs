@@ -15,6 +15,11 @@ impl<'a> Incidence<'a> {
         self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize
     }
 
+    /// Bytes of its columns.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.offsets) + size_of_val(self.slots)
+    }
+
     /// The element corners that meet at a vertex.
     #[inline]
     pub fn at(&self, vertex: usize) -> &'a [u32] {

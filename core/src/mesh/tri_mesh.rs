@@ -3,6 +3,9 @@ use alloc::vec::Vec;
 
 use crate::error::MeshError;
 
+/// Most triangles at one vertex: a row of the system matrix counts its blocks in 16 bits.
+const MOST_TRIANGLES: u32 = 10_000;
+
 /// A stitch: vertex `a` is sewn to the point `(1 - weight) b + weight c`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stitch {
@@ -54,12 +57,12 @@ impl TriMesh {
 
     fn check_triangles(&self) -> Result<(), MeshError> {
         let vertices = self.positions.len() as u32;
-        let mut used = vec![false; self.positions.len()];
+        let mut uses = vec![0u32; self.positions.len()];
         for (t, corners) in self.triangles.iter().enumerate() {
             let triangle = t as u32;
             for (k, &vertex) in corners.iter().enumerate() {
-                match used.get_mut(vertex as usize) {
-                    Some(slot) => *slot = true,
+                match uses.get_mut(vertex as usize) {
+                    Some(uses) => *uses += 1,
                     None => return Err(MeshError::VertexOutOfRange { triangle, vertex, vertices }),
                 }
                 if corners[..k].contains(&vertex) {
@@ -67,8 +70,11 @@ impl TriMesh {
                 }
             }
         }
-        if let Some(vertex) = used.iter().position(|used| !used) {
+        if let Some(vertex) = uses.iter().position(|&uses| uses == 0) {
             return Err(MeshError::LooseVertex { vertex: vertex as u32 });
+        }
+        if let Some(vertex) = uses.iter().position(|&uses| uses > MOST_TRIANGLES) {
+            return Err(MeshError::Hub { vertex: vertex as u32, most: MOST_TRIANGLES });
         }
         let coordinates = self.uvs.len() as u32;
         for (t, corners) in self.uv_triangles.iter().enumerate() {

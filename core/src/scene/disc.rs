@@ -20,11 +20,14 @@ pub struct DiscDesc {
 }
 
 pub(super) fn mesh(disc: &DiscDesc) -> Result<TriMesh, SceneError> {
-    super::build::positive("disc.radius", disc.radius)?;
-    super::build::not_negative("disc.hole", disc.hole)?;
-    super::build::positive("disc.radius - disc.hole", disc.radius - disc.hole)?;
-    super::build::at_least("disc.rings", [disc.rings, u32::MAX], 1)?;
+    super::check::positive("disc.radius", disc.radius)?;
+    super::check::not_negative("disc.hole", disc.hole)?;
+    super::check::positive("disc.radius - disc.hole", disc.radius - disc.hole)?;
+    super::check::at_least("disc.rings", [disc.rings, u32::MAX], 1)?;
     let spacing = (disc.radius - disc.hole) / f64::from(disc.rings);
+    // Rings of about 6 radius / spacing vertices.
+    let rings = f64::from(disc.rings);
+    super::check::nameable((3.0 * (rings + 1.0) * (rings + 2.0 * disc.hole / spacing)) as u64)?;
     let mut mesh = TriMesh::default();
     let mut inner = (0, 0);
     for ring in 0..=disc.rings {

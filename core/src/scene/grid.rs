@@ -33,9 +33,11 @@ pub struct GridDesc {
 }
 
 pub(super) fn mesh(grid: &GridDesc) -> Result<TriMesh, SceneError> {
-    super::build::positive("grid.size", grid.size[0])?;
-    super::build::positive("grid.size", grid.size[1])?;
-    super::build::at_least("grid.cells", grid.cells, 1)?;
+    super::check::positive("grid.size", grid.size[0])?;
+    super::check::positive("grid.size", grid.size[1])?;
+    super::check::at_least("grid.cells", grid.cells, 1)?;
+    let [nx, nz] = grid.cells.map(u64::from);
+    super::check::nameable((nx + 1).saturating_mul(nz + 1))?;
     Ok(match grid.pattern {
         Pattern::Equilateral => shifted_rows(grid),
         Pattern::Diagonal => squares(grid, |_, _| false),

@@ -5,9 +5,13 @@
 
 mod build;
 mod builtin;
+mod check;
 mod disc;
 mod grid;
+mod pins;
+mod place;
 mod select;
+mod terms;
 mod tube;
 
 use alloc::string::String;
@@ -258,7 +262,7 @@ impl Default for IntegratorDesc {
             step: 0.005,
             newton: 1,
             tolerance: 1e-4,
-            preconditioner: Preconditioner::BlockJacobi,
+            preconditioner: Preconditioner::TwoLevel,
             jacobian: Jacobian::Projected,
         }
     }

@@ -19,11 +19,12 @@ pub struct TubeDesc {
 
 /// Texture coordinates unroll the tube: u around, v along.
 pub(super) fn mesh(tube: &TubeDesc) -> Result<TriMesh, SceneError> {
-    super::build::positive("tube.radius", tube.radius)?;
-    super::build::positive("tube.height", tube.height)?;
-    super::build::at_least("tube.cells", [tube.cells[0], u32::MAX], 3)?;
-    super::build::at_least("tube.cells", tube.cells, 1)?;
+    super::check::positive("tube.radius", tube.radius)?;
+    super::check::positive("tube.height", tube.height)?;
+    super::check::at_least("tube.cells", [tube.cells[0], u32::MAX], 3)?;
+    super::check::at_least("tube.cells", tube.cells, 1)?;
     let [around, along] = tube.cells;
+    super::check::nameable(u64::from(around) * (u64::from(along) + 1))?;
     let chord = 2.0 * tube.radius * libm::sin(PI / f64::from(around));
     let mut mesh = TriMesh::default();
     for j in 0..=along {

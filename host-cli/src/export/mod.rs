@@ -86,7 +86,9 @@ impl Exporter {
     ) -> Result<Exporter, ExportError> {
         let points = triangles.as_flattened().iter().max().map_or(0, |&last| last as usize + 1);
         let clip = Clip { dir: dir.into(), triangles: triangles.into(), points, frame_rate, first_frame };
-        let writers = formats.iter().map(|&format| writer(format, &clip)).collect::<Result<_, _>>()?;
+        // Named twice is meant once: two writers of one file would take it from each other.
+        let once = formats.iter().enumerate().filter(|(place, format)| !formats[..*place].contains(format));
+        let writers = once.map(|(_, &format)| writer(format, &clip)).collect::<Result<_, _>>()?;
         Ok(Exporter { clip, writers, next: first_frame })
     }
 

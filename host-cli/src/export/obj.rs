@@ -11,13 +11,20 @@ pub struct ObjFrames;
 
 impl Writer for ObjFrames {
     fn frame(&mut self, clip: &Clip, frame: u32, positions: &[[f32; 3]]) -> Result<(), WriteError> {
-        whole::write(folder(&clip.dir).join(format!("frame_{frame:05}.obj")), |file| mesh(file, clip, positions))?;
+        whole::write(place(clip, frame), |file| mesh(file, clip, positions))?;
         Ok(())
     }
 
-    fn finish(self: Box<Self>, clip: &Clip, _frames: u32) -> Result<Vec<PathBuf>, WriteError> {
+    fn finish(self: Box<Self>, clip: &Clip, frames: u32) -> Result<Vec<PathBuf>, WriteError> {
+        // The frames with which an older, longer run would go on are not of this run.
+        let older = (frames..).map(|frame| place(clip, frame)).take_while(|path| path.exists());
+        older.for_each(|path| drop(std::fs::remove_file(path)));
         Ok(vec![folder(&clip.dir)])
     }
+}
+
+fn place(clip: &Clip, frame: u32) -> PathBuf {
+    folder(&clip.dir).join(format!("frame_{frame:05}.obj"))
 }
 
 fn folder(dir: &Path) -> PathBuf {

@@ -17,8 +17,8 @@ pub struct Pc2 {
 }
 
 impl Pc2 {
-    /// Continues the cache that an interrupted run left, if it reaches up to the first frame
-    /// and is of a mesh of this size; else begins a new one.
+    /// Continues the cache that an interrupted or shorter run left, if it reaches up to the first
+    /// frame and is of a mesh of this size; else begins a new one.
     pub fn begin(clip: &Clip) -> Result<Pc2, WriteError> {
         let path = clip.dir.join("cloth.pc2");
         if clip.first_frame > 0
@@ -76,11 +76,11 @@ fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<bool> {
     let Some(start) = found.get(20..24).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])) else {
         return Ok(false);
     };
-    // A header is the same for the same mesh and start.
+    // But for the number of samples at its end, a header is the same for the same mesh and start.
     let older = Clip { first_frame: start as u32, dir: PathBuf::new(), triangles: Vec::new(), ..*clip };
     let length = HEADER_BYTES + u64::from(clip.first_frame.saturating_sub(older.first_frame)) * frame_bytes(clip);
-    let fit =
-        found == header(&older) && older.first_frame <= clip.first_frame && file.get_ref().metadata()?.len() >= length;
+    let same = found.len() as u64 == HEADER_BYTES && header(&older).starts_with(&found[..28]);
+    let fit = same && older.first_frame <= clip.first_frame && file.get_ref().metadata()?.len() >= length;
     if fit {
         file.get_ref().set_len(length)?;
         file.seek(SeekFrom::End(0))?;

@@ -1,8 +1,9 @@
 //! Universal Scene Description, text form (openusd.org, UsdGeomMesh): one mesh with a sample of
-//! its points for each frame.
+//! its points for each frame. An interrupted file can be continued.
 
 use std::fmt::Display;
-use std::io::{self, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, BufWriter, Seek, SeekFrom, Write};
 use std::path::PathBuf;
 
 use super::whole::{Partial, WriteError};
@@ -16,9 +17,17 @@ pub struct Usda {
 }
 
 impl Usda {
-    /// Begins a new file with all that does not move.
+    /// Continues the file that an interrupted or shorter run left, if it is of this mesh and has
+    /// all frames before the first; else begins a new one with all that does not move.
     pub fn begin(clip: &Clip) -> Result<Usda, WriteError> {
-        let mut partial = Partial::create(clip.dir.join("cloth.usda"))?;
+        let path = clip.dir.join("cloth.usda");
+        if clip.first_frame > 0
+            && let Some(mut partial) = Partial::reopen(&path)?
+            && partial.with(|file| rewind(file, clip))?
+        {
+            return Ok(Usda { partial });
+        }
+        let mut partial = Partial::create(path)?;
         partial.with(|file| head(file, clip))?;
         Ok(Usda { partial })
     }
@@ -41,6 +50,51 @@ impl Writer for Usda {
         })?;
         Ok(vec![self.partial.finish()?])
     }
+
+    fn flush(&mut self) -> Result<(), WriteError> {
+        self.partial.with(|file| file.flush())
+    }
+
+    fn suspend(self: Box<Self>) -> Result<(), WriteError> {
+        self.partial.suspend()
+    }
+}
+
+/// Cuts an older file down to the frames before the first; whether it was fit for it.
+fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<bool> {
+    let mut lines = BufReader::new(file.get_mut());
+    let mut line = Vec::new();
+    // Of the head, all must be as here but for the times of start and end.
+    let mut expected = Vec::new();
+    head(&mut expected, clip)?;
+    let mut length = 0;
+    let mut frame = None;
+    for expected in expected.split_inclusive(|&byte| byte == b'\n') {
+        line.clear();
+        length += lines.read_until(b'\n', &mut line)?;
+        let key = &expected[..expected.iter().position(|&byte| byte == b'=').unwrap_or(0)];
+        match key.trim_ascii() {
+            b"endTimeCode" => {}
+            b"startTimeCode" => frame = str::from_utf8(&line[key.len().min(line.len())..]).ok().and_then(number),
+            _ if line == expected => {}
+            _ => return Ok(false),
+        }
+    }
+    let Some(start) = frame.filter(|start| *start <= clip.first_frame) else { return Ok(false) };
+    for frame in start..clip.first_frame {
+        line.clear();
+        length += lines.read_until(b'\n', &mut line)?;
+        if !line.starts_with(format!("        {frame}: ").as_bytes()) || !line.ends_with(b"],\n") {
+            return Ok(false);
+        }
+    }
+    file.get_ref().set_len(length as u64)?;
+    file.seek(SeekFrom::End(0))?;
+    Ok(true)
+}
+
+fn number(text: &str) -> Option<u32> {
+    text.trim_start_matches('=').trim().parse().ok()
 }
 
 fn head(file: &mut impl Write, clip: &Clip) -> io::Result<()> {

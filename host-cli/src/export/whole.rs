@@ -24,10 +24,15 @@ impl Partial {
         Partial::open(path, OpenOptions::new().read(true).write(true).create(true).truncate(true))
     }
 
-    /// The file that an interrupted run left of `path`, if there is one.
+    /// The file that an interrupted run left of `path`, or a copy of the complete one; if there is
+    /// either.
     pub fn reopen(path: &Path) -> Result<Option<Partial>, WriteError> {
-        if !partial_name(path).exists() {
-            return Ok(None);
+        let partial = partial_name(path);
+        if !partial.exists() {
+            if !path.exists() {
+                return Ok(None);
+            }
+            fs::copy(path, &partial).map_err(|cause| WriteError { path: path.into(), cause })?;
         }
         Partial::open(path.into(), OpenOptions::new().read(true).write(true)).map(Some)
     }
@@ -114,6 +119,17 @@ mod tests {
         partial.suspend().unwrap();
         assert!(!path.exists());
         assert_eq!(Partial::reopen(&path).unwrap().unwrap().finish().unwrap(), path);
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+    }
+
+    #[test]
+    fn a_complete_file_is_reopened_as_a_copy() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        fs::write(&path, "one").unwrap();
+        let mut partial = Partial::reopen(&path).unwrap().unwrap();
+        partial.with(|file| file.write_all(b"two")).unwrap();
+        partial.suspend().unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"one");
     }
 }

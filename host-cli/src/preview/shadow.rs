@@ -66,7 +66,8 @@ impl ShadowMap<'_> {
             !inside || self.heights[y as usize * SIDE + x as usize] <= place.z
         };
         let (x, y) = (place.x as i32, place.y as i32);
-        let taps = (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (x + i, y + j)));
+        let taps =
+            (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (x.saturating_add(i), y.saturating_add(j))));
         let free = taps.filter(|&(x, y)| free(x, y)).count();
         free as f32 / (2 * reach + 1).pow(2) as f32
     }

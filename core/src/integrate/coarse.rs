@@ -1,0 +1,230 @@
+//! The coarse half of the two-level preconditioner `D^-1 + P (P^T A P)^-1 P^T`: the sheet is cut
+//! into patches that each move affinely, and the small system of their motions is solved exactly
+//! [Nicolaides 1987; with richer patches, Tamstorf 2015]. D^-1 alone passes news only from
+//! neighbour to neighbour; a patch carries them across the sheet in one iteration.
+//!
+//! The small matrix keeps the envelope of its lower triangle; its numbers are double in both
+//! precisions, because the stiffness inside a patch cancels in it.
+
+use super::conjugate_gradient::System;
+use crate::real::{Real, Sum, Vec3, to_f64};
+
+/// Motions of a patch: three axes times (1, u, v) in its own coordinates.
+pub const MODES: usize = 9;
+
+/// A pivot below this part of its diagonal belongs to a motion that others already span.
+const LEAST_PIVOT: Sum = 1e-10;
+
+/// The patches, borrowed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Patches<'a> {
+    /// The patch of each vertex.
+    pub labels: &'a [u32],
+    /// (u, v) of each vertex in its patch, about -1 to 1.
+    pub coordinates: &'a [[Real; 2]],
+    /// Held axes of each vertex, as in [`Pins`](super::pins::Pins).
+    pub held: &'a [u8],
+    /// For each row of the small matrix its first column.
+    pub first_columns: &'a [u32],
+    /// For each row where its values start, from the first column to the diagonal; one more than
+    /// there are rows.
+    pub offsets: &'a [u32],
+}
+
+/// The factor of the small matrix and a vector to solve in, borrowed.
+#[derive(Debug, Default)]
+pub struct CoarseFactor<'a> {
+    /// The rows.
+    pub values: &'a mut [Sum],
+    /// While the matrix is summed, each patch's own block; half of it, the other half mirrored.
+    pub own: &'a mut [Dense],
+    /// 1 / diagonal; zero for motions that are left out.
+    pub inverse_diagonal: &'a mut [Sum],
+    /// One entry a row.
+    pub vector: &'a mut [Sum],
+}
+
+/// A block of two patches' motions, by `[row][column]`.
+pub type Dense = [[Sum; MODES]; MODES];
+
+impl Patches<'_> {
+    #[inline]
+    fn shape(&self, vertex: usize) -> [Sum; 3] {
+        let [u, v] = self.coordinates[vertex];
+        [1.0, u.into(), v.into()]
+    }
+
+    /// Positions of a row's values, from its first column to the diagonal.
+    #[inline]
+    fn row(&self, row: usize) -> core::ops::Range<usize> {
+        self.offsets[row] as usize..self.offsets[row + 1] as usize
+    }
+}
+
+/// Writes the small matrix `P^T (M + S') P` and factorises it.
+pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, factor: &mut CoarseFactor<'_>) {
+    factor.values.fill(0.0);
+    factor.own.fill([[0.0; MODES]; MODES]);
+    for vertex in 0..system.masses.len() {
+        add_row(patches, system, vertex, factor);
+    }
+    for (patch, own) in factor.own.iter().enumerate() {
+        for r in 0..MODES {
+            let row = patches.row(patch * MODES + r);
+            let diagonal = row.end - 1;
+            for c in 0..=r {
+                factor.values[diagonal - r + c] += own[r][c] + own[c][r];
+            }
+        }
+    }
+    factorise(patches, factor);
+}
+
+/// Adds a vertex's row of the system: columns that belong to one patch are first summed by their
+/// shapes, then spread over the shapes of the row.
+fn add_row(patches: &Patches<'_>, system: &System<'_>, vertex: usize, factor: &mut CoarseFactor<'_>) {
+    let matrix = system.matrix;
+    let row = matrix.offsets[vertex] as usize..matrix.offsets[vertex + 1] as usize;
+    let label = |at: usize| patches.labels[matrix.columns[at] as usize];
+    let mut sums = [[0.0; MODES]; 3];
+    for at in row.clone() {
+        add_block(patches, system, vertex, at, &mut sums);
+        if at + 1 == row.end || label(at + 1) != label(at) {
+            spread(patches, vertex, label(at) as usize, &sums, factor);
+            sums = [[0.0; MODES]; 3];
+        }
+    }
+}
+
+/// `sums[axis][by, s] += entry[axis][by] shape[s]`; half of the diagonal block, which has no
+/// mirror image.
+#[inline]
+fn add_block(patches: &Patches<'_>, system: &System<'_>, vertex: usize, at: usize, sums: &mut [[Sum; MODES]; 3]) {
+    let column = system.matrix.columns[at] as usize;
+    let (shape, block) = (patches.shape(column), &system.matrix.blocks[at]);
+    let (half, mass) = if column == vertex { (0.5, system.masses[vertex]) } else { (1.0, 0.0) };
+    for by in (0..3).filter(|by| patches.held[column] >> by & 1 == 0) {
+        let [x, y, z, _] = block[by].to_array();
+        let mut entries = [x, y, z];
+        entries[by] += mass;
+        for axis in 0..3 {
+            for s in 0..3 {
+                sums[axis][3 * by + s] += half * Sum::from(entries[axis]) * shape[s];
+            }
+        }
+    }
+}
+
+/// Adds `shape[t] sums[axis]` to the rows (axis, t) of the vertex's patch and the columns of the
+/// other, or its mirror image where that is what the lower triangle holds.
+fn spread(patches: &Patches<'_>, vertex: usize, other: usize, sums: &[[Sum; MODES]; 3], factor: &mut CoarseFactor<'_>) {
+    let (patch, shape) = (patches.labels[vertex] as usize, patches.shape(vertex));
+    for axis in (0..3).filter(|axis| patches.held[vertex] >> axis & 1 == 0) {
+        for t in 0..3 {
+            let r = 3 * axis + t;
+            let part = sums[axis].map(|sum| sum * shape[t]);
+            if patch == other {
+                for c in 0..MODES {
+                    factor.own[patch][r][c] += part[c];
+                }
+            } else if other < patch {
+                let row = patch * MODES + r;
+                let start = patches.row(row).start + other * MODES - patches.first_columns[row] as usize;
+                for c in 0..MODES {
+                    factor.values[start + c] += part[c];
+                }
+            } else {
+                for c in 0..MODES {
+                    let row = other * MODES + c;
+                    let at = patches.row(row).start + patch * MODES + r - patches.first_columns[row] as usize;
+                    factor.values[at] += part[c];
+                }
+            }
+        }
+    }
+}
+
+/// Cholesky's factor within the envelope, row by row.
+fn factorise(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
+    for row in 0..patches.first_columns.len() {
+        let first = patches.first_columns[row] as usize;
+        let (above, from_here) = factor.values.split_at_mut(patches.offsets[row] as usize);
+        let values = &mut from_here[..=row - first];
+        for column in first..row {
+            let column_first = patches.first_columns[column] as usize;
+            let common = first.max(column_first);
+            let other = &above[patches.row(column)][common - column_first..column - column_first];
+            let product = dot(&values[common - first..column - first], other);
+            values[column - first] = (values[column - first] - product) * factor.inverse_diagonal[column];
+        }
+        let (left, diagonal) = values.split_at(row - first);
+        let pivot = diagonal[0] - dot(left, left);
+        factor.inverse_diagonal[row] = if pivot > LEAST_PIVOT * diagonal[0] { 1.0 / libm::sqrt(pivot) } else { 0.0 };
+    }
+}
+
+/// Adds `P (P^T A P)^-1 P^T r` to `z`. Held axes of `r` are clear; those of `z` are left to the
+/// caller to clear.
+pub fn add_correction(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>, r: &[Vec3], z: &mut [Vec3]) {
+    restrict(patches, r, factor.vector);
+    solve(patches, factor);
+    for (vertex, z) in z.iter_mut().enumerate() {
+        let shape = patches.shape(vertex);
+        let motion = &factor.vector[patches.labels[vertex] as usize * MODES..][..MODES];
+        let along = |axis: usize| (0..3).map(|s| motion[3 * axis + s] * shape[s]).sum::<Sum>() as Real;
+        *z += Vec3::new(along(0), along(1), along(2));
+    }
+}
+
+fn restrict(patches: &Patches<'_>, r: &[Vec3], vector: &mut [Sum]) {
+    vector.fill(0.0);
+    for (vertex, &r) in r.iter().enumerate() {
+        let shape = patches.shape(vertex);
+        let motion = &mut vector[patches.labels[vertex] as usize * MODES..][..MODES];
+        for (axis, r) in to_f64(r).into_iter().enumerate() {
+            for s in 0..3 {
+                motion[3 * axis + s] += r * shape[s];
+            }
+        }
+    }
+}
+
+fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
+    let rows = patches.first_columns.len();
+    for row in 0..rows {
+        let first = patches.first_columns[row] as usize;
+        let left = &factor.values[patches.row(row)][..row - first];
+        let product = dot(left, &factor.vector[first..row]);
+        factor.vector[row] = (factor.vector[row] - product) * factor.inverse_diagonal[row];
+    }
+    for row in (0..rows).rev() {
+        let first = patches.first_columns[row] as usize;
+        factor.vector[row] *= factor.inverse_diagonal[row];
+        let solved = factor.vector[row];
+        let left = &factor.values[patches.row(row)][..row - first];
+        for (entry, value) in factor.vector[first..row].iter_mut().zip(left) {
+            *entry -= value * solved;
+        }
+    }
+}
+
+/// Inner product in four interleaved sums, which compilers turn into vector instructions.
+fn dot(a: &[Sum], b: &[Sum]) -> Sum {
+    let (a_fours, a_rest) = a.as_chunks::<4>();
+    let (b_fours, b_rest) = b.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (a, b) in a_fours.iter().zip(b_fours) {
+        for lane in 0..4 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: Sum = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+#[cfg(feature = "alloc")]
+pub use patches::PatchColumns;
+
+#[cfg(feature = "alloc")]
+#[path = "patches.rs"]
+mod patches;

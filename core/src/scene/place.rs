@@ -1,0 +1,61 @@
+//! Where a cloth's vertices are: in the undeformed sheet and at time 0.
+
+use alloc::vec::Vec;
+
+use glam::{DMat3, DVec3};
+
+use super::Resource;
+use super::build::{Sheet, resource};
+use crate::error::{MeshError, SceneError};
+use crate::mesh::TriMesh;
+
+/// Texture coordinates of the vertices, a sewn edge on one of its sides; or positions.
+pub(super) fn material(mesh: &TriMesh) -> Vec<DVec3> {
+    let mut material: Vec<DVec3> = mesh.positions.iter().map(|&p| p.into()).collect();
+    for (corners, uvs) in mesh.triangles.iter().zip(&mesh.uv_triangles) {
+        for (&vertex, &uv) in corners.iter().zip(uvs) {
+            let [u, v] = mesh.uvs[uv as usize];
+            material[vertex as usize] = DVec3::new(u, v, 0.0);
+        }
+    }
+    material
+}
+
+/// Start positions: rotated about x, then y, then z, and moved.
+pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Result<Vec<DVec3>, SceneError> {
+    let start = match &sheet.desc.state {
+        Some(name) => {
+            let (state, expected) = (resource(name, index, resources)?, sheet.mesh.positions.len());
+            if state.positions.len() != expected {
+                let (expected, found) = (expected as u32, state.positions.len() as u32);
+                return Err((index, MeshError::StateLength { expected, found }).into());
+            }
+            if let Some(vertex) = state.positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+                return Err((index, MeshError::NotFinite { vertex: vertex as u32 }).into());
+            }
+            &state.positions
+        }
+        None => &sheet.mesh.positions,
+    };
+    let [rx, ry, rz] = sheet.desc.rotation.map(f64::to_radians);
+    let turn = axis_turn(2, rz) * axis_turn(1, ry) * axis_turn(0, rx);
+    Ok(start.iter().map(|&p| turn * DVec3::from(p) + DVec3::from(sheet.desc.position)).collect())
+}
+
+/// Rotation about a coordinate axis by libm, so that every machine places alike.
+fn axis_turn(axis: usize, angle: f64) -> DMat3 {
+    // Quarter turns are exact: a sheet hung upright must lie in a plane.
+    let quarters = angle / core::f64::consts::FRAC_PI_2;
+    let (sine, cosine) = if quarters == libm::trunc(quarters) && quarters.abs() < 1e9 {
+        [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][(quarters as i64).rem_euclid(4) as usize]
+    } else {
+        (libm::sin(angle), libm::cos(angle))
+    };
+    let mut columns = DMat3::IDENTITY.to_cols_array_2d();
+    let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+    columns[a][a] = cosine;
+    columns[a][b] = sine;
+    columns[b][a] = -sine;
+    columns[b][b] = cosine;
+    DMat3::from_cols_array_2d(&columns)
+}

@@ -1,0 +1,94 @@
+//! Bytes that each stage streams: every column that it reads or writes counted once, however
+//! often the caches hand it out. What a kernel would cost if memory were all that costs.
+
+use crate::forces::Model;
+use crate::forces::element::Element;
+use crate::forces::matrix::{Block, Mirrored};
+use crate::forces::spring::Springs;
+use crate::real::{Mat3, Real, Sum, Vec3};
+use crate::stage::{Stage, Term};
+
+const SCALAR: usize = size_of::<Real>();
+const VECTOR: usize = size_of::<Vec3>();
+const INDEX: usize = 4;
+
+/// The sizes that traffic depends on.
+#[derive(Clone, Copy, Debug)]
+pub struct Sizes {
+    /// Vertices.
+    pub vertices: usize,
+    /// Blocks that the system matrix stores, and those that it mirrors.
+    pub blocks: [usize; 2],
+    /// Values of the two-level preconditioner's small matrix; 0 without it.
+    pub coarse_values: usize,
+}
+
+/// Bytes of one evaluation of a force term, of writing its Jacobian, of one iteration of the
+/// solver, or of one explicit update.
+pub fn bytes(stage: Stage, model: &Model<'_>, sizes: Sizes) -> usize {
+    let n = sizes.vertices;
+    match stage {
+        Stage::Force(term) => force(term, model, n),
+        Stage::Jacobian(term) => jacobian(term, model, sizes),
+        Stage::Solve => iteration(sizes),
+        // x, v, f, 1/m in, x, v out; x, v in to be checked.
+        Stage::Integrate => n * (3 * VECTOR + SCALAR + 2 * VECTOR + 2 * VECTOR),
+    }
+}
+
+fn force(term: Term, model: &Model<'_>, n: usize) -> usize {
+    let springs = |s: &Option<Springs<'_>>| s.map_or(0, |s| spring_columns(&s) + n * (3 * VECTOR + INDEX));
+    match term {
+        Term::Gravity => n * (SCALAR + VECTOR),
+        Term::Drag => model.drag.map_or(0, |_| n * (SCALAR + 3 * VECTOR)),
+        Term::StretchSpring => springs(&model.stretch_springs),
+        Term::BendSpring => springs(&model.bend_springs),
+        Term::Membrane => model.membrane.map_or(0, |m| elements(&m, n, 5 * SCALAR + 2)),
+        Term::Hinge => model.hinges.map_or(0, |h| elements(&h, n, 3 * SCALAR)),
+        Term::Seam => model.seams.map_or(0, |s| elements(&s, n, 3 * SCALAR)),
+        Term::Wind => model.wind.map_or(0, |w| elements(&w, n, 0)),
+    }
+}
+
+fn spring_columns(springs: &Springs<'_>) -> usize {
+    springs.others.len() * (INDEX + 2 * SCALAR) + springs.damping.len() * SCALAR
+}
+
+/// Corners, `rest` bytes of material and the force slots out of and into cache, then the gather.
+fn elements<const K: usize>(term: &impl Element<K>, n: usize, rest: usize) -> usize {
+    term.vertices().len() * (K * INDEX + rest + 2 * K * VECTOR + K * INDEX) + n * (4 * VECTOR + INDEX)
+}
+
+fn jacobian(term: Term, model: &Model<'_>, sizes: Sizes) -> usize {
+    let matrix = 2 * sizes.blocks[0] * size_of::<Block>() + sizes.vertices * (VECTOR + INDEX);
+    let springs = |s: &Option<Springs<'_>>| s.map_or(0, |s| spring_columns(&s) + s.others.len() * 2 + matrix);
+    match term {
+        // The matrix is cleared together with the drag.
+        Term::Drag => sizes.blocks[0] * size_of::<Block>(),
+        Term::Gravity => 0,
+        Term::StretchSpring => springs(&model.stretch_springs),
+        Term::BendSpring => springs(&model.bend_springs),
+        Term::Membrane => model.membrane.map_or(0, |m| packed(&m, 5 * SCALAR + 2) + matrix),
+        Term::Hinge => model.hinges.map_or(0, |h| packed(&h, 3 * SCALAR) + matrix),
+        Term::Seam => model.seams.map_or(0, |s| packed(&s, 3 * SCALAR) + matrix),
+        Term::Wind => model.wind.map_or(0, |w| packed(&w, 0) + matrix),
+    }
+}
+
+/// Corners, material, the packed Jacobian out of and into cache, incidence and targets.
+fn packed<const K: usize, E: Element<K>>(term: &E, rest: usize) -> usize {
+    term.vertices().len() * (2 * K * INDEX + rest + 2 * size_of::<E::Tangent>() + 2 * K * K)
+}
+
+/// One iteration of conjugate gradients.
+fn iteration(sizes: Sizes) -> usize {
+    let [stored, mirrored] = sizes.blocks;
+    // The small matrix is read forward and backward, labels, coordinates and z twice.
+    let coarse = match sizes.coarse_values {
+        0 => 0,
+        values => 2 * values * size_of::<Sum>() + sizes.vertices * 2 * (INDEX + 2 * SCALAR + VECTOR),
+    };
+    let matrix = stored * (size_of::<Block>() + INDEX) + mirrored * size_of::<Mirrored>();
+    // Product 2, two inner products 4, solution and residual 6, preconditioner 2, direction 3.
+    matrix + coarse + sizes.vertices * (17 * VECTOR + 2 * INDEX + SCALAR + size_of::<Mat3>())
+}

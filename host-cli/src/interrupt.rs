@@ -1,0 +1,19 @@
+//! Interrupts: the first asks a run to stop between two steps, a second ends the process at once.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::failure::Failure;
+
+/// The flag that an interrupt (SIGINT, SIGTERM, SIGHUP; Ctrl-C) raises.
+pub fn watch() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    let raise = move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    };
+    ctrlc::set_handler(raise).map_err(|error| Failure::Tool(format!("cannot watch for interrupts: {error}")))?;
+    Ok(stop)
+}

@@ -1,0 +1,60 @@
+//! A step allocates nothing: everything is sized when a scene is built.
+//!
+//! Run with `cargo test -p muslin-tests --test allocation`.
+
+use muslin_core::dispatch::Serial;
+use muslin_core::integrate::{Method, Preconditioner};
+use muslin_core::scene::SceneDesc;
+use muslin_core::simulation::Simulation;
+
+/// Every force term in one small scene.
+const SCENE: &str = r#"
+name = "all terms"
+duration = 1.0
+gravity = [0.0, -9.81, 0.0]
+drag = { linear = 0.1, wind = { velocity = [1.0, 0.0, 2.0], normal = 0.5 } }
+integrator = { step = 0.0005 }
+
+[[cloth]]
+grid = { size = [0.5, 0.5], cells = [12, 14] }
+density = 0.2
+stretch = { model = "membrane", stiffness = 100.0, damping = 0.0001 }
+shear = { stiffness = 50.0 }
+bend = { model = "hinge", rigidity = 1e-5, damping = 0.0001 }
+pin = [{ select = { corners = [0, 1] }, motion = { turn = { axis = [0, 1, 0], rate = 1.0 } } }]
+seam = [{ pairs = [[0, 5], [3, 9]], stiffness = 1.0 }]
+
+[[cloth]]
+grid = { size = [0.5, 0.5], cells = [9, 9], pattern = "alternating" }
+position = [0.0, 1.0, 0.0]
+density = 0.2
+stretch = { model = "spring", stiffness = 100.0 }
+bend = { model = "spring", stiffness = 0.1 }
+"#;
+
+#[test]
+fn a_step_allocates_nothing() {
+    for method in Method::ALL {
+        for (newton, preconditioner) in [(1, Preconditioner::TwoLevel), (4, Preconditioner::BlockJacobi)] {
+            let mut scene: SceneDesc = toml::from_str(SCENE).expect("the scene of this test parses");
+            scene.integrator.method = method;
+            scene.integrator.newton = newton;
+            scene.integrator.preconditioner = preconditioner;
+            let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
+            let counted = allocation_counter::measure(|| {
+                for _ in 0..4 {
+                    cloth.step(&Serial).expect("the scene of this test stays finite");
+                }
+            });
+            assert_eq!(
+                counted.count_total,
+                0,
+                "{} with {newton} Newton iterations allocated {} times, {} bytes; find the call with a debugger on \
+                 the allocator and give its column to Scratch",
+                method.name(),
+                counted.count_total,
+                counted.bytes_total
+            );
+        }
+    }
+}

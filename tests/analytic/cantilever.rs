@@ -1,0 +1,85 @@
+//! The heavy cantilever [Romero 2021]: a strip clamped level bends under its weight into a shape
+//! that Gamma = w L^3 / D alone decides.
+//!
+//! The strip is one row of equilateral triangles, so that it bends as a cylinder. It has no
+//! hinges along its length, which hold a ninth of a wide sheet's rigidity: the hinge model is a
+//! plate with a Poisson ratio of -1/3 and a narrow strip sees D (1 - 1/9). Its first hinge at the
+//! clamp bends from the last held vertex but one on, which is where the free length begins.
+
+use glam::DVec3;
+use muslin_core_f64::integrate::Method;
+use muslin_core_f64::simulation::Simulation;
+use muslin_tests::kit::double as kit;
+use muslin_tests::net::{converged, settle};
+
+/// N/m^2, and m.
+const WEIGHT: f64 = 0.2 * 9.81;
+const LENGTH: f64 = 0.2;
+
+/// Drop and reach of the tip over the free length, and the largest stretch less one.
+fn drape(gamma: f64, cells: u32) -> ([f64; 2], f64) {
+    let edge = LENGTH / (f64::from(cells) - 0.5);
+    let rigidity = WEIGHT * LENGTH.powi(3) / gamma / (1.0 - 1.0 / 9.0);
+    let (long, wide) = (edge * f64::from(cells), edge * 0.75f64.sqrt());
+    let stiffness = 2e5 * WEIGHT * LENGTH;
+    // Holds the first triangle.
+    let clamp = -0.5 * long + 1.25 * edge;
+    let built = kit::build(&format!(
+        r#"
+        name = "cantilever"
+        duration = 1.0
+        gravity = [0.0, -9.81, 0.0]
+        [[cloth]]
+        grid = {{ size = [{long}, {wide}], cells = [{cells}, 1] }}
+        density = 0.2
+        stretch = {{ model = "membrane", stiffness = {stiffness} }}
+        shear = {{ stiffness = {stiffness} }}
+        bend = {{ model = "hinge", rigidity = {rigidity} }}
+        [[cloth.pin]]
+        select = {{ box = [[-9.0, -9.0, -9.0], [{clamp}, 9.0, 9.0]] }}
+        "#
+    ));
+    let tip: Vec<_> =
+        (0..built.particles.positions.len()).filter(|&i| built.particles.positions[i].x > 0.499 * long).collect();
+    let mut sim = Simulation::from_columns(built, converged(Method::BackwardEuler, 1e-6), 0.2);
+    settle(&mut sim, 1e-6, 200);
+    let end = tip.iter().map(|&i| sim.positions()[i]).sum::<DVec3>() / tip.len() as f64;
+    let from_clamp = end.x + 0.5 * long - 0.5 * edge;
+    ([-end.y / LENGTH, from_clamp / LENGTH], sim.stretch().max - 1.0)
+}
+
+/// Gamma, then drop and reach of the tip over the length.
+const TRUTH: [(f64, [f64; 2]); 3] =
+    [(5.0, [0.49590504, 0.84665718]), (10.0, [0.70019972, 0.65635376]), (50.0, [0.90791712, 0.24501476])];
+
+#[test]
+fn strip_drapes_by_gamma() {
+    for (gamma, truth) in TRUTH {
+        // More than ten edges in L / sqrt(Gamma), over which the strip turns down.
+        let (shape, stretch) = drape(gamma, 75);
+        for (what, got, want) in [
+            ("H/L", shape[0], truth[0]),
+            ("W/L", shape[1], truth[1]),
+            ("H/W", shape[0] / shape[1], truth[0] / truth[1]),
+        ] {
+            let error = got / want - 1.0;
+            println!("Gamma {gamma}: {what} {got:.6}, expected {want:.6}, error {:.3} %", 100.0 * error);
+            assert!(error.abs() <= 0.01, "Gamma {gamma}: {what} is {got}, expected {want} within 1 %");
+        }
+        assert!(stretch < 1e-4, "Gamma {gamma}: stretched by {stretch:e}, the truth does not stretch");
+    }
+}
+
+#[test]
+fn strip_drapes_at_second_order() {
+    for (gamma, truth) in TRUTH {
+        let errors = [10, 20, 40].map(|cells| drape(gamma, cells).0[0] - truth[0]);
+        let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+        println!("Gamma {gamma}: H/L orders {orders:.3?}, errors {errors:?}");
+        let second = orders.iter().all(|p| (p - 2.0).abs() <= 0.1);
+        assert!(
+            second,
+            "Gamma {gamma}: H/L of 10, 20, 40 cells has orders {orders:.3?}, expected 2; errors {errors:?}"
+        );
+    }
+}

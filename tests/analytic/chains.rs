@@ -1,0 +1,232 @@
+//! Chains of masses and springs: longitudinal modes, static stretch, catenary, swinging rope.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use muslin_core_f64::dispatch::Serial;
+use muslin_core_f64::integrate::Method;
+use muslin_core_f64::simulation::Simulation;
+use muslin_tests::net::{Net, XYZ, converged, linearised, settle};
+use muslin_tests::worst::Worst;
+
+const G: f64 = 9.81;
+
+/// Every longitudinal mode of a chain, followed by RK4 for a period: omega = 2 sqrt(k/m)
+/// sin(angle / 2) with the shape sin(i angle).
+fn modes(what: &str, masses: usize, free_end: bool) {
+    const STIFFNESS: f64 = 30.0;
+    const MASS: f64 = 0.02;
+    const AMPLITUDE: f64 = 0.1;
+    // RK4 errs by (omega h)^4 / 120 of the phase: 5e-10 after a period.
+    const STEPS: u32 = 628;
+    let vertices = if free_end { masses + 1 } else { masses + 2 };
+    let mut net = Net::chain(vertices, DVec3::X, MASS, STIFFNESS, 0.0);
+    net.held = if free_end { vec![(0, XYZ)] } else { vec![(0, XYZ), (masses as u32 + 1, XYZ)] };
+    let mut worst = Worst::new(format!("{what}: positions over a period"), 1e-9);
+    for n in 1..=masses {
+        let angle = match free_end {
+            true => (2 * n - 1) as f64 * PI / (2 * masses + 1) as f64,
+            false => n as f64 * PI / (masses + 1) as f64,
+        };
+        let omega = 2.0 * (STIFFNESS / MASS).sqrt() * (angle / 2.0).sin();
+        let place = |i: usize, t: f64| i as f64 + AMPLITUDE * (i as f64 * angle).sin() * (omega * t).cos();
+        let mut built = net.build();
+        let free = 1..=masses;
+        for i in free.clone() {
+            built.particles.positions[i].x = place(i, 0.0);
+        }
+        let mut sim = Simulation::from_columns(built, linearised(Method::Rk4), 2.0 * PI / omega / f64::from(STEPS));
+        for _ in 0..STEPS {
+            sim.step(&Serial).expect("stable");
+            let (x, t) = (sim.positions(), sim.time());
+            free.clone().for_each(|i| {
+                worst.compare(AMPLITUDE, &x[i].to_array(), &[place(i, t), 0.0, 0.0], || {
+                    format!("mode {n}, mass {i}, time {t}")
+                });
+            });
+        }
+    }
+    worst.check();
+}
+
+#[test]
+fn modes_of_a_chain_held_at_both_ends() {
+    modes("fixed-fixed", 12, false);
+}
+
+#[test]
+fn modes_of_a_chain_held_at_one_end() {
+    modes("fixed-free", 12, true);
+}
+
+#[test]
+fn hanging_chain_stretches_by_the_closed_form() {
+    const MASSES: usize = 20;
+    let (mass, stiffness) = (0.05, 80.0);
+    let mut net = Net::chain(MASSES + 1, DVec3::NEG_Y, mass, stiffness, 0.0);
+    net.held = vec![(0, XYZ)];
+    net.gravity = Some(DVec3::NEG_Y * G);
+    let mut sim = Simulation::from_columns(net.build(), linearised(Method::BackwardEuler), 10.0);
+    settle(&mut sim, 1e-14, 30);
+    let mut worst = Worst::new("hanging chain: u_i = (m g / k) (i N - i (i - 1) / 2)", 1e-12);
+    for (i, x) in sim.positions().iter().enumerate() {
+        let (n, i) = (MASSES as f64, i as f64);
+        let stretched = i + mass * G / stiffness * (i * n - i * (i - 1.0) / 2.0);
+        worst.compare(stretched.max(1.0), &x.to_array(), &[0.0, -stretched, 0.0], || format!("mass {i}"));
+    }
+    worst.check();
+}
+
+/// A chain between supports 1 m apart at equal height.
+struct Hanging {
+    links: usize,
+    rest: f64,
+    mass: f64,
+    stiffness: f64,
+}
+
+impl Hanging {
+    /// `length` is that of the whole chain; links stretch by a part in `rigidity` under its weight.
+    fn new(links: usize, length: f64, rigidity: f64) -> Self {
+        let (rest, mass) = (length / links as f64, 0.3 / links as f64);
+        Self { links, rest, mass, stiffness: rigidity * 0.3 * G / rest }
+    }
+
+    /// Ends of the links where tension balances weight: H is constant, V falls by m g a mass.
+    fn shape(&self, horizontal: f64) -> Vec<DVec3> {
+        let weight = self.mass * G;
+        let first = 0.5 * weight * (self.links as f64 - 1.0);
+        let mut at = DVec3::ZERO;
+        let mut points = vec![at];
+        for i in 0..self.links {
+            let pull = DVec3::new(horizontal, i as f64 * weight - first, 0.0);
+            at += pull.normalize() * (self.rest + pull.length() / self.stiffness);
+            points.push(at);
+        }
+        points
+    }
+
+    /// The shape that spans 1 m, by bisection on H.
+    fn exact(&self) -> Vec<DVec3> {
+        let (mut low, mut high) = (0.0, 1e3);
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if self.shape(middle)[self.links].x < 1.0 { low = middle } else { high = middle }
+        }
+        self.shape(low)
+    }
+
+    /// Where the core lets the chain come to rest, from a parabola.
+    fn settled(&self) -> Vec<DVec3> {
+        let mut net = Net::chain(self.links + 1, DVec3::X * self.rest, self.mass, self.stiffness, 0.0);
+        net.held = vec![(0, XYZ), (self.links as u32, XYZ)];
+        net.gravity = Some(DVec3::NEG_Y * G);
+        for (i, x) in net.points.iter_mut().enumerate() {
+            let s = i as f64 / self.links as f64;
+            *x = DVec3::new(s, -2.0 * s * (1.0 - s) * self.links as f64 * self.rest, 0.0);
+        }
+        let mut sim = Simulation::from_columns(net.build(), converged(Method::BackwardEuler, 1e-8), 0.5);
+        settle(&mut sim, 1e-9, 400);
+        sim.positions().to_vec()
+    }
+}
+
+/// Length of a chain of span 1, and its sag: 2 a sinh(1 / (2 a)) = S, a (cosh(1 / (2 a)) - 1).
+const SAGS: [(f64, f64); 5] = [
+    (1.05, 0.139304206592),
+    (1.1, 0.200300790736),
+    (1.2, 0.292343797601),
+    (1.5, 0.502633261648),
+    (2.0, 0.796388355860),
+];
+
+#[test]
+fn chain_between_supports_hangs_in_its_own_exact_shape() {
+    let mut worst = Worst::new("hanging chain of 16 links against its exact shape, m", 1e-6);
+    for (length, _) in SAGS {
+        let chain = Hanging::new(16, length, 1e3);
+        for (i, (got, want)) in chain.settled().iter().zip(chain.exact()).enumerate() {
+            worst.compare(1.0, &got.to_array(), &want.to_array(), || format!("length {length}, vertex {i}"));
+        }
+    }
+    worst.check();
+}
+
+#[test]
+fn chain_sags_towards_the_catenary_at_second_order() {
+    for (length, sag) in SAGS {
+        let error = |links: usize| {
+            let lowest = Hanging::new(links, length, 1e7).settled().iter().map(|x| -x.y).fold(0.0, f64::max);
+            lowest - sag
+        };
+        second_order(&format!("sag of a chain of length {length}, {sag} m"), error);
+    }
+}
+
+/// Checks that an error falls with the square of the number of links.
+fn second_order(what: &str, error: impl Fn(usize) -> f64) {
+    let errors = [16, 32, 64].map(error);
+    let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+    println!("{what}: orders {orders:.3?}, errors {errors:?}");
+    assert!(
+        orders.iter().all(|p| (p - 2.0).abs() <= 0.05),
+        "{what}: orders {orders:.3?}, expected 2; errors {errors:?}"
+    );
+}
+
+/// The slowest mode of a hanging rope is J0(2 omega sqrt(s / g)) at the height s over its end.
+#[test]
+fn rope_swings_at_the_root_of_the_bessel_function() {
+    const FREQUENCY: f64 = 1.2024128;
+    let measured = |links: usize| {
+        let mass = 0.3 / links as f64;
+        let rest = 1.0 / links as f64;
+        let mut net = Net::chain(links + 1, DVec3::NEG_Y * rest, mass, 1e6 * 0.3 * G / rest, 0.0);
+        net.masses[links] *= 0.5;
+        net.held = vec![(0, XYZ)];
+        net.gravity = Some(DVec3::NEG_Y * G);
+        let mut sim = Simulation::from_columns(net.build(), linearised(Method::BackwardEuler), 10.0);
+        settle(&mut sim, 1e-13, 30);
+        let shape: Vec<_> = (0..=links).map(|i| bessel(FREQUENCY * FREQUENCY * (1.0 - i as f64 * rest))).collect();
+        // So small that the swing is linear to 1e-8.
+        let built = {
+            let mut built = sim.scene().clone();
+            built.particles.velocities.fill(DVec3::ZERO);
+            (1..=links).for_each(|i| built.particles.positions[i].x = 1e-4 * shape[i]);
+            built
+        };
+        let h = 0.005;
+        let mut sim = Simulation::from_columns(built, linearised(Method::ImplicitMidpoint), h);
+        let mut swing = || -> f64 {
+            sim.step(&Serial).expect("finite");
+            sim.positions().iter().zip(&shape).zip(&net.masses).map(|((x, s), m)| x.x * s * m).sum()
+        };
+        // Times at which the amplitude of the mode changes its sign: half a period apart.
+        let (mut before, mut time, mut roots) = (1.0, 0.0, Vec::new());
+        while roots.len() < 2 {
+            let now = swing();
+            if before * now < 0.0 {
+                roots.push(time + h * before / (before - now));
+            }
+            (before, time) = (now, time + h);
+        }
+        let turned = PI / (roots[1] - roots[0]);
+        // Implicit midpoint turns by 2 atan(omega h / 2) a step.
+        2.0 / h * (turned * h / 2.0).tan() / G.sqrt()
+    };
+    second_order("frequency of a swinging rope over sqrt(g / L)", |links| measured(links) - FREQUENCY);
+    let (coarse, fine) = (measured(16), measured(32));
+    let extrapolated = fine + (fine - coarse) / 3.0;
+    println!("frequency extrapolated to no links: {extrapolated:.7}, expected {FREQUENCY}");
+    assert!((extrapolated - FREQUENCY).abs() <= 1e-5, "extrapolated {extrapolated:.7}, expected {FREQUENCY}");
+}
+
+/// J0(2 sqrt(u)).
+fn bessel(u: f64) -> f64 {
+    let (mut sum, mut term) = (1.0, 1.0);
+    for k in 1..20 {
+        term *= -u / f64::from(k * k);
+        sum += term;
+    }
+    sum
+}

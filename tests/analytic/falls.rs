@@ -1,0 +1,127 @@
+//! Cloth in free fall and under linear drag, and the two published scenes of a falling sheet.
+
+use glam::DVec3;
+use muslin_core_f64::integrate::Method;
+use muslin_core_f64::simulation::Simulation;
+use muslin_tests::kit::{double, single};
+use muslin_tests::net::linearised;
+use muslin_tests::worst::Worst;
+
+const G: f64 = 9.81;
+
+/// So soft that explicit Euler's growing modes do not raise the rounding.
+fn cloth(method: Method, step: f64, linear: f64) -> Simulation {
+    let built = double::build(&format!(
+        r#"
+        name = "fall"
+        duration = 1.0
+        gravity = [0.0, -{G}, 0.0]
+        drag = {{ linear = {linear} }}
+        [[cloth]]
+        grid = {{ size = [0.4, 0.35], cells = [4, 4] }}
+        density = 0.2
+        stretch = {{ model = "membrane", stiffness = 0.1 }}
+        shear = {{ stiffness = 0.05 }}
+        bend = {{ model = "hinge", rigidity = 1e-5 }}"#
+    ));
+    Simulation::from_columns(built, linearised(method), step)
+}
+
+/// The fall of every method after n steps, in units of g h^2 / 2.
+fn fallen(method: Method, n: f64) -> f64 {
+    match method {
+        Method::ExplicitEuler => n * (n - 1.0),
+        Method::SymplecticEuler | Method::BackwardEuler => n * (n + 1.0),
+        Method::Midpoint | Method::Rk4 | Method::ImplicitMidpoint | Method::Bdf2 => n * n,
+    }
+}
+
+#[test]
+fn free_fall_keeps_the_shape_and_the_closed_form() {
+    for method in Method::ALL {
+        let mut worst = Worst::new(format!("{}: free fall", method.name()), 1e-12);
+        let mut sim = cloth(method, 0.002, 0.0);
+        let start = sim.positions().to_vec();
+        for n in 1..=100 {
+            sim.step(&muslin_core_f64::dispatch::Serial).expect("finite");
+            let (h, n) = (sim.step_length(), f64::from(n));
+            let (drop, speed) = (0.5 * G * h * h * fallen(method, n), G * h * n);
+            for (i, (x, v)) in sim.positions().iter().zip(sim.velocities()).enumerate() {
+                let want = start[i] + DVec3::NEG_Y * drop;
+                worst.compare(1.0, &x.to_array(), &want.to_array(), || format!("vertex {i} after {n} steps"));
+                worst.compare(1.0, &v.to_array(), &[0.0, -speed, 0.0], || format!("vertex {i} after {n} steps"));
+            }
+        }
+        worst.check();
+    }
+}
+
+/// v = density g / c, the same of every mesh and method.
+#[test]
+fn drag_limits_the_speed_of_fall() {
+    for method in Method::ALL {
+        let mut worst = Worst::new(format!("{}: terminal velocity, relative", method.name()), 1e-10);
+        let linear = 4.0;
+        let mut sim = cloth(method, 0.005, linear);
+        // exp(-25) of the start is left.
+        for _ in 0..250 {
+            sim.step(&muslin_core_f64::dispatch::Serial).expect("finite");
+        }
+        let speed = 0.2 * G / linear;
+        for (i, v) in sim.velocities().iter().enumerate() {
+            worst.compare(speed, &v.to_array(), &[0.0, -speed, 0.0], || format!("vertex {i}"));
+        }
+        worst.check();
+    }
+}
+
+/// A built-in scene in f32, as it is published, to `duration`; sees every step.
+fn built_in(name: &str, duration: f64, mut see: impl FnMut(&muslin_core::simulation::Simulation)) {
+    let (_, text) = muslin_core::scene::BUILT_IN.iter().find(|(known, _)| *known == name).expect("built in");
+    let mut sim = muslin_core::simulation::Simulation::new(&single::scene(text), &[]).expect("a valid scene");
+    while sim.time() < duration - 1e-6 {
+        sim.step(&muslin_core::dispatch::Serial).unwrap_or_else(|error| panic!("{name} {error}"));
+        see(&sim);
+    }
+}
+
+fn centre_of_mass(sim: &muslin_core::simulation::Simulation) -> DVec3 {
+    let (mut sum, mut mass) = (DVec3::ZERO, 0.0);
+    for (x, &m) in sim.positions().iter().zip(&sim.scene().particles.masses) {
+        sum += x.as_dvec3() * f64::from(m);
+        mass += f64::from(m);
+    }
+    sum / mass
+}
+
+#[test]
+fn swing_drops_its_centre_of_mass_as_published() {
+    let mut last = (0.0, DVec3::ZERO);
+    built_in("swing", 0.5, |sim| last = (sim.time(), centre_of_mass(sim)));
+    // The sheet hangs upright about the origin.
+    let drop = -last.1.y;
+    println!("swing: dropped {drop:.4} m at {:.4} s, expected 0.207 +- 0.01", last.0);
+    assert!(
+        (last.0 - 0.5).abs() < 1e-6 && (drop - 0.207).abs() <= 0.01,
+        "swing: dropped {drop} m at {} s, expected 0.207 +- 0.01",
+        last.0
+    );
+}
+
+#[test]
+fn hanging_stretches_by_less_than_a_hundredth() {
+    let mut worst = (0.0, 0.0);
+    built_in("hanging", 2.0, |sim| {
+        let stretch = sim.stretch().max;
+        if stretch > worst.0 {
+            worst = (stretch, sim.time())
+        }
+    });
+    println!("hanging: largest stretch {:.5} at {:.4} s", worst.0, worst.1);
+    assert!(
+        worst.0 < 1.01,
+        "hanging: an edge is {} times its rest length at {} s, expected below 1.01",
+        worst.0,
+        worst.1
+    );
+}

@@ -1,0 +1,235 @@
+//! A step needs no allocator: a small spring cloth whose every column is an array on the stack,
+//! stepped by `step::predict` and `step::commit`, goes through the same bits as the owned
+//! `Simulation`, in both precisions.
+//!
+//! Run: `cargo test -p muslin-tests --test borrowed`. A failure names method and step.
+
+use muslin_tests::both_precisions;
+
+/// Rows and columns of the sheet, cut along one diagonal.
+const SIDE: usize = 3;
+const VERTICES: usize = SIDE * SIDE;
+const SPRINGS: usize = 16;
+const ENDS: usize = 2 * SPRINGS;
+/// Every vertex and every spring has a block of the matrix.
+const BLOCKS: usize = VERTICES + SPRINGS;
+const STEP: f64 = 0.002;
+const STEPS: u32 = 50;
+
+/// Ends of the springs: rows, columns, diagonals.
+const fn springs() -> [[u32; 2]; SPRINGS] {
+    let mut springs = [[0; 2]; SPRINGS];
+    let (mut count, mut vertex) = (0, 0);
+    while vertex < VERTICES {
+        let (right, down) = (vertex % SIDE + 1 < SIDE, vertex / SIDE + 1 < SIDE);
+        let there = [(right, 1), (down, SIDE), (right && down, SIDE + 1)];
+        let mut k = 0;
+        while k < there.len() {
+            if there[k].0 {
+                springs[count] = [vertex as u32, (vertex + there[k].1) as u32];
+                count += 1;
+            }
+            k += 1;
+        }
+        vertex += 1;
+    }
+    springs
+}
+
+both_precisions! {
+    use super::{BLOCKS, ENDS, SIDE, SPRINGS, STEP, STEPS, VERTICES, springs};
+    use muslin::dispatch::Serial;
+    use muslin::forces::spring::{Spring, SpringColumns, Springs};
+    use muslin::forces::{Model, ModelColumns};
+    use muslin::forces::matrix::{Block, BlockMatrix, Mirrored, NOT_STORED, Targets};
+    use muslin::integrate::pins::{AT_REST, Key, Motion, PinColumns, Pins};
+    use muslin::integrate::{Context, Jacobian, Method, Preconditioner, Scheme, Work};
+    use muslin::particles::{ParticleColumns, Particles};
+    use muslin::real::{Mat3, Real, Sum, Vec3, vec3};
+    use muslin::scene::BuiltScene;
+    use muslin::scratch::Scratch;
+    use muslin::simulation::Simulation;
+    use muslin::step::{self, Prediction};
+
+    const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+    const HELD: [u32; 2] = [0, SIDE as u32 - 1];
+    const AXES: [u8; 2] = [7, 5];
+    /// The first pin rests, the second moves.
+    const MOTIONS: [u32; 2] = [AT_REST, 0];
+    const TABLE: [Motion; 1] = [Motion { keys: [0, 2], turn: None }];
+    const KEYS: [Key; 2] =
+        [Key { time: 0.0, offset: Vec3::ZERO }, Key { time: 1.0, offset: Vec3::new(-0.3, 0.1, 0.2) }];
+
+    fn start() -> [Vec3; VERTICES] {
+        std::array::from_fn(|i| vec3([0.1 * (i % SIDE) as f64, 0.01 * (i * i % 5) as f64, 0.1 * (i / SIDE) as f64]))
+    }
+
+    fn spring(number: usize) -> Spring {
+        // No two alike, so that a wrong order shows.
+        let part = number as Real;
+        Spring { rest: 0.09 + 0.002 * part, stiffness: 20.0 + part, damping: 0.01 + 0.001 * part }
+    }
+
+    fn mass(vertex: usize) -> Real {
+        0.002 + 0.0001 * vertex as Real
+    }
+
+    fn scheme(method: Method) -> Scheme {
+        let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
+        Scheme { method, newton: 1, tolerance: 1e-4, preconditioner, jacobian }
+    }
+
+    fn owned(method: Method) -> Simulation {
+        let listed: Vec<_> = springs().into_iter().enumerate().map(|(k, ends)| (ends, spring(k))).collect();
+        let built = BuiltScene {
+            particles: ParticleColumns {
+                positions: start().to_vec(),
+                velocities: vec![Vec3::ZERO; VERTICES],
+                masses: (0..VERTICES).map(mass).collect(),
+                inverse_masses: (0..VERTICES).map(|i| 1.0 / mass(i)).collect(),
+            },
+            model: ModelColumns {
+                gravity: Some(GRAVITY),
+                stretch_springs: Some(SpringColumns::build(VERTICES, &listed)),
+                ..ModelColumns::default()
+            },
+            pins: PinColumns {
+                vertices: HELD.to_vec(),
+                axes: AXES.to_vec(),
+                anchors: HELD.map(|v| start()[v as usize]).to_vec(),
+                motions: MOTIONS.to_vec(),
+                table: TABLE.to_vec(),
+                keys: KEYS.to_vec(),
+            },
+            ..BuiltScene::default()
+        };
+        Simulation::from_columns(built, scheme(method), STEP as Real)
+    }
+
+    /// The springs at each vertex, in the order of their numbers.
+    fn at(vertex: usize) -> impl Iterator<Item = (usize, u32)> {
+        let other = move |ends: [u32; 2]| match ends.map(|end| end as usize == vertex) {
+            [true, _] => Some(ends[1]),
+            [_, true] => Some(ends[0]),
+            _ => None,
+        };
+        springs().into_iter().enumerate().filter_map(move |(k, ends)| other(ends).map(|other| (k, other)))
+    }
+
+    /// Steps over arrays; `see` is shown every state.
+    fn borrowed(method: Method, mut see: impl FnMut(u32, &[Vec3], &[Vec3])) {
+        // Springs by vertex.
+        let (mut offsets, mut others, mut numbers) = ([0; VERTICES + 1], [0; ENDS], [0; ENDS]);
+        // The matrix: the diagonal and what is right of it, then what mirrors it.
+        let (mut rows, mut columns, mut targets) = ([0; VERTICES + 1], [0; BLOCKS], [NOT_STORED; ENDS]);
+        let (mut mirrored_offsets, mut mirrored) = ([0; VERTICES + 1], [Mirrored { column: 0, block: 0 }; SPRINGS]);
+        let (mut end, mut block, mut mirror) = (0, 0, 0);
+        for vertex in 0..VERTICES {
+            let row = block;
+            columns[block] = vertex as u32;
+            block += 1;
+            for other in vertex + 1..VERTICES {
+                if at(vertex).any(|(_, o)| o as usize == other) {
+                    columns[block] = other as u32;
+                    block += 1;
+                }
+            }
+            for left in 0..vertex {
+                let stored = rows[left] as usize..rows[left + 1] as usize;
+                if let Some(at) = stored.clone().find(|&at| at > stored.start && columns[at] as usize == vertex) {
+                    mirrored[mirror] = Mirrored { column: left as u32, block: at as u32 };
+                    mirror += 1;
+                }
+            }
+            for (number, other) in at(vertex) {
+                (others[end], numbers[end]) = (other, number);
+                if let Some(place) = columns[row..block].iter().position(|&column| column == other) {
+                    targets[end] = place as u16;
+                }
+                end += 1;
+            }
+            (offsets[vertex + 1], rows[vertex + 1], mirrored_offsets[vertex + 1]) =
+                (end as u32, block as u32, mirror as u32);
+        }
+        let material = numbers.map(spring);
+        let (rest, stiffness, damping) =
+            (material.map(|s| s.rest), material.map(|s| s.stiffness), material.map(|s| s.damping));
+        let stretch = Springs { offsets: &offsets, others: &others, rest: &rest, stiffness: &stiffness, damping: &damping };
+        let model = Model { gravity: Some(GRAVITY), stretch_springs: Some(stretch), ..Model::default() };
+        let (masses, anchors): ([Real; VERTICES], _) = (std::array::from_fn(mass), HELD.map(|v| start()[v as usize]));
+        let inverse_masses = masses.map(|m| 1.0 / m);
+        let pins =
+            Pins { vertices: &HELD, axes: &AXES, anchors: &anchors, motions: &MOTIONS, table: &TABLE, keys: &KEYS };
+
+        let [mut positions, mut velocities] = [start(), [Vec3::ZERO; VERTICES]];
+        let mut particles = Particles {
+            positions: &mut positions,
+            velocities: &mut velocities,
+            masses: &masses,
+            inverse_masses: &inverse_masses,
+        };
+        let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 8], [Block::default(); BLOCKS]);
+        let (mut inverse_diagonal, mut partials) = ([Mat3::ZERO; VERTICES], [0.0; 1]);
+        let [forces, next_positions, next_velocities, solution, residual, direction, products, preconditioned] =
+            &mut work_columns;
+        let mut scratch = Scratch {
+            forces,
+            next_positions,
+            next_velocities,
+            solution,
+            residual,
+            direction,
+            products,
+            preconditioned,
+            matrix: BlockMatrix {
+                offsets: &rows,
+                columns: &columns,
+                mirrored_offsets: &mirrored_offsets,
+                mirrored: &mirrored,
+                blocks: &mut blocks,
+            },
+            targets: Targets { stretch_springs: &targets, ..Targets::default() },
+            inverse_diagonal: &mut inverse_diagonal,
+            partials: &mut partials,
+            ..Scratch::default()
+        };
+        let (scheme, mut work) = (scheme(method), Work::default());
+        for n in 0..STEPS {
+            let context = Context {
+                model: &model,
+                pins: &pins,
+                masses: &masses,
+                inverse_masses: &inverse_masses,
+                time: Sum::from(n) * Sum::from(STEP as Real),
+                step: STEP as Real,
+                scheme: &scheme,
+                dispatch: &Serial,
+            };
+            assert_eq!(step::predict(&context, &particles, &mut scratch, &mut work), Prediction::Fine);
+            step::commit(&mut particles, &mut scratch);
+            see(n + 1, particles.positions, particles.velocities);
+        }
+    }
+
+    fn check(method: Method) {
+        let mut sim = owned(method);
+        let name = format!("{} {}", muslin::real::NAME, method.name());
+        borrowed(method, |n, x, v| {
+            sim.step(&Serial).expect("finite");
+            let same = x == sim.positions() && v == sim.velocities();
+            assert!(same, "{name}: over arrays, step {n} gives\n{x:?}\n{v:?}\nowned, it gives\n{:?}\n{:?}", sim.positions(), sim.velocities());
+        });
+        let moved = sim.positions()[VERTICES - 1].distance(start()[VERTICES - 1]);
+        assert!(moved > 0.01, "{name}: the sheet has moved by {moved} m only");
+    }
+
+    #[test]
+    fn symplectic_euler_over_arrays() {
+        check(Method::SymplecticEuler);
+    }
+
+    #[test]
+    fn backward_euler_over_arrays() {
+        check(Method::BackwardEuler);
+    }
+}

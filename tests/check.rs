@@ -1,0 +1,79 @@
+//! All checks, in the order in which they fail fastest: `cargo run -p muslin-tests --bin check`.
+//! CI runs the same.
+#![forbid(unsafe_code)]
+
+use std::process::{Command, ExitCode};
+use std::time::Instant;
+
+/// Where the core must build without an operating system.
+const BARE_TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "wasm32-unknown-unknown"];
+
+/// The core in both precisions.
+const CORES: [&str; 2] = ["muslin-core", "muslin-core-f64"];
+
+/// Every package, which must also build without what the others' features bring.
+const PACKAGES: [&str; 4] = ["muslin-core", "muslin-core-f64", "muslin-cli", "muslin-tests"];
+
+/// One command and the variables that it runs with.
+struct Check {
+    arguments: Vec<String>,
+    variables: &'static [(&'static str, &'static str)],
+}
+
+fn cargo(arguments: &str) -> Check {
+    Check { arguments: arguments.split_whitespace().map(String::from).collect(), variables: &[] }
+}
+
+fn checks() -> Vec<Check> {
+    let mut checks = vec![cargo("fmt --all --check"), cargo("clippy --workspace --all-targets -- -D warnings")];
+    checks.extend(PACKAGES.iter().map(|package| cargo(&format!("check --package {package} --all-targets"))));
+    for core in CORES {
+        for target in BARE_TARGETS {
+            for features in ["", " --features alloc"] {
+                checks
+                    .push(cargo(&format!("build --package {core} --no-default-features{features} --target {target}")));
+            }
+        }
+    }
+    checks.push(cargo("test --workspace"));
+    checks.push(cargo("test --workspace --release"));
+    let docs = cargo("doc --workspace --no-deps");
+    checks.push(Check { variables: &[("RUSTDOCFLAGS", "-D warnings")], ..docs });
+    checks
+}
+
+fn main() -> ExitCode {
+    if !install_targets() {
+        return ExitCode::FAILURE;
+    }
+    for check in checks() {
+        let command = format!("cargo {}", check.arguments.join(" "));
+        let variables: Vec<_> = check.variables.iter().map(|(name, value)| format!("{name}=\"{value}\" ")).collect();
+        println!("==> {}{command}", variables.concat());
+        let started = Instant::now();
+        let status = Command::new(env!("CARGO")).args(&check.arguments).envs(check.variables.iter().copied()).status();
+        match status {
+            Ok(status) if status.success() => println!("    passed in {:.0} s", started.elapsed().as_secs_f64()),
+            Ok(_) => {
+                println!("\nfailed: repeat it with\n    {}{command}", variables.concat());
+                return ExitCode::FAILURE;
+            }
+            Err(error) => {
+                println!("\ncannot start cargo: {error}");
+                return ExitCode::FAILURE;
+            }
+        }
+    }
+    println!("\nall checks passed");
+    ExitCode::SUCCESS
+}
+
+/// Adds the targets that the bare builds need, where rustup has not got them yet.
+fn install_targets() -> bool {
+    let added = Command::new("rustup").args(["target", "add"]).args(BARE_TARGETS).status();
+    let ready = added.is_ok_and(|status| status.success());
+    if !ready {
+        println!("cannot add the targets {BARE_TARGETS:?}: install Rust by rustup (https://rustup.rs) and try again");
+    }
+    ready
+}

@@ -1,0 +1,102 @@
+//! Killed and interrupted runs go on from their checkpoint to the same end.
+#![cfg(unix)]
+
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::kit::{Place, TINY, wait};
+
+/// Large enough that a checkpoint takes a while to write.
+fn place() -> Place {
+    let place = Place::new();
+    place.write(
+        "sheet.toml",
+        TINY.replace("cells = [4, 4]", "cells = [24, 24]").replace("0.2\nframe_rate", "0\nframe_rate"),
+    );
+    place
+}
+
+/// A run without an end, into `out`.
+fn start(place: &Place, words: &str) -> Child {
+    let mut command = place.command(&format!("run sheet.toml --out out --preview none --duration 10000 {words}"));
+    command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn wait_for(place: &Place, file: &str) {
+    let started = Instant::now();
+    while !place.path(file).exists() {
+        assert!(started.elapsed() < Duration::from_secs(60), "{file} does not come");
+        sleep(Duration::from_millis(1));
+    }
+}
+
+/// The step of the checkpoint in `out`, from the refusal to go back in time.
+fn step_reached(place: &Place) -> u64 {
+    let outcome = place.muslin("run sheet.toml --out no --duration 0 --resume out/checkpoint.muslin");
+    if outcome.code == Some(0) {
+        return 0;
+    }
+    let words: Vec<&str> = outcome.stderr.split([' ', ',']).collect();
+    let at = words.windows(2).position(|pair| pair == ["at", "step"]).unwrap_or_else(|| panic!("{outcome:?}"));
+    words[at + 2].parse().unwrap()
+}
+
+/// Resumes to some frames after the checkpoint and compares with a run in one.
+fn ends_as_a_run_in_one(place: &Place) {
+    let duration = (step_reached(place) + 15).div_ceil(5) as f64 * 0.05;
+    // With checkpoints, which must agree too.
+    let words = format!("sheet.toml --export obj,pc2,usda,vtp --checkpoint 5 --duration {duration}");
+    let parts = place.run(&format!("{words} --resume out/checkpoint.muslin"));
+    std::fs::rename(place.path("out"), place.path("parts")).unwrap();
+    let whole = place.run(&words);
+    assert_eq!(whole["state_hash"], parts["state_hash"]);
+    place.same_files("out", "parts");
+}
+
+#[test]
+fn killed_again_and_again() {
+    let place = place();
+    let mut resume = "";
+    for round in 0..8 {
+        let mut child = start(&place, &format!("--export obj,pc2,usda,vtp --checkpoint 1 {resume}"));
+        wait_for(&place, "out/checkpoint.muslin");
+        // Moments that no two machines share.
+        sleep(Duration::from_micros(5_000 + 7_777 * round));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        resume = "--resume out/checkpoint.muslin";
+    }
+    ends_as_a_run_in_one(&place);
+}
+
+/// Signals a run once it has written something, and lets it go on.
+fn signalled(place: &Place, signal: &str, once: &str) {
+    let mut child = start(place, "--export obj,pc2,usda,vtp");
+    wait_for(place, once);
+    let sent = Command::new("sh").args(["-c", &format!("kill {signal} {}", child.id())]).status().unwrap();
+    assert!(sent.success());
+    assert_eq!(wait(&mut child, &place.command(signal)).code(), Some(130));
+    let notes = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
+    assert!(notes.contains("interrupted at step") && notes.contains("--resume out/checkpoint.muslin"), "{notes}");
+    assert!(!place.path("out/summary.json").exists());
+    ends_as_a_run_in_one(place);
+}
+
+#[test]
+fn interrupted_from_the_keyboard() {
+    signalled(&place(), "-INT", "out/frames/frame_00001.obj");
+}
+
+#[test]
+fn asked_to_terminate() {
+    signalled(&place(), "-TERM", "out/frames/frame_00001.obj");
+}
+
+/// As a rule before the first step, while the first frame is being written.
+#[test]
+fn interrupted_at_once() {
+    let place = place();
+    place.write("sheet.toml", TINY.replace("cells = [4, 4]", "cells = [80, 80]"));
+    signalled(&place, "-INT", "out/frames");
+}

@@ -1,0 +1,220 @@
+//! A folder to run `muslin` in, and what came of it.
+
+use std::fs::{self, File};
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A small sheet let fall from two corners: 27 vertices, 36 triangles, 4 frames of 5 steps.
+pub const TINY: &str = r#"name = "tiny"
+duration = 0.2
+frame_rate = 20
+gravity = [0.0, -9.81, 0.0]
+
+[[cloth]]
+grid = { size = [0.3, 0.3], cells = [4, 4] }
+position = [0.0, 1.0, 0.0]
+density = 0.2
+
+[cloth.stretch]
+model = "membrane"
+stiffness = 100.0
+
+[cloth.shear]
+stiffness = 50.0
+
+[cloth.bend]
+model = "hinge"
+rigidity = 1e-5
+
+[[cloth.pin]]
+select = { corners = [0, 1] }
+
+[integrator]
+step = 0.01
+"#;
+
+/// After this long a command hangs.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// How a command ended.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Exit code; none when ended by a signal.
+    pub code: Option<i32>,
+    /// What it printed as data.
+    pub stdout: String,
+    /// What it printed as notes.
+    pub stderr: String,
+}
+
+impl Outcome {
+    /// The JSON document on stdout, which holds nothing else.
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error} in {self:?}"))
+    }
+
+    /// Itself, if it ended with this exit code.
+    #[track_caller]
+    pub fn expect(self, code: i32) -> Self {
+        assert_eq!(self.code, Some(code), "{self:?}");
+        self
+    }
+}
+
+/// A folder of its own with `tiny.toml` in it.
+pub struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    /// A new one.
+    pub fn new() -> Self {
+        let place = Self { folder: tempfile::tempdir().unwrap() };
+        place.write("tiny.toml", TINY);
+        place
+    }
+
+    /// A path inside.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes a file inside.
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
+        fs::write(self.path(name), bytes).unwrap();
+    }
+
+    /// Bytes of a file inside.
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// The files inside, with their folders, in order.
+    pub fn files(&self, folder: &str) -> Vec<String> {
+        let mut files = Vec::new();
+        for entry in fs::read_dir(self.path(folder)).unwrap() {
+            let entry = entry.unwrap();
+            let name = entry.file_name().into_string().unwrap();
+            if entry.file_type().unwrap().is_dir() {
+                let inner = self.files(&format!("{folder}/{name}"));
+                files.extend(inner.iter().map(|file| format!("{name}/{file}")));
+            } else {
+                files.push(name);
+            }
+        }
+        files.sort();
+        files
+    }
+
+    /// That two folders hold the same bytes, but for the summaries with their times.
+    #[track_caller]
+    pub fn same_files(&self, one: &str, other: &str) {
+        let files = self.files(one);
+        assert_eq!(files, self.files(other));
+        for file in files.iter().filter(|file| *file != "summary.json") {
+            let [a, b] = [one, other].map(|folder| self.read(&format!("{folder}/{file}")));
+            assert!(a == b, "{file} differs: {} and {} bytes", a.len(), b.len());
+        }
+    }
+
+    /// The command with these words, separated by blanks, to be started inside.
+    pub fn command(&self, words: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_muslin"));
+        command.args(words.split(' ').filter(|word| !word.is_empty())).current_dir(self.folder.path());
+        command.env("RUST_BACKTRACE", "0").env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE").stdin(Stdio::null());
+        command
+    }
+
+    /// Runs a command to its end; one that hangs fails the test.
+    #[track_caller]
+    pub fn muslin(&self, words: &str) -> Outcome {
+        self.finish(self.command(words))
+    }
+
+    /// As [`muslin`](Self::muslin), of a command with more settings.
+    #[track_caller]
+    pub fn finish(&self, mut command: Command) -> Outcome {
+        let [stdout, stderr] = [tempfile::NamedTempFile::new().unwrap(), tempfile::NamedTempFile::new().unwrap()];
+        let to = |file: &tempfile::NamedTempFile| File::create(file.path()).unwrap();
+        let mut child = command.stdout(to(&stdout)).stderr(to(&stderr)).spawn().unwrap();
+        let status = wait(&mut child, &command);
+        let text = |file: &tempfile::NamedTempFile| String::from_utf8(fs::read(file.path()).unwrap()).unwrap();
+        let outcome = Outcome { code: status.code(), stdout: text(&stdout), stderr: text(&stderr) };
+        assert!(!outcome.stderr.contains("panicked"), "{command:?}: {}", outcome.stderr);
+        outcome
+    }
+
+    /// Runs a scene into `out`, without a picture; returns the summary of a run that ended well.
+    #[track_caller]
+    pub fn run(&self, words: &str) -> Value {
+        self.muslin(&format!("run --out out --preview none --json {words}")).expect(0).json()
+    }
+
+    /// That this is bad usage: exit code 2, a message with these parts, and nothing written.
+    #[track_caller]
+    pub fn refuses(&self, words: &str, parts: &[&str]) {
+        let before = self.files(".");
+        let outcome = self.muslin(&format!("run --out out --json {words}")).expect(2);
+        assert_eq!(outcome.stdout, "");
+        for part in parts {
+            assert!(outcome.stderr.contains(part), "{words}: {part:?} is not in {}", outcome.stderr);
+        }
+        assert_eq!(self.files("."), before, "{words} has written");
+        assert!(!self.path("out").exists(), "{words} has made its folder");
+    }
+}
+
+/// Waits for the end of a process.
+pub fn wait(child: &mut Child, what: &Command) -> ExitStatus {
+    let started = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            return status;
+        }
+        if started.elapsed() > PATIENCE {
+            child.kill().unwrap();
+            panic!("hangs: {what:?}");
+        }
+        sleep(Duration::from_millis(2));
+    }
+}
+
+/// The numbers of a point cache: frames of points, from the frame that it starts with.
+pub struct PointCache {
+    /// Points in a frame.
+    pub points: usize,
+    /// Number of the first frame.
+    pub start: f32,
+    /// Positions, frame after frame.
+    pub frames: Vec<Vec<[f32; 3]>>,
+}
+
+impl PointCache {
+    /// Reads a whole file; its header and its length must agree.
+    pub fn parse(bytes: &[u8]) -> Self {
+        let word = |at: usize| bytes[at..at + 4].try_into().unwrap();
+        assert_eq!(&bytes[..12], b"POINTCACHE2\0");
+        assert_eq!((i32::from_le_bytes(word(12)), f32::from_le_bytes(word(24))), (1, 1.0));
+        let (points, samples) = (i32::from_le_bytes(word(16)) as usize, i32::from_le_bytes(word(28)) as usize);
+        assert_eq!(bytes.len(), 32 + samples * points * 12);
+        let scalars: Vec<f32> = bytes[32..].chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
+        let frames = scalars.chunks(3 * points).map(|frame| frame.as_chunks::<3>().0.to_vec()).collect();
+        Self { points, start: f32::from_le_bytes(word(20)), frames }
+    }
+}
+
+/// Vertices and faces (counted from 1) of an OBJ file as `muslin` writes it.
+pub fn obj(bytes: &[u8]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    fn three<T: std::str::FromStr<Err: std::fmt::Debug>>(line: &str) -> [T; 3] {
+        let words: Vec<T> = line.split(' ').skip(1).map(|word| word.parse().unwrap()).collect();
+        words.try_into().unwrap_or_else(|_| panic!("not three numbers: {line}"))
+    }
+    let text = str::from_utf8(bytes).unwrap();
+    let of = |letter: &str| text.lines().filter(move |line| line.starts_with(letter)).collect::<Vec<_>>();
+    (of("v ").into_iter().map(three).collect(), of("f ").into_iter().map(three).collect())
+}

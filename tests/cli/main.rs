@@ -1,0 +1,21 @@
+//! Pins the command line as scripts see it: commands, options, exit codes, messages and files, as
+//! the interface contract lists them. Run with `cargo test -p muslin-cli --test cli`.
+//!
+//! It has caught: counts of steps that overflowed, grids that were allocated until memory ended,
+//! `--threads 0`, a scene's name that led out of `out/`, point caches cut off by a resumed run,
+//! hash chains that differed after an interrupt before the first step, panics on a closed stderr.
+
+mod bad_mesh;
+mod bad_scene;
+mod bad_usage;
+mod bits;
+mod built_in;
+mod damage;
+mod divergence;
+mod interrupt;
+mod kit;
+mod options;
+mod outputs;
+mod picture;
+mod resume;
+mod streams;

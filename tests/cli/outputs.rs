@@ -1,0 +1,99 @@
+//! What a run leaves on disk.
+
+use serde_json::Value;
+
+use crate::kit::{Place, PointCache, TINY, obj};
+
+/// `summary.json` as the contract lists it; `a.b` is a key inside a section.
+const KEYS: &str = "tool version scene precision backend adapter threads vertices triangles steps rejected_steps \
+    simulated_s wall_s verdict stage_ms.predict stage_ms.broad_phase stage_ms.narrow_phase stage_ms.response \
+    stage_ms.output stretch.max stretch.mean energy.kinetic energy.stretch energy.shear energy.bend energy.gravity \
+    momentum contacts.candidates contacts.proximity contacts.impacts contacts.zones contacts.failsafe intersections \
+    penetration_m work.force_evaluations work.cg_iterations work.newton_iterations state_hash";
+
+#[test]
+fn all_formats_at_once() {
+    let place = Place::new();
+    place.muslin("run tiny.toml --out a/b --export obj,pc2,usda,vtp,obj").expect(0);
+    let frames = (0..5).map(|k| format!("frames/frame_0000{k}.obj"));
+    let vtp = (0..5).map(|k| format!("vtp/cloth_0000{k}.vtp"));
+    let single = ["cloth.obj", "cloth.pc2", "cloth.usda", "cloth.vtp.series", "preview.gif", "summary.json"];
+    let mut expected: Vec<String> = frames.chain(vtp).chain(single.map(String::from)).collect();
+    expected.sort();
+    assert_eq!(place.files("a/b"), expected);
+}
+
+#[test]
+fn point_cache_and_obj_frames_say_the_same() {
+    let place = Place::new();
+    place.run("tiny.toml --export obj,pc2");
+    let cache = PointCache::parse(&place.read("out/cloth.pc2"));
+    assert_eq!((cache.points, cache.start, cache.frames.len()), (27, 0.0, 5));
+    for (k, frame) in cache.frames.iter().enumerate() {
+        let (vertices, faces) = obj(&place.read(&format!("out/frames/frame_{k:05}.obj")));
+        assert_eq!((&vertices, faces.len()), (frame, 36), "frame {k}");
+    }
+    assert_eq!(place.read("out/cloth.obj"), place.read("out/frames/frame_00000.obj"));
+    assert!(cache.frames.windows(2).all(|pair| pair[0] != pair[1]), "the cloth does not move");
+    let held = |frame: &Vec<[f32; 3]>| frame[0];
+    assert!(cache.frames.iter().all(|frame| held(frame) == held(&cache.frames[0])), "a pin moves");
+}
+
+#[test]
+fn the_summary_has_the_keys_of_the_contract() {
+    let place = Place::new();
+    let summary = place.run("tiny.toml --threads 2");
+    for key in KEYS.split(' ') {
+        let found = key.split('.').try_fold(&summary, |value, key| value.get(key));
+        assert!(found.is_some(), "{key} is not in {summary}");
+    }
+    let values = ["tool", "scene", "precision", "backend", "verdict"].map(|key| summary[key].as_str().unwrap());
+    assert_eq!(values, ["muslin", "tiny", "f32", "cpu", "ok"]);
+    let counts = ["threads", "vertices", "triangles", "steps", "rejected_steps"].map(|k| summary[k].as_u64().unwrap());
+    assert_eq!(counts, [2, 27, 36, 20, 0]);
+    assert!((summary["simulated_s"].as_f64().unwrap() - 0.2).abs() < 1e-6);
+    assert!(["adapter", "intersections", "penetration_m"].iter().all(|key| summary[key].is_null()));
+    assert_eq!(summary["work"]["newton_iterations"], 20);
+    let hash = summary["state_hash"].as_str().unwrap().strip_prefix("fnv1a:").unwrap();
+    assert!(hash.len() == 16 && hash.chars().all(|c| matches!(c, '0'..='9' | 'a'..='f')), "{hash}");
+    assert_eq!(serde_json::from_slice::<Value>(&place.read("out/summary.json")).unwrap(), summary);
+}
+
+#[test]
+fn the_vertex_order_is_that_of_the_input() {
+    let place = Place::new();
+    let mesh = "v 0.5 0 0\nv 0 0 0.25\nv -0.5 0 0\nv 0 0 -0.25\nf 1 4 3 2\n";
+    place.write("mesh.obj", mesh);
+    place.write("scene.toml", TINY.replace("grid = { size = [0.3, 0.3], cells = [4, 4] }", "mesh = \"mesh.obj\""));
+    place.run("scene.toml --duration 0.1 --export obj");
+    let (vertices, faces) = obj(&place.read("out/frames/frame_00000.obj"));
+    assert_eq!(vertices, [[0.5, 1.0, 0.0], [0.0, 1.0, 0.25], [-0.5, 1.0, 0.0], [0.0, 1.0, -0.25]]);
+    assert_eq!((faces.len(), place.files("out/frames").len()), (2, 3));
+}
+
+#[test]
+fn without_out_the_folder_has_the_name_of_the_scene() {
+    let place = Place::new();
+    place.muslin("run tiny.toml --preview none").expect(0);
+    assert_eq!(place.files("."), ["out/tiny/cloth.obj", "out/tiny/cloth.pc2", "out/tiny/summary.json", "tiny.toml"]);
+    place.muslin("run tiny.toml --preview none --set name=../up").expect(2);
+    assert!(!place.path("up").exists());
+}
+
+#[test]
+fn a_shorter_run_leaves_no_frames_of_a_longer_one() {
+    let place = Place::new();
+    place.run("tiny.toml --export obj,pc2");
+    place.run("tiny.toml --export obj,pc2 --duration 0.1");
+    assert_eq!(place.files("out/frames").len(), 3);
+    assert_eq!(PointCache::parse(&place.read("out/cloth.pc2")).frames.len(), 3);
+}
+
+#[test]
+fn a_run_of_no_time_shows_the_start() {
+    let place = Place::new();
+    let outcome = place.muslin("run tiny.toml --out out --duration 0 --export obj,pc2 --json").expect(0);
+    assert_eq!((outcome.json()["steps"].as_u64(), outcome.json()["frames"].as_u64()), (Some(0), Some(1)));
+    assert_eq!(PointCache::parse(&place.read("out/cloth.pc2")).frames.len(), 1);
+    assert!(place.path("out/preview.gif").exists());
+}

@@ -1,0 +1,82 @@
+//! A run in two parts is the run in one, bit for bit.
+
+use crate::kit::{Place, PointCache, TINY};
+
+const METHODS: [&str; 7] =
+    ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
+
+/// Stable for the explicit methods, and with a pin that moves: time must go on, too.
+fn scene() -> String {
+    let moving = "corners = [0, 1] }\nmotion = { keys = [[0.0, 0, 0, 0], [0.2, 0.1, 0.1, 0]] }";
+    let soft = TINY.replace("100.0", "0.5").replace("50.0", "0.2").replace("step = 0.01", "step = 0.002");
+    soft.replace("corners = [0, 1] }", moving)
+}
+
+#[test]
+fn every_method_goes_on_where_it_stopped() {
+    let place = Place::new();
+    place.write("scene.toml", scene());
+    for precision in ["f32", "f64"] {
+        for method in METHODS {
+            // The last checkpoint is at this step: within a frame, beside a frame, at a frame, at the end.
+            for (every, step) in [(35, 70), (76, 76), (75, 75), (100, 100)] {
+                let words = format!("scene.toml --precision {precision} --set integrator.method={method}");
+                let whole = place.run(&format!("{words} --checkpoint {every}"));
+                let cache = place.read("out/cloth.pc2");
+                let parts = place.run(&format!("{words} --resume out/checkpoint.muslin"));
+                let which = format!("{precision} {method} from step {step}");
+                assert_eq!(whole["state_hash"], parts["state_hash"], "{which}");
+                assert_eq!((&whole["steps"], &whole["work"]), (&parts["steps"], &parts["work"]), "{which}");
+                assert!(cache == place.read("out/cloth.pc2"), "{which}: the point caches differ");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_can_be_made_longer() {
+    let place = Place::new();
+    place.write("scene.toml", scene());
+    for format in ["obj,pc2,vtp,usda", "pc2"] {
+        let whole = place.run(&format!("scene.toml --export {format}"));
+        std::fs::rename(place.path("out"), place.path("whole")).unwrap();
+
+        place.run(&format!("scene.toml --export {format} --duration 0.1 --checkpoint 50"));
+        let parts = place.run(&format!("scene.toml --export {format} --resume out/checkpoint.muslin"));
+        assert_eq!(whole["state_hash"], parts["state_hash"]);
+        std::fs::remove_file(place.path("out/checkpoint.muslin")).unwrap();
+        place.same_files("out", "whole");
+        ["out", "whole"].iter().for_each(|folder| std::fs::remove_dir_all(place.path(folder)).unwrap());
+    }
+}
+
+#[test]
+fn elsewhere_the_frames_go_on_in_number() {
+    let place = Place::new();
+    place.write("scene.toml", scene());
+    let whole = place.run("scene.toml --export obj,pc2 --checkpoint 65");
+    let all = PointCache::parse(&place.read("out/cloth.pc2"));
+    std::fs::rename(place.path("out"), place.path("before")).unwrap();
+    let parts = place.run("scene.toml --export obj,pc2 --resume before/checkpoint.muslin");
+    assert_eq!(whole["state_hash"], parts["state_hash"]);
+    let rest = PointCache::parse(&place.read("out/cloth.pc2"));
+    assert_eq!((rest.start, rest.frames.as_slice()), (3.0, &all.frames[3..]));
+    assert_eq!(place.files("out/frames"), ["frame_00003.obj", "frame_00004.obj"]);
+}
+
+#[test]
+fn threads_may_change_between_the_parts() {
+    let place = Place::new();
+    place.write("scene.toml", scene());
+    let whole = place.run("scene.toml --threads 1 --checkpoint 45");
+    let parts = place.run("scene.toml --threads 3 --resume out/checkpoint.muslin");
+    assert_eq!(whole["state_hash"], parts["state_hash"]);
+}
+
+#[test]
+fn a_finished_run_still_gets_its_picture() {
+    let place = Place::new();
+    place.run("tiny.toml --checkpoint 20");
+    place.muslin("run tiny.toml --out out --resume out/checkpoint.muslin").expect(0);
+    assert!(place.path("out/preview.gif").exists() && place.path("out/summary.json").exists());
+}

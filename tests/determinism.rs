@@ -1,0 +1,10 @@
+//! The same bits whatever the threads, the machine and the optimiser.
+//!
+//! Run: `cargo test -p muslin-tests --test determinism`, and again with `--release`.
+//! `MUSLIN_BLESS=1` rewrites `goldens.txt` from what the core does now. A failure names the first
+//! step whose state differs.
+
+#[path = "determinism/goldens.rs"]
+mod goldens;
+#[path = "determinism/threads.rs"]
+mod threads;

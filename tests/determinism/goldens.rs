@@ -1,0 +1,66 @@
+//! Golden hashes of every built-in scene: `scene precision step:hash ...`, one line each, in
+//! `goldens.txt`. They hold in debug and release, on every machine.
+
+use std::fs;
+use std::path::PathBuf;
+
+/// Steps after which the chain is kept; it covers all steps before.
+const CHECKPOINTS: [u64; 6] = [1, 2, 3, 5, 10, 20];
+
+macro_rules! lines {
+    ($name:ident, $muslin:ident, $kit:ident) => {
+        /// The line of every built-in scene.
+        fn $name() -> Vec<String> {
+            use muslin_tests::kit::$kit as kit;
+            let line = |&(name, text): &(&str, &str)| {
+                let mut sim = $muslin::simulation::Simulation::new(&kit::scene(text), &[]).expect("a valid scene");
+                let mut hash = $muslin::diagnostics::StateHash::default();
+                let mut line = format!("{name} {}", $muslin::real::NAME);
+                for step in 1..=CHECKPOINTS[CHECKPOINTS.len() - 1] {
+                    sim.step(&$muslin::dispatch::Serial).unwrap_or_else(|error| panic!("{name} {error}"));
+                    hash.add(sim.positions(), sim.velocities());
+                    if CHECKPOINTS.contains(&step) {
+                        line += &format!(" {step}:{:016x}", hash.0);
+                    }
+                }
+                line
+            };
+            $muslin::scene::BUILT_IN.iter().map(line).collect()
+        }
+    };
+}
+
+lines!(single, muslin_core, single);
+lines!(double, muslin_core_f64, double);
+
+/// What differs, and from which checkpoint on.
+fn difference(got: &str, goldens: &str) -> Option<String> {
+    let fields: Vec<_> = got.split(' ').collect();
+    let golden = goldens.lines().find(|line| line.split(' ').take(2).eq(fields[..2].iter().copied()));
+    let Some(golden) = golden else { return Some(format!("{} {} has no golden line", fields[0], fields[1])) };
+    let known: Vec<_> = golden.split(' ').collect();
+    let first = fields.iter().position(|field| !known.contains(field))?;
+    let step = |field: &str| field.split(':').next().unwrap_or_default().to_owned();
+    let before = if first > 2 { step(fields[first - 1]) } else { "0".into() };
+    Some(format!("{} {} agrees up to step {before} and differs at step {}", fields[0], fields[1], step(fields[first])))
+}
+
+#[test]
+fn built_in_scenes_have_their_golden_hashes() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("goldens.txt");
+    let lines: Vec<_> = std::thread::scope(|scope| {
+        let runs = [scope.spawn(single), scope.spawn(double)];
+        runs.into_iter().flat_map(|run| run.join().expect("the scenes run")).collect()
+    });
+    if std::env::var_os("MUSLIN_BLESS").is_some() {
+        fs::write(&path, lines.join("\n") + "\n").expect("goldens.txt can be written");
+        return;
+    }
+    let goldens = fs::read_to_string(&path).unwrap_or_default();
+    let wrong: Vec<_> = lines.iter().filter_map(|line| difference(line, &goldens).map(|what| (what, line))).collect();
+    let message: String = wrong.iter().map(|(what, line)| format!("\n{what}; the line is now\n{line}\n")).collect();
+    assert!(
+        wrong.is_empty(),
+        "{message}\nto accept all of them: MUSLIN_BLESS=1 cargo test -p muslin-tests --test determinism"
+    );
+}

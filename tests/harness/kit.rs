@@ -1,0 +1,288 @@
+//! The core in plain doubles, once for each precision: columns for the random elements of
+//! [`states`](crate::states), scenes from text, and calls that take and return doubles.
+
+/// Runs the same tests in f32 and in f64: in the body `muslin` is the core, `kit` the module of
+/// [`kit`](crate::kit) that fits it.
+#[macro_export]
+macro_rules! both_precisions {
+    ($($body:tt)*) => {
+        mod single {
+            use muslin_core as muslin;
+            use $crate::kit::single as kit;
+            $($body)*
+        }
+        mod double {
+            use muslin_core_f64 as muslin;
+            use $crate::kit::double as kit;
+            $($body)*
+        }
+    };
+}
+
+macro_rules! kit {
+    ($name:ident, $muslin:ident, $doc:literal) => {
+        #[doc = $doc]
+        pub mod $name {
+            use $muslin::dispatch::Serial;
+            use $muslin::forces::element::Element;
+            use $muslin::forces::hinge::{HingeColumns, Hinges};
+            use $muslin::forces::matrix;
+            use $muslin::forces::membrane::{MembraneColumns, MembraneMaterial};
+            use $muslin::forces::seam::SeamColumns;
+            use $muslin::forces::spring::{self, Spring, SpringColumns};
+            use $muslin::forces::wind::WindColumns;
+            use $muslin::forces::{self, Energy, Model, TangentScale};
+            use $muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
+            use $muslin::mesh::rest::RestTriangle;
+            use $muslin::mesh::{Incidence, IncidenceColumns};
+            use $muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
+            use $muslin::scene::{BuiltScene, Resource, SceneDesc};
+            use $muslin::scratch::{Scratch, ScratchColumns};
+
+            use glam::{DMat3, DVec3};
+
+            use $crate::dense::Dense;
+            use $crate::states::{Bar, Fold, State, Stitch, Triangle};
+
+            /// The bound for this precision.
+            pub const fn bound(single: f64, double: f64) -> f64 {
+                if size_of::<Real>() == 4 { single } else { double }
+            }
+
+            /// Rounded to this precision.
+            pub fn narrow<const K: usize>(v: &[DVec3; K]) -> [Vec3; K] {
+                v.map(|v| vec3(v.to_array()))
+            }
+
+            /// In double, exactly.
+            pub fn wide<const K: usize>(v: &[Vec3; K]) -> [DVec3; K] {
+                v.map(|v| to_f64(v).into())
+            }
+
+            /// Springs as elements with two corners. Their force is that of the whole kernel.
+            pub struct Bars(Vec<(Spring, SpringColumns)>);
+
+            impl Element<2> for Bars {
+                type Tangent = Mat3;
+                fn vertices(&self) -> &[[u32; 2]] {
+                    &[]
+                }
+                fn incidence(&self) -> Incidence<'_> {
+                    Incidence::default()
+                }
+                fn force(&self, i: usize, x: &[Vec3; 2], v: &[Vec3; 2]) -> [Vec3; 2] {
+                    let mut f = [Vec3::ZERO; 2];
+                    spring::add_forces(&self.0[i].1.view(), x, v, &mut f, &Serial);
+                    f
+                }
+                fn energy(&self, i: usize, x: &[Vec3; 2]) -> Energy {
+                    Energy { stretch: spring::energy(x[1] - x[0], &self.0[i].0), ..Energy::default() }
+                }
+                fn tangent(&self, i: usize, x: &[Vec3; 2], scale: TangentScale) -> Mat3 {
+                    spring::tangent(x[1] - x[0], &self.0[i].0, scale)
+                }
+                fn block(&self, _: usize, tangent: &Mat3, a: usize, b: usize) -> Mat3 {
+                    if a == b { *tangent } else { -*tangent }
+                }
+                fn exact(&self, i: usize, x: &[Vec3; 2], v: &[Vec3; 2], scale: TangentScale) -> [[Mat3; 2]; 2] {
+                    let near = spring::exact(x[1] - x[0], v[1] - v[0], &self.0[i].0, scale);
+                    [[near, -near], [-near, near]]
+                }
+            }
+
+            /// Element `i` is the spring of state `i`; so for the other terms.
+            pub fn bars(states: &[State<Bar, 2>]) -> Bars {
+                let spring = |s: &State<Bar, 2>| {
+                    let Bar { rest, stiffness, damping } = s.part;
+                    let spring = Spring { rest: rest as Real, stiffness: stiffness as Real, damping: damping as Real };
+                    (spring, SpringColumns::build(2, &[([0, 1], spring)]))
+                };
+                Bars(states.iter().map(spring).collect())
+            }
+
+            /// Triangles with a material each.
+            pub fn membrane(states: &[State<Triangle, 3>]) -> MembraneColumns {
+                let vertices = corners(states.len());
+                let rest: Vec<_> = states.iter().map(|s| RestTriangle { corners: s.part.rest }).collect();
+                let material = |s: &State<Triangle, 3>| {
+                    let ([warp, weft, shear], [stretch, turn]) = (s.part.stiffness, s.part.damping);
+                    MembraneMaterial {
+                        warp: warp as Real,
+                        weft: weft as Real,
+                        shear: shear as Real,
+                        stretch_damping: stretch as Real,
+                        shear_damping: turn as Real,
+                    }
+                };
+                MembraneColumns {
+                    incidence: IncidenceColumns::build(3 * states.len(), &vertices),
+                    vertices,
+                    weights: rest.iter().map(|t| t.weights().map(|w| w as Real)).collect(),
+                    areas: rest.iter().map(|t| t.area() as Real).collect(),
+                    materials: (0..states.len()).map(|i| u16::try_from(i).expect("few enough materials")).collect(),
+                    table: states.iter().map(material).collect(),
+                }
+            }
+
+            /// Hinges.
+            pub fn hinges(states: &[State<Fold, 4>]) -> HingeColumns {
+                let vertices = corners(states.len());
+                let column = |value: fn(&Fold) -> f64| states.iter().map(|s| value(&s.part) as Real).collect();
+                HingeColumns {
+                    incidence: IncidenceColumns::build(4 * states.len(), &vertices),
+                    vertices,
+                    stiffness: column(|p| p.stiffness),
+                    rest_angles: column(|p| p.rest_angle),
+                    least_heights: column(|p| p.least_height),
+                    damping: column(|p| p.damping),
+                }
+            }
+
+            /// Stitches.
+            pub fn seams(states: &[State<Stitch, 3>]) -> SeamColumns {
+                let vertices = corners(states.len());
+                let column = |value: fn(&Stitch) -> f64| states.iter().map(|s| value(&s.part) as Real).collect();
+                SeamColumns {
+                    incidence: IncidenceColumns::build(3 * states.len(), &vertices),
+                    vertices,
+                    weights: column(|p| p.weight),
+                    stiffness: column(|p| p.stiffness),
+                    damping: column(|p| p.damping),
+                }
+            }
+
+            /// Triangles in a wind.
+            pub fn wind<P>(states: &[State<P, 3>], velocity: DVec3, [normal, tangential]: [f64; 2]) -> WindColumns {
+                let vertices = corners(states.len());
+                WindColumns {
+                    incidence: IncidenceColumns::build(3 * states.len(), &vertices),
+                    vertices,
+                    velocity: vec3(velocity.to_array()),
+                    normal: normal as Real,
+                    tangential: tangential as Real,
+                }
+            }
+
+            fn corners<const K: usize>(count: usize) -> Vec<[u32; K]> {
+                (0..count).map(|i| std::array::from_fn(|k| (K * i + k) as u32)).collect()
+            }
+
+            /// [`Element::force`].
+            pub fn force<const K: usize>(
+                term: &impl Element<K>,
+                i: usize,
+                x: &[DVec3; K],
+                v: &[DVec3; K],
+            ) -> [DVec3; K] {
+                wide(&term.force(i, &narrow(x), &narrow(v)))
+            }
+
+            /// [`Element::energy`], J.
+            pub fn energy<const K: usize>(term: &impl Element<K>, i: usize, x: &[DVec3; K]) -> f64 {
+                term.energy(i, &narrow(x)).total()
+            }
+
+            /// [`Hinges::angle`], radians.
+            pub fn angle(hinges: &Hinges<'_>, i: usize, x: &[DVec3; 4]) -> f64 {
+                f64::from(hinges.angle(i, &narrow(x)))
+            }
+
+            /// All blocks of [`Element::tangent`].
+            pub fn projected<const K: usize, E: Element<K>>(
+                term: &E,
+                i: usize,
+                x: &[DVec3; K],
+                [position, velocity]: [f64; 2],
+            ) -> [[DMat3; K]; K] {
+                let scale = TangentScale { position: position as Real, velocity: velocity as Real };
+                let tangent = term.tangent(i, &narrow(x), scale);
+                std::array::from_fn(|a| std::array::from_fn(|b| wide_block(term.block(i, &tangent, a, b))))
+            }
+
+            /// [`Element::exact`].
+            pub fn exact<const K: usize>(
+                term: &impl Element<K>,
+                i: usize,
+                x: &[DVec3; K],
+                v: &[DVec3; K],
+                [position, velocity]: [f64; 2],
+            ) -> [[DMat3; K]; K] {
+                let scale = TangentScale { position: position as Real, velocity: velocity as Real };
+                term.exact(i, &narrow(x), &narrow(v), scale).map(|row| row.map(wide_block))
+            }
+
+            /// The sum of a model's forces.
+            pub fn forces(model: &Model<'_>, masses: &[Real], x: &[DVec3], v: &[DVec3]) -> Vec<DVec3> {
+                let column = |v: &[DVec3]| -> Vec<Vec3> { v.iter().map(|v| vec3(v.to_array())).collect() };
+                let (mut scratch, mut f) = (vec![Vec3::ZERO; model.force_scratch()], vec![Vec3::ZERO; x.len()]);
+                forces::evaluate(model, masses, &column(x), &column(v), &mut scratch, &mut f, &Serial);
+                f.iter().map(|&f| to_f64(f).into()).collect()
+            }
+
+            /// A model's energies, J.
+            pub fn energies(model: &Model<'_>, masses: &[Real], x: &[DVec3]) -> Energy {
+                let x: Vec<Vec3> = x.iter().map(|x| vec3(x.to_array())).collect();
+                forces::energy(model, masses, &x)
+            }
+
+            /// The assembled `-(position Kx + velocity Kv)` of the listed terms of a scene, by rows,
+            /// read off products with unit vectors; `N` is three times the number of vertices.
+            pub fn tangents<const N: usize>(
+                built: &BuiltScene,
+                model: &Model<'_>,
+                x: &[DVec3],
+                [position, velocity]: [f64; 2],
+                jacobian: Jacobian,
+            ) -> Dense<N> {
+                let x: Vec<Vec3> = x.iter().map(|x| vec3(x.to_array())).collect();
+                let preconditioner = Preconditioner::BlockJacobi;
+                let scheme =
+                    Scheme { method: Method::BackwardEuler, newton: 1, tolerance: 0.1, preconditioner, jacobian };
+                let mut columns = ScratchColumns::build(built, &scheme);
+                let Scratch { targets, tangents, mut matrix, .. } = columns.view();
+                let scale = TangentScale { position: position as Real, velocity: velocity as Real };
+                forces::write_tangents(model, &x, scale, jacobian, &targets, tangents, &mut matrix, &Serial);
+                let (masses, mut product) = (vec![1.0; x.len()], vec![Vec3::ZERO; x.len()]);
+                let mut dense = [[0.0; N]; N];
+                for column in 0..N {
+                    let mut unit = vec![Vec3::ZERO; x.len()];
+                    unit[column / 3][column % 3] = 1.0;
+                    matrix::multiply(&matrix, &masses, 0.0, &unit, &mut product, &Serial);
+                    for row in 0..N {
+                        dense[row][column] = to_f64(product[row / 3])[row % 3];
+                    }
+                }
+                dense
+            }
+
+            /// Positions at time 0.
+            pub fn positions(built: &BuiltScene) -> Vec<DVec3> {
+                built.particles.positions.iter().map(|&x| to_f64(x).into()).collect()
+            }
+
+            fn wide_block(m: Mat3) -> DMat3 {
+                let [x, y, z] = wide(&[m.x_axis, m.y_axis, m.z_axis]);
+                DMat3::from_cols(x, y, z)
+            }
+
+            /// A scene from its text.
+            pub fn scene(text: &str) -> SceneDesc {
+                toml::from_str(text).unwrap_or_else(|error| panic!("{error}in scene\n{text}"))
+            }
+
+            /// A built scene without mesh files.
+            pub fn build(text: &str) -> BuiltScene {
+                build_with(text, &[])
+            }
+
+            /// A built scene.
+            pub fn build_with(text: &str, resources: &[Resource]) -> BuiltScene {
+                let built = $muslin::scene::build(&scene(text), resources);
+                built.unwrap_or_else(|error| panic!("{error}: in scene\n{text}"))
+            }
+        }
+    };
+}
+
+kit!(single, muslin_core, "The core in f32.");
+kit!(double, muslin_core_f64, "The core in f64.");

@@ -1,0 +1,191 @@
+//! Orders of convergence: p = log2(e(h) / e(h/2)) over four halvings, against the closed form of
+//! a linear chain and, on small nonlinear cloth, against a finer run of RK4. No contact.
+//!
+//! Implicit methods keep their order when Newton's method converges. Linearised (`newton = 1`)
+//! they keep it as long as the matrix is the whole df/dx: with damping, whose df/dx is left out,
+//! or with the projected Jacobian under compression they are of first order.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use muslin_core_f64::dispatch::Serial;
+use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
+use muslin_core_f64::scene::BuiltScene;
+use muslin_core_f64::simulation::Simulation;
+use muslin_tests::kit::double as kit;
+use muslin_tests::net::{Net, XYZ, converged, linearised};
+use muslin_tests::rng::Rng;
+
+/// How far a measured order may be from the method's.
+const BOUND: f64 = 0.05;
+/// s; a few oscillations of the stiffest mode.
+const DURATION: f64 = 0.02;
+/// Newton's relative residual: far below every error that is measured.
+const NEWTON: f64 = 1e-10;
+
+fn order(method: Method) -> f64 {
+    match method {
+        Method::ExplicitEuler | Method::SymplecticEuler | Method::BackwardEuler => 1.0,
+        Method::Midpoint | Method::ImplicitMidpoint | Method::Bdf2 => 2.0,
+        Method::Rk4 => 4.0,
+    }
+}
+
+/// Positions then velocities after `steps` steps of `duration / steps`.
+fn run(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) -> Vec<DVec3> {
+    let mut sim = Simulation::from_columns(built.clone(), scheme, duration / f64::from(steps));
+    for _ in 0..steps {
+        sim.step(&Serial).unwrap_or_else(|error| panic!("{} with {steps} steps {error}", scheme.method.name()));
+    }
+    [sim.positions(), sim.velocities()].concat()
+}
+
+fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).sum::<f64>().sqrt()
+}
+
+/// Checks the order `want` over some halvings from `coarsest` steps.
+fn check(what: &str, run: impl Fn(u32) -> Vec<DVec3>, truth: &[DVec3], coarsest: u32, halvings: u32, want: f64) {
+    let errors: Vec<_> = (0..=halvings).map(|k| distance(&run(coarsest << k), truth)).collect();
+    let orders: Vec<_> = errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect();
+    let (first, last) = (errors[0], errors[halvings as usize]);
+    let measured = format!("{what}: orders {orders:.3?} from {coarsest} steps on, errors {first:.1e} to {last:.1e}");
+    println!("{measured}");
+    assert!(orders.iter().all(|p| (p - want).abs() <= BOUND), "{measured}; expected {want} within {BOUND}");
+}
+
+#[test]
+fn linear_chain() {
+    const LINKS: f64 = 7.0;
+    /// Number and amplitude.
+    const MODES: [(f64, f64); 3] = [(1.0, 0.1), (3.0, -0.05), (6.0, 0.03)];
+    let duration = 2.0;
+    let mut net = Net::chain(8, DVec3::X, 1.0, 1.0, 0.0);
+    net.held = vec![(0, XYZ), (7, XYZ)];
+    let state = |i: usize, t: f64| {
+        let mode = |(n, a): (f64, f64)| {
+            let (shape, omega) = (a * (n * PI * i as f64 / LINKS).sin(), 2.0 * (n * PI / (2.0 * LINKS)).sin());
+            (shape * (omega * t).cos(), -shape * omega * (omega * t).sin())
+        };
+        MODES.into_iter().map(mode).fold((i as f64, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
+    };
+    let mut built = net.build();
+    built.particles.positions = (0..8).map(|i| DVec3::X * state(i, 0.0).0).collect();
+    let end = || (0..8).map(|i| state(i, duration));
+    let truth: Vec<_> = end().map(|s| s.0).chain(end().map(|s| s.1)).map(|x| DVec3::X * x).collect();
+    for method in Method::ALL {
+        let what = format!("linear chain, {}", method.name());
+        let coarsest = if order(method) == 1.0 { 256 } else { 64 };
+        let run = |steps| run(&built, linearised(method), duration, steps);
+        check(&what, run, &truth, coarsest, 4, order(method));
+    }
+}
+
+/// A sheet pulled out of shape and moving, `size` times its rest size, held at two corners.
+fn cloth(material: &str, size: f64, pin: &str, air: &str) -> BuiltScene {
+    let mut built = kit::build(&format!(
+        r#"
+        name = "orders"
+        duration = 1.0
+        gravity = [0.0, -9.81, 0.0]
+        {air}
+        [[cloth]]
+        grid = {{ size = [0.3, 0.26], cells = [3, 3] }}
+        density = 0.2
+        {material}
+        [[cloth.pin]]
+        select = {{ corners = [0, 1] }}
+        {pin}"#
+    ));
+    let mut rng = Rng::new(5);
+    let particles = &mut built.particles;
+    for (x, v) in particles.positions.iter_mut().zip(&mut particles.velocities) {
+        *x = *x * size + rng.cube(0.004);
+        *v = rng.cube(0.3);
+    }
+    for anchor in &mut built.pins.anchors {
+        *anchor *= size;
+    }
+    built.pins.view().impose(0.0, &mut particles.positions, &mut particles.velocities);
+    built
+}
+
+const TURNING: &str = "motion = { turn = { axis = [0.3, 1.0, 0.2], rate = 5.0 } }";
+const AIR: &str = "drag = { linear = 0.5, wind = { velocity = [2.0, 1.0, 3.0], normal = 0.6, tangential = 0.1 } }";
+const MEMBRANE: &str = r#"
+    stretch = { model = "membrane", stiffness = 50.0, damping = 0.0002 }
+    shear = { stiffness = 20.0, damping = 0.0002 }
+    bend = { model = "hinge", rigidity = 1e-4, damping = 0.0002 }"#;
+const SPRINGS: &str = r#"
+    stretch = { model = "spring", stiffness = 50.0, damping = 0.0002 }
+    bend = { model = "spring", stiffness = 5.0, damping = 0.0002 }"#;
+
+fn without_damping(material: &str) -> String {
+    material.replace(", damping = 0.0002", "")
+}
+
+fn all_methods(what: &str, built: &BuiltScene) {
+    let truth = run(built, linearised(Method::Rk4), DURATION, 8192);
+    for method in Method::ALL {
+        let what = format!("{what}, {}", method.name());
+        // Where the next term of the error is small enough.
+        let coarsest = [512, 128, 0, 128][order(method) as usize - 1];
+        let run = |steps| run(built, converged(method, NEWTON), DURATION, steps);
+        check(&what, run, &truth, coarsest, 4, order(method));
+    }
+}
+
+#[test]
+fn membrane_and_hinges() {
+    all_methods("membrane", &cloth(MEMBRANE, 1.0, "", ""));
+}
+
+#[test]
+fn springs_and_bending_springs() {
+    all_methods("springs", &cloth(SPRINGS, 1.0, "", ""));
+}
+
+/// The pins lead the motion between the ends of a step, too; wind has no potential.
+#[test]
+fn turning_pins_in_the_wind() {
+    all_methods("turning pins in the wind", &cloth(MEMBRANE, 1.0, TURNING, AIR));
+}
+
+fn one_newton_step(what: &str, built: &BuiltScene, duration: f64, jacobian: Jacobian, want: f64) {
+    let truth = run(built, linearised(Method::Rk4), duration, 8192);
+    for method in [Method::ImplicitMidpoint, Method::Bdf2] {
+        let scheme = Scheme { jacobian, ..linearised(method) };
+        let what = format!("{what}, {jacobian:?} Jacobian, {} with newton = 1", method.name());
+        check(&what, |steps| run(built, scheme, duration, steps), &truth, 2048, 1, want);
+    }
+}
+
+#[test]
+fn one_newton_step_of_the_exact_jacobian_keeps_second_order() {
+    for material in [MEMBRANE, SPRINGS] {
+        let built = cloth(&without_damping(material), 0.8, "", "");
+        one_newton_step("compressed, undamped", &built, DURATION, Jacobian::Exact, 2.0);
+    }
+}
+
+#[test]
+fn one_newton_step_is_of_first_order_under_compression() {
+    for material in [MEMBRANE, SPRINGS] {
+        let built = cloth(&without_damping(material), 0.6, "", "");
+        one_newton_step("compressed, undamped", &built, DURATION, Jacobian::Projected, 1.0);
+    }
+}
+
+#[test]
+fn one_newton_step_keeps_second_order_while_every_spring_is_taut() {
+    let built = cloth(&without_damping(SPRINGS), 1.2, "", "");
+    one_newton_step("taut, undamped", &built, 0.1 * DURATION, Jacobian::Projected, 2.0);
+}
+
+#[test]
+fn one_newton_step_is_of_first_order_with_damping() {
+    for material in [MEMBRANE, SPRINGS] {
+        let built = cloth(&material.replace("0.0002", "0.002"), 1.0, "", "");
+        one_newton_step("damped", &built, DURATION, Jacobian::Exact, 1.0);
+    }
+}

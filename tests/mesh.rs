@@ -1,0 +1,30 @@
+//! Meshes and scenes: what the generators make, what is derived from triangles, which vertices a
+//! pin selects, and what every bad mesh or scene is told. In f64: meshes are built in double in
+//! both precisions, and only the finished columns are rounded.
+//!
+//! Run: `cargo test -p muslin-tests --test mesh`.
+
+#[path = "mesh/mesh_errors.rs"]
+mod mesh_errors;
+#[path = "mesh/pins.rs"]
+mod pins;
+#[path = "mesh/rest.rs"]
+mod rest;
+#[path = "mesh/scene_errors.rs"]
+mod scene_errors;
+#[path = "mesh/seams.rs"]
+mod seams;
+#[path = "mesh/topology.rs"]
+mod topology;
+
+use muslin_core_f64::scene::BuiltScene;
+use muslin_tests::kit::double as kit;
+
+/// A scene with one cloth of 1 kg/m^2, built.
+fn cloth(lines: &str) -> BuiltScene {
+    kit::build(&scene(lines))
+}
+
+fn scene(lines: &str) -> String {
+    format!("name = \"mesh\"\nduration = 0\n[[cloth]]\ndensity = 1.0\n{lines}")
+}

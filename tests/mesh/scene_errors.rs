@@ -1,0 +1,251 @@
+//! Every way in which a scene cannot be built, and what its author is told: a good scene with
+//! one line exchanged.
+
+use muslin_core_f64::error::SceneError;
+use muslin_core_f64::scene::build;
+use muslin_tests::kit::double as kit;
+
+const GOOD: &str = r#"
+    name = "good"
+    duration = 1.0
+    frame_rate = 30
+    gravity = [0.0, -9.81, 0.0]
+    [[cloth]]
+    grid = { size = [1.0, 2.0], cells = [2, 3] }
+    rest = "shape"
+    uv_scale = 1.0
+    position = [0.0, 1.0, 0.0]
+    rotation = [0.0, 90.0, 0.0]
+    scale = 1.0
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 90.0, damping = 0.0 }
+    shear = { stiffness = 30.0, damping = 0.0 }
+    bend = { model = "hinge", rigidity = 1e-3, damping = 0.0 }
+    pin = [{ select = { corners = [0] }, axes = "xyz", motion = { keys = [[0.0, 0, 0, 0], [1.0, 0, 1, 0]] } }]
+    seam = [{ pairs = [[0, 1]], stiffness = 10.0, damping = 0.0 }]
+    [drag]
+    linear = 0.1
+    wind = { velocity = [1.0, 0.0, 0.0], normal = 0.1, tangential = 0.0 }
+    [integrator]
+    step = 0.01
+    newton = 1
+    tolerance = 1e-4
+"#;
+
+/// What the good scene says, what it says instead, and the message that follows.
+type Case = (&'static str, &'static str, &'static str);
+
+const NUMBERS: &[Case] = &[
+    ("duration = 1.0", "duration = -1.0", "duration = -1: must not be negative, and must be finite"),
+    ("duration = 1.0", "duration = nan", "duration = NaN: must not be negative, and must be finite"),
+    ("frame_rate = 30", "frame_rate = 0", "frame_rate = 0: must be greater than zero and finite"),
+    ("gravity = [0.0, -9.81, 0.0]", "gravity = [0.0, inf, 0.0]", "gravity: must be a finite number"),
+    ("step = 0.01", "step = 0.0", "integrator.step = 0: must be greater than zero and finite"),
+    ("step = 0.01", "step = inf", "integrator.step = inf: must be greater than zero and finite"),
+    ("newton = 1", "newton = 0", "integrator.newton = 0: must be greater than zero and finite"),
+    ("tolerance = 1e-4", "tolerance = -1e-4", "integrator.tolerance = -0.0001: must be greater than zero and finite"),
+    ("linear = 0.1", "linear = -0.1", "drag.linear = -0.1: must not be negative, and must be finite"),
+    ("velocity = [1.0", "velocity = [nan", "drag.wind.velocity: must be a finite number"),
+    ("normal = 0.1", "normal = -2.0", "drag.wind.normal = -2: must not be negative, and must be finite"),
+    ("tangential = 0.0", "tangential = -2.0", "drag.wind.tangential = -2: must not be negative, and must be finite"),
+    ("density = 0.2", "density = -0.2", "cloth.density = -0.2: must be greater than zero and finite"),
+    ("uv_scale = 1.0", "uv_scale = 0.0", "cloth.uv_scale = 0: must be greater than zero and finite"),
+    ("    scale = 1.0", "    scale = -1.0", "cloth.scale = -1: must be greater than zero and finite"),
+    ("position = [0.0", "position = [inf", "cloth.position: must be a finite number"),
+    ("rotation = [0.0", "rotation = [nan", "cloth.rotation: must be a finite number"),
+    ("stiffness = 90.0", "stiffness = 0.0", "cloth.stretch.stiffness = 0: must be greater than zero and finite"),
+    (
+        "90.0, damping = 0.0",
+        "90.0, damping = -1.0",
+        "cloth.stretch.damping = -1: must not be negative, and must be finite",
+    ),
+    ("90.0, damping = 0.0", "90.0, weft = -1.0", "cloth.stretch.weft = -1: must be greater than zero and finite"),
+    ("stiffness = 30.0", "stiffness = -3.0", "cloth.shear.stiffness = -3: must not be negative, and must be finite"),
+    (
+        "30.0, damping = 0.0",
+        "30.0, damping = -1.0",
+        "cloth.shear.damping = -1: must not be negative, and must be finite",
+    ),
+    ("rigidity = 1e-3", "rigidity = 0.0", "cloth.bend.rigidity = 0: must be greater than zero and finite"),
+    (
+        "1e-3, damping = 0.0",
+        "1e-3, damping = -1.0",
+        "cloth.bend.damping = -1: must not be negative, and must be finite",
+    ),
+    ("stiffness = 10.0", "stiffness = 0.0", "cloth.seam.stiffness = 0: must be greater than zero and finite"),
+    (
+        "10.0, damping = 0.0",
+        "10.0, damping = -1.0",
+        "cloth.seam.damping = -1: must not be negative, and must be finite",
+    ),
+];
+
+const MODELS: &[Case] = &[
+    (
+        "stretch = { model = \"membrane\", stiffness = 90.0, damping = 0.0 }",
+        "",
+        "cloth.stretch is needed with model = \"membrane\"",
+    ),
+    ("\"membrane\"", "\"spring\"", "cloth.shear has no meaning with model = \"spring\"; remove it"),
+    (
+        "\"membrane\", stiffness = 90.0",
+        "\"spring\", stiffness = 90.0, weft = 1.0",
+        "cloth.stretch.weft has no meaning with model = \"spring\"; remove it",
+    ),
+    (
+        "stiffness = 90.0",
+        "stiffness = 90.0, per_spring = true",
+        "cloth.stretch.per_spring has no meaning with model = \"membrane\"; remove it",
+    ),
+    ("rigidity = 1e-3, ", "", "cloth.bend.rigidity is needed with model = \"hinge\""),
+    (
+        "rigidity = 1e-3",
+        "rigidity = 1e-3, stiffness = 1.0",
+        "cloth.bend.stiffness has no meaning with model = \"hinge\"; remove it",
+    ),
+    ("\"hinge\"", "\"spring\"", "cloth.bend.rigidity has no meaning with model = \"spring\"; remove it"),
+    ("\"hinge\", rigidity = 1e-3", "\"spring\"", "cloth.bend.stiffness is needed with model = \"spring\""),
+];
+
+const GRID: &str = "grid = { size = [1.0, 2.0], cells = [2, 3] }";
+
+const MESHES: &[Case] = &[
+    (GRID, "", "cloth 0: give exactly one of grid, tube, disc or mesh"),
+    ("density", "mesh = \"m\"\ndensity", "cloth 0: give exactly one of grid, tube, disc or mesh"),
+    (GRID, "mesh = \"m\"", "cloth 0: its mesh file was not loaded"),
+    ("density", "state = \"s\"\ndensity", "cloth 0: its mesh file was not loaded"),
+    ("pairs = [[0, 1]]", "file = \"f\"", "cloth 0: its mesh file was not loaded"),
+    ("size = [1.0, 2.0]", "size = [1.0, 0.0]", "grid.size = 0: must be greater than zero and finite"),
+    ("cells = [2, 3]", "cells = [0, 3]", "grid.cells: must be at least 1"),
+    // Told before anything of that size is allocated.
+    ("cells = [2, 3]", "cells = [20000, 20000]", LARGE),
+    (GRID, "tube = { radius = 1.0, height = 1.0, cells = [20001, 20000] }", LARGE),
+    (
+        GRID,
+        "disc = { radius = 1.0, rings = 20000 }",
+        "the scene would have 1200060000 vertices; at most 2^28 are possible",
+    ),
+    (
+        GRID,
+        "tube = { radius = -1.0, height = 1.0, cells = [3, 1] }",
+        "tube.radius = -1: must be greater than zero and finite",
+    ),
+    (
+        GRID,
+        "tube = { radius = 1.0, height = 0.0, cells = [3, 1] }",
+        "tube.height = 0: must be greater than zero and finite",
+    ),
+    (GRID, "tube = { radius = 1.0, height = 1.0, cells = [2, 1] }", "tube.cells: must be at least 3"),
+    (GRID, "tube = { radius = 1.0, height = 1.0, cells = [3, 0] }", "tube.cells: must be at least 1"),
+    (GRID, "disc = { radius = 0.0, rings = 1 }", "disc.radius = 0: must be greater than zero and finite"),
+    (
+        GRID,
+        "disc = { radius = 1.0, hole = -0.1, rings = 1 }",
+        "disc.hole = -0.1: must not be negative, and must be finite",
+    ),
+    (
+        GRID,
+        "disc = { radius = 1.0, hole = 1.0, rings = 1 }",
+        "disc.radius - disc.hole = 0: must be greater than zero and finite",
+    ),
+    (GRID, "disc = { radius = 1.0, rings = 0 }", "disc.rings: must be at least 1"),
+];
+
+const LARGE: &str = "the scene would have 400040001 vertices; at most 2^28 are possible";
+
+const PINS: &[Case] = &[
+    ("corners = [0]", "box = [[5.0, 5.0, 5.0], [6.0, 6.0, 6.0]]", "cloth 0, pin 0: selects no vertex"),
+    ("corners = [0]", "corners = []", "cloth 0, pin 0: selects no vertex"),
+    ("corners = [0]", "", ONE_SELECTION),
+    ("corners = [0]", "corners = [0], vertices = [1]", ONE_SELECTION),
+    ("corners = [0]", "corners = [4]", "cloth 0, pin 0: there is no corner or vertex 4 to hold"),
+    ("corners = [0]", "vertices = [0, 99]", "cloth 0, pin 0: there is no corner or vertex 99 to hold"),
+    ("axes = \"xyz\"", "axes = \"xw\"", AXES),
+    ("axes = \"xyz\"", "axes = \"xx\"", AXES),
+    ("axes = \"xyz\"", "axes = \"\"", AXES),
+    ("[1.0, 0, 1, 0]", "[0.0, 0, 1, 0]", KEYS),
+    ("[1.0, 0, 1, 0]", "[1.0, 0, nan, 0]", KEYS),
+    ("keys = [", "turn = { axis = [0, 0, 0], rate = 1.0 }, keys = [", TURN),
+    ("keys = [", "turn = { axis = [0, 1, 0], rate = inf }, keys = [", TURN),
+    ("keys = [", "turn = { axis = [0, 1, 0], rate = 1.0, until = nan }, keys = [", TURN),
+];
+
+const ONE_SELECTION: &str = "cloth 0, pin 0: give exactly one of corners, vertices, box, nearest or edge";
+const AXES: &str = "cloth 0, pin 0: axes must be a combination of x, y and z, such as \"xz\"";
+const TURN: &str = "cloth 0, pin 0: motion.turn needs an axis with a direction and a finite rate";
+const KEYS: &str = "cloth 0, pin 0: the times of motion.keys must be finite and increase";
+
+/// A new variant breaks this match: give it a case above.
+const fn has_a_case(error: &SceneError) -> bool {
+    use SceneError::*;
+    match error {
+        NotPositive { .. } | Negative { .. } | NotFinite { .. } | KeyNotForModel { .. } | KeyNeeded { .. } => true,
+        OneMeshSource { .. } | MissingMesh { .. } | TooFewCells { .. } | TooLarge { .. } => true,
+        EmptyPin { .. }
+        | OneSelection { .. }
+        | PinOutOfRange { .. }
+        | PinAxes { .. }
+        | MotionKeys { .. }
+        | MotionTurn { .. } => true,
+        // Below, and in `mesh_errors`.
+        NoCloth | Mesh { .. } => true,
+    }
+}
+
+fn each_is_refused(cases: &[Case]) {
+    for (good, bad, message) in cases {
+        assert_eq!(GOOD.matches(good).count(), 1, "{good:?} must name one place of the good scene");
+        let error = match build(&kit::scene(&GOOD.replace(good, bad)), &[]) {
+            Err(error) => error,
+            Ok(_) => panic!("built with {bad:?}, expected: {message}"),
+        };
+        assert_eq!(error.to_string(), *message, "for {bad:?}");
+        assert!(has_a_case(&error));
+    }
+}
+
+#[test]
+fn the_good_scene_is_built() {
+    build(&kit::scene(GOOD), &[]).expect("the good scene");
+}
+
+#[test]
+fn bad_numbers_are_named() {
+    each_is_refused(NUMBERS);
+}
+
+#[test]
+fn keys_and_models_must_fit() {
+    each_is_refused(MODELS);
+}
+
+#[test]
+fn mesh_sources_are_checked() {
+    each_is_refused(MESHES);
+}
+
+#[test]
+fn pins_must_select_and_move_sensibly() {
+    each_is_refused(PINS);
+}
+
+#[test]
+fn a_scene_needs_a_cloth() {
+    let error = build(&kit::scene("name = \"bare\"\nduration = 0\ncloth = []"), &[]);
+    assert_eq!(error.map(|_| ()), Err(SceneError::NoCloth));
+    assert_eq!(SceneError::NoCloth.to_string(), "the scene has no [[cloth]]");
+}
+
+/// Cloths and pins count from 0 in the order of the file.
+#[test]
+fn messages_count_cloths_and_pins() {
+    let two_pins = r#"
+    [[cloth]]
+    grid = { size = [1.0, 1.0], cells = [1, 1] }
+    density = 1.0
+    pin = [{ select = { edge = "left" } }, { select = { vertices = [] } }]
+    [drag]"#;
+    let second = GOOD.replace("[drag]", two_pins);
+    let error = build(&kit::scene(&second), &[]).map(|_| ());
+    assert_eq!(error, Err(SceneError::EmptyPin { cloth: 1, pin: 1 }));
+}

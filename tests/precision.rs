@@ -1,0 +1,170 @@
+//! The f32 core follows the f64 core: forces, energies and Jacobians of the same states, which are
+//! exact in both, agree within a few roundings of what they are made of.
+//!
+//! Run: `cargo test -p muslin-tests --test precision`; with `-- --nocapture` it prints the worst
+//! difference of every comparison, which is relative to the largest of: the value; stiffness x
+//! size, of which a force near rest is a small difference; and the Jacobian times the velocities,
+//! of which a damping force is a sum. A failure names the element, the component and both values.
+
+use std::fmt::Debug;
+
+use glam::{DMat3, DVec3};
+use muslin_core::forces::element::Element as Single;
+use muslin_core_f64::forces::element::Element as Double;
+use muslin_tests::dense::{Dense, from_blocks, size};
+use muslin_tests::kit::{double, single};
+use muslin_tests::rng::Rng;
+use muslin_tests::states::{self, State, bar, hinge, many, single3, stitch, triangle};
+use muslin_tests::worst::{Worst, norm};
+
+/// Of each regime.
+const COUNT: usize = 500;
+
+/// Some thirty roundings of 6e-8.
+const BOUND: f64 = 2e-6;
+
+/// Compares all that two terms say about the same elements. `stiffness` is what forces are made
+/// of, N/m (N m / m^2 for hinges, N s/m for wind).
+fn follows<const K: usize, const N: usize, P: Debug>(
+    single: impl Fn(usize, &State<P, K>) -> Said<K>,
+    double: impl Fn(usize, &State<P, K>) -> Said<K>,
+    states: &[State<P, K>],
+    stiffness: impl Fn(&State<P, K>) -> f64,
+) {
+    let mut forces = Worst::new("force in f32 against f64", BOUND);
+    let mut energies = Worst::new("energy in f32 against f64", BOUND);
+    let mut projected = Worst::new("projected Jacobian in f32 against f64", BOUND);
+    let mut exact = Worst::new("exact Jacobian in f32 against f64", BOUND);
+    for (i, s) in states.iter().enumerate() {
+        let (single, double, stiffness) = (single(i, s), double(i, s), stiffness(s));
+        let damped = size(&from_blocks::<K, N>(&double.projected)) * norm(&s.v);
+        let scale = norm(&double.force).max(damped).max(stiffness * s.size);
+        forces.vectors(scale, &single.force, &double.force, || s.place(i));
+        let scale = double.energy.max(stiffness * s.size * s.size);
+        energies.compare(scale, &[single.energy], &[double.energy], || s.place(i));
+        for (worst, got, want) in
+            [(&mut projected, single.projected, double.projected), (&mut exact, single.exact, double.exact)]
+        {
+            let [got, want]: [Dense<N>; 2] = [from_blocks(&got), from_blocks(&want)];
+            worst.compare(size(&want).max(stiffness), got.as_flattened(), want.as_flattened(), || s.place(i));
+        }
+    }
+    for worst in [forces, energies, projected, exact] {
+        worst.check();
+    }
+}
+
+/// What a term says about an element.
+struct Said<const K: usize> {
+    force: [DVec3; K],
+    energy: f64,
+    projected: [[DMat3; K]; K],
+    exact: [[DMat3; K]; K],
+}
+
+/// Elastic and damped in equal parts: corners move by a size a second.
+const SCALE: [f64; 2] = [1.0, 1.0];
+
+fn in_single<P, const K: usize>(term: &impl Single<K>) -> impl Fn(usize, &State<P, K>) -> Said<K> {
+    |i, s| Said {
+        force: single::force(term, i, &s.x, &s.v),
+        energy: single::energy(term, i, &s.x),
+        projected: single::projected(term, i, &s.x, SCALE),
+        exact: single::exact(term, i, &s.x, &s.v, SCALE),
+    }
+}
+
+fn in_double<P, const K: usize>(term: &impl Double<K>) -> impl Fn(usize, &State<P, K>) -> Said<K> {
+    |i, s| Said {
+        force: double::force(term, i, &s.x, &s.v),
+        energy: double::energy(term, i, &s.x),
+        projected: double::projected(term, i, &s.x, SCALE),
+        exact: double::exact(term, i, &s.x, &s.v, SCALE),
+    }
+}
+
+#[test]
+fn springs_follow() {
+    let states = many(111, COUNT, bar);
+    let (single, double) = (single::bars(&states), double::bars(&states));
+    follows::<2, 6, _>(in_single(&single), in_double(&double), &states, |s| s.part.stiffness);
+}
+
+#[test]
+fn membranes_follow() {
+    let states = many(112, COUNT, triangle);
+    let (single, double) = (single::membrane(&states), double::membrane(&states));
+    let stiffness = |s: &State<states::Triangle, 3>| s.part.stiffness.into_iter().fold(0.0, f64::max);
+    follows::<3, 9, _>(in_single(&single.view()), in_double(&double.view()), &states, stiffness);
+}
+
+#[test]
+fn hinges_follow() {
+    let states = many(113, COUNT, hinge);
+    let (single, double) = (single::hinges(&states), double::hinges(&states));
+    let stiffness = |s: &State<states::Fold, 4>| s.part.stiffness / (s.size * s.size);
+    follows::<4, 12, _>(in_single(&single.view()), in_double(&double.view()), &states, stiffness);
+}
+
+#[test]
+fn seams_follow() {
+    let states = many(114, COUNT, stitch);
+    let (single, double) = (single::seams(&states), double::seams(&states));
+    follows::<3, 9, _>(in_single(&single.view()), in_double(&double.view()), &states, |s| s.part.stiffness);
+}
+
+#[test]
+fn wind_follows() {
+    let states = many(115, COUNT, triangle);
+    let (wind, drag) = (DVec3::new(0.75, -0.25, 0.5), [0.625, 0.0625]);
+    let (single, double) = (single::wind(&states, wind, drag), double::wind(&states, wind, drag));
+    follows::<3, 9, _>(in_single(&single.view()), in_double(&double.view()), &states, |s| s.size);
+}
+
+const SCENE: &str = r#"
+    name = "everything"
+    duration = 0
+    gravity = [1.0, -9.81, 2.0]
+    [[cloth]]
+    grid = { size = [1.0, 1.0], cells = [40, 46] }
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 2000.0, damping = 0.001 }
+    shear = { stiffness = 500.0 }
+    bend = { model = "hinge", rigidity = 1e-5, damping = 0.001 }
+    [[cloth]]
+    grid = { size = [1.0, 1.0], cells = [40, 46] }
+    density = 0.3
+    stretch = { model = "spring", stiffness = 2000.0, damping = 0.001 }
+    bend = { model = "spring", stiffness = 1.0 }
+    [drag]
+    linear = 0.01
+    wind = { velocity = [3.0, -1.0, 2.0], normal = 0.6, tangential = 0.07 }
+"#;
+
+/// A sheet of 1 m in cells of 25 mm, crumpled by a tenth of a cell: each vertex sums six
+/// elements, made of 2000 N/m x 25 mm.
+#[test]
+fn forces_and_energies_of_a_scene_follow() {
+    let (single_scene, double_scene, rng) = (single::build(SCENE), double::build(SCENE), &mut Rng::new(116));
+    let x: Vec<_> = single::positions(&single_scene).iter().map(|&x| single3(x + rng.cube(0.0025))).collect();
+    let v: Vec<_> = x.iter().map(|_| single3(rng.cube(0.1))).collect();
+    let (single_model, double_model) = (single_scene.model.view(), double_scene.model.view());
+    let mut worst = Worst::new("force of a scene in f32 against f64", BOUND);
+    let got = single::forces(&single_model, &single_scene.particles.masses, &x, &v);
+    let want = double::forces(&double_model, &double_scene.particles.masses, &x, &v);
+    worst.vectors(2000.0 * 0.025, &got, &want, || "vector a vertex".into());
+    worst.check();
+    println!("  against a mean force of {:.1e} N", norm(&want) / (want.len() as f64).sqrt());
+    let mut worst = Worst::new("energy of a scene in f32 against f64, itself", BOUND);
+    let got = single::energies(&single_model, &single_scene.particles.masses, &x);
+    let want = double::energies(&double_model, &double_scene.particles.masses, &x);
+    for (what, got, want) in [
+        ("stretch", got.stretch, want.stretch),
+        ("shear", got.shear, want.shear),
+        ("bend", got.bend, want.bend),
+        ("gravity", got.gravity, want.gravity),
+    ] {
+        worst.compare(want, &[got], &[want], || what.into());
+    }
+    worst.check();
+}

@@ -1,0 +1,163 @@
+//! The constrained solve against dense LU of the same system, assembled from the core's forces,
+//! matrix, masses and pins: a backward Euler or implicit midpoint stage of length g from (x, v) is
+//! `(M + S) y = M v + g f(x, 0)` with `S = -(g^2 Kx + g Kv)` and the held axes of y given.
+
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+use glam::DVec3;
+use muslin_core_f64::dispatch::Serial;
+use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
+use muslin_core_f64::simulation::Simulation;
+use muslin_tests::kit::double as kit;
+use muslin_tests::net::linearised;
+use muslin_tests::rng::Rng;
+use muslin_tests::spectrum::Tangent;
+use muslin_tests::worst::Worst;
+
+/// Relative to the fastest vertex; the solver is asked for 1e-14.
+const BOUND: f64 = 1e-10;
+/// A large step, so that the matrix is far from the masses; for the exact Jacobian one at which
+/// the compressed parts leave it definite, s.
+const STEPS: [(Jacobian, f64); 2] = [(Jacobian::Projected, 0.02), (Jacobian::Exact, 0.001)];
+
+const SHEETS: [(&str, &str); 3] = [
+    (
+        "springs and bending springs",
+        r#"
+        stretch = { model = "spring", stiffness = 200.0, damping = 0.002 }
+        bend = { model = "spring", stiffness = 10.0, damping = 0.002 }"#,
+    ),
+    (
+        "membrane and hinges",
+        r#"
+        stretch = { model = "membrane", stiffness = 300.0, damping = 0.002 }
+        shear = { stiffness = 90.0, damping = 0.001 }
+        bend = { model = "hinge", rigidity = 1e-3, damping = 0.01 }"#,
+    ),
+    (
+        "membrane, hinges and seams",
+        r#"
+        stretch = { model = "membrane", stiffness = 300.0, weft = 100.0 }
+        bend = { model = "hinge", rigidity = 1e-3 }
+        seam = [{ pairs = [[0, 21], [4, 16]], stiffness = 50.0, damping = 0.01 }]"#,
+    ),
+];
+
+const PINS: [(&str, &str); 4] = [
+    ("free", ""),
+    ("held corners", "pin = [{ select = { corners = [0, 1] } }]"),
+    (
+        "axes held one by one",
+        r#"pin = [
+        { select = { edge = "left" }, axes = "xz" },
+        { select = { corners = [3] }, axes = "y" },
+        { select = { vertices = [7] } },
+        { select = { vertices = [7, 8] }, axes = "z" }]"#,
+    ),
+    (
+        "moving",
+        r#"pin = [
+        { select = { edge = "back" }, motion = { keys = [[0.0, 0, 0, 0], [1.0, 1.0, 2.0, -0.5]], turn = { axis = [1, 2, 0], rate = 3.0 } } },
+        { select = { corners = [2] }, axes = "yz", motion = { keys = [[0.0, 0, 0, 0], [0.1, 0.0, 0.1, 0.1]] } }]"#,
+    ),
+];
+
+fn simulation(cells: u32, sheet: &str, pins: &str, scheme: Scheme, step: f64) -> Simulation {
+    let mut built = kit::build(&format!(
+        r#"
+        name = "solver"
+        duration = 1.0
+        gravity = [0.0, -9.81, 0.0]
+        drag = {{ linear = 0.4, wind = {{ velocity = [1.0, 2.0, 3.0], normal = 0.6, tangential = 0.1 }} }}
+        [[cloth]]
+        grid = {{ size = [{}, {}], cells = [{cells}, {cells}] }}
+        density = 0.2
+        {sheet}
+        {pins}"#,
+        0.1 * f64::from(cells),
+        0.0875 * f64::from(cells)
+    ));
+    let mut rng = Rng::new(11);
+    let particles = &mut built.particles;
+    for (x, v) in particles.positions.iter_mut().zip(&mut particles.velocities) {
+        *x += rng.cube(0.008);
+        *v = rng.cube(1.0);
+    }
+    built.pins.view().impose(0.0, &mut particles.positions, &mut particles.velocities);
+    Simulation::from_columns(built, scheme, step)
+}
+
+/// The stage's velocities by LU, each coordinate in its own row.
+fn dense(sim: &Simulation, stage: f64) -> Vec<DVec3> {
+    let (x, v, masses) = (sim.positions(), sim.velocities(), &sim.scene().particles.masses);
+    let (size, step) = (3 * x.len(), sim.step_length());
+    let mut tangent = Tangent::of(sim.scene(), stage * stage, stage, sim.scheme().jacobian);
+    let (mut unit, mut column) = (vec![DVec3::ZERO; x.len()], vec![DVec3::ZERO; x.len()]);
+    let mut matrix = Mat::<f64>::zeros(size, size);
+    for k in 0..size {
+        unit[k / 3][k % 3] = 1.0;
+        tangent.multiply(1.0, &unit, &mut column);
+        unit[k / 3][k % 3] = 0.0;
+        (0..size).for_each(|i| matrix[(i, k)] = column[i / 3][i % 3]);
+    }
+    let f = kit::forces(&sim.model(), masses, x, &vec![DVec3::ZERO; x.len()]);
+    let mut right = Mat::<f64>::from_fn(size, 1, |i, _| (v[i / 3] * masses[i / 3] + f[i / 3] * stage)[i % 3]);
+    // A held axis moves by its whole way at a steady rate.
+    let pins = sim.pins();
+    for (pin, &vertex) in pins.vertices.iter().enumerate() {
+        let rate = (pins.target(pin, sim.time() + step).0 - x[vertex as usize]) / step;
+        for axis in (0..3).filter(|axis| pins.axes[pin] >> axis & 1 == 1) {
+            let row = 3 * vertex as usize + axis;
+            (0..size).for_each(|k| matrix[(row, k)] = f64::from(u8::from(k == row)));
+            right[(row, 0)] = rate[axis];
+        }
+    }
+    let solution = matrix.partial_piv_lu().solve(&right);
+    (0..x.len()).map(|i| DVec3::from_array(std::array::from_fn(|axis| solution[(3 * i + axis, 0)]))).collect()
+}
+
+fn check(what: String, mut sim: Simulation) {
+    let (x0, v0, h) = (sim.positions().to_vec(), sim.velocities().to_vec(), sim.step_length());
+    let midpoint = sim.scheme().method == Method::ImplicitMidpoint;
+    let stage = dense(&sim, if midpoint { 0.5 * h } else { h });
+    sim.step(&Serial).expect("finite");
+    assert_eq!((sim.work().unconverged, sim.work().negative_curvature), (0, 0), "{what}");
+    let mut worst = Worst::new(what, BOUND);
+    let scale = v0.iter().chain(&stage).map(|v| v.length()).fold(0.0, f64::max);
+    for (i, &y) in stage.iter().enumerate() {
+        let (x, v) = (sim.positions()[i], sim.velocities()[i]);
+        let (x1, v1) = (x0[i] + y * h, if midpoint { y * 2.0 - v0[i] } else { y });
+        worst.compare(scale * h, &x.to_array(), &x1.to_array(), || format!("position {i}"));
+        // The velocity of a held axis is prescribed instead.
+        if !sim.pins().vertices.contains(&(i as u32)) {
+            worst.compare(scale, &v.to_array(), &v1.to_array(), || format!("velocity {i}"));
+        }
+    }
+    worst.check();
+}
+
+#[test]
+fn constrained_solve_is_the_dense_one() {
+    for method in [Method::BackwardEuler, Method::ImplicitMidpoint] {
+        for (jacobian, step) in STEPS {
+            for ((sheet, material), (pins, pin)) in SHEETS.into_iter().flat_map(|s| PINS.map(|p| (s, p))) {
+                for preconditioner in [Preconditioner::BlockJacobi, Preconditioner::TwoLevel] {
+                    let what = format!("{}, {jacobian:?}, {preconditioner:?}: {sheet}, {pins}", method.name());
+                    let scheme = Scheme { jacobian, preconditioner, ..linearised(method) };
+                    check(what, simulation(4, material, pin, scheme, step));
+                }
+            }
+        }
+    }
+}
+
+/// A sheet of several of the preconditioner's patches.
+#[test]
+fn constrained_solve_of_a_larger_sheet_is_the_dense_one() {
+    let ((sheet, material), (pins, pin)) = (SHEETS[1], PINS[3]);
+    for preconditioner in [Preconditioner::BlockJacobi, Preconditioner::TwoLevel] {
+        let scheme = Scheme { preconditioner, ..linearised(Method::BackwardEuler) };
+        let sim = simulation(12, material, pin, scheme, 0.02);
+        check(format!("backward-euler, {preconditioner:?}: 13 rows of {sheet}, {pins}"), sim);
+    }
+}
