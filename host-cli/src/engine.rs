@@ -40,7 +40,7 @@ pub struct Report {
     pub newton_iterations: u64,
     /// Solves ended by negative curvature.
     pub negative_curvature: u64,
-    /// Solves ended by the limit on iterations.
+    /// Solves ended by their limit of iterations.
     pub unconverged: u64,
 }
 

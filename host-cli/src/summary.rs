@@ -136,7 +136,10 @@ impl Summary {
             self.state_hash,
         );
         if self.work.unconverged > 0 {
-            text += &format!("\n{} linear solves ended before their tolerance", self.work.unconverged);
+            text += &format!(
+                "\n{} solves ended at their limit of iterations, before their tolerance",
+                self.work.unconverged
+            );
         }
         text
     }

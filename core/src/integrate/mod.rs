@@ -114,7 +114,7 @@ pub struct Work {
     pub matrix_products: u64,
     /// Solves ended by a direction of negative curvature.
     pub negative_curvature: u64,
-    /// Solves ended by the limit on iterations.
+    /// Solves, of the linear system or by Newton's method, ended by their limit of iterations.
     pub unconverged: u64,
     /// Newton searches that found no decrease.
     pub stalled_searches: u64,

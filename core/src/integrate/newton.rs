@@ -95,6 +95,7 @@ fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch
             }
         }
     }
+    work.unconverged += 1;
 }
 
 /// `S = -(g^2 Kx + g Kv)` at the start of the stage or at the iterate in `stage_positions`.

@@ -1,0 +1,93 @@
+//! What is known to be wrong, one test each: it passes while the fault is there. When a test
+//! fails the fault is mended: turn the assertion round and move it to the tests of its module, and
+//! strike the line from the README's "what it does not do".
+//!
+//! Run with `cargo test -p muslin-tests --test known_issues`.
+
+use glam::DVec3;
+use muslin_core_f64::dispatch::Serial;
+use muslin_core_f64::forces::TangentScale;
+use muslin_core_f64::forces::element::Element;
+use muslin_core_f64::forces::hinge::HingeColumns;
+use muslin_core_f64::forces::seam::SeamColumns;
+use muslin_core_f64::scene::SceneDesc;
+use muslin_core_f64::simulation::Simulation;
+
+/// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
+fn hinge() -> HingeColumns {
+    HingeColumns {
+        vertices: vec![[0, 1, 2, 3]],
+        stiffness: vec![1.0],
+        rest_angles: vec![0.0],
+        least_heights: vec![0.1],
+        ..HingeColumns::default()
+    }
+}
+
+/// The hinge bent by an angle, its second triangle `height` high.
+fn bent(degrees: f64, height: f64) -> [DVec3; 4] {
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    [DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1.0, 0.0), DVec3::new(0.5, -height * cosine, height * sine)]
+}
+
+#[test]
+fn a_hinge_folded_beyond_half_a_turn_counts_from_the_other_side() {
+    let columns = hinge();
+    let energy = |degrees: f64| columns.view().energy(0, &bent(degrees, 1.0)).bend;
+    assert!((energy(181.0) - energy(179.0)).abs() < 1e-12, "the angle is continued beyond half a turn");
+}
+
+#[test]
+fn the_exact_jacobian_of_a_collapsing_hinge_ignores_its_relief() {
+    let columns = hinge();
+    let (view, low) = (columns.view(), bent(30.0, 0.05));
+    let step = 1e-7;
+    let scale = TangentScale { position: 1.0, velocity: 0.0 };
+    let exact = view.exact(0, &low, &[DVec3::ZERO; 4], scale)[3][3].z_axis.z;
+    let force = |dz: f64| {
+        let mut x = low;
+        x[3].z += dz;
+        view.force(0, &x, &[DVec3::ZERO; 4])[3].z
+    };
+    let difference = -(force(step) - force(-step)) / (2.0 * step);
+    assert!((exact - difference).abs() > 0.1 * exact.abs(), "{exact} agrees with {difference}");
+}
+
+#[test]
+fn the_damping_of_a_gaping_seam_resists_its_turning() {
+    let columns = SeamColumns {
+        vertices: vec![[0, 1, 2]],
+        weights: vec![0.5],
+        stiffness: vec![1.0],
+        damping: vec![1.0],
+        ..SeamColumns::default()
+    };
+    let x = [DVec3::ZERO, DVec3::new(1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
+    let turning = x.map(|x| DVec3::Z.cross(x));
+    let damping = columns.view().force(0, &x, &turning)[0] - columns.view().force(0, &x, &[DVec3::ZERO; 3])[0];
+    assert!(damping.length() > 0.5, "a turning seam is free of damping: {damping}");
+}
+
+#[test]
+fn one_linear_step_of_a_stiff_sheet_can_overshoot() {
+    let stretch = |newton: u32| {
+        let text = format!(
+            "name = \"released\"\nduration = 1.0\nframe_rate = 10\ngravity = [0.0, -9.81, 0.0]\n\
+             [[cloth]]\ngrid = {{ size = [1.0, 1.0], cells = [16, 18] }}\ndensity = 0.2\n\
+             stretch = {{ model = \"membrane\", stiffness = 2000.0 }}\nshear = {{ stiffness = 500.0 }}\n\
+             bend = {{ model = \"hinge\", rigidity = 1e-5 }}\npin = [{{ select = {{ corners = [0, 1] }} }}]\n\
+             [integrator]\nstep = 0.1\nnewton = {newton}\n"
+        );
+        let scene: SceneDesc = toml::from_str(&text).expect("the scene of this test parses");
+        let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
+        let mut largest = 0.0_f64;
+        for _ in 0..10 {
+            cloth.step(&Serial).expect("the scene of this test stays finite");
+            largest = largest.max(cloth.stretch().max);
+        }
+        largest
+    };
+    let (linear, converged) = (stretch(1), stretch(50));
+    assert!(converged < 1.2, "converged, the sheet is stretched to {converged}");
+    assert!(linear > 1.5 * converged, "one linear step stretches to {linear}, converged to {converged}");
+}
