@@ -1,4 +1,5 @@
-//! A step allocates nothing: everything is sized when a scene is built.
+//! A step allocates nothing: everything is sized when a scene is built, and within the bounds that
+//! the README states.
 //!
 //! Run with `cargo test -p muslin-tests --test allocation`.
 
@@ -57,4 +58,28 @@ fn a_step_allocates_nothing() {
             );
         }
     }
+}
+
+/// Bytes a particle of a scene's columns.
+fn bytes_per_particle(text: &str) -> f64 {
+    let scene: SceneDesc = toml::from_str(text).expect("the scene of this test parses");
+    let cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
+    cloth.bytes() as f64 / cloth.positions().len() as f64
+}
+
+#[test]
+fn a_spring_cloth_takes_less_than_400_bytes_a_particle() {
+    let bytes = bytes_per_particle(
+        "name = \"springs\"\nduration = 1.0\n[[cloth]]\ngrid = { size = [1.0, 1.0], cells = [100, 100] }\n\
+         density = 0.2\nstretch = { model = \"spring\", stiffness = 100.0 }\n\
+         [integrator]\nmethod = \"symplectic-euler\"\n",
+    );
+    assert!(bytes < 400.0, "{bytes} bytes a particle; Simulation::bytes lists the columns");
+}
+
+#[test]
+fn membrane_hinges_and_the_solver_take_less_than_2_kb_a_particle() {
+    let hanging = muslin_core::scene::BUILT_IN.iter().find(|(name, _)| *name == "hanging");
+    let bytes = bytes_per_particle(hanging.expect("hanging is built in").1);
+    assert!(bytes < 2048.0, "{bytes} bytes a particle; Simulation::bytes lists the columns");
 }

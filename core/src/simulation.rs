@@ -76,8 +76,10 @@ impl Simulation {
     }
 
     /// A simulation over columns made elsewhere.
-    pub fn from_columns(built: BuiltScene, scheme: Scheme, step: Real) -> Self {
+    pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
         let scratch = ScratchColumns::build(&built, &scheme);
+        // Only the solver's patches are cut by it.
+        built.material = Default::default();
         Self { built, scratch, scheme, step, steps: 0, work: Work::default() }
     }
 
