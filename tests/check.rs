@@ -25,7 +25,8 @@ fn cargo(arguments: &str) -> Check {
 }
 
 fn checks() -> Vec<Check> {
-    let mut checks = vec![cargo("fmt --all --check"), cargo("clippy --workspace --all-targets -- -D warnings")];
+    let docs = Check { variables: &[("RUSTDOCFLAGS", "-D warnings")], ..cargo("doc --workspace --no-deps") };
+    let mut checks = vec![cargo("fmt --all --check"), cargo("clippy --workspace --all-targets -- -D warnings"), docs];
     checks.extend(PACKAGES.iter().map(|package| cargo(&format!("check --package {package} --all-targets"))));
     for core in CORES {
         for target in BARE_TARGETS {
@@ -37,8 +38,6 @@ fn checks() -> Vec<Check> {
     }
     checks.push(cargo("test --workspace"));
     checks.push(cargo("test --workspace --release"));
-    let docs = cargo("doc --workspace --no-deps");
-    checks.push(Check { variables: &[("RUSTDOCFLAGS", "-D warnings")], ..docs });
     checks
 }
 

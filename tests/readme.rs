@@ -13,8 +13,9 @@ const README: &str = include_str!("../README.md");
 #[test]
 fn its_scene_runs() {
     let text =
-        README.split("```toml").nth(1).and_then(|rest| rest.split("```").next()).expect("the README has a scene");
-    let scene: SceneDesc = toml::from_str(text).unwrap_or_else(|error| panic!("the README's scene: {error}"));
+        README.split("```toml\nname").nth(1).and_then(|rest| rest.split("```").next()).expect("the README has a scene");
+    let scene: SceneDesc =
+        toml::from_str(&format!("name{text}")).unwrap_or_else(|error| panic!("the README's scene: {error}"));
     let mut cloth = Simulation::new(&scene, &[]).expect("the README's scene builds");
     for _ in 0..10 {
         cloth.step(&Serial).expect("the README's scene stays finite");

@@ -14,3 +14,5 @@ mod momentum;
 mod newton;
 #[path = "solver/pins.rs"]
 mod pins;
+#[path = "solver/preconditioner.rs"]
+mod preconditioner;

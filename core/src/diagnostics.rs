@@ -114,9 +114,11 @@ impl StateHash {
     }
 }
 
-/// One round of FNV-1a.
+/// One round of FNV-1a over a whole word; the fold carries high bits, such as signs, down to where
+/// the next product spreads them.
 fn mix(hash: u64, bits: u64) -> u64 {
-    (hash ^ bits).wrapping_mul(0x0000_0100_0000_01b3)
+    let product = (hash ^ bits).wrapping_mul(0x0000_0100_0000_01b3);
+    product ^ product >> 32
 }
 
 fn scalar_bits(scalar: Real) -> u64 {

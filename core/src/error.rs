@@ -100,6 +100,13 @@ pub enum SceneError {
     Negative { key: &'static str, value: f64 },
     /// A number that must be finite is not.
     NotFinite { key: &'static str },
+    /// A number that must be less than one is not.
+    NotBelowOne { key: &'static str, value: f64 },
+    /// Two ends of an edge start at one point because they are too far from the origin for the
+    /// crate's precision.
+    TooFar { a: u32, b: u32 },
+    /// A seam sews nothing.
+    EmptySeam { cloth: u32, seam: u32 },
     /// A generator was asked for too few cells.
     TooFewCells { key: &'static str, least: u32 },
     /// The mesh would have more vertices than an index can name.
@@ -122,6 +129,19 @@ pub enum SceneError {
     MotionTurn { cloth: u32, pin: u32 },
 }
 
+/// A number as a person writes it: with an exponent where it would be all zeros.
+struct Plain(f64);
+
+impl fmt::Display for Plain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value) = *self;
+        match value.abs() {
+            size if size == 0.0 || (1e-6..1e9).contains(&size) || !size.is_finite() => write!(f, "{value}"),
+            _ => write!(f, "{value:e}"),
+        }
+    }
+}
+
 impl From<(u32, MeshError)> for SceneError {
     fn from((cloth, error): (u32, MeshError)) -> Self {
         Self::Mesh { cloth, error }
@@ -135,8 +155,22 @@ impl fmt::Display for SceneError {
             Self::OneMeshSource { cloth } => write!(f, "cloth {cloth}: give exactly one of grid, tube, disc or mesh"),
             Self::MissingMesh { cloth } => write!(f, "cloth {cloth}: its mesh file was not loaded"),
             Self::Mesh { cloth, error } => write!(f, "cloth {cloth}: {error}"),
-            Self::NotPositive { key, value } => write!(f, "{key} = {value}: must be greater than zero and finite"),
-            Self::Negative { key, value } => write!(f, "{key} = {value}: must not be negative, and must be finite"),
+            Self::NotPositive { key, value } => {
+                write!(f, "{key} = {}: must be greater than zero and finite", Plain(value))
+            }
+            Self::Negative { key, value } => {
+                write!(f, "{key} = {}: must not be negative, and must be finite", Plain(value))
+            }
+            Self::NotBelowOne { key, value } => write!(f, "{key} = {}: must be less than 1", Plain(value)),
+            Self::TooFar { a, b } => {
+                write!(
+                    f,
+                    "vertices {a} and {b} start at one point in this precision; move the cloth nearer to the origin"
+                )
+            }
+            Self::EmptySeam { cloth, seam } => {
+                write!(f, "cloth {cloth}, seam {seam}: sews nothing; give pairs, or a file with stitch lines")
+            }
             Self::NotFinite { key } => write!(f, "{key}: must be a finite number"),
             Self::TooFewCells { key, least } => write!(f, "{key}: must be at least {least}"),
             Self::TooLarge { vertices } => {

@@ -74,7 +74,7 @@ pub enum PreviewKind {
 Examples:
   muslin run hanging
   muslin run my.toml --out result --export obj,pc2 --preview png
-  muslin run flag --set integrator.method=rk4 --set integrator.step=0.0001 --duration 0.5
+  muslin run flag --set integrator.method=implicit-midpoint --set integrator.step=0.002
   muslin run curtain --checkpoint 100; muslin run curtain --resume out/curtain/checkpoint.muslin
 
 Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 diverged (outputs up to then are
@@ -98,7 +98,7 @@ pub struct RunArguments {
     /// Threads [default: one per core]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<usize>,
-    /// Formats of the exported frames
+    /// Formats of the exported frames, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "pc2")]
     pub export: Vec<Format>,
     /// The preview picture

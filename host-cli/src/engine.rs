@@ -67,6 +67,10 @@ pub trait Engine: Send {
     fn pins(&self) -> &[u32];
     /// Numbers about the state and the work.
     fn report(&self) -> Report;
+    /// The largest length over rest length of an edge.
+    fn largest_stretch(&self) -> f64;
+    /// kg.
+    fn mass(&self) -> f64;
     /// Adds the state to a hash chain and returns the chain.
     fn chain(&self, chain: Option<u64>) -> u64;
     /// What a checkpoint keeps.
@@ -162,6 +166,14 @@ macro_rules! engine {
                         negative_curvature: work.negative_curvature,
                         unconverged: work.unconverged,
                     }
+                }
+
+                fn largest_stretch(&self) -> f64 {
+                    self.stretch().max
+                }
+
+                fn mass(&self) -> f64 {
+                    self.scene().particles.masses.iter().map(|&mass| f64::from(mass)).sum()
                 }
 
                 fn chain(&self, chain: Option<u64>) -> u64 {

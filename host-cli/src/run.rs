@@ -16,7 +16,7 @@ use crate::interrupt;
 use crate::pool::Pool;
 use crate::preview::Preview;
 use crate::scene_file::{self, SceneFile};
-use crate::summary::{Contacts, StageMs, Summary};
+use crate::summary::{Contacts, StageMs, Stretch, Summary};
 
 /// Name of the checkpoint in the output directory.
 const CHECKPOINT: &str = "checkpoint.muslin";
@@ -32,6 +32,15 @@ enum Ending {
     Complete,
     Diverged(Divergence),
     Interrupted,
+}
+
+/// Extent along the axes, m.
+fn extent(positions: &[[f32; 3]]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| {
+        let along = positions.iter().map(|p| f64::from(p[axis]));
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    })
 }
 
 fn total_steps(timing: &Timing) -> u64 {
@@ -53,6 +62,9 @@ struct Run<'a> {
     exporter: Exporter,
     preview: Option<Preview>,
     positions: Vec<[f32; 3]>,
+    /// Extent of the first frame, m.
+    size: [f64; 3],
+    largest_stretch: f64,
     predict: Duration,
     output: Duration,
 }
@@ -84,7 +96,14 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
 
 /// Where to write: as asked, or a folder of the scene's name.
 fn out(arguments: &RunArguments, scene: &SceneFile) -> Result<PathBuf, Failure> {
-    let name = Path::new(&scene.desc.name);
+    if let (None, Some(checkpoint)) = (&arguments.out, &arguments.resume) {
+        // The files that the run goes on with lie beside its checkpoint.
+        return Ok(checkpoint.parent().unwrap_or(Path::new("")).into());
+    }
+    // A file's own name: a copy of a built-in scene must not write over the original's results.
+    let file = Path::new(&arguments.scene);
+    let stem = file.file_stem().filter(|_| file.is_file());
+    let name = stem.map_or(Path::new(&scene.desc.name), Path::new);
     match (&arguments.out, name.components().collect::<Vec<_>>().as_slice()) {
         (Some(out), _) => Ok(out.clone()),
         (None, [Component::Normal(_)]) => Ok(Path::new("out").join(name)),
@@ -105,14 +124,16 @@ fn say_what_changed(arguments: &RunArguments, scene: &SceneFile, timing: &Timing
         return;
     }
     let (asked, duration, rate) = (scene.desc.integrator.step, scene.desc.duration, scene.desc.frame_rate);
-    if (timing.step / asked - 1.0).abs() > 1e-9 {
-        let (n, step) = (timing.steps_per_frame, 1e3 * timing.step);
-        print_note(&format!("step {:.4} ms does not divide a frame: taking {n} steps of {step:.4} ms", 1e3 * asked));
+    let (n, step) = (timing.steps_per_frame, 1e3 * timing.step);
+    if asked > 1.001 / rate {
+        print_note(&format!("step {} ms is longer than a frame: taking one of {step:.4} ms a frame", 1e3 * asked));
+    } else if timing.step < 0.9 * asked {
+        print_note(&format!("step {} ms does not divide a frame: taking {n} of {step:.4} ms", 1e3 * asked));
     }
     let taken = timing.frames as f64 / rate;
     if (taken - duration).abs() > 1e-6 * duration {
         print_note(&format!(
-            "duration {duration} s is no whole number of frames: taking {} of them, {taken} s",
+            "duration {duration} s is no whole number of frames: taking {} of them, {taken:.4} s",
             timing.frames
         ));
     }
@@ -144,10 +165,13 @@ impl<'a> Run<'a> {
             exporter,
             preview: None,
             positions: Vec::new(),
+            size: [0.0; 3],
+            largest_stretch: 0.0,
             predict: Duration::ZERO,
             output: Duration::ZERO,
         };
         run.engine.write_positions(&mut run.positions);
+        run.size = extent(&run.positions);
         if arguments.preview != PreviewKind::None {
             let most = (PREVIEW_MEMORY / (12 * run.positions.len())).clamp(6, PREVIEW_FRAMES);
             let mut preview = Preview::new(run.engine.triangles(), run.engine.pins(), frame_rate, most);
@@ -200,6 +224,7 @@ impl<'a> Run<'a> {
         let started = Instant::now();
         self.engine.write_positions(&mut self.positions);
         self.exporter.frame(&self.positions)?;
+        self.largest_stretch = self.largest_stretch.max(self.engine.largest_stretch());
         if let Some(preview) = &mut self.preview {
             preview.frame(&self.positions);
         }
@@ -226,13 +251,17 @@ impl<'a> Run<'a> {
         if let Ending::Interrupted = ending {
             let path = self.write_checkpoint()?;
             self.exporter.suspend()?;
-            let message = format!("interrupted at step {}; go on with --resume {}", self.steps, path.display());
+            let message = format!(
+                "interrupted at step {}; go on with the same command and --resume {}",
+                self.steps,
+                path.display()
+            );
             return Err(Failure::Interrupted(message));
         }
         let summary = self.summary(scene, ending, threads, wall);
         let Self { arguments, out, exporter, preview, .. } = self;
         let mut written = exporter.finish()?;
-        written.extend(write_preview(arguments.preview, preview.as_ref(), &out)?);
+        written.extend(write_preview(arguments, preview.as_ref(), &out)?);
         written.push(write_summary(&summary, &out)?);
         if arguments.json {
             print_data(&to_json(&summary)?)?;
@@ -256,7 +285,7 @@ impl<'a> Run<'a> {
         let divergence = match ending {
             Ending::Diverged(d) => Some(format!(
                 "diverged in step {} at particle {}, pulled hardest by {}; take a smaller integrator.step, \
-                 softer terms or an implicit method. The frames before it are kept",
+                 softer terms, less damping or an implicit method. The frames before it are kept",
                 d.step, d.particle, d.term
             )),
             _ => None,
@@ -272,6 +301,9 @@ impl<'a> Run<'a> {
             backend: "cpu",
             adapter: None,
             threads,
+            size_m: self.size,
+            mass_kg: self.engine.mass(),
+            pinned: self.engine.pins().len(),
             vertices: self.positions.len(),
             triangles: self.engine.triangles().len(),
             method: scene.desc.integrator.method.name(),
@@ -284,7 +316,11 @@ impl<'a> Run<'a> {
             verdict: if divergence.is_some() { "diverged" } else { "ok" },
             divergence,
             stage_ms: StageMs { predict: per_step(self.predict), output: per_step(self.output), ..StageMs::default() },
-            stretch: (&report).into(),
+            stretch: Stretch {
+                max: report.stretch[0],
+                mean: report.stretch[1],
+                max_of_all_frames: self.largest_stretch.max(report.stretch[0]),
+            },
             energy: (&report).into(),
             momentum: report.momentum,
             contacts: Contacts::default(),
@@ -308,13 +344,17 @@ fn progress(arguments: &RunArguments, total: u64, done: u64) -> ProgressBar {
     bar
 }
 
-fn write_preview(kind: PreviewKind, preview: Option<&Preview>, out: &Path) -> Result<Option<PathBuf>, Failure> {
+fn write_preview(arguments: &RunArguments, preview: Option<&Preview>, out: &Path) -> Result<Option<PathBuf>, Failure> {
     let Some(preview) = preview else { return Ok(None) };
+    let (kind, quiet) = (arguments.preview, arguments.quiet);
     let path = match kind {
         PreviewKind::Gif => out.join("preview.gif"),
         PreviewKind::Png => out.join("preview.png"),
         PreviewKind::None => return Ok(None),
     };
+    if !quiet {
+        print_note(&format!("drawing {}", path.display()));
+    }
     match kind {
         PreviewKind::Gif => preview.write_gif(&path)?,
         _ => preview.write_png(&path)?,

@@ -33,7 +33,7 @@ pub fn load(scene: &str, overrides: &[String]) -> Result<SceneFile, Failure> {
     if !overrides.is_empty() {
         (desc, text) = apply(table, overrides)?;
     }
-    let resources = load_resources(&desc, &directory)?;
+    let resources = load_resources(&desc, &directory).map_err(in_file)?;
     Ok(SceneFile { desc, text, resources })
 }
 
@@ -140,6 +140,12 @@ fn explain(error: &toml::de::Error) -> String {
         }
         None => text,
     };
+    if message.contains("expected a sequence") && message.contains("map") {
+        return format!(
+            "{}\nwrite [[cloth]] and [[cloth.pin]], in double brackets: there may be several",
+            text.trim_end()
+        );
+    }
     match hint {
         Some(known) => format!("{}\ndid you mean `{known}`?", text.trim_end()),
         None => text.trim_end().into(),
@@ -155,7 +161,8 @@ fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a s
         .map(|(_, candidate)| candidate)
 }
 
-fn load_resources(desc: &SceneDesc, directory: &Path) -> Result<Vec<(String, TriMesh)>, Failure> {
+/// Names in a scene are relative to its file.
+fn load_resources(desc: &SceneDesc, directory: &Path) -> Result<Vec<(String, TriMesh)>, String> {
     let of_cloth = desc.cloth.iter().flat_map(|cloth| {
         let seams = cloth.seam.iter().filter_map(|seam| seam.file.as_ref());
         cloth.mesh.iter().chain(&cloth.state).chain(seams)
@@ -164,7 +171,7 @@ fn load_resources(desc: &SceneDesc, directory: &Path) -> Result<Vec<(String, Tri
     names.sort_unstable();
     names.dedup();
     let load = |name: &String| {
-        let mesh = mesh_io::load(&directory.join(name)).map_err(|error| Failure::Usage(error.to_string()))?;
+        let mesh = mesh_io::load(&directory.join(name)).map_err(|error| error.to_string())?;
         Ok((name.clone(), mesh))
     };
     names.into_iter().map(load).collect()

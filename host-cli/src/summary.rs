@@ -14,6 +14,9 @@ pub struct Summary {
     pub backend: &'static str,
     pub adapter: Option<String>,
     pub threads: usize,
+    pub size_m: [f64; 3],
+    pub mass_kg: f64,
+    pub pinned: usize,
     pub vertices: usize,
     pub triangles: usize,
     pub method: &'static str,
@@ -46,11 +49,12 @@ pub struct StageMs {
     pub output: f64,
 }
 
-/// Edge length over rest length, last frame.
+/// Edge length over rest length: largest and mean of the last frame, and largest of all frames.
 #[derive(Clone, Debug, Serialize)]
 pub struct Stretch {
     pub max: f64,
     pub mean: f64,
+    pub max_of_all_frames: f64,
 }
 
 /// J, last frame.
@@ -84,13 +88,6 @@ pub struct Work {
     pub unconverged: u64,
 }
 
-impl From<&Report> for Stretch {
-    fn from(report: &Report) -> Self {
-        let [max, mean] = report.stretch;
-        Self { max, mean }
-    }
-}
-
 impl From<&Report> for Energy {
     fn from(report: &Report) -> Self {
         let [kinetic, stretch, shear, bend, seam, gravity] = report.energy;
@@ -110,31 +107,51 @@ impl From<&Report> for Work {
     }
 }
 
+/// Edge length over rest length from which a person is warned.
+const TOO_LONG: f64 = 1.3;
+
+/// A stretch as the part beyond the rest length.
+fn percent(stretch: f64) -> String {
+    match 1e2 * (stretch - 1.0) {
+        percent if percent.abs() < 1e3 => format!("{percent:.2} %"),
+        percent => format!("{percent:.1e} %"),
+    }
+}
+
 impl Summary {
     /// For a person.
     pub fn lines(&self) -> String {
         let per_step = self.stage_ms.predict + self.stage_ms.output;
+        let [x, y, z] = self.size_m;
         let mut text = format!(
-            "{}: {} vertices, {} triangles, {} in {}\n\
-             {:.3} s in {} steps of {:.4} ms: {:.2} s of wall time, {per_step:.3} ms a step\n\
-             stretch {:.2} % at most, {:.3} % in the mean\n\
-             work {} force evaluations, {} CG iterations\n\
+            "{}: {} vertices, {} triangles, {x:.2} x {y:.2} x {z:.2} m, {:.3} kg, {} pinned\n\
+             {:.3} s in {} steps of {:.4} ms by {} in {}: {:.2} s of wall time, {per_step:.3} ms a step\n\
+             stretch {} at most in any frame, {} at the end, {} there in the mean\n\
+             work {} force evaluations, {} Newton iterations, {} CG iterations\n\
              state {}",
             self.scene,
             self.vertices,
             self.triangles,
-            self.method,
-            self.precision,
+            self.mass_kg,
+            self.pinned,
             self.simulated_s,
             self.steps,
             1e3 * self.step_s,
+            self.method,
+            self.precision,
             self.wall_s,
-            1e2 * (self.stretch.max - 1.0),
-            1e2 * (self.stretch.mean - 1.0),
+            percent(self.stretch.max_of_all_frames),
+            percent(self.stretch.max),
+            percent(self.stretch.mean),
             self.work.force_evaluations,
+            self.work.newton_iterations,
             self.work.cg_iterations,
             self.state_hash,
         );
+        if self.stretch.max_of_all_frames > TOO_LONG {
+            text +=
+                "\nthat is more than cloth stretches: check density (kg/m^2), stiffness (N/m) and the mesh's size (m)";
+        }
         if self.work.unconverged > 0 {
             text += &format!(
                 "\n{} solves ended at their limit of iterations, before their tolerance",

@@ -43,6 +43,13 @@ const NUMBERS: &[Case] = &[
     ("step = 0.01", "step = 0.0", "integrator.step = 0: must be greater than zero and finite"),
     ("step = 0.01", "step = inf", "integrator.step = inf: must be greater than zero and finite"),
     ("newton = 1", "newton = 0", "integrator.newton = 0: must be greater than zero and finite"),
+    ("tolerance = 1e-4", "tolerance = 10.0", "integrator.tolerance = 10: must be less than 1"),
+    ("density = 0.2", "density = 1e-320", "cloth.density = 1e-320: must be greater than zero and finite"),
+    (
+        "position = [0.0, 1.0, 0.0]",
+        "position = [1e17, 0.0, 1e17]",
+        "vertices 1 and 0 start at one point in this precision; move the cloth nearer to the origin",
+    ),
     ("tolerance = 1e-4", "tolerance = -1e-4", "integrator.tolerance = -0.0001: must be greater than zero and finite"),
     ("linear = 0.1", "linear = -0.1", "drag.linear = -0.1: must not be negative, and must be finite"),
     ("velocity = [1.0", "velocity = [nan", "drag.wind.velocity: must be a finite number"),
@@ -71,6 +78,12 @@ const NUMBERS: &[Case] = &[
         "1e-3, damping = 0.0",
         "1e-3, damping = -1.0",
         "cloth.bend.damping = -1: must not be negative, and must be finite",
+    ),
+    ("pairs = [[0, 1]]", "pairs = []", "cloth 0, seam 0: sews nothing; give pairs, or a file with stitch lines"),
+    (
+        "pairs = [[0, 1]]",
+        "pairs = [[3, 3]]",
+        "cloth 0: stitch 0 names a vertex that does not exist, or its weight is not between 0 and 1",
     ),
     ("stiffness = 10.0", "stiffness = 0.0", "cloth.seam.stiffness = 0: must be greater than zero and finite"),
     (
@@ -156,6 +169,7 @@ const LARGE: &str = "the scene would have 400040001 vertices; at most 2^28 are p
 const PINS: &[Case] = &[
     ("corners = [0]", "box = [[5.0, 5.0, 5.0], [6.0, 6.0, 6.0]]", "cloth 0, pin 0: selects no vertex"),
     ("corners = [0]", "corners = []", "cloth 0, pin 0: selects no vertex"),
+    ("corners = [0]", "nearest = [nan, 0, 0]", "cloth.pin.select: must be a finite number"),
     ("corners = [0]", "", ONE_SELECTION),
     ("corners = [0]", "corners = [0], vertices = [1]", ONE_SELECTION),
     ("corners = [0]", "corners = [4]", "cloth 0, pin 0: there is no corner or vertex 4 to hold"),
@@ -180,6 +194,7 @@ const fn has_a_case(error: &SceneError) -> bool {
     use SceneError::*;
     match error {
         NotPositive { .. } | Negative { .. } | NotFinite { .. } | KeyNotForModel { .. } | KeyNeeded { .. } => true,
+        NotBelowOne { .. } | TooFar { .. } | EmptySeam { .. } => true,
         OneMeshSource { .. } | MissingMesh { .. } | TooFewCells { .. } | TooLarge { .. } => true,
         EmptyPin { .. }
         | OneSelection { .. }

@@ -61,14 +61,14 @@ impl<'a> Model<'a> {
             || self.seams.is_some_and(|s| s.damping.iter().any(|&d| d > 0.0))
     }
 
-    /// Vectors that [`evaluate`] needs as scratch.
+    /// Vectors that [`evaluate`](super::evaluate) needs as scratch.
     pub fn force_scratch(&self) -> usize {
         let triangles = self.membrane.map_or(0, |m| m.vertices.len()).max(self.wind.map_or(0, |w| w.vertices.len()));
         let stitches = self.seams.map_or(0, |s| s.vertices.len());
         (3 * triangles.max(stitches)).max(4 * self.hinges.map_or(0, |h| h.vertices.len()))
     }
 
-    /// Scalars that [`write_tangents`] needs as scratch.
+    /// Scalars that [`write_tangents`](super::write_tangents) needs as scratch.
     pub fn tangent_scratch(&self) -> usize {
         let sizes = [
             27 * self.membrane.map_or(0, |m| m.vertices.len()),

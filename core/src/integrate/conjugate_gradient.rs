@@ -61,15 +61,20 @@ pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatc
     system.pins.filter_diagonal(inverse);
     dispatch.run(inverse, |_, part| {
         for block in part {
-            let determinant = block.determinant();
             // An indefinite block (exact Jacobian) is replaced by its trace.
-            *block = if determinant > 0.0 && block.x_axis.x > 0.0 && block.y_axis.y > 0.0 && block.z_axis.z > 0.0 {
+            *block = if is_positive_definite(block) {
                 block.inverse()
             } else {
                 scaled_identity(3.0 / (block.x_axis.x.abs() + block.y_axis.y.abs() + block.z_axis.z.abs()))
             };
         }
     });
+}
+
+/// By the leading minors [Sylvester].
+fn is_positive_definite(block: &Mat3) -> bool {
+    let minor = block.x_axis.x * block.y_axis.y - block.x_axis.y * block.y_axis.x;
+    block.x_axis.x > 0.0 && minor > 0.0 && block.determinant() > 0.0
 }
 
 /// Solves for `vectors.solution` from zero until the preconditioned residual has fallen to
@@ -125,7 +130,10 @@ pub fn solve(
             }
         });
     }
-    if !rho.is_finite() {
+    if rho < 0.0 {
+        work.negative_curvature += 1;
+    }
+    if !(rho.is_finite() && target.is_finite()) {
         // Never a step without its forces: what is not a number is found after the step.
         solution.fill(Vec3::NAN);
     }

@@ -66,7 +66,7 @@ fn linearised<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratc
 
 fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
     let weight = weight_impulse(c, stage);
-    let mut target = 0.0;
+    let (mut target, mut rounding, mut previous): (Sum, Sum, Sum) = (0.0, 0.0, Sum::INFINITY);
     for iteration in 0..c.scheme.newton {
         write_stage_positions(c, stage, 0.0, s);
         c.forces(s.stage_positions, s.next_velocities, s.elements, s.forces, work);
@@ -75,13 +75,17 @@ fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch
         if iteration == 0 {
             target = Sum::from(c.scheme.tolerance) * norm.max(weight);
         }
-        if norm <= target {
+        // Where rounding may be all that is left, go on only while it still helps.
+        let exhausted = norm <= rounding && norm > 0.5 * previous;
+        if norm <= target || exhausted {
             return;
         }
+        previous = norm;
         if !norm.is_finite() {
             return s.next_velocities.fill(Vec3::NAN);
         }
         write_matrix(c, stage, true, s);
+        rounding = rounding_norm(c, stage, s);
         work.newton_iterations += 1;
         // Conjugate gradients consume the residual, which is minus the slope of the objective.
         s.base_residual.copy_from_slice(s.residual);
@@ -152,6 +156,17 @@ fn weight_impulse<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>) -> Sum {
 /// sqrt(sum |r|^2 / m): the mass-weighted change of velocity that the residual asks for.
 fn residual_norm<D: Dispatch>(c: &Context<'_, D>, residual: &[Vec3]) -> Sum {
     libm::sqrt(residual.iter().zip(c.inverse_masses).map(|(&r, &w)| dot_sum(r, r) * Sum::from(w)).sum())
+}
+
+/// Bound on what rounding the positions leaves in the residual, g K |x| epsilon.
+fn rounding_norm<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &Scratch<'_>) -> Sum {
+    let at_vertex = |vertex: usize| {
+        let diagonal = matrix::to_mat3(&s.matrix.blocks[s.matrix.offsets[vertex] as usize]);
+        let stiffness = diagonal.x_axis.x.max(diagonal.y_axis.y).max(diagonal.z_axis.z) / stage.length;
+        let error = Sum::from(stiffness * s.stage_positions[vertex].abs().max_element() * Real::EPSILON);
+        error * error * Sum::from(c.inverse_masses[vertex])
+    };
+    libm::sqrt((0..c.masses.len()).map(at_vertex).sum())
 }
 
 /// `stage_positions = xh + g (v + scale y)`.

@@ -8,7 +8,7 @@ use core::ops::Range;
 use glam::DVec3;
 
 use super::check::{check_numbers, finite, nameable, positive};
-use super::place::{material, place};
+use super::place::place;
 use super::{ClothDesc, SceneDesc, disc, grid, tube};
 use crate::error::{MeshError, SceneError};
 use crate::forces::ModelColumns;
@@ -53,8 +53,8 @@ pub struct BuiltScene {
     pub rest_lengths: Vec<Real>,
     /// Where each cloth lies in the columns.
     pub cloths: Vec<ClothRange>,
-    /// Each vertex in the undeformed sheet: its texture coordinates, or its place in the mesh
-    /// where there are none.
+    /// Each vertex in its mesh before it was placed, m. Not the texture coordinates, where
+    /// different parts of a sheet may lie over each other.
     pub material: Vec<DVec3>,
 }
 
@@ -122,8 +122,8 @@ impl Parts {
         self.add_particles(&sheet, &placed)?;
         self.add_stretch(&sheet)?;
         self.add_bend(&sheet)?;
-        for seam in &desc.seam {
-            self.add_seam(&sheet, index, seam, resources)?;
+        for (number, seam) in desc.seam.iter().enumerate() {
+            self.add_seam(&sheet, (index, number as u32), seam, resources)?;
         }
         for (pin_index, pin) in desc.pin.iter().enumerate() {
             self.add_pin(&sheet, &placed, (index, pin_index as u32), pin)?;
@@ -163,9 +163,14 @@ impl Parts {
                 areas[corner as usize] += rest.area() / 3.0;
             }
         }
-        self.material.extend(material(&sheet.mesh));
+        self.material.extend(sheet.mesh.positions.iter().map(|&p| DVec3::from(p)));
         self.positions.extend_from_slice(placed);
-        self.masses.extend(areas.iter().map(|area| area * sheet.desc.density));
+        for area in &areas {
+            let mass = area * sheet.desc.density;
+            let usable = positive("mass", mass).and_then(|mass| positive("mass", 1.0 / mass));
+            usable.map_err(|_| SceneError::NotPositive { key: "cloth.density", value: sheet.desc.density })?;
+            self.masses.push(mass);
+        }
         self.areas.extend(areas);
         self.triangles.extend(sheet.mesh.triangles.iter().map(|t| sheet.shift(t)));
         self.edges.extend(sheet.edges.iter().map(|edge| sheet.shift(&edge.ends)));

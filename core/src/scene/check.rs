@@ -2,6 +2,7 @@
 
 use super::SceneDesc;
 use crate::error::SceneError;
+use crate::real::Real;
 
 /// Most vertices of a scene: slots of hinges (four each) must fit into 32 bits.
 const MOST_VERTICES: u64 = 1 << 28;
@@ -11,14 +12,15 @@ pub(super) fn nameable(vertices: u64) -> Result<(), SceneError> {
     if vertices > MOST_VERTICES { Err(SceneError::TooLarge { vertices }) } else { Ok(()) }
 }
 
-/// A value that must be positive and finite.
+/// A value that must be positive and finite, also once it is rounded to the crate's precision.
 pub(super) fn positive(key: &'static str, value: f64) -> Result<f64, SceneError> {
-    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(SceneError::NotPositive { key, value }) }
+    let rounded = value as Real;
+    if rounded > 0.0 && rounded.is_finite() { Ok(value) } else { Err(SceneError::NotPositive { key, value }) }
 }
 
 /// A value that must be zero or more and finite.
 pub(super) fn not_negative(key: &'static str, value: f64) -> Result<f64, SceneError> {
-    if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(SceneError::Negative { key, value }) }
+    if value >= 0.0 && (value as Real).is_finite() { Ok(value) } else { Err(SceneError::Negative { key, value }) }
 }
 
 /// Counts that must be at least `least`.
@@ -28,7 +30,7 @@ pub(super) fn at_least(key: &'static str, counts: [u32; 2], least: u32) -> Resul
 
 /// Values that must be finite.
 pub(super) fn finite(key: &'static str, values: &[f64]) -> Result<(), SceneError> {
-    if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(SceneError::NotFinite { key }) }
+    if values.iter().all(|&v| (v as Real).is_finite()) { Ok(()) } else { Err(SceneError::NotFinite { key }) }
 }
 
 /// The numbers outside of cloths.
@@ -39,7 +41,9 @@ pub(super) fn check_numbers(scene: &SceneDesc) -> Result<(), SceneError> {
     not_negative("duration", scene.duration)?;
     positive("frame_rate", scene.frame_rate)?;
     positive("integrator.step", scene.integrator.step)?;
-    positive("integrator.tolerance", scene.integrator.tolerance)?;
+    if positive("integrator.tolerance", scene.integrator.tolerance)? >= 1.0 {
+        return Err(SceneError::NotBelowOne { key: "integrator.tolerance", value: scene.integrator.tolerance });
+    }
     positive("integrator.newton", f64::from(scene.integrator.newton))?;
     finite("gravity", &scene.gravity.unwrap_or_default())?;
     if let Some(drag) = &scene.drag {

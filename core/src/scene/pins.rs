@@ -6,7 +6,7 @@ use super::build::{Parts, Sheet};
 use super::{MotionDesc, PinDesc, TurnDesc, select};
 use crate::error::SceneError;
 use crate::integrate::pins::{AT_REST, Key, Motion, Turn};
-use crate::real::vec3;
+use crate::real::{Real, vec3};
 
 impl Parts {
     pub(super) fn add_pin(
@@ -38,7 +38,7 @@ impl Parts {
 
     fn add_motion(&mut self, motion: &MotionDesc, centre: DVec3) -> Result<u32, MotionError> {
         let times_increase = motion.keys.windows(2).all(|k| k[0][0] < k[1][0]);
-        if !times_increase || motion.keys.as_flattened().iter().any(|x| !x.is_finite()) {
+        if !times_increase || motion.keys.as_flattened().iter().any(|&x| !(x as Real).is_finite()) {
             return Err(MotionError::Keys);
         }
         let turn = motion.turn.as_ref().map(|turn| read_turn(turn, centre).ok_or(MotionError::Turn)).transpose()?;

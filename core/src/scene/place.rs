@@ -7,19 +7,7 @@ use glam::{DMat3, DVec3};
 use super::Resource;
 use super::build::{Sheet, resource};
 use crate::error::{MeshError, SceneError};
-use crate::mesh::TriMesh;
-
-/// Texture coordinates of the vertices, a sewn edge on one of its sides; or positions.
-pub(super) fn material(mesh: &TriMesh) -> Vec<DVec3> {
-    let mut material: Vec<DVec3> = mesh.positions.iter().map(|&p| p.into()).collect();
-    for (corners, uvs) in mesh.triangles.iter().zip(&mesh.uv_triangles) {
-        for (&vertex, &uv) in corners.iter().zip(uvs) {
-            let [u, v] = mesh.uvs[uv as usize];
-            material[vertex as usize] = DVec3::new(u, v, 0.0);
-        }
-    }
-    material
-}
+use crate::real::vec3;
 
 /// Start positions: rotated about x, then y, then z, and moved.
 pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Result<Vec<DVec3>, SceneError> {
@@ -39,7 +27,15 @@ pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Re
     };
     let [rx, ry, rz] = sheet.desc.rotation.map(f64::to_radians);
     let turn = axis_turn(2, rz) * axis_turn(1, ry) * axis_turn(0, rx);
-    Ok(start.iter().map(|&p| turn * DVec3::from(p) + DVec3::from(sheet.desc.position)).collect())
+    let placed: Vec<_> = start.iter().map(|&p| turn * DVec3::from(p) + DVec3::from(sheet.desc.position)).collect();
+    let merged = |&[a, b]: &[u32; 2]| {
+        let rounded = |v: u32| vec3(placed[v as usize].into());
+        start[a as usize] != start[b as usize] && rounded(a) == rounded(b)
+    };
+    match sheet.edges.iter().map(|edge| edge.ends).find(merged) {
+        Some([a, b]) => Err(SceneError::TooFar { a, b }),
+        None => Ok(placed),
+    }
 }
 
 /// Rotation about a coordinate axis by libm, so that every machine places alike.

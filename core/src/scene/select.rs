@@ -42,6 +42,7 @@ pub(super) enum SelectError {
     OneSelection,
     Empty,
     OutOfRange(u32),
+    NotFinite,
 }
 
 impl SelectError {
@@ -49,6 +50,7 @@ impl SelectError {
         match self {
             Self::OneSelection => SceneError::OneSelection { cloth, pin },
             Self::Empty => SceneError::EmptyPin { cloth, pin },
+            Self::NotFinite => SceneError::NotFinite { key: "cloth.pin.select" },
             Self::OutOfRange(index) => SceneError::PinOutOfRange { cloth, pin, index },
         }
     }
@@ -57,6 +59,10 @@ impl SelectError {
 /// The selected vertices in ascending order; `flat` are positions before, `placed` after placing.
 pub(super) fn select(select: &SelectDesc, flat: &[[f64; 3]], placed: &[DVec3]) -> Result<Vec<u32>, SelectError> {
     let SelectDesc { corners, vertices, inside, nearest, edge } = select;
+    let places = inside.iter().flat_map(|corners| corners.as_flattened()).chain(nearest.iter().flatten());
+    if places.into_iter().any(|x| !x.is_finite()) {
+        return Err(SelectError::NotFinite);
+    }
     let mut selected = match (corners, vertices, inside, nearest, edge) {
         (Some(corners), None, None, None, None) => by_corners(corners, flat)?,
         (None, Some(vertices), None, None, None) => match vertices.iter().find(|&&v| v as usize >= flat.len()) {

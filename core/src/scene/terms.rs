@@ -132,7 +132,7 @@ impl Parts {
     pub(super) fn add_seam(
         &mut self,
         sheet: &Sheet<'_>,
-        index: u32,
+        (index, seam_number): (u32, u32),
         seam: &SeamDesc,
         resources: &[Resource],
     ) -> Result<(), SceneError> {
@@ -144,9 +144,14 @@ impl Parts {
         };
         let pairs = seam.pairs.iter().map(|&[a, b]| Stitch { a, edge: [b, b], weight: 0.0 });
         let vertices = sheet.mesh.positions.len() as u32;
-        for (number, stitch) in from_file.into_iter().chain(pairs).enumerate() {
+        let stitches: Vec<_> = from_file.into_iter().chain(pairs).collect();
+        if stitches.is_empty() {
+            return Err(SceneError::EmptySeam { cloth: index, seam: seam_number });
+        }
+        for (number, stitch) in stitches.into_iter().enumerate() {
             let [b, c] = stitch.edge;
-            if stitch.a.max(b).max(c) >= vertices || !(0.0..=1.0).contains(&stitch.weight) {
+            let to_itself = stitch.a == b && stitch.a == c;
+            if stitch.a.max(b).max(c) >= vertices || !(0.0..=1.0).contains(&stitch.weight) || to_itself {
                 return Err((index, MeshError::BadStitch { stitch: number as u32 }).into());
             }
             // A pair is a stitch to an edge whose ends are one vertex.
