@@ -6,5 +6,7 @@
 
 #[path = "determinism/goldens.rs"]
 mod goldens;
+#[path = "determinism/signs.rs"]
+mod signs;
 #[path = "determinism/threads.rs"]
 mod threads;
