@@ -76,6 +76,7 @@ mod owned {
     use crate::integrate::coarse::{Dense, MODES, PatchColumns};
     use crate::integrate::conjugate_gradient::PART;
     use crate::integrate::{Method, Preconditioner, Scheme};
+    use crate::real::to_f64;
     use crate::scene::BuiltScene;
     use crate::traffic::Sizes;
 
@@ -111,6 +112,21 @@ mod owned {
         coarse_vector: Vec<Sum>,
     }
 
+    /// Columns made by hand may leave out where cloths lie and what they were cut from.
+    fn patches(scene: &BuiltScene, pattern: &Pattern) -> PatchColumns {
+        let positions = &scene.particles.positions;
+        let mut cloths: Vec<_> = scene.cloths.iter().map(|cloth| cloth.vertices.clone()).collect();
+        if cloths.is_empty() {
+            cloths.push(0..positions.len() as u32);
+        }
+        let pins = &scene.pins.view();
+        if scene.material.len() == positions.len() {
+            return PatchColumns::build(&scene.material, &cloths, pattern, pins);
+        }
+        let material: Vec<_> = positions.iter().map(|&x| to_f64(x).into()).collect();
+        PatchColumns::build(&material, &cloths, pattern, pins)
+    }
+
     impl ScratchColumns {
         /// Columns for a scene and a scheme.
         pub fn build(scene: &BuiltScene, scheme: &Scheme) -> Self {
@@ -121,8 +137,7 @@ mod owned {
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
             let pattern = if implicit { Pattern::build(vertices, model) } else { Pattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
-                let cloths: Vec<_> = scene.cloths.iter().map(|cloth| cloth.vertices.clone()).collect();
-                PatchColumns::build(&scene.material, &cloths, &pattern, &scene.pins.view())
+                patches(scene, &pattern)
             } else {
                 PatchColumns::default()
             };

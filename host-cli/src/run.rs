@@ -94,7 +94,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     })
 }
 
-/// Where to write: as asked, or a folder of the scene's name.
+/// Where to write: as asked, beside the checkpoint, or a folder named after the scene file.
 fn out(arguments: &RunArguments, scene: &SceneFile) -> Result<PathBuf, Failure> {
     if let (None, Some(checkpoint)) = (&arguments.out, &arguments.resume) {
         // The files that the run goes on with lie beside its checkpoint.

@@ -49,7 +49,8 @@ pub struct StageMs {
     pub output: f64,
 }
 
-/// Edge length over rest length: largest and mean of the last frame, and largest of all frames.
+/// Edge length over rest length: largest and mean of the last frame, and largest of all
+/// frames that this process wrote (of a resumed run, those since).
 #[derive(Clone, Debug, Serialize)]
 pub struct Stretch {
     pub max: f64,

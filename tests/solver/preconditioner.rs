@@ -30,6 +30,18 @@ fn patches_save_most_iterations() {
 }
 
 #[test]
+fn a_running_simulations_columns_make_another() {
+    let text = BUILT_IN.iter().find(|(known, _)| *known == "swing").expect("the scene is built in").1;
+    let scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
+    let first = Simulation::new(&scene, &[]).expect("built-in scenes build");
+    let mut columns = first.scene().clone();
+    columns.cloths.clear();
+    let mut second = Simulation::from_columns(columns, *first.scheme(), first.step_length());
+    second.step(&Serial).expect("the first step is finite");
+    assert!(second.work().cg_iterations < 40, "{} iterations: there are no patches", second.work().cg_iterations);
+}
+
+#[test]
 fn newton_in_single_precision_stops_at_rounding() {
     let newton = work("swing", |scene| scene.integrator.newton = 20).newton_iterations;
     assert!(newton < 6 * u64::from(STEPS), "{newton} Newton iterations in {STEPS} steps");

@@ -1,5 +1,5 @@
 //! Cutting a sheet into patches of about [`PATCH`] vertices: halves of halves along their longer
-//! side in material coordinates, then numbered outward from one end so that the small matrix
+//! side in the mesh as it was read, then numbered outward from one end so that the small matrix
 //! keeps a narrow envelope.
 
 use alloc::vec;

@@ -1,4 +1,4 @@
-//! Where a cloth's vertices are: in the undeformed sheet and at time 0.
+//! Where a cloth's vertices are at time 0.
 
 use alloc::vec::Vec;
 
