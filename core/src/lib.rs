@@ -38,6 +38,12 @@ pub mod forces;
 
 pub mod integrate;
 
+pub mod geometry;
+
+pub mod broad_phase;
+
+pub mod narrow_phase;
+
 pub mod step;
 
 pub mod scratch;

@@ -1,0 +1,33 @@
+//! Axis-aligned boxes. Minimum, maximum and comparison never round, so that every method, on
+//! every machine, decides alike which boxes overlap.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::real::{Real, Vec3};
+
+/// A box; the empty one has its corners swapped at infinity.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Aabb {
+    /// Least corner, m.
+    pub min: Vec3,
+    /// Greatest corner, m.
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// Contains nothing.
+    pub const EMPTY: Self = Self { min: Vec3::splat(Real::INFINITY), max: Vec3::splat(Real::NEG_INFINITY) };
+
+    /// The smallest box around both.
+    #[inline]
+    pub fn union(&self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Whether the boxes share a point; touching counts.
+    #[inline]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}

@@ -1,0 +1,1 @@
+//! Candidates in, contacts out: where two features meet, how near, and when.
