@@ -9,7 +9,8 @@
 //! 4. [`forces`]: only the terms that the scene lists, each with energy, force and Jacobian.
 //! 5. [`integrate`]: forces become candidate positions and velocities.
 //! 6. [`step`]: the phases of a step in their order, in [`scratch`] columns sized once.
-//! 7. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash.
+//! 7. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash;
+//!    [`audit`]: whether anything passes through anything, exactly.
 //! 8. [`simulation`]: all of it owned, for hosts that allocate.
 //!
 //! The crate is `no_std`. With the feature `alloc` (default) it builds scenes and owns columns;
@@ -49,6 +50,9 @@ pub mod step;
 pub mod scratch;
 
 pub mod diagnostics;
+
+#[cfg(feature = "alloc")]
+pub mod audit;
 
 #[cfg(feature = "alloc")]
 pub mod simulation;

@@ -2,3 +2,4 @@
 //! here knows of cloth, time steps or contact.
 
 pub mod aabb;
+pub mod intersect;
