@@ -1,5 +1,6 @@
 //! What the tests share.
 
+pub mod data;
 pub mod dense;
 pub mod differences;
 pub mod kit;
