@@ -129,6 +129,8 @@ mod tests {
         assert_eq!(read(dir.path()), (0.0, 3, vec![0.0, 1.0, 2.0]));
         assert_eq!(fs::read(&paths[0]).unwrap()[32 + 48 + 32..][..4], quad(1.0)[2][2].to_le_bytes());
         assert_eq!(mesh_io::load(&paths[1]).unwrap().positions[1], [1.0, 0.0, 0.0]);
+        let cache = mesh_io::pc2::load(&paths[0]).unwrap();
+        assert!(cache.samples().eq([0.0, 1.0, 2.0].map(quad)));
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
     }
 

@@ -1,6 +1,9 @@
-//! Reading meshes from files: Wavefront OBJ and Stanford PLY. Vertex order is kept exactly.
+//! Reading meshes from files: Wavefront OBJ and Stanford PLY, and their motion from point caches.
+//! Vertex order is kept exactly.
 
 mod obj;
+#[cfg_attr(not(test), expect(dead_code, reason = "colliders will move by it"))]
+pub mod pc2;
 mod ply;
 mod polygon;
 
@@ -11,6 +14,7 @@ use std::path::{Path, PathBuf};
 use muslin_core::mesh::TriMesh;
 
 pub use obj::ObjError;
+pub use pc2::Pc2Error;
 pub use ply::PlyError;
 
 /// Why a mesh file could not be loaded.
@@ -46,6 +50,14 @@ pub enum MeshFileError {
         /// Where and what.
         cause: PlyError,
     },
+    /// The point cache is malformed.
+    #[error("{}: {cause}", path.display())]
+    Pc2 {
+        /// The file.
+        path: PathBuf,
+        /// What.
+        cause: Pc2Error,
+    },
 }
 
 /// Loads the mesh in `path`, in the format that its extension names (`obj` or `ply`, any case).
@@ -67,18 +79,22 @@ mod tests {
     use super::*;
 
     /// A file of `shared/data`; `None`, with a word on it, where it is absent and need not be there.
-    fn data(name: &str) -> Option<TriMesh> {
+    pub fn data(name: &str) -> Option<PathBuf> {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")).join(name);
         if !path.exists() && std::env::var("MUSLIN_REQUIRE_DATA").as_deref() != Ok("1") {
             eprintln!("skipped: {} is absent", path.display());
             return None;
         }
-        Some(load(&path).unwrap())
+        Some(path)
+    }
+
+    fn mesh(name: &str) -> Option<TriMesh> {
+        Some(load(&data(name)?).unwrap())
     }
 
     #[test]
     fn reads_the_dress_pattern() {
-        let Some(dress) = data("garment/dress.obj") else { return };
+        let Some(dress) = mesh("garment/dress.obj") else { return };
         assert_eq!((dress.positions.len(), dress.triangles.len(), dress.stitches.len()), (15_656, 29_456, 851));
         assert!(dress.has_uvs());
         assert_eq!(dress.check(), Ok(()));
@@ -88,7 +104,7 @@ mod tests {
 
     #[test]
     fn reads_the_body() {
-        let Some(body) = data("garment/body.obj") else { return };
+        let Some(body) = mesh("garment/body.obj") else { return };
         assert_eq!((body.positions.len(), body.triangles.len()), (12_811, 25_472));
         assert_eq!(body.triangles[0], [0, 1, 2]);
         assert_eq!(body.check(), Ok(()));
@@ -96,7 +112,7 @@ mod tests {
 
     #[test]
     fn reads_the_cloth_on_a_ball() {
-        let Some(cloth) = data("cloth-ball/cloth_ball92.ply") else { return };
+        let Some(cloth) = mesh("cloth-ball/cloth_ball92.ply") else { return };
         assert_eq!((cloth.positions.len(), cloth.triangles.len()), (46_598, 92_230));
         assert_eq!(cloth.check(), Ok(()));
     }
