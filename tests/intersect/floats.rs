@@ -68,6 +68,23 @@ muslin_tests::both_precisions! {
         });
     }
 
+    /// All exactly in a plane of two axes, on its lines but for rounding.
+    #[test]
+    fn on_a_line_but_for_rounding() {
+        let rng = &mut Rng::new(315);
+        agrees(6000, 500, || {
+            let flat = |point: Vec3, level: f64| vec3([to_f64(point)[0], to_f64(point)[1], level]);
+            let (level, turns) = (rng.between(-1.0, 1.0), rng.pick(&[0, 1, 2]));
+            let corners = triangle(rng).map(|point| flat(point, level));
+            let ends = [(); 2].map(|()| flat(rounded(of_plane(rng, corners)), level));
+            [ends[0], ends[1], corners[0], corners[1], corners[2]].map(|point| {
+                let mut point = to_f64(point);
+                point.rotate_left(turns);
+                vec3(point)
+            })
+        });
+    }
+
     /// All exponents for which the predicates are exact; in f32 all that there are.
     #[test]
     fn of_every_magnitude() {

@@ -162,13 +162,14 @@ mod tests {
         assert!(message(&file()[..31]).contains("31 bytes, not even a header"));
         assert!(message(&with(12, 2_i32.to_le_bytes())).contains("version is 2"));
         assert!(message(&with(16, 0_i32.to_le_bytes())).contains("0 points and 2 samples"));
+        assert!(message(&with(28, 0_i32.to_le_bytes())).contains("3 points and 0 samples"));
         assert!(message(&with(28, (-1_i32).to_le_bytes())).contains("3 points and -1 samples"));
         assert!(message(&with(20, f32::NAN.to_le_bytes())).contains("starts at NaN"));
         assert!(message(&with(24, 0_f32.to_le_bytes())).contains("every 0 frames"));
         assert!(message(&file()[..103]).contains("103 bytes, but 2 samples of 3 points make 104"));
         assert!(message(&[file(), vec![0]].concat()).contains("105 bytes"));
         let infinite = f32::INFINITY.to_le_bytes();
-        assert!(message(&with(32 + 12 * 4 + 8, infinite)).contains("sample 1 has no finite position for point 1 "));
+        assert!(message(&with(32 + 12 * 5 + 8, infinite)).contains("sample 1 has no finite position for point 2 "));
     }
 
     #[test]
