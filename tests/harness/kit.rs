@@ -35,13 +35,18 @@ macro_rules! kit {
             use $muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
             use $muslin::mesh::rest::RestTriangle;
             use $muslin::mesh::{Incidence, IncidenceColumns};
+            use $muslin::narrow_phase::advance::advance;
+            use $muslin::narrow_phase::{edge_edge_ccd, vertex_triangle_ccd};
             use $muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
             use $muslin::scene::{BuiltScene, Resource, SceneDesc};
             use $muslin::scratch::{Scratch, ScratchColumns};
 
+            use std::cell::Cell;
+
             use glam::{DMat3, DVec3};
 
             use $crate::dense::Dense;
+            use $crate::query::{Pair, Query};
             use $crate::states::{Bar, Fold, State, Stitch, Triangle};
 
             /// The bound for this precision.
@@ -258,6 +263,53 @@ macro_rules! kit {
             /// Positions at time 0.
             pub fn positions(built: &BuiltScene) -> Vec<DVec3> {
                 built.particles.positions.iter().map(|&x| to_f64(x).into()).collect()
+            }
+
+            /// A query's coordinates rounded to this precision.
+            pub fn rounded(query: &Query) -> Query {
+                query.map(|x| wide(&[vec3(x.to_array())])[0])
+            }
+
+            /// Distance of two features, from `[vertex, t0, t1, t2]` or `[a0, a1, b0, b1]`.
+            pub fn distance(pair: Pair, x: &[DVec3; 4]) -> f64 {
+                let apart = match pair {
+                    Pair::VertexTriangle => vertex_triangle_ccd::apart(&narrow(x)),
+                    Pair::EdgeEdge => edge_edge_ccd::apart(&narrow(x)),
+                };
+                DVec3::from(to_f64(apart)).length()
+            }
+
+            /// The time of impact.
+            pub fn time_of_impact(query: &Query, separation: f64, tolerance: f64) -> Option<f64> {
+                let (start, end) = (narrow(&query.start), narrow(&query.end));
+                let (separation, tolerance) = (separation as Real, tolerance as Real);
+                let time = match query.pair {
+                    Pair::VertexTriangle => vertex_triangle_ccd::time_of_impact(&start, &end, separation, tolerance),
+                    Pair::EdgeEdge => edge_edge_ccd::time_of_impact(&start, &end, separation, tolerance),
+                };
+                time.map(f64::from)
+            }
+
+            /// How often the time of impact asks for a distance.
+            pub fn distances(query: &Query, separation: f64, tolerance: f64) -> u32 {
+                let (start, end, count) = (narrow(&query.start), narrow(&query.end), Cell::new(0));
+                let (separation, tolerance) = (separation as Real, tolerance as Real);
+                let counted = |apart: fn(&[Vec3; 4]) -> Vec3| {
+                    let count = &count;
+                    move |x: &[Vec3; 4]| {
+                        count.set(count.get() + 1);
+                        apart(x)
+                    }
+                };
+                match query.pair {
+                    Pair::VertexTriangle => {
+                        advance::<1>(&start, &end, separation, tolerance, counted(vertex_triangle_ccd::apart))
+                    }
+                    Pair::EdgeEdge => {
+                        advance::<2>(&start, &end, separation, tolerance, counted(edge_edge_ccd::apart))
+                    }
+                };
+                count.get()
             }
 
             fn wide_block(m: Mat3) -> DMat3 {

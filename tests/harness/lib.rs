@@ -6,6 +6,7 @@ pub mod differences;
 pub mod kit;
 pub mod net;
 pub mod oscillator;
+pub mod query;
 pub mod rng;
 pub mod spectrum;
 pub mod states;

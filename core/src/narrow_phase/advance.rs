@@ -34,7 +34,8 @@ const TARGET: Real = 0.9;
 ///
 /// `None` says that they stay farther apart than `separation`. A time is never late: until then
 /// they were farther apart than `separation`, except that it is 0 where they start within it. A
-/// tolerance below [`ROUNDING`] is raised to it. What is not finite is hit at once.
+/// tolerance below [`ROUNDING`] is raised to it. What is not finite, or too large to square, is hit at
+/// once.
 #[inline]
 pub fn advance<const FIRST: usize>(
     start: &[Vec3; 4],
@@ -57,7 +58,9 @@ pub fn advance<const FIRST: usize>(
             let gap = (CLOSE * (distance - separation)).min(tolerance).max(ROUNDING * size);
             (hit, target) = (separation + gap, separation + TARGET * gap);
         }
-        if distance <= hit {
+        // What is not a number is not farther.
+        let farther = distance > hit;
+        if !farther {
             return Some(time);
         }
         let normal = normal / distance;
@@ -81,7 +84,7 @@ pub fn advance<const FIRST: usize>(
     Some(time)
 }
 
-/// The largest coordinate; not finite where one is not.
+/// The largest coordinate; infinite where one is not finite or lengths could overflow.
 #[inline]
 fn largest(start: &[Vec3; 4], end: &[Vec3; 4]) -> Real {
     let (mut size, mut sum) = (Vec3::ZERO, Vec3::ZERO);
@@ -89,7 +92,8 @@ fn largest(start: &[Vec3; 4], end: &[Vec3; 4]) -> Real {
         size = size.max(start[i].abs()).max(end[i].abs());
         sum += start[i] + end[i];
     }
-    if sum.is_finite() { size.max_element() } else { Real::INFINITY }
+    let size = size.max_element();
+    if sum.is_finite() && (64.0 * size * size).is_finite() { size } else { Real::INFINITY }
 }
 
 /// How far apart two parallel planes between the features can be: the width of the slab.

@@ -1,0 +1,11 @@
+//! Narrow phase: distances against brute force, times of impact against exact truth.
+//!
+//! Run: `cargo test --release -p muslin-tests --test narrow_phase`; with `-- --nocapture` it prints
+//! counts of queries, hits, false hits and distances. The long fuzz: `-- --ignored --nocapture`.
+
+#[path = "narrow_phase/exact.rs"]
+mod exact;
+#[path = "narrow_phase/polynomial.rs"]
+mod polynomial;
+#[path = "narrow_phase/truth.rs"]
+mod truth;
