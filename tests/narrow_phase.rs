@@ -3,9 +3,19 @@
 //! Run: `cargo test --release -p muslin-tests --test narrow_phase`; with `-- --nocapture` it prints
 //! counts of queries, hits, false hits and distances. The long fuzz: `-- --ignored --nocapture`.
 
+#[path = "narrow_phase/distances.rs"]
+mod distances;
 #[path = "narrow_phase/exact.rs"]
 mod exact;
+#[path = "narrow_phase/fuzz.rs"]
+mod fuzz;
+#[path = "narrow_phase/lattice.rs"]
+mod lattice;
 #[path = "narrow_phase/polynomial.rs"]
 mod polynomial;
+#[path = "narrow_phase/tight_inclusion.rs"]
+mod tight_inclusion;
+#[path = "narrow_phase/times.rs"]
+mod times;
 #[path = "narrow_phase/truth.rs"]
 mod truth;

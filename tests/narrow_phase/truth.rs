@@ -68,8 +68,9 @@ muslin_tests::both_precisions! {
     use super::{FAMILIES, Known, queries};
     use crate::exact;
 
-    /// Of 2,324 queries, of which 342 touch, the false hits. // FILL
-    const MOST_FALSE_HITS: usize = kit::bound(400.0, 400.0) as usize;
+    /// With a tolerance of a micrometre, of 2,324 queries. Nearly all are separated by less than
+    /// that; rounded to f32, many of those touch.
+    const MOST_FALSE_HITS: usize = kit::bound(180.0, 415.0) as usize;
 
     #[test]
     fn no_contact_is_missed() {

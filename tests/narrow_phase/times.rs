@@ -1,0 +1,202 @@
+//! Times of impact: never late, never needlessly early, and the same however the question is put.
+//! True contacts are exact in both precisions, see [`lattice`](crate::lattice).
+
+use glam::DVec3;
+
+use crate::lattice;
+use muslin_tests::query::{PAIRS, Query};
+use muslin_tests::rng::Rng;
+
+/// Contacts of both pairs, scaled by powers of two and translated.
+fn contacts(seed: u64, count: usize) -> impl Iterator<Item = lattice::Contact> {
+    let mut rng = Rng::new(seed);
+    (0..count).map(move |i| {
+        let lattice::Contact { query, time } = lattice::contact(&mut rng, PAIRS[i % 2]);
+        let (far, scale) = (lattice::far(&mut rng), 2f64.powi((rng.bits() % 21) as i32 - 10));
+        lattice::Contact { query: query.map(|x| (x + far) * scale), time }
+    })
+}
+
+/// Random motions, of which about a third touch.
+fn motions(seed: u64, count: usize) -> impl Iterator<Item = Query> {
+    let mut rng = Rng::new(seed);
+    (0..count).map(move |i| {
+        let speed = rng.magnitude(1e-3, 2.0);
+        let pair = PAIRS[i % 2];
+        let start = super::distances::features(&mut rng, pair, 1e-3);
+        Query { pair, start, end: start.map(|x| x + rng.cube(speed)) }
+    })
+}
+
+/// Where a motion comes closest to contact among samples, and how close.
+fn least_distance(query: &Query, until: f64, distance: impl Fn(&[DVec3; 4]) -> f64) -> f64 {
+    (0..=64).map(|i| distance(&query.at(until * f64::from(i) / 64.0))).fold(f64::INFINITY, f64::min)
+}
+
+muslin_tests::both_precisions! {
+    use super::{contacts, least_distance, motions};
+    use crate::exact;
+    use crate::tight_inclusion::{self, Contact};
+    use muslin::narrow_phase::advance::{MOST_ADVANCES, ROUNDING};
+    use muslin_tests::kit::double::distance;
+    use muslin_tests::query::{PAIRS, Query};
+    use muslin_tests::rng::Rng;
+
+    const COUNT: usize = 20_000;
+
+    /// Raised to the reserve.
+    fn reach(query: &Query, separation: f64, tolerance: f64) -> f64 {
+        separation + tolerance.max(f64::from(ROUNDING) * query.size())
+    }
+
+    #[test]
+    fn contacts_are_found_in_time() {
+        let (mut distances, mut most) = (0, 0);
+        for contact in contacts(301, COUNT) {
+            let query = &contact.query;
+            let tolerance = 1e-6 * query.size();
+            let Some(time) = kit::time_of_impact(query, 0.0, tolerance) else { panic!("missed {query}") };
+            assert!(time <= contact.time, "{time} is later than {}: {query}", contact.time);
+            let apart = [distance(query.pair, &query.start), distance(query.pair, &query.at(time))];
+            assert!(apart[0] == 0.0 || apart[1] > 0.0, "already touching at {time}: {query}");
+            let moves = apart[0] > 1.01 * f64::from(ROUNDING) * query.size();
+            assert_eq!(time > 0.0, moves, "time {time}, apart by {} at the start: {query}", apart[0]);
+            let n = kit::distances(query, 0.0, tolerance);
+            distances += n;
+            most = most.max(n);
+        }
+        println!("contacts: {:.2} distances each, at most {most}", f64::from(distances) / COUNT as f64);
+    }
+
+    /// Up to the time there is proof by another method that nothing touches.
+    #[test]
+    fn nothing_touches_before() {
+        let (mut proved, mut unknown) = (0, 0);
+        for contact in contacts(302, COUNT / 20) {
+            let query = &contact.query;
+            let time = kit::time_of_impact(query, 0.0, 1e-4 * query.size()).unwrap_or_else(|| panic!("missed {query}"));
+            if time > 0.0 {
+                let before = query.between(0.0, time);
+                match tight_inclusion::first_contact(&before, 0.0, 1e-8 * query.size()) {
+                    Contact::Never => proved += 1,
+                    Contact::NotBefore(part) => panic!("may touch at {part} of {time}: {query}"),
+                    Contact::Unknown => unknown += 1,
+                }
+            }
+        }
+        println!("{proved} times proved by bisection, {unknown} took too many boxes");
+        assert!(unknown * 20 <= proved, "{unknown} not proved, {proved} proved");
+    }
+
+    /// Random motions with a separation: a miss stays away, a hit is where it is close.
+    #[test]
+    fn separation_is_kept() {
+        let (mut hits, mut capped, rng) = (0, 0, &mut Rng::new(303));
+        for query in motions(304, COUNT) {
+            let query = kit::rounded(&query);
+            let (separation, tolerance) = (f64::from(rng.magnitude(1e-5, 1e-1) as f32), 1e-4);
+            let time = kit::time_of_impact(&query, separation, tolerance);
+            let apart = |x: &_| distance(query.pair, x);
+            if apart(&query.start) <= separation {
+                assert_eq!(time, Some(0.0), "starts within {separation:e}: {query}");
+                continue;
+            }
+            let least = least_distance(&query, time.unwrap_or(1.0), apart);
+            assert!(least > separation, "{least:e} apart before {time:?}, separation {separation:e}: {query}");
+            let Some(time) = time else { continue };
+            hits += 1;
+            let apart = apart(&query.at(time));
+            let close = apart <= reach(&query, separation, tolerance) + 1e-6 * query.size();
+            let tired = kit::distances(&query, separation, tolerance) == MOST_ADVANCES;
+            assert!(close || tired, "{apart:e} apart at {time}, separation {separation:e}: {query}");
+            capped += usize::from(!close);
+        }
+        println!("separation: {hits} of {COUNT} hit, {capped} at the limit of advances");
+        assert!(capped * 100 <= hits, "{capped} of {hits} hits are where nothing is close");
+    }
+
+    /// Random motions without separation against the exact decision.
+    #[test]
+    fn random_contacts_are_found() {
+        let (mut touching, mut hits) = (0, 0);
+        for query in motions(305, COUNT / 4) {
+            let query = kit::rounded(&query);
+            let (touches, hit) = (exact::touch(&query), kit::time_of_impact(&query, 0.0, 0.0).is_some());
+            assert!(hit || !touches, "missed {query}");
+            touching += usize::from(touches);
+            hits += usize::from(hit);
+        }
+        println!("random: {touching} of {} touch, {hits} hit", COUNT / 4);
+        assert!(hits <= touching + COUNT / 200, "{hits} hits, {touching} touch");
+    }
+
+    /// The lattice really makes contacts.
+    #[test]
+    fn made_contacts_are_contacts() {
+        for contact in contacts(306, 1000) {
+            let single = muslin_tests::kit::single::rounded(&contact.query);
+            assert_eq!(single.start, contact.query.start, "not exact in f32");
+            assert_eq!(single.end, contact.query.end, "not exact in f32");
+            assert!(exact::touch(&contact.query), "{}", contact.query);
+        }
+    }
+
+    #[test]
+    fn order_and_direction_lose_no_contact() {
+        for contact in contacts(307, COUNT / 4) {
+            let query = &contact.query;
+            let finds = |query: &Query| kit::time_of_impact(query, 0.0, 0.0).is_some();
+            for &order in query.orders() {
+                assert!(finds(&query.reordered(order)), "missed in order {order:?}: {query}");
+            }
+            let back = Query { pair: query.pair, start: query.end, end: query.start };
+            assert!(finds(&back), "missed backwards: {query}");
+            let halves = [query.between(0.0, 0.5), query.between(0.5, 1.0)];
+            assert!(halves.iter().any(finds), "missed in both halves: {query}");
+        }
+    }
+
+    /// Differences of positions are exact, and so is a power of two: the time has the same bits.
+    #[test]
+    fn place_and_scale_change_nothing() {
+        let (rng, tolerance) = (&mut Rng::new(308), 2f64.powi(-12));
+        for i in 0..COUNT / 4 {
+            let query = crate::lattice::contact(rng, PAIRS[i % 2]).query;
+            let separation = if i % 3 == 0 { 0.0 } else { tolerance * 4.0 };
+            let time = kit::time_of_impact(&query, separation, tolerance);
+            let (far, scale) = (crate::lattice::far(rng), 2f64.powi((rng.bits() % 21) as i32 - 10));
+            let moved = kit::time_of_impact(&query.map(|x| x + far), separation, tolerance);
+            assert_eq!(moved, time, "translated by {far}: {query}");
+            let scaled = kit::time_of_impact(&query.map(|x| x * scale), separation * scale, tolerance * scale);
+            assert_eq!(scaled, time, "scaled by {scale}: {query}");
+        }
+    }
+
+    #[test]
+    fn rest_is_a_hit_only_within_the_separation() {
+        for contact in contacts(309, 1000) {
+            let query = contact.query.between(0.0, 0.0);
+            let (apart, size) = (distance(query.pair, &query.start), query.size());
+            assert_eq!(kit::time_of_impact(&query, apart, 0.0), Some(0.0), "{query}");
+            if apart > 0.01 * size {
+                assert_eq!(kit::time_of_impact(&query, 0.99 * apart, size), None, "{query}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_hit_at_once() {
+        let query = contacts(310, 1).next().expect("one").query;
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, kit::bound(1e30, 1e300)] {
+            for place in 0..24 {
+                for pair in PAIRS {
+                    let mut bad = Query { pair, ..query.clone() };
+                    let (vertex, axis) = (place / 3 % 4, place % 3);
+                    if place < 12 { bad.start[vertex][axis] = value } else { bad.end[vertex][axis] = value }
+                    assert_eq!(kit::time_of_impact(&bad, 0.0, 1e-6), Some(0.0), "{bad}");
+                }
+            }
+        }
+        assert_eq!(kit::time_of_impact(&query, f64::NAN, 1e-6), Some(0.0));
+    }
+}
