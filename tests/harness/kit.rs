@@ -305,9 +305,7 @@ macro_rules! kit {
                     Pair::VertexTriangle => {
                         advance::<1>(&start, &end, separation, tolerance, counted(vertex_triangle_ccd::apart))
                     }
-                    Pair::EdgeEdge => {
-                        advance::<2>(&start, &end, separation, tolerance, counted(edge_edge_ccd::apart))
-                    }
+                    Pair::EdgeEdge => advance::<2>(&start, &end, separation, tolerance, counted(edge_edge_ccd::apart)),
                 };
                 count.get()
             }

@@ -33,7 +33,7 @@ impl Took {
 /// In CI, of each precision.
 const COUNT: u64 = 20_000;
 
-/// Of each precision, over night or a cup of coffee.
+/// At length, of each precision.
 const LONG: u64 = 10_000_000;
 
 fn report(name: &str, took: Took) {
@@ -67,7 +67,6 @@ muslin_tests::both_precisions! {
             let query = kit::rounded(&query.map(|x| x * scale));
             let time = kit::time_of_impact(&query, 0.0, 1e-6 * scale);
             let distances = u64::from(kit::distances(&query, 0.0, 1e-6 * scale));
-            // Rounding may delay a grazing contact that comes from a point of a start at contact.
             let late = time.is_some_and(|time| time > contact);
             if late || time.is_none() {
                 eprintln!("time {time:?} instead of {contact}: {query}");

@@ -1,14 +1,15 @@
 //! Conservative advancement: two convex features move on for as long as they cannot meet, again
 //! and again, until the step is over or they are close [Mirtich 1996, Li 2021].
 //!
-//! With n the unit vector between the nearest points at distance d, i over the vertices of the
-//! first and j over those of the second feature, `x_ij = x_i - x_j`, the features cannot come
-//! within the target distance before the later of
+//! At distance d, with i over the vertices of the first and j over those of the second feature and
+//! `x_ij = x_i - x_j`, the features cannot come within the target distance before the latest of
 //! ```text
-//! t + (d - target) / max |v_ij|                            the farthest that any pair moves
-//! t + (1 - t) (g(t) - target) / (g(t) - g(1))              where the slab between them closes
+//! t + (d - target) / max |v_ij|                   the farthest that any pair moves
+//! t + (1 - t) (g(t) - target) / (g(t) - g(1))     g = min n . x_ij, the slab between them
 //! ```
-//! with `g = min n . x_ij`, a minimum of linear functions and so above its chord.
+//! where g, a minimum of linear functions, is above its chord. Any unit vector n will do. That
+//! between the nearest points lets most pairs go at once, but its direction is noise where d is
+//! near rounding; that perpendicular to the features is not.
 //!
 //! All is computed relative to the first vertex. Distances are then wrong by less than
 //! [`ROUNDING`] times the largest coordinate, which is kept in reserve.
@@ -52,8 +53,8 @@ pub fn advance<const FIRST: usize>(
     let (mut time, mut hit, mut target, mut speed) = (0.0, Real::INFINITY, Real::INFINITY, Real::NAN);
     let mut now = start;
     for advances in 0..MOST_ADVANCES {
-        let normal = apart(&now);
-        let distance = sqrt(normal.length_squared());
+        let between = apart(&now);
+        let distance = sqrt(between.length_squared());
         if advances == 0 {
             let gap = (CLOSE * (distance - separation)).min(tolerance).max(ROUNDING * size);
             (hit, target) = (separation + gap, separation + TARGET * gap);
@@ -63,17 +64,14 @@ pub fn advance<const FIRST: usize>(
         if !farther {
             return Some(time);
         }
-        let normal = normal / distance;
-        let (gap, last) = (slab::<FIRST>(normal, &now), slab::<FIRST>(normal, &end));
-        if gap >= target && last >= target {
-            return None;
-        }
-        if advances == 0 {
-            speed = fastest::<FIRST>(&start, &end);
-        }
-        let mut next = time + (distance - target) / speed;
-        if gap > target {
-            next = next.max(time + (1.0 - time) * ((gap - target) / (gap - last)));
+        let mut next = closing::<FIRST>(between, &now, &end, time, target);
+        if next < 1.0 {
+            if advances == 0 {
+                speed = fastest::<FIRST>(&start, &end);
+            }
+            let upright = upright::<FIRST>(&now, between);
+            next = next.max(closing::<FIRST>(upright, &now, &end, time, target));
+            next = next.max(time + (distance - target) / speed);
         }
         if next >= 1.0 {
             return None;
@@ -96,12 +94,34 @@ fn largest(start: &[Vec3; 4], end: &[Vec3; 4]) -> Real {
     if sum.is_finite() && (64.0 * size * size).is_finite() { size } else { Real::INFINITY }
 }
 
-/// How far apart two parallel planes between the features can be: the width of the slab.
+/// When the slab between the features that is perpendicular to a direction is as thin as the
+/// target, at the earliest: 1 if never, `time` if it already is.
 #[inline]
-fn slab<const FIRST: usize>(normal: Vec3, x: &[Vec3; 4]) -> Real {
-    let heights = x.map(|x| normal.dot(x));
+fn closing<const FIRST: usize>(direction: Vec3, now: &[Vec3; 4], end: &[Vec3; 4], time: Real, target: Real) -> Real {
+    let length = sqrt(direction.length_squared());
+    let (gap, last) = (slab::<FIRST>(direction, now) / length, slab::<FIRST>(direction, end) / length);
+    if gap > target && last >= target {
+        1.0
+    } else if gap > target {
+        time + (1.0 - time) * ((gap - target) / (gap - last))
+    } else {
+        time
+    }
+}
+
+/// The thickness of the slab times the length of the direction.
+#[inline]
+fn slab<const FIRST: usize>(direction: Vec3, x: &[Vec3; 4]) -> Real {
+    let heights = x.map(|x| direction.dot(x));
     let (first, second) = heights.split_at(FIRST);
     first.iter().fold(Real::INFINITY, |a, &b| a.min(b)) - second.iter().fold(Real::NEG_INFINITY, |a, &b| a.max(b))
+}
+
+/// Perpendicular to the triangle, or to both edges, towards the first feature.
+#[inline]
+fn upright<const FIRST: usize>(&[a, b, c, d]: &[Vec3; 4], between: Vec3) -> Vec3 {
+    let upright = if FIRST == 1 { (c - b).cross(d - b) } else { (b - a).cross(d - c) };
+    if upright.dot(between) < 0.0 { -upright } else { upright }
 }
 
 /// The farthest that a vertex of one feature moves relative to one of the other.
