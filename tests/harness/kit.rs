@@ -6,12 +6,12 @@
 #[macro_export]
 macro_rules! both_precisions {
     ($($body:tt)*) => {
-        mod single {
+        pub(crate) mod single {
             use muslin_core as muslin;
             use $crate::kit::single as kit;
             $($body)*
         }
-        mod double {
+        pub(crate) mod double {
             use muslin_core_f64 as muslin;
             use $crate::kit::double as kit;
             $($body)*

@@ -2,6 +2,36 @@
 //!
 //! A *candidate* is a pair of features, a vertex and a triangle or two edges, that share no
 //! vertex, are not sewn together, and whose boxes overlap: exactly this set, by every method.
+//!
+//! The [`grid`] goes from boxes to candidates in the order of the modules; [`reference_cell`] and
+//! [`brute_force`] do the same by simpler rules and are what it is tested against. Where a box has
+//! a NaN, or a corner on the wrong side, it overlaps nothing, nor does what it is part of.
+
+pub mod bounds;
+pub mod levels;
+
+pub mod spheres;
+
+pub mod cells;
+pub mod control_bits;
+pub mod entries;
+
+pub mod sort;
+
+pub mod pairs;
+
+pub mod features;
+
+pub mod grid;
+
+#[cfg(feature = "alloc")]
+pub mod brute_force;
+#[cfg(feature = "alloc")]
+pub mod reference_cell;
+
+#[cfg(feature = "alloc")]
+pub use grid::GridColumns;
+pub use grid::{Grid, candidates};
 
 /// In [`Surface::owned`]: bit k, the triangle stands for its vertex k.
 pub const OWNS_VERTEX: u8 = 1;
@@ -25,10 +55,23 @@ pub struct Surface<'a> {
     pub edges: &'a [[u32; 2]],
     /// What is sewn to what.
     pub sewn: Sewn<'a>,
-    /// Triangles from here on are passive: they never pair with one another.
+    /// Triangles from here on are passive: they never pair with one another. They share no vertex
+    /// with those before.
     pub first_passive: u32,
     /// Whether the triangles before pair with one another.
     pub own_contact: bool,
+}
+
+impl Surface<'_> {
+    /// Whether features of two triangles may touch at all.
+    #[inline]
+    pub fn may_pair(&self, a: u32, b: u32) -> bool {
+        match [a, b].map(|triangle| triangle >= self.first_passive) {
+            [false, false] => self.own_contact,
+            [true, true] => false,
+            _ => true,
+        }
+    }
 }
 
 /// The vertices that each vertex is sewn to, as rows. Without rows nothing is sewn.
@@ -44,6 +87,9 @@ impl Sewn<'_> {
     /// Whether two vertices are sewn together.
     #[inline]
     pub fn joins(&self, a: u32, b: u32) -> bool {
+        if self.offsets.is_empty() {
+            return false;
+        }
         match self.offsets.get(a as usize..=a as usize + 1) {
             Some(&[start, end]) => self.others[start as usize..end as usize].contains(&b),
             _ => false,
@@ -69,4 +115,24 @@ pub struct Counts {
     pub vertex_triangle: usize,
     /// Pairs of edges.
     pub edge_edge: usize,
+}
+
+impl Candidates<'_> {
+    /// Writes a vertex and a triangle where there is room, and counts them in any case.
+    #[inline]
+    pub fn add_vertex_triangle(&mut self, counts: &mut Counts, vertex: u32, triangle: u32) {
+        if let Some(slot) = self.vertex_triangle.get_mut(counts.vertex_triangle) {
+            *slot = [vertex, triangle];
+        }
+        counts.vertex_triangle += 1;
+    }
+
+    /// Writes two edges where there is room, and counts them in any case.
+    #[inline]
+    pub fn add_edge_edge(&mut self, counts: &mut Counts, a: u32, b: u32) {
+        if let Some(slot) = self.edge_edge.get_mut(counts.edge_edge) {
+            *slot = [a.min(b), a.max(b)];
+        }
+        counts.edge_edge += 1;
+    }
 }

@@ -9,9 +9,13 @@ pub mod edges;
 #[cfg(feature = "alloc")]
 pub mod hinges;
 #[cfg(feature = "alloc")]
+pub mod ownership;
+#[cfg(feature = "alloc")]
 pub mod rest;
 #[cfg(feature = "alloc")]
 pub use incidence::IncidenceColumns;
+#[cfg(feature = "alloc")]
+pub use ownership::SurfaceColumns;
 #[cfg(feature = "alloc")]
 pub use tri_mesh::{Stitch, TriMesh};
 

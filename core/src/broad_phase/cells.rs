@@ -1,0 +1,115 @@
+//! The home cell of every sphere, and the control bits that say which cells it touches.
+//!
+//! Cells wrap around with an even period of at least four, so that keys stay short. Cells that
+//! become one are too far apart for a box to overlap anything from both, so this loses and
+//! repeats nothing.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::control_bits::HOME_SHIFT;
+use super::spheres::Sphere;
+use crate::dispatch::Dispatch;
+
+/// In [`Home::control`]: shifted by an axis, phantoms are at the greater side.
+pub const UPWARD: u32 = 1 << (HOME_SHIFT + 3);
+
+/// Where an object is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Home {
+    /// The key of its cell.
+    pub key: u32,
+    /// [Control bits](super::control_bits), then [`UPWARD`]; zero for an absent object.
+    pub control: u32,
+}
+
+/// The size of the cells and the fields of their keys.
+#[derive(Clone, Copy, Debug)]
+pub struct Lattice {
+    /// Edge of a cell in half units.
+    pub size: i32,
+    /// Bits of a key for each axis.
+    pub bits: [u32; 3],
+}
+
+impl Lattice {
+    /// For spheres: cells of at least `2 R + sqrt(2) R` and keys of about as many values as there are
+    /// objects.
+    pub fn new(spheres: &[Sphere]) -> Self {
+        let (mut count, mut diagonal_squared, mut last) = (0u32, 0, [0; 3]);
+        for sphere in spheres.iter().filter(|&s| *s != Sphere::ABSENT) {
+            count += 1;
+            diagonal_squared = sphere.diagonal_squared.max(diagonal_squared);
+            for k in 0..3 {
+                last[k] = sphere.center[k].max(last[k]);
+            }
+        }
+        let least = 2 * root_above(diagonal_squared) + root_above(2 * diagonal_squared) + 1;
+        let size = least as i32;
+        let mut bits = last.map(|last| (last / size + 1).ilog2() + 1).map(|bits| bits.max(2));
+        let most = (u32::BITS - count.leading_zeros() + 1).max(6);
+        while bits[0] + bits[1] + bits[2] > most {
+            let longest = (0..3).max_by_key(|&k| bits[k]).unwrap_or(0);
+            bits[longest] -= 1;
+        }
+        Self { size, bits }
+    }
+
+    /// Bits of a key.
+    pub fn key_bits(&self) -> u32 {
+        self.bits[0] + self.bits[1] + self.bits[2]
+    }
+
+    /// Where each axis starts in a key.
+    #[inline]
+    pub fn shifts(&self) -> [u32; 3] {
+        [0, self.bits[0], self.bits[0] + self.bits[1]]
+    }
+
+    /// The type of a cell.
+    #[inline]
+    pub fn cell_type(&self, key: u32) -> u32 {
+        let [x, y, z] = self.shifts().map(|shift| key >> shift & 1);
+        x | y << 1 | z << 2
+    }
+}
+
+/// The least integer whose square is not less.
+fn root_above(n: u32) -> u32 {
+    n.isqrt() + u32::from(n.isqrt() * n.isqrt() < n)
+}
+
+/// Writes where every sphere has its home and its phantoms.
+pub fn write_cells(spheres: &[Sphere], lattice: &Lattice, homes: &mut [Home], dispatch: &impl Dispatch) {
+    dispatch.run(homes, |start, part| {
+        for (sphere, home) in spheres[start..].iter().zip(part) {
+            *home = place(sphere, lattice);
+        }
+    });
+}
+
+#[inline]
+fn place(sphere: &Sphere, lattice: &Lattice) -> Home {
+    if *sphere == Sphere::ABSENT {
+        return Home::default();
+    }
+    let (size, shifts, cover_squared) = (lattice.size, lattice.shifts(), 2 * sphere.diagonal_squared);
+    let (mut key, mut parity, mut upward) = (0, 0, 0);
+    let mut gaps_squared = [0; 3];
+    for k in 0..3 {
+        let cell = sphere.center[k] / size;
+        let below = sphere.center[k] - cell * size;
+        let above = size - below;
+        key |= (cell as u32 & ((1 << lattice.bits[k]) - 1)) << shifts[k];
+        parity |= (cell as u32 & 1) << k;
+        upward |= u32::from(above < below) << k;
+        let gap = above.min(below).min(1 << 14) as u32;
+        gaps_squared[k] = gap * gap;
+    }
+    let mut mask = 0;
+    for across in 0..8 {
+        let gap_squared: u32 = (0..3).map(|k| if across >> k & 1 == 1 { gaps_squared[k] } else { 0 }).sum();
+        mask |= u32::from(gap_squared <= cover_squared) << (parity ^ across);
+    }
+    Home { key, control: mask | parity << HOME_SHIFT | upward * UPWARD }
+}

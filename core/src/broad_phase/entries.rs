@@ -1,0 +1,73 @@
+//! One entry for each cell that an object touches, copied when all control bits are known.
+//!
+//! Homes come before phantoms, and the level's own objects before smaller ones; the sort is
+//! stable, so every cell lists them in this order: own homes, smaller homes, own phantoms, smaller
+//! phantoms.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::cells::{Home, Lattice, UPWARD};
+use super::control_bits;
+
+/// In [`Entry::object`]: the cell is the object's home.
+pub const IS_HOME: u32 = 1 << 31;
+/// In [`Entry::object`]: the object belongs to the level, and is not a smaller one.
+pub const IS_OWN: u32 = 1 << 30;
+
+/// An object in a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Entry {
+    /// The key of the cell.
+    pub key: u32,
+    /// The object, [`IS_HOME`] and [`IS_OWN`].
+    pub object: u32,
+}
+
+impl Entry {
+    /// Which object.
+    #[inline]
+    pub fn id(&self) -> u32 {
+        self.object & !(IS_HOME | IS_OWN)
+    }
+}
+
+/// Writes the entries of all objects, at most eight each, and returns how many.
+pub fn write_entries(homes: &[Home], levels: &[u8], level: u8, lattice: &Lattice, entries: &mut [Entry]) -> usize {
+    let (shifts, mut end) = (lattice.shifts(), 0);
+    let fields: [u32; 3] = core::array::from_fn(|k| ((1 << lattice.bits[k]) - 1) << shifts[k]);
+    let mut push = |key, object| {
+        entries[end] = Entry { key, object };
+        end += 1;
+    };
+    for own in [IS_OWN, 0] {
+        for (id, home) in present(homes, levels, level, own) {
+            push(home.key, id | own | IS_HOME);
+        }
+    }
+    for own in [IS_OWN, 0] {
+        for (id, home) in present(homes, levels, level, own) {
+            let parity = control_bits::home(home.control);
+            let mut phantoms = home.control & control_bits::MASK & !(1 << parity);
+            while phantoms != 0 {
+                let across = phantoms.trailing_zeros() ^ parity;
+                phantoms &= phantoms - 1;
+                let mut key = home.key;
+                for k in 0..3 {
+                    if across >> k & 1 == 1 {
+                        let one = 1u32 << shifts[k];
+                        let step = if home.control & UPWARD << k != 0 { one } else { one.wrapping_neg() };
+                        key = key & !fields[k] | key.wrapping_add(step) & fields[k];
+                    }
+                }
+                push(key, id | own);
+            }
+        }
+    }
+    end
+}
+
+fn present<'a>(homes: &'a [Home], levels: &'a [u8], level: u8, own: u32) -> impl Iterator<Item = (u32, &'a Home)> {
+    let belongs = move |own_level: u8| (own_level == level) == (own != 0);
+    (0..).zip(homes).filter(move |&(id, home)| home.control != 0 && belongs(levels[id as usize]))
+}

@@ -1,0 +1,109 @@
+//! Every method in both precisions, as functions from a case to the candidates found.
+
+use super::case::Case;
+
+/// Candidates as a method wrote them, and how many it counted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Found {
+    pub vertex_triangle: Vec<[u32; 2]>,
+    pub edge_edge: Vec<[u32; 2]>,
+    /// Of each kind.
+    pub counts: [usize; 2],
+}
+
+impl Found {
+    /// In ascending order.
+    pub fn sorted(mut self) -> Self {
+        self.vertex_triangle.sort_unstable();
+        self.edge_edge.sort_unstable();
+        self
+    }
+}
+
+/// A method with room for so many of each kind.
+pub type Method = fn(&Case, [usize; 2]) -> Found;
+
+pub const METHODS: [(&str, Method); 6] = [
+    ("brute force in f32", single::brute_force),
+    ("brute force in f64", double::brute_force),
+    ("reference cell in f32", single::reference_cell),
+    ("reference cell in f64", double::reference_cell),
+    ("grid in f32", single::grid),
+    ("grid in f64", double::grid),
+];
+
+/// All that a method finds: counted first, then with just enough room.
+pub fn all(method: Method, case: &Case) -> Found {
+    let counts = method(case, [0, 0]).counts;
+    method(case, counts)
+}
+
+muslin_tests::both_precisions! {
+    use super::{Case, Found};
+    use muslin::broad_phase::{self, Candidates, Counts, GridColumns, Surface, brute_force, reference_cell};
+    use muslin::dispatch::Serial;
+    use muslin::geometry::aabb::Aabb;
+    use muslin::mesh::SurfaceColumns;
+    use kit::narrow;
+    use muslin_tests::threads::Uneven;
+
+    /// The columns of a case.
+    pub fn columns(case: &Case) -> (Vec<Aabb>, SurfaceColumns) {
+        let to_box = |corners: &[glam::DVec3; 2]| {
+            let [min, max] = narrow(corners);
+            Aabb { min, max }
+        };
+        let mut surface = SurfaceColumns::build(case.boxes.len(), &case.triangles, &case.sewn);
+        surface.first_passive = case.first_passive.unwrap_or(surface.first_passive);
+        surface.own_contact = !case.without_own_contact;
+        (case.boxes.iter().map(to_box).collect(), surface)
+    }
+
+    fn found(
+        case: &Case,
+        room: [usize; 2],
+        method: impl Fn(&[Aabb], &Surface<'_>, &mut Candidates<'_>) -> Counts,
+    ) -> Found {
+        let (boxes, surface) = columns(case);
+        let [mut vertex_triangle, mut edge_edge] = room.map(|room| vec![[u32::MAX; 2]; room]);
+        let mut out = Candidates { vertex_triangle: &mut vertex_triangle, edge_edge: &mut edge_edge };
+        let counts = method(&boxes, &surface.view(), &mut out);
+        Found { vertex_triangle, edge_edge, counts: [counts.vertex_triangle, counts.edge_edge] }
+    }
+
+    pub fn brute_force(case: &Case, room: [usize; 2]) -> Found {
+        found(case, room, brute_force::candidates)
+    }
+
+    pub fn reference_cell(case: &Case, room: [usize; 2]) -> Found {
+        found(case, room, reference_cell::candidates)
+    }
+
+    pub fn grid(case: &Case, room: [usize; 2]) -> Found {
+        found(case, room, |boxes, surface, out| {
+            let mut work = GridColumns::build(surface.triangles.len(), surface.edges.len());
+            broad_phase::candidates(boxes, surface, &mut work.view(), out, &Serial)
+        })
+    }
+
+    /// The grid with kernels cut unevenly among threads.
+    pub fn on_threads(case: &Case, threads: usize) -> Found {
+        let counts = grid(case, [0, 0]).counts;
+        found(case, counts, |boxes, surface, out| {
+            let mut work = GridColumns::build(surface.triangles.len(), surface.edges.len());
+            broad_phase::candidates(boxes, surface, &mut work.view(), out, &Uneven::new(threads))
+        })
+    }
+
+    /// Counts of cases with the same triangles, all in the same columns.
+    pub fn in_turn<const K: usize>(cases: &[&Case; K]) -> [[usize; 2]; K] {
+        let (_, surface) = columns(cases[0]);
+        let mut work = GridColumns::build(surface.triangles.len(), surface.edges.len());
+        cases.map(|case| {
+            let (boxes, _) = columns(case);
+            let out = &mut Candidates::default();
+            let counts = broad_phase::candidates(&boxes, &surface.view(), &mut work.view(), out, &Serial);
+            [counts.vertex_triangle, counts.edge_edge]
+        })
+    }
+}

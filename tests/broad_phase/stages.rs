@@ -1,0 +1,77 @@
+//! The rule of the control bits by itself: two or more boxes that touch in their corners, so that
+//! the centres are as far apart as overlapping spheres can be, placed all about the corners of
+//! cells: every overlapping pair comes out exactly once.
+
+use glam::DVec3;
+use muslin_tests::rng::Rng;
+
+const CASES: usize = 40_000;
+
+/// A few boxes, each with a corner in a common small neighbourhood.
+fn boxes(rng: &mut Rng) -> Vec<[DVec3; 2]> {
+    let meeting = rng.cube(40.0).round();
+    let count = rng.pick(&[2, 2, 3, 6]);
+    let one = |rng: &mut Rng| {
+        let full = rng.pick(&[1.0, 1.0, 0.9, 0.5, 0.1, 0.0]);
+        let flat: [f64; 3] = std::array::from_fn(|_| rng.pick(&[1.0, 1.0, 0.0, 0.3]));
+        let size = (DVec3::from_array(flat) * full * 8.0).round();
+        let corner = meeting + rng.cube(0.7).round();
+        let other = corner + size * DVec3::from_array(std::array::from_fn(|_| rng.pick(&[-1.0, 1.0])));
+        [corner.min(other), corner.max(other)]
+    };
+    // The frame fixes where cells begin, and the last box how large they are.
+    let mut boxes: Vec<_> = (0..count).map(|_| one(rng)).collect();
+    boxes.push([DVec3::splat(-100.0), DVec3::splat(-92.0)]);
+    boxes
+}
+
+muslin_tests::both_precisions! {
+    use super::{CASES, boxes};
+    use muslin::broad_phase::cells::{self, Home, Lattice};
+    use muslin::broad_phase::entries::{self, Entry};
+    use muslin::broad_phase::spheres::{self, Quantum, Sphere};
+    use muslin::broad_phase::{pairs, sort};
+    use muslin::dispatch::Serial;
+    use muslin::geometry::aabb::Aabb;
+    use muslin_tests::rng::Rng;
+
+    /// The pairs of boxes of one level.
+    fn pairs_in_cells(boxes: &[Aabb], levels: &[u8], level: u8) -> Vec<[u32; 2]> {
+        let scene = boxes.iter().fold(Aabb::EMPTY, |scene, b| scene.union(b));
+        let mut columns = vec![Sphere::default(); boxes.len()];
+        let quantum = Quantum::new(&scene, 8.0);
+        spheres::write_spheres(boxes, levels, level, &quantum, &mut columns, &Serial);
+        let lattice = Lattice::new(&columns);
+        let mut homes = vec![Home::default(); boxes.len()];
+        cells::write_cells(&columns, &lattice, &mut homes, &Serial);
+        let [mut entries, mut spare] = [(); 2].map(|()| vec![Entry::default(); 8 * boxes.len()]);
+        let count = entries::write_entries(&homes, levels, level, &lattice, &mut entries);
+        let in_spare = sort::sort(&mut entries[..count], &mut spare[..count], lattice.key_bits());
+        let sorted = &(if in_spare { spare } else { entries })[..count];
+        let mut found = Vec::new();
+        pairs::for_each_pair(sorted, &homes, boxes, &lattice, |a, b| found.push([a.min(b), a.max(b)]));
+        found.sort_unstable();
+        found
+    }
+
+    #[test]
+    fn every_overlapping_pair_once() {
+        let rng = &mut Rng::new(21);
+        let mut overlapping = 0;
+        for case in 0..CASES {
+            let boxes: Vec<_> = boxes(rng).iter().map(kit::narrow).map(|[min, max]| Aabb { min, max }).collect();
+            let levels: Vec<u8> = boxes.iter().map(|_| u8::from(case % 4 != 0 || rng.pick(&[true, false]))).collect();
+            let mut expected = Vec::new();
+            for a in 0..boxes.len() {
+                for b in a + 1..boxes.len() {
+                    if boxes[a].overlaps(&boxes[b]) && (levels[a] == 1 || levels[b] == 1) {
+                        expected.push([a as u32, b as u32]);
+                    }
+                }
+            }
+            overlapping += expected.len();
+            assert_eq!(pairs_in_cells(&boxes, &levels, 1), expected, "case {case}: {boxes:?}, levels {levels:?}");
+        }
+        assert!(overlapping > CASES, "only {overlapping} pairs overlap");
+    }
+}

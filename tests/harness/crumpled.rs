@@ -1,0 +1,73 @@
+//! A crumpled sheet of any size, so dense everywhere that several layers share a neighbourhood.
+//!
+//! Its profile is a meander whose direction swings as `SWING sin(2 pi s / WAVE)`, with loops that
+//! nearly touch; the meander shifts and bends along the other side [Langbein 1966, sine-generated
+//! curves].
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use crate::rng::Rng;
+
+/// Swing of the meander's direction, radians: at 2.2 its loops touch.
+const SWING: f64 = 2.15;
+
+/// Length of a meander in edges.
+const WAVE: f64 = 36.0;
+
+/// Displacement of each vertex in edges.
+const NOISE: f64 = 0.15;
+
+/// A triangle mesh.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// In edges.
+    pub positions: Vec<DVec3>,
+    /// Vertices of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A square sheet of `cells` x `cells` cells of two triangles, with edges of length one.
+pub fn sheet(cells: usize) -> Mesh {
+    let (rng, side) = (&mut Rng::new(7), cells + 1);
+    let profile = meander(side + 2 * WAVE as usize);
+    let mut positions = Vec::with_capacity(side * side);
+    for j in 0..side {
+        let along = j as f64 / WAVE;
+        let shift = WAVE * (0.5 + 0.3 * (TAU * along / 2.7).sin());
+        let lift = 4.0 * (TAU * along).sin() + 2.0 * (TAU * along * 2.3).cos();
+        for i in 0..side {
+            let at = i as f64 + shift;
+            let (low, part) = (at as usize, at.fract());
+            let [x, y] = [0, 1].map(|k| profile[low][k] * (1.0 - part) + profile[low + 1][k] * part);
+            positions.push(DVec3::new(x, y + lift, 0.75 * j as f64) + rng.cube(NOISE));
+        }
+    }
+    Mesh { positions, triangles: triangles(cells) }
+}
+
+/// Points one apart along the meander.
+fn meander(points: usize) -> Vec<[f64; 2]> {
+    const STEPS: usize = 8;
+    let mut at = [0.0; 2];
+    let walk = (0..STEPS * points).map(|step| {
+        let from = at;
+        let angle = SWING * (TAU * (step as f64 / STEPS as f64) / WAVE).sin();
+        at = [at[0] + angle.cos() / STEPS as f64, at[1] + angle.sin() / STEPS as f64];
+        from
+    });
+    walk.step_by(STEPS).collect()
+}
+
+fn triangles(cells: usize) -> Vec<[u32; 3]> {
+    let vertex = |i: usize, j: usize| (j * (cells + 1) + i) as u32;
+    let mut triangles = Vec::with_capacity(2 * cells * cells);
+    for j in 0..cells {
+        for i in 0..cells {
+            let [a, b, c, d] = [vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)];
+            triangles.extend(if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
+        }
+    }
+    triangles
+}
