@@ -4,8 +4,9 @@
 //! A *crossing* is an edge and a triangle that are no neighbours and [meet](edge_meets_triangle).
 //! Neighbours have a vertex in common or two that are sewn together. Wherever two triangles pass
 //! through one another, the line that they share ends on an edge of one or the other, so crossings
-//! find all of it but a fold laid flat onto its own hinge. Only faces and their edges count, and
-//! none passive against passive; [`Surface::own_contact`] is not asked. Positions must be finite.
+//! find all of it but what the two sides of a seam do to one another and a fold laid flat onto its
+//! own hinge. Only faces and their edges count, and none passive against passive;
+//! [`Surface::own_contact`] is not asked. Positions must be finite.
 //!
 //! Boxes are sorted along the axis on which the vertices are furthest spread. Where all of n
 //! triangles overlap it takes n^2 exact tests.

@@ -127,6 +127,24 @@ pub enum SceneError {
     MotionKeys { cloth: u32, pin: u32 },
     /// The turn of a motion has no direction, or a number that is none.
     MotionTurn { cloth: u32, pin: u32 },
+    /// Static friction below the kinetic.
+    StaticBelowKinetic { at_rest: f64, kinetic: f64 },
+    /// A collider without a section about contact.
+    ColliderWithoutContact,
+    /// A key is missing that the shape of a collider needs.
+    ShapeNeeds { collider: u32, key: &'static str, shape: &'static str },
+    /// A key is given that the shape of a collider does not have.
+    NotOfShape { collider: u32, key: &'static str, shape: &'static str },
+    /// The normal of a plane has no direction.
+    NoNormal { collider: u32 },
+    /// A file that a collider names was not given to the build.
+    MissingColliderFile { collider: u32 },
+    /// The mesh of a collider is not usable.
+    ColliderMesh { collider: u32, error: MeshError },
+    /// A point cache does not fit its mesh.
+    CachePoints { collider: u32, expected: u32, found: u32 },
+    /// The motion of a collider is not usable.
+    ColliderMotion { collider: u32 },
 }
 
 /// A number as a person writes it: with an exponent where it would be all zeros.
@@ -195,6 +213,31 @@ impl fmt::Display for SceneError {
             }
             Self::MotionTurn { cloth, pin } => {
                 write!(f, "cloth {cloth}, pin {pin}: motion.turn needs an axis with a direction and a finite rate")
+            }
+            Self::StaticBelowKinetic { at_rest, kinetic } => {
+                write!(f, "friction: static = {} is below kinetic = {}", Plain(at_rest), Plain(kinetic))
+            }
+            Self::ColliderWithoutContact => {
+                write!(f, "there is a [[collider]] but no [contact]; add [contact] with a thickness, such as 0.002")
+            }
+            Self::ShapeNeeds { collider, key, shape } => {
+                write!(f, "collider {collider}: {key} is needed with shape = \"{shape}\"")
+            }
+            Self::NotOfShape { collider, key, shape } => {
+                write!(f, "collider {collider}: {key} has no meaning with shape = \"{shape}\"; remove it")
+            }
+            Self::NoNormal { collider } => write!(f, "collider {collider}: the normal of a plane needs a direction"),
+            Self::MissingColliderFile { collider } => write!(f, "collider {collider}: its file was not loaded"),
+            Self::ColliderMesh { collider, error } => write!(f, "collider {collider}: {error}"),
+            Self::CachePoints { collider, expected, found } => {
+                write!(f, "collider {collider}: its point cache has {found} points, its mesh {expected} vertices")
+            }
+            Self::ColliderMotion { collider } => {
+                write!(
+                    f,
+                    "collider {collider}: its motion needs finite numbers, times that increase, and a turn only with \
+                     an axis and not for a plane"
+                )
             }
         }
     }

@@ -45,6 +45,10 @@ pub mod broad_phase;
 
 pub mod narrow_phase;
 
+pub mod colliders;
+pub mod contact;
+pub mod response;
+
 pub mod step;
 
 pub mod scratch;
@@ -59,6 +63,7 @@ pub mod simulation;
 
 pub mod dispatch;
 pub mod error;
+pub mod motion;
 pub mod real;
 pub mod stage;
 pub mod traffic;

@@ -14,7 +14,7 @@ mod precision {
     /// Four scalars that are multiplied and added at once.
     pub type Lanes = wide::f32x4;
 
-    pub use libm::{atan2f as atan2, cosf as cos, sinf as sin, sqrtf as sqrt};
+    pub use libm::{atan2f as atan2, cosf as cos, expf as exp, sinf as sin, sqrtf as sqrt};
 }
 
 #[cfg(double)]
@@ -28,7 +28,7 @@ mod precision {
     /// Four scalars that are multiplied and added at once.
     pub type Lanes = wide::f64x4;
 
-    pub use libm::{atan2, cos, sin, sqrt};
+    pub use libm::{atan2, cos, exp, sin, sqrt};
 }
 
 pub use precision::*;

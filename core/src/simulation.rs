@@ -1,24 +1,44 @@
 //! A scene in motion with all of its columns owned: what a host with an allocator holds.
 
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::audit;
+use crate::contact::{ContactColumns, ContactScratchColumns};
 use crate::diagnostics::{self, Stretch};
 use crate::dispatch::Dispatch;
 use crate::error::SceneError;
 use crate::forces::{Energy, Model};
 use crate::integrate::pins::Pins;
 use crate::integrate::{Context, Scheme, Work};
+use crate::mesh::SurfaceColumns;
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
+use crate::response::{Outcome, Settings, Tally};
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
-use crate::stage::Term;
-use crate::step::{self, Prediction};
+use crate::stage::{Stage, Term};
+use crate::step::{self, Prediction, Sweep};
 use crate::traffic::Sizes;
+
+/// How often a step is halved before what still meets is held back.
+const MOST_HALVINGS: u32 = 6;
+
+/// How often the boxes around the motion are widened before the step is halved.
+const MOST_WIDENINGS: u32 = 6;
+
+/// Room for so many candidates of each kind a vertex, to begin with.
+const PAIRS_PER_VERTEX: usize = 32;
 
 /// A simulation that a host steps.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     built: BuiltScene,
     scratch: ScratchColumns,
+    contact: Option<ContactScratchColumns>,
+    tally: Tally,
+    /// Whether the response changed the candidate state.
+    touched: bool,
     scheme: Scheme,
     step: Real,
     steps: u64,
@@ -44,6 +64,20 @@ impl core::fmt::Display for Diverged {
 }
 
 impl core::error::Error for Diverged {}
+
+/// A part of a step: a step that cannot be made free of intersections is taken in halves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Where in the step it starts, 0..1.
+    pub from: Sum,
+    /// How much of the step it is, 0..1.
+    pub length: Sum,
+}
+
+impl Part {
+    /// The whole step.
+    pub const WHOLE: Self = Self { from: 0.0, length: 1.0 };
+}
 
 /// The part of a simulation that a checkpoint keeps, borrowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,37 +112,110 @@ impl Simulation {
     /// A simulation over columns made elsewhere.
     pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
         let scratch = ScratchColumns::build(&built, &scheme);
+        let room = PAIRS_PER_VERTEX * built.particles.positions.len();
+        let contact = built.contact.as_ref().map(|contact| ContactScratchColumns::build(&contact.view(), room));
         // Only the solver's patches are cut by it.
         built.material = Default::default();
-        Self { built, scratch, scheme, step, steps: 0, work: Work::default() }
+        let (work, tally) = (Work::default(), Tally::default());
+        Self { built, scratch, contact, tally, touched: false, scheme, step, steps: 0, work }
     }
 
-    /// Takes one step: predict, then commit. On divergence the state stays as it was.
+    /// Takes one step, in halves where it has to be. On divergence the state stays as it was
+    /// before the part that diverged.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
-        match self.predict(dispatch) {
-            Prediction::Fine => {
-                self.commit();
-                Ok(())
+        let whole = 1u32 << MOST_HALVINGS;
+        let (mut done, mut halvings) = (0, 0);
+        while done < whole {
+            let length = whole >> halvings;
+            let part = Part { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
+            if self.try_part(part, halvings == MOST_HALVINGS, dispatch)? {
+                done += length;
+                halvings -= u32::from(halvings > 0 && done % (2 * length) == 0);
+            } else {
+                self.tally.rejected += 1;
+                halvings += 1;
             }
-            Prediction::NotFinite { particle } => {
-                let term = self.hardest_term(particle, dispatch);
-                Err(Diverged { step: self.steps + 1, particle, term })
+        }
+        self.steps += 1;
+        Ok(())
+    }
+
+    /// Takes a part of a step; false, and nothing done, where surfaces would meet.
+    fn try_part(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Result<bool, Diverged> {
+        if let Prediction::NotFinite { particle } = self.predict(part, dispatch) {
+            let term = self.hardest_term(particle, dispatch);
+            return Err(Diverged { step: self.steps + 1, particle, term });
+        }
+        if self.contact.is_some() && !self.resolve(part, hold, dispatch) {
+            return Ok(false);
+        }
+        self.commit();
+        // A two-step method cannot look back over an impulse or a step of another length.
+        self.scratch.has_history &= part == Part::WHOLE && !self.touched;
+        Ok(true)
+    }
+
+    /// Contact: solves what touches together with the cloth. Where there is too little room for what
+    /// touches, it is grown.
+    pub fn press(&mut self, part: Part, dispatch: &impl Dispatch) {
+        let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
+        let Self { built, scratch, contact, scheme, work, .. } = self;
+        let (Some(touching), Some(contact)) = (&built.contact, contact) else { return };
+        if !scheme.method.is_implicit() {
+            return;
+        }
+        dispatch.enter(Stage::Response);
+        let holds = loop {
+            match step::press(&touching.view(), &mut contact.view(), Settings { step, hold: false }) {
+                Ok(holds) => break holds,
+                Err(Outcome::Short { needed }) => contact.grow_constraints(needed),
+                Err(_) => return,
+            }
+        };
+        if holds == 0 {
+            return;
+        }
+        let BuiltScene { particles, model, pins, .. } = built;
+        let (model, pins) = (&model.view(), &pins.view());
+        let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
+        let context = Context { model, pins, masses, inverse_masses, time, step, scheme, dispatch };
+        step::couple(&context, &mut contact.view(), holds, &mut scratch.view(), work);
+    }
+
+    /// The phases between prediction and commit; false where surfaces would still meet.
+    fn resolve(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> bool {
+        let mut widened = 0;
+        loop {
+            self.sweep(part, widened);
+            self.detect(dispatch);
+            if widened == 0 {
+                self.press(part, dispatch);
+            }
+            match self.respond(part, hold, dispatch) {
+                Outcome::Free => return true,
+                Outcome::Left if widened < MOST_WIDENINGS => widened += 1,
+                Outcome::Left | Outcome::Short { .. } => return false,
+                Outcome::Meets(_) if hold => return true,
+                Outcome::Meets(_) => return false,
             }
         }
     }
 
     /// The first phase of a step: writes the candidate state.
-    pub fn predict(&mut self, dispatch: &impl Dispatch) -> Prediction {
-        let time = self.time();
+    pub fn predict(&mut self, part: Part, dispatch: &impl Dispatch) -> Prediction {
+        let time = self.time_at(part.from);
         let Self { built, scratch, scheme, step, work, .. } = self;
         let BuiltScene { particles, model, pins, .. } = built;
+        if part != Part::WHOLE {
+            scratch.has_history = false;
+        }
         let context = Context {
             model: &model.view(),
             pins: &pins.view(),
             masses: &particles.masses,
             inverse_masses: &particles.inverse_masses,
             time,
-            step: *step,
+            step: *step * part.length as Real,
             scheme,
             dispatch,
         };
@@ -119,6 +226,46 @@ impl Simulation {
             inverse_masses: &particles.inverse_masses,
         };
         step::predict(&context, &particles, &mut scratch.view(), work)
+    }
+
+    /// Contact: writes the boxes around the motion, wider where that was too little.
+    pub fn sweep(&mut self, part: Part, widened: u32) {
+        let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
+        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return };
+        let margin = 0.5 * model.thickness * (1 << widened) as Real;
+        let sweep = Sweep { time, step, margin, widen: widened > 0 };
+        let positions = &self.built.particles.positions;
+        step::sweep(&model.view(), sweep, positions, &self.scratch.next_positions, &mut contact.view());
+    }
+
+    /// Contact: finds candidates, with more room where there was too little.
+    pub fn detect(&mut self, dispatch: &impl Dispatch) {
+        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return };
+        let mut counts = step::detect(&model.view(), &mut contact.view(), dispatch);
+        if contact.grow_pairs(counts) {
+            counts = step::detect(&model.view(), &mut contact.view(), dispatch);
+        }
+        self.tally.candidates += (counts.vertex_triangle + counts.edge_edge) as u64;
+    }
+
+    /// Contact: corrects the candidate state. Where there is too little room for what touches, it
+    /// is grown and the response begun again.
+    pub fn respond(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Outcome {
+        let step = self.step * part.length as Real;
+        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return Outcome::Free };
+        dispatch.enter(Stage::Response);
+        loop {
+            let mut view = contact.view();
+            let outcome = step::respond(&model.view(), &mut view, Settings { step, hold }, &mut self.tally, dispatch);
+            match outcome {
+                Outcome::Short { needed } => contact.grow_constraints(needed),
+                Outcome::Free | Outcome::Meets(_) if outcome == Outcome::Free || hold => {
+                    self.touched = step::settle(step, &view, &mut self.scratch.view());
+                    return outcome;
+                }
+                _ => return outcome,
+            }
+        }
     }
 
     /// The last phase of a step: the candidate becomes the state. As [`step::commit`], over owned
@@ -132,7 +279,6 @@ impl Simulation {
             core::mem::swap(&mut scratch.previous_velocities, &mut scratch.next_velocities);
             scratch.has_history = true;
         }
-        self.steps += 1;
     }
 
     fn hardest_term(&mut self, particle: u32, dispatch: &impl Dispatch) -> Option<Term> {
@@ -152,6 +298,48 @@ impl Simulation {
     /// Simulated time, s.
     pub fn time(&self) -> Sum {
         self.steps as Sum * Sum::from(self.step)
+    }
+
+    fn time_at(&self, fraction: Sum) -> Sum {
+        self.time() + fraction * Sum::from(self.step)
+    }
+
+    /// Counts of contact so far.
+    pub fn tally(&self) -> Tally {
+        self.tally
+    }
+
+    /// What can touch; absent: nothing.
+    pub fn contact(&self) -> Option<&ContactColumns> {
+        self.built.contact.as_ref()
+    }
+
+    /// Where the vertices of the colliders are now, m.
+    pub fn collider_positions(&self) -> Vec<Vec3> {
+        let colliders = self.built.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default();
+        let mut places = vec![Vec3::ZERO; colliders.anchors.len()];
+        colliders.place(self.time(), &mut places);
+        places
+    }
+
+    /// Pairs of an edge and a triangle, of cloths and colliders, that pass through one another now,
+    /// by the exact test; a scene without contact is asked about its cloths.
+    pub fn crossings(&self) -> usize {
+        let positions: Vec<_> = self.positions().iter().copied().chain(self.collider_positions()).collect();
+        match &self.built.contact {
+            Some(contact) => audit::count(&contact.surface.view(), &positions),
+            None => {
+                let surface = SurfaceColumns::build(positions.len(), &self.built.triangles, &[]);
+                audit::count(&surface.view(), &positions)
+            }
+        }
+    }
+
+    /// The deepest that a vertex lies in a collider now, m; none without colliders.
+    pub fn penetration(&self) -> Option<Real> {
+        let contact = self.built.contact.as_ref().filter(|contact| !contact.colliders.bodies.is_empty())?;
+        let (colliders, places) = (contact.colliders.view(), self.collider_positions());
+        Some(self.positions().iter().map(|&x| colliders.depth(&places, x)).fold(0.0, Real::max))
     }
 
     /// Length of a step, s.
@@ -181,7 +369,8 @@ impl Simulation {
 
     /// Bytes held in columns.
     pub fn bytes(&self) -> usize {
-        self.built.bytes() + self.scratch.bytes()
+        let contact = self.contact.as_ref().map_or(0, ContactScratchColumns::bytes);
+        self.built.bytes() + self.scratch.bytes() + contact
     }
 
     /// Positions, m.

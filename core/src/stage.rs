@@ -10,6 +10,12 @@ pub enum Stage {
     Jacobian(Term),
     /// Solving the linear system.
     Solve,
+    /// Finding candidates.
+    BroadPhase,
+    /// Distances and times of impact.
+    NarrowPhase,
+    /// Solving contacts.
+    Response,
     /// Everything else: updating positions and velocities, checking them.
     Integrate,
 }

@@ -104,6 +104,9 @@ pub struct RunArguments {
     /// The preview picture
     #[arg(long, value_enum, default_value = "gif")]
     pub preview: PreviewKind,
+    /// Test every frame exactly for surfaces that pass through one another
+    #[arg(long)]
+    pub audit: bool,
     /// Write a checkpoint every N steps
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
     pub checkpoint: Option<u64>,

@@ -180,6 +180,9 @@ fn stage_name(stage: Stage) -> String {
         Stage::Force(term) => format!("force {}", term.name()),
         Stage::Jacobian(term) => format!("jacobian {}", term.name()),
         Stage::Solve => "solve".into(),
+        Stage::BroadPhase => "broad phase".into(),
+        Stage::NarrowPhase => "narrow phase".into(),
+        Stage::Response => "response".into(),
         Stage::Integrate => "integrate".into(),
     }
 }

@@ -6,6 +6,8 @@
 use std::io::Write;
 use std::path::Path;
 
+use muslin_core::scene::Content;
+
 use crate::args::Precision;
 use crate::engine::{Engine, Snapshot};
 use crate::export::whole::{self, WriteError};
@@ -95,8 +97,15 @@ pub fn scene_crc(scene: &SceneFile) -> u32 {
         table.remove("duration");
         crc.update(table.to_string().as_bytes());
     }
-    for (name, mesh) in &scene.resources {
+    for (name, content) in &scene.resources {
         crc.update(name.as_bytes());
+        let mesh = match content {
+            Content::Mesh(mesh) => mesh,
+            Content::Cache(cache) => {
+                crc.update(bytemuck::cast_slice(&cache.positions));
+                continue;
+            }
+        };
         crc.update(bytemuck::cast_slice(&mesh.positions));
         crc.update(bytemuck::cast_slice(&mesh.triangles));
         crc.update(bytemuck::cast_slice(&mesh.uvs));

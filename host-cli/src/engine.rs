@@ -42,6 +42,8 @@ pub struct Report {
     pub negative_curvature: u64,
     /// Solves ended by their limit of iterations.
     pub unconverged: u64,
+    /// candidates, proximity, impacts, zones, failsafe, rejected steps.
+    pub contacts: [u64; 6],
 }
 
 /// What a checkpoint keeps of a simulation, as little-endian bits.
@@ -73,6 +75,10 @@ pub trait Engine: Send {
     fn mass(&self) -> f64;
     /// Adds the state to a hash chain and returns the chain.
     fn chain(&self, chain: Option<u64>) -> u64;
+    /// Pairs of an edge and a triangle that pass through one another, by the exact test.
+    fn crossings(&self) -> usize;
+    /// The deepest that a vertex lies in a collider, m; none without colliders.
+    fn penetration(&self) -> Option<f64>;
     /// What a checkpoint keeps.
     fn snapshot(&self) -> Snapshot;
     /// Goes on from a snapshot; false where it does not fit the scene.
@@ -101,7 +107,7 @@ macro_rules! engine {
             use $core::integrate::Work;
             use $core::mesh::{Stitch, TriMesh};
             use $core::real::{Real, Vec3};
-            use $core::scene::SceneDesc;
+            use $core::scene::{Content, PointCache, SceneDesc};
             use $core::simulation::{Simulation, State};
             use $core::stage::Term;
 
@@ -109,15 +115,28 @@ macro_rules! engine {
 
             pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
-                let mesh = |mesh: &muslin_core::mesh::TriMesh| TriMesh {
-                    positions: mesh.positions.clone(),
-                    triangles: mesh.triangles.clone(),
-                    uvs: mesh.uvs.clone(),
-                    uv_triangles: mesh.uv_triangles.clone(),
-                    stitches: mesh.stitches.iter().map(|s| Stitch { a: s.a, edge: s.edge, weight: s.weight }).collect(),
-                };
-                let resources: Vec<_> = scene.resources.iter().map(|(name, m)| (name.clone(), mesh(m))).collect();
+                let resources: Vec<_> =
+                    scene.resources.iter().map(|(name, file)| (name.clone(), content(file))).collect();
                 Simulation::new(&desc, &resources).map_err(|error| error.to_string())
+            }
+
+            fn content(file: &muslin_core::scene::Content) -> Content {
+                match file {
+                    muslin_core::scene::Content::Mesh(mesh) => Content::Mesh(TriMesh {
+                        positions: mesh.positions.clone(),
+                        triangles: mesh.triangles.clone(),
+                        uvs: mesh.uvs.clone(),
+                        uv_triangles: mesh.uv_triangles.clone(),
+                        stitches: mesh
+                            .stitches
+                            .iter()
+                            .map(|s| Stitch { a: s.a, edge: s.edge, weight: s.weight })
+                            .collect(),
+                    }),
+                    muslin_core::scene::Content::Cache(cache) => {
+                        Content::Cache(PointCache { points: cache.points, positions: cache.positions.clone() })
+                    }
+                }
             }
 
             fn to_bytes(column: &[Vec3]) -> Vec<u8> {
@@ -153,7 +172,7 @@ macro_rules! engine {
                 }
 
                 fn report(&self) -> Report {
-                    let (stretch, e, work) = (self.stretch(), self.energy(), self.work());
+                    let (stretch, e, work, tally) = (self.stretch(), self.energy(), self.work(), self.tally());
                     Report {
                         steps: self.state().steps,
                         time: self.time(),
@@ -165,6 +184,14 @@ macro_rules! engine {
                         newton_iterations: work.newton_iterations,
                         negative_curvature: work.negative_curvature,
                         unconverged: work.unconverged,
+                        contacts: [
+                            tally.candidates,
+                            tally.proximity,
+                            tally.impacts,
+                            tally.zones,
+                            tally.failsafe,
+                            tally.rejected,
+                        ],
                     }
                 }
 
@@ -180,6 +207,14 @@ macro_rules! engine {
                     let mut hash = chain.map_or_else(StateHash::default, StateHash);
                     hash.add(self.positions(), self.velocities());
                     hash.0
+                }
+
+                fn crossings(&self) -> usize {
+                    Simulation::crossings(self)
+                }
+
+                fn penetration(&self) -> Option<f64> {
+                    Simulation::penetration(self).map(f64::from)
                 }
 
                 fn snapshot(&self) -> Snapshot {

@@ -16,7 +16,7 @@ use crate::interrupt;
 use crate::pool::Pool;
 use crate::preview::Preview;
 use crate::scene_file::{self, SceneFile};
-use crate::summary::{Contacts, StageMs, Stretch, Summary};
+use crate::summary::{StageMs, Stretch, Summary};
 
 /// Name of the checkpoint in the output directory.
 const CHECKPOINT: &str = "checkpoint.muslin";
@@ -65,6 +65,10 @@ struct Run<'a> {
     /// Extent of the first frame, m.
     size: [f64; 3],
     largest_stretch: f64,
+    /// Crossings of the worst frame, and that frame.
+    worst_crossings: Option<(u64, u64)>,
+    /// Deepest penetration of any frame, m.
+    penetration: Option<f64>,
     predict: Duration,
     output: Duration,
 }
@@ -167,6 +171,8 @@ impl<'a> Run<'a> {
             positions: Vec::new(),
             size: [0.0; 3],
             largest_stretch: 0.0,
+            worst_crossings: None,
+            penetration: None,
             predict: Duration::ZERO,
             output: Duration::ZERO,
         };
@@ -225,6 +231,13 @@ impl<'a> Run<'a> {
         self.engine.write_positions(&mut self.positions);
         self.exporter.frame(&self.positions)?;
         self.largest_stretch = self.largest_stretch.max(self.engine.largest_stretch());
+        self.penetration = self.engine.penetration().map(|now| now.max(self.penetration.unwrap_or(0.0)));
+        if self.arguments.audit {
+            let found = (self.engine.crossings() as u64, self.steps / self.timing.steps_per_frame);
+            if self.worst_crossings.is_none_or(|worst| found.0 > worst.0) {
+                self.worst_crossings = Some(found);
+            }
+        }
         if let Some(preview) = &mut self.preview {
             preview.frame(&self.positions);
         }
@@ -310,7 +323,7 @@ impl<'a> Run<'a> {
             step_s: self.timing.step,
             frames: self.steps / self.timing.steps_per_frame + 1,
             steps: self.steps,
-            rejected_steps: 0,
+            rejected_steps: report.contacts[5],
             simulated_s: report.time,
             wall_s: wall.as_secs_f64(),
             verdict: if divergence.is_some() { "diverged" } else { "ok" },
@@ -323,9 +336,9 @@ impl<'a> Run<'a> {
             },
             energy: (&report).into(),
             momentum: report.momentum,
-            contacts: Contacts::default(),
-            intersections: None,
-            penetration_m: None,
+            contacts: (&report).into(),
+            intersections: self.worst_crossings.map(|(count, _)| count),
+            penetration_m: self.penetration,
             work: (&report).into(),
             state_hash: format!("fnv1a:{:016x}", self.chain),
         }

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use muslin_core::mesh::TriMesh;
-use muslin_core::scene::{BUILT_IN, SceneDesc};
+use muslin_core::scene::{BUILT_IN, ColliderMotionDesc, Content, Resource, SceneDesc};
 use toml::{Table, Value};
 
 use crate::failure::Failure;
@@ -15,8 +14,8 @@ pub struct SceneFile {
     pub desc: SceneDesc,
     /// The same as TOML, overrides included.
     pub text: String,
-    /// Mesh files by the names that the scene gives them.
-    pub resources: Vec<(String, TriMesh)>,
+    /// Files by the names that the scene gives them.
+    pub resources: Vec<Resource>,
 }
 
 /// Loads `scene`, a path or a built-in name, with `key=value` overrides.
@@ -26,7 +25,6 @@ pub fn load(scene: &str, overrides: &[String]) -> Result<SceneFile, Failure> {
     let (label, text, directory) = read(scene)?;
     let in_file = |why: String| Failure::Usage(format!("{label}: {why}"));
     let table: Table = toml::from_str(&text).map_err(|error| in_file(explain(&error)))?;
-    modelled(&table).map_err(in_file)?;
     // From the text, because only it knows lines and columns.
     let mut desc: SceneDesc = toml::from_str(&text).map_err(|error| in_file(explain(&error)))?;
     let mut text = text;
@@ -64,14 +62,6 @@ fn read(scene: &str) -> Result<(String, String, PathBuf), Failure> {
     }
 }
 
-/// Whether all sections are of terms that this version has.
-fn modelled(table: &Table) -> Result<(), String> {
-    match ["contact", "collider"].iter().find(|key| table.contains_key(**key)) {
-        Some(key) => Err(format!("[{key}] is not modelled by this version; remove it to run without contact")),
-        None => Ok(()),
-    }
-}
-
 /// Applies overrides one by one, so that an error names the one that made it. Only the last result
 /// must be a scene: a new section may take several overrides.
 fn apply(table: Table, overrides: &[String]) -> Result<(SceneDesc, String), Failure> {
@@ -84,7 +74,6 @@ fn apply(table: Table, overrides: &[String]) -> Result<(SceneDesc, String), Fail
             .filter(|(path, _)| path.iter().all(|key| !key.is_empty()))
             .ok_or_else(|| failed("must be KEY=VALUE, such as integrator.step=0.001".into()))?;
         set(&mut scene, &path, &parse_value(value.trim())).map_err(failed)?;
-        scene.as_table().map_or(Ok(()), modelled).map_err(failed)?;
         if let Err(error) = scene.clone().try_into::<SceneDesc>() {
             first_failure.get_or_insert(failed(explain(&error)));
         }
@@ -162,17 +151,32 @@ fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a s
 }
 
 /// Names in a scene are relative to its file.
-fn load_resources(desc: &SceneDesc, directory: &Path) -> Result<Vec<(String, TriMesh)>, String> {
+fn load_resources(desc: &SceneDesc, directory: &Path) -> Result<Vec<Resource>, String> {
     let of_cloth = desc.cloth.iter().flat_map(|cloth| {
         let seams = cloth.seam.iter().filter_map(|seam| seam.file.as_ref());
         cloth.mesh.iter().chain(&cloth.state).chain(seams)
     });
-    let mut names: Vec<&String> = of_cloth.collect();
+    let of_colliders = desc.collider.iter().filter_map(|collider| collider.file.as_ref());
+    let caches = desc.collider.iter().filter_map(|collider| match &collider.motion {
+        Some(ColliderMotionDesc::Cache(name)) => Some(name),
+        _ => None,
+    });
+    let meshes = load_each(of_cloth.chain(of_colliders), |name| {
+        mesh_io::load(&directory.join(name)).map(Content::Mesh).map_err(|error| error.to_string())
+    })?;
+    let caches = load_each(caches, |name| {
+        mesh_io::pc2::load(&directory.join(name)).map(Content::Cache).map_err(|error| error.to_string())
+    })?;
+    Ok(meshes.into_iter().chain(caches).collect())
+}
+
+/// Loads every name once.
+fn load_each<'a>(
+    names: impl Iterator<Item = &'a String>,
+    load: impl Fn(&str) -> Result<Content, String>,
+) -> Result<Vec<Resource>, String> {
+    let mut names: Vec<_> = names.collect();
     names.sort_unstable();
     names.dedup();
-    let load = |name: &String| {
-        let mesh = mesh_io::load(&directory.join(name)).map_err(|error| error.to_string())?;
-        Ok((name.clone(), mesh))
-    };
-    names.into_iter().map(load).collect()
+    names.into_iter().map(|name| Ok((name.clone(), load(name)?))).collect()
 }

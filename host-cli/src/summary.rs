@@ -89,6 +89,13 @@ pub struct Work {
     pub unconverged: u64,
 }
 
+impl From<&Report> for Contacts {
+    fn from(report: &Report) -> Self {
+        let [candidates, proximity, impacts, zones, failsafe, _] = report.contacts;
+        Self { candidates, proximity, impacts, zones, failsafe }
+    }
+}
+
 impl From<&Report> for Energy {
     fn from(report: &Report) -> Self {
         let [kinetic, stretch, shear, bend, seam, gravity] = report.energy;
@@ -149,6 +156,20 @@ impl Summary {
             self.work.cg_iterations,
             self.state_hash,
         );
+        let Contacts { candidates, proximity, impacts, zones, failsafe } = self.contacts;
+        if candidates > 0 {
+            text += &format!(
+                "\ncontact {candidates} candidates, {proximity} contacts, {impacts} impacts, {zones} impact zones, \
+                 {} steps rejected, {failsafe} held back",
+                self.rejected_steps
+            );
+        }
+        if let Some(depth) = self.penetration_m {
+            text += &format!(", {:.3} mm into colliders at most", 1e3 * depth);
+        }
+        if let Some(crossings) = self.intersections {
+            text += &format!("\naudit {crossings} intersections in the worst frame");
+        }
         if self.stretch.max_of_all_frames > TOO_LONG {
             text +=
                 "\nthat is more than cloth stretches: check density (kg/m^2), stiffness (N/m) and the mesh's size (m)";

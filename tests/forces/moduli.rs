@@ -4,7 +4,7 @@
 use glam::DVec3;
 use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::mesh::TriMesh;
-use muslin_core_f64::scene::BuiltScene;
+use muslin_core_f64::scene::{BuiltScene, Content};
 use muslin_tests::kit::double as kit;
 use muslin_tests::worst::Worst;
 
@@ -170,7 +170,7 @@ fn build_rhombus(height: f64, bend: &str) -> BuiltScene {
         ..TriMesh::default()
     };
     let scene = format!("name = \"fold\"\nduration = 0\n[[cloth]]\nmesh = \"fold\"\ndensity = 1.0\nbend = {bend}");
-    kit::build_with(&scene, &[("fold".into(), mesh)])
+    kit::build_with(&scene, &[("fold".into(), Content::Mesh(mesh))])
 }
 
 /// To the last digit of the angle, on both sides and past 90 degrees.

@@ -1,11 +1,8 @@
 //! What the tests share.
 
-<<<<<<< HEAD
-pub mod data;
-=======
 pub mod cloth_ball;
 pub mod crumpled;
->>>>>>> 89a85af (Broad phase: control bits, with a reference cell and brute force to test against)
+pub mod data;
 pub mod dense;
 pub mod differences;
 pub mod kit;

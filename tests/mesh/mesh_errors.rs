@@ -2,7 +2,7 @@
 
 use muslin_core_f64::error::{MeshError, SceneError};
 use muslin_core_f64::mesh::{Stitch, TriMesh, edges};
-use muslin_core_f64::scene::build;
+use muslin_core_f64::scene::{Content, build};
 use muslin_tests::kit::double as kit;
 
 use super::scene;
@@ -19,7 +19,7 @@ fn square() -> TriMesh {
 }
 
 fn built(lines: &str, meshes: &[(&str, TriMesh)]) -> Result<(), SceneError> {
-    let resources: Vec<_> = meshes.iter().map(|(name, mesh)| ((*name).into(), mesh.clone())).collect();
+    let resources: Vec<_> = meshes.iter().map(|(name, mesh)| ((*name).into(), Content::Mesh(mesh.clone()))).collect();
     build(&kit::scene(&scene(lines)), &resources).map(|_| ())
 }
 

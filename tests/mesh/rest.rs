@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use glam::{DMat2, DVec2, DVec3};
 use muslin_core_f64::mesh::TriMesh;
 use muslin_core_f64::mesh::rest::{self, RestSource, RestTriangle, flat_span};
-use muslin_core_f64::scene::BuiltScene;
+use muslin_core_f64::scene::{BuiltScene, Content};
 use muslin_tests::kit::double as kit;
 use muslin_tests::rng::Rng;
 use muslin_tests::states::{many, triangle};
@@ -178,7 +178,7 @@ fn an_edge_of_two_lengths_rests_at_their_mean() {
         stitches: Vec::new(),
     };
     // Side 0-1 is 1 in the first, 1.5 in the second.
-    let built = kit::build_with(&scene("mesh = \"m\"\nrest = \"uv\""), &[("m".into(), mesh)]);
+    let built = kit::build_with(&scene("mesh = \"m\"\nrest = \"uv\""), &[("m".into(), Content::Mesh(mesh))]);
     let shared = built.edges.iter().position(|&[a, b]| a.max(b) == 1).expect("the common edge");
     assert_eq!(built.rest_lengths[shared], 1.25, "of all {:?}", built.rest_lengths);
 }
@@ -208,8 +208,9 @@ fn winding_does_not_matter() {
         ..TriMesh::default()
     };
     let x: Vec<_> = kit::positions(&tube).iter().map(|&x| x + rng.cube(0.02)).collect();
-    let build =
-        |mesh: &TriMesh| kit::build_with(&scene(&format!("mesh = \"m\"\n{MEMBRANE}")), &[("m".into(), mesh.clone())]);
+    let build = |mesh: &TriMesh| {
+        kit::build_with(&scene(&format!("mesh = \"m\"\n{MEMBRANE}")), &[("m".into(), Content::Mesh(mesh.clone()))])
+    };
     let want = forces(&build(&mesh), &x);
     for round in 0..20 {
         for triangle in &mut mesh.triangles {

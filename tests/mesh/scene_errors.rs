@@ -2,7 +2,8 @@
 //! one line exchanged.
 
 use muslin_core_f64::error::SceneError;
-use muslin_core_f64::scene::build;
+use muslin_core_f64::mesh::TriMesh;
+use muslin_core_f64::scene::{Content, PointCache, build};
 use muslin_tests::kit::double as kit;
 
 const GOOD: &str = r#"
@@ -26,6 +27,18 @@ const GOOD: &str = r#"
     [drag]
     linear = 0.1
     wind = { velocity = [1.0, 0.0, 0.0], normal = 0.1, tangential = 0.0 }
+    [contact]
+    thickness = 0.002
+    friction = { static = 0.4, kinetic = 0.3, stribeck = 0.1, viscous = 0.0 }
+    [[collider]]
+    shape = "sphere"
+    center = [0.0, -1.0, 0.0]
+    radius = 0.3
+    motion = { keys = [[0.0, 0, 0, 0], [2.0, 0, 1, 0]] }
+    [[collider]]
+    shape = "plane"
+    point = [0.0, -2.0, 0.0]
+    normal = [0.0, 1.5, 0.0]
     [integrator]
     step = 0.01
     newton = 1
@@ -184,6 +197,41 @@ const PINS: &[Case] = &[
     ("keys = [", "turn = { axis = [0, 1, 0], rate = 1.0, until = nan }, keys = [", TURN),
 ];
 
+const COLLIDERS: &[Case] = &[
+    ("thickness = 0.002", "thickness = 0.0", "contact.thickness = 0: must be greater than zero and finite"),
+    ("static = 0.4", "static = -0.4", "friction = -0.4: must not be negative, and must be finite"),
+    ("static = 0.4", "static = 0.2", "friction: static = 0.2 is below kinetic = 0.3"),
+    ("stribeck = 0.1", "stribeck = 0.0", "friction.stribeck = 0: must be greater than zero and finite"),
+    ("viscous = 0.0", "viscous = -1.0", "friction.viscous = -1: must not be negative, and must be finite"),
+    ("radius = 0.3", "radius = 0.0", "collider.radius = 0: must be greater than zero and finite"),
+    ("radius = 0.3", "", "collider 0: radius is needed with shape = \"sphere\""),
+    (
+        "radius = 0.3",
+        "radius = 0.3\nhalf = [1, 1, 1]",
+        "collider 0: half has no meaning with shape = \"sphere\"; remove it",
+    ),
+    ("center = [0.0, -1.0, 0.0]", "center = [0.0, nan, 0.0]", "center: must be a finite number"),
+    ("normal = [0.0, 1.5, 0.0]", "normal = [0.0, 0.0, 0.0]", "collider 1: the normal of a plane needs a direction"),
+    (
+        "normal = [0.0, 1.5, 0.0]",
+        "normal = [0.0, 1.5, 0.0]\nmotion = { turn = { axis = [1, 0, 0], rate = 1.0 } }",
+        MOVES,
+    ),
+    (
+        "[2.0, 0, 1, 0]",
+        "[-2.0, 0, 1, 0]",
+        "collider 0: its motion needs finite numbers, times that increase, and a turn only with an axis and not for a plane",
+    ),
+    (
+        "shape = \"plane\"\n    point = [0.0, -2.0, 0.0]\n    normal = [0.0, 1.5, 0.0]",
+        "shape = \"mesh\"\nfile = \"body.obj\"",
+        "collider 1: its file was not loaded",
+    ),
+];
+
+const MOVES: &str = "collider 1: its motion needs finite numbers, times that increase, and a turn only with an axis and \
+                     not for a plane";
+
 const ONE_SELECTION: &str = "cloth 0, pin 0: give exactly one of corners, vertices, box, nearest or edge";
 const AXES: &str = "cloth 0, pin 0: axes must be a combination of x, y and z, such as \"xz\"";
 const TURN: &str = "cloth 0, pin 0: motion.turn needs an axis with a direction and a finite rate";
@@ -202,7 +250,14 @@ const fn has_a_case(error: &SceneError) -> bool {
         | PinAxes { .. }
         | MotionKeys { .. }
         | MotionTurn { .. } => true,
+        StaticBelowKinetic { .. }
+        | ShapeNeeds { .. }
+        | NotOfShape { .. }
+        | NoNormal { .. }
+        | MissingColliderFile { .. }
+        | ColliderMotion { .. } => true,
         // Below, and in `mesh_errors`.
+        ColliderWithoutContact | ColliderMesh { .. } | CachePoints { .. } => true,
         NoCloth | Mesh { .. } => true,
     }
 }
@@ -249,6 +304,37 @@ fn a_scene_needs_a_cloth() {
     let error = build(&kit::scene("name = \"bare\"\nduration = 0\ncloth = []"), &[]);
     assert_eq!(error.map(|_| ()), Err(SceneError::NoCloth));
     assert_eq!(SceneError::NoCloth.to_string(), "the scene has no [[cloth]]");
+}
+
+#[test]
+fn colliders_and_contact_must_fit() {
+    each_is_refused(COLLIDERS);
+}
+
+#[test]
+fn colliders_need_contact() {
+    let bare = GOOD.replace("thickness = 0.002", "").replace("[contact]", "").replace("friction = {", "#");
+    assert_eq!(build(&kit::scene(&bare), &[]).map(|_| ()), Err(SceneError::ColliderWithoutContact));
+}
+
+/// The files of mesh colliders: a mesh that is none, and a cache of another mesh.
+#[test]
+fn collider_files_must_fit() {
+    let plane = "shape = \"plane\"\n    point = [0.0, -2.0, 0.0]\n    normal = [0.0, 1.5, 0.0]";
+    let mesh = "shape = \"mesh\"\nfile = \"m\"\nmotion = \"c\"\nmotion_rate = 25";
+    let scene = kit::scene(&GOOD.replace(plane, mesh));
+    let triangle = |last| TriMesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+        triangles: vec![[0, 1, last]],
+        ..TriMesh::default()
+    };
+    let cache = Content::Cache(PointCache { points: 2, positions: vec![[0.0; 3]; 4] });
+    let error = |last| {
+        let files = [("m".into(), Content::Mesh(triangle(last))), ("c".into(), cache.clone())];
+        build(&scene, &files).map(|_| ()).unwrap_err().to_string()
+    };
+    assert_eq!(error(2), "collider 1: its point cache has 2 points, its mesh 3 vertices");
+    assert_eq!(error(1), "collider 1: triangle 0 names vertex 1 twice");
 }
 
 /// Cloths and pins count from 0 in the order of the file.

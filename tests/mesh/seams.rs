@@ -1,7 +1,7 @@
 //! Stitches, from pairs of vertices and from files, become the columns of one seam term.
 
 use muslin_core_f64::mesh::{Stitch, TriMesh};
-use muslin_core_f64::scene::BuiltScene;
+use muslin_core_f64::scene::{BuiltScene, Content};
 use muslin_tests::kit::double as kit;
 use muslin_tests::worst::Worst;
 
@@ -14,7 +14,7 @@ fn sewn() -> BuiltScene {
     let seams = "seam = [{ pairs = [[0, 3]], stiffness = 10.0 }, { file = \"s\", stiffness = 20.0, damping = 0.5 }]";
     let stitches = vec![Stitch { a: 1, edge: [2, 3], weight: 0.25 }];
     let text = scene(&format!("{square}\n[[cloth]]\ndensity = 1.0\n{square}\n{seams}"));
-    kit::build_with(&text, &[("s".into(), TriMesh { stitches, ..TriMesh::default() })])
+    kit::build_with(&text, &[("s".into(), Content::Mesh(TriMesh { stitches, ..TriMesh::default() }))])
 }
 
 #[test]

@@ -126,3 +126,17 @@ impl GridColumns {
         }
     }
 }
+
+#[cfg(feature = "alloc")]
+impl GridColumns {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.triangle_boxes[..])
+            + size_of_val(&self.edge_boxes[..])
+            + size_of_val(&self.levels[..])
+            + size_of_val(&self.spheres[..])
+            + size_of_val(&self.homes[..])
+            + size_of_val(&self.entries[..])
+            + size_of_val(&self.spare[..])
+    }
+}

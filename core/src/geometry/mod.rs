@@ -2,8 +2,8 @@
 //! here knows of cloth, time steps or contact.
 
 pub mod aabb;
-pub mod intersect;
 pub mod edge_edge;
+pub mod intersect;
 pub mod point_edge;
 pub mod point_triangle;
 

@@ -4,6 +4,7 @@
 
 use super::Work;
 use super::coarse::{self, CoarseFactor, Patches};
+use super::coupling::{self, Hold};
 use super::pins::Pins;
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
@@ -24,6 +25,8 @@ pub struct System<'a> {
     pub masses: &'a [Real],
     /// The held axes.
     pub pins: &'a Pins<'a>,
+    /// Contacts that push.
+    pub holds: &'a [Hold],
 }
 
 /// What the residual is multiplied with before a step.
@@ -58,6 +61,7 @@ pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatc
             *block = matrix::to_mat3(&matrix.blocks[matrix.offsets[i] as usize]) + scaled_identity(system.masses[i]);
         }
     });
+    coupling::add_diagonal(system.holds, inverse);
     system.pins.filter_diagonal(inverse);
     dispatch.run(inverse, |_, part| {
         for block in part {
@@ -142,6 +146,7 @@ pub fn solve(
 /// `out = S A p` for a `p` with held axes clear.
 fn apply(system: &System<'_>, p: &[Vec3], out: &mut [Vec3], dispatch: &impl Dispatch) {
     matrix::multiply(system.matrix, system.masses, 1.0, p, out, dispatch);
+    coupling::add_product(system.holds, p, out);
     system.pins.filter(out);
 }
 

@@ -7,6 +7,7 @@ pub mod backward_euler;
 pub mod bdf2;
 pub mod coarse;
 pub mod conjugate_gradient;
+pub mod coupling;
 pub mod explicit_euler;
 pub mod implicit_midpoint;
 pub mod midpoint;

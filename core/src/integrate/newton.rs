@@ -124,7 +124,7 @@ fn write_residual<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Sc
 }
 
 fn solve_linear<D: Dispatch>(c: &Context<'_, D>, reduction: Sum, s: &mut Scratch<'_>, work: &mut Work) {
-    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
+    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds: &[] };
     c.dispatch.enter(stage::Stage::Solve);
     conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
     let vectors = conjugate_gradient::Vectors {

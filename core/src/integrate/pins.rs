@@ -1,38 +1,8 @@
 //! Pins: vertices whose chosen axes follow a prescribed motion, whatever the forces. Explicit
 //! stages are overwritten; implicit solves are filtered [Baraff 1998, Tamstorf 2015].
 
-use crate::real::{Mat3, Real, Sum, Vec3, cos, sin};
-
-/// A key of a motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Key {
-    /// s.
-    pub time: Sum,
-    /// m.
-    pub offset: Vec3,
-}
-
-/// A steady turn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
-    /// Unit vector along the axis.
-    pub axis: Vec3,
-    /// A point on the axis, m.
-    pub centre: Vec3,
-    /// rad/s.
-    pub rate: Sum,
-    /// The turn stops then, s.
-    pub until: Sum,
-}
-
-/// How a pin moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// First of the motion's keys, and how many there are.
-    pub keys: [u32; 2],
-    /// Absent: no turn.
-    pub turn: Option<Turn>,
-}
+pub use crate::motion::{Key, Motion, Turn};
+use crate::real::{Mat3, Real, Sum, Vec3};
 
 /// In [`Pins::motions`]: the pin rests.
 pub const AT_REST: u32 = u32::MAX;
@@ -58,11 +28,10 @@ impl Pins<'_> {
     /// Where a pin is at a time, m, and how fast it moves, m/s.
     pub fn target(&self, pin: usize, time: Sum) -> (Vec3, Vec3) {
         let anchor = self.anchors[pin];
-        let Some(motion) = self.table.get(self.motions[pin] as usize) else { return (anchor, Vec3::ZERO) };
-        let (turned, spin) = motion.turn.map_or((anchor, Vec3::ZERO), |turn| turned(&turn, anchor, time));
-        let [first, count] = motion.keys;
-        let (offset, slope) = offset(&self.keys[first as usize..(first + count) as usize], time);
-        (turned + offset, spin + slope)
+        match self.table.get(self.motions[pin] as usize) {
+            Some(motion) => motion.at(self.keys, anchor, time),
+            None => (anchor, Vec3::ZERO),
+        }
     }
 
     /// Puts the held axes where they belong at a time.
@@ -117,31 +86,6 @@ pub fn filter_block(block: &mut Mat3, axes: u8) {
 
 fn held(axes: u8) -> impl Iterator<Item = usize> {
     (0..3).filter(move |axis| axes >> axis & 1 == 1)
-}
-
-/// Rotation of a point about the axis, and its velocity [Rodrigues].
-fn turned(turn: &Turn, point: Vec3, time: Sum) -> (Vec3, Vec3) {
-    let angle = (turn.rate * time.min(turn.until)) as Real;
-    let arm = point - turn.centre;
-    let along = turn.axis * arm.dot(turn.axis);
-    let across = arm - along;
-    let rotated = across * cos(angle) + turn.axis.cross(across) * sin(angle);
-    let spin = if time < turn.until { turn.axis.cross(rotated) * turn.rate as Real } else { Vec3::ZERO };
-    (turn.centre + along + rotated, spin)
-}
-
-/// Offset and its rate, linear between keys and resting outside them.
-fn offset(keys: &[Key], time: Sum) -> (Vec3, Vec3) {
-    let after = keys.partition_point(|key| key.time <= time);
-    match (after.checked_sub(1).map(|i| keys[i]), keys.get(after)) {
-        (Some(a), Some(b)) => {
-            let span = b.time - a.time;
-            let slope = (b.offset - a.offset) / span as Real;
-            (a.offset + (b.offset - a.offset) * ((time - a.time) / span) as Real, slope)
-        }
-        (Some(only), None) | (None, Some(&only)) => (only.offset, Vec3::ZERO),
-        (None, None) => (Vec3::ZERO, Vec3::ZERO),
-    }
 }
 
 /// The owned columns of [`Pins`].

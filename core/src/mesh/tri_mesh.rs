@@ -37,12 +37,7 @@ impl TriMesh {
     /// triangle only once, no vertex without a triangle. Edges are checked where they are
     /// [built](super::edges::build), areas where the [rest shape](super::rest) is.
     pub fn check(&self) -> Result<(), MeshError> {
-        if self.triangles.is_empty() {
-            return Err(MeshError::Empty);
-        }
-        if let Some(vertex) = self.positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-            return Err(MeshError::NotFinite { vertex: vertex as u32 });
-        }
+        self.check_positions()?;
         if let Some(i) = self.uvs.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(MeshError::TextureNotFinite { coordinate: i as u32 });
         }
@@ -50,12 +45,30 @@ impl TriMesh {
         self.check_stitches()
     }
 
+    /// Checks once all that detection relies on, for meshes that are touched and not simulated:
+    /// indices, finite numbers, a vertex in every triangle only once.
+    pub fn check_surface(&self) -> Result<(), MeshError> {
+        self.check_positions()?;
+        self.count_uses().map(|_| ())
+    }
+
     /// Whether every triangle has texture coordinates.
     pub fn has_uvs(&self) -> bool {
         !self.triangles.is_empty() && self.uv_triangles.len() == self.triangles.len()
     }
 
-    fn check_triangles(&self) -> Result<(), MeshError> {
+    fn check_positions(&self) -> Result<(), MeshError> {
+        if self.triangles.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        match self.positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            Some(vertex) => Err(MeshError::NotFinite { vertex: vertex as u32 }),
+            None => Ok(()),
+        }
+    }
+
+    /// How many triangles meet at each vertex.
+    fn count_uses(&self) -> Result<Vec<u32>, MeshError> {
         let vertices = self.positions.len() as u32;
         let mut uses = vec![0u32; self.positions.len()];
         for (t, corners) in self.triangles.iter().enumerate() {
@@ -70,6 +83,11 @@ impl TriMesh {
                 }
             }
         }
+        Ok(uses)
+    }
+
+    fn check_triangles(&self) -> Result<(), MeshError> {
+        let uses = self.count_uses()?;
         if let Some(vertex) = uses.iter().position(|&uses| uses == 0) {
             return Err(MeshError::LooseVertex { vertex: vertex as u32 });
         }

@@ -1,5 +1,142 @@
 //! Candidates in, contacts out: where two features meet, how near, and when.
 
 pub mod advance;
+pub mod continuous;
+pub mod edge_edge;
 pub mod edge_edge_ccd;
+pub mod proximity;
+pub mod vertex_triangle;
 pub mod vertex_triangle_ccd;
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::broad_phase::Surface;
+use crate::real::{Real, Vec3};
+
+/// Where two features meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Contact {
+    /// The vertices of both features: vertex and triangle, or two edges.
+    pub vertices: [u32; 4],
+    /// Of the points that meet: positive on the first feature, negative on the second, together 0.
+    pub weights: [Real; 4],
+    /// Unit vector from the second feature to the first.
+    pub normal: Vec3,
+    /// n . sum W x at the start of the step, less the radii of the features, m.
+    pub gap: Real,
+}
+
+/// The nearest points of two features: signed weights, and the vector from the second to the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// Positive on the first feature, negative on the second.
+    pub weights: [Real; 4],
+    /// m.
+    pub between: Vec3,
+}
+
+/// What differs between a vertex with a triangle and an edge with an edge.
+pub trait Pairing: Sync {
+    /// The vertices of a candidate, first feature first.
+    fn vertices(surface: &Surface<'_>, candidate: [u32; 2]) -> [u32; 4];
+    /// The nearest points of the two features.
+    fn nearest(x: &[Vec3; 4]) -> Nearest;
+    /// A direction for features that touch, where there is one.
+    fn direction(x: &[Vec3; 4]) -> Option<Vec3>;
+    /// Largest distance that a point of one feature moves against the other, m.
+    fn approach(moves: &[Vec3; 4]) -> Real;
+    /// When the features first come within a separation, moving straight from `start` to `end`:
+    /// never late, 0..1.
+    fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real>;
+    /// The radii of both features together, m.
+    fn radius(radii: [Real; 4]) -> Real;
+    /// Least distance of the two features by their boxes, m.
+    fn box_distance(x: &[Vec3; 4]) -> Real;
+}
+
+/// A vertex and a triangle.
+pub struct VertexTriangle;
+
+/// Two edges.
+pub struct EdgeEdge;
+
+impl Pairing for VertexTriangle {
+    fn vertices(surface: &Surface<'_>, [vertex, triangle]: [u32; 2]) -> [u32; 4] {
+        let [a, b, c] = surface.triangles[triangle as usize];
+        [vertex, a, b, c]
+    }
+    #[inline]
+    fn nearest(x: &[Vec3; 4]) -> Nearest {
+        vertex_triangle::nearest(x)
+    }
+    fn direction(x: &[Vec3; 4]) -> Option<Vec3> {
+        vertex_triangle::direction(x)
+    }
+    #[inline]
+    fn approach(moves: &[Vec3; 4]) -> Real {
+        vertex_triangle::approach(moves)
+    }
+    fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
+        vertex_triangle_ccd::time_of_impact(start, end, separation, tolerance)
+    }
+    #[inline]
+    fn radius(radii: [Real; 4]) -> Real {
+        radii[0] + radii[1].max(radii[2]).max(radii[3])
+    }
+    #[inline]
+    fn box_distance(x: &[Vec3; 4]) -> Real {
+        let (low, high) = (x[1].min(x[2]).min(x[3]), x[1].max(x[2]).max(x[3]));
+        (low - x[0]).max(x[0] - high).max_element()
+    }
+}
+
+impl Pairing for EdgeEdge {
+    fn vertices(surface: &Surface<'_>, [first, second]: [u32; 2]) -> [u32; 4] {
+        let ([a, b], [c, d]) = (surface.edges[first as usize], surface.edges[second as usize]);
+        [a, b, c, d]
+    }
+    #[inline]
+    fn nearest(x: &[Vec3; 4]) -> Nearest {
+        edge_edge::nearest(x)
+    }
+    fn direction(x: &[Vec3; 4]) -> Option<Vec3> {
+        edge_edge::direction(x)
+    }
+    #[inline]
+    fn approach(moves: &[Vec3; 4]) -> Real {
+        edge_edge::approach(moves)
+    }
+    fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
+        edge_edge_ccd::time_of_impact(start, end, separation, tolerance)
+    }
+    #[inline]
+    fn radius(radii: [Real; 4]) -> Real {
+        radii[0].max(radii[1]) + radii[2].max(radii[3])
+    }
+    #[inline]
+    fn box_distance(x: &[Vec3; 4]) -> Real {
+        let gaps = (x[0].min(x[1]) - x[2].max(x[3])).max(x[2].min(x[3]) - x[0].max(x[1]));
+        gaps.max_element()
+    }
+}
+
+/// Four entries of a column.
+#[inline]
+pub fn gather<T: Copy>(vertices: [u32; 4], column: &[T]) -> [T; 4] {
+    vertices.map(|v| column[v as usize])
+}
+
+/// The contact of two features that meet as `x` stands, measured from `start`. None where no
+/// direction parts them.
+pub fn contact<P: Pairing>(vertices: [u32; 4], x: &[Vec3; 4], start: &[Vec3; 4], radius: Real) -> Option<Contact> {
+    let Nearest { weights, between } = P::nearest(x);
+    let normal = match between.try_normalize() {
+        Some(normal) => normal,
+        None => P::direction(x)?,
+    };
+    let apart = |k: usize| (start[k] - start[3]) * weights[k];
+    // Weights add up to nothing: differences keep the digits.
+    let gap = normal.dot(apart(0) + apart(1) + apart(2)) - radius;
+    Some(Contact { vertices, weights, normal, gap })
+}

@@ -1,6 +1,5 @@
 //! A scene's description into columns.
 
-use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -9,7 +8,8 @@ use glam::DVec3;
 
 use super::check::{check_numbers, finite, nameable, positive};
 use super::place::place;
-use super::{ClothDesc, SceneDesc, disc, grid, tube};
+use super::{ClothDesc, Resource, SceneDesc, contact, disc, grid, resource as files, tube};
+use crate::contact::ContactColumns;
 use crate::error::{MeshError, SceneError};
 use crate::forces::ModelColumns;
 use crate::forces::hinge::HingeColumns;
@@ -23,9 +23,6 @@ use crate::mesh::rest::{self, RestTriangle};
 use crate::mesh::{IncidenceColumns, TriMesh};
 use crate::particles::ParticleColumns;
 use crate::real::{Real, vec3};
-
-/// A mesh file that the host has loaded, by the name that the scene gives it.
-pub type Resource = (String, TriMesh);
 
 /// Where a cloth's vertices and triangles lie in the scene's columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,6 +53,8 @@ pub struct BuiltScene {
     /// Each vertex in its mesh before it was placed, m. Not the texture coordinates, where
     /// different parts of a sheet may lie over each other.
     pub material: Vec<DVec3>,
+    /// What can touch; absent: nothing.
+    pub contact: Option<ContactColumns>,
 }
 
 impl BuiltScene {
@@ -70,6 +69,7 @@ impl BuiltScene {
             + size_of_val(&self.edges[..])
             + size_of_val(&self.rest_lengths[..])
             + self.model.bytes()
+            + self.contact.as_ref().map_or(0, ContactColumns::bytes)
     }
 }
 
@@ -82,7 +82,9 @@ pub fn build(scene: &SceneDesc, resources: &[Resource]) -> Result<BuiltScene, Sc
     for (index, cloth) in scene.cloth.iter().enumerate() {
         parts.add_cloth(index as u32, cloth, resources)?;
     }
-    Ok(parts.finish(scene))
+    let mut built = parts.finish(scene);
+    built.contact = contact::columns(scene, &built, resources)?;
+    Ok(built)
 }
 
 /// The columns of the scene while cloth after cloth is added.
@@ -224,6 +226,7 @@ impl Parts {
             rest_lengths: self.rest_lengths.iter().map(|&l| l as Real).collect(),
             cloths: self.cloths,
             material: self.material,
+            contact: None,
         }
     }
 }
@@ -241,6 +244,5 @@ impl Sheet<'_> {
 }
 
 pub(super) fn resource<'a>(name: &str, cloth: u32, resources: &'a [Resource]) -> Result<&'a TriMesh, SceneError> {
-    let found = resources.iter().find(|(known, _)| known == name);
-    found.map(|(_, mesh)| mesh).ok_or(SceneError::MissingMesh { cloth })
+    files::mesh(name, resources).ok_or(SceneError::MissingMesh { cloth })
 }

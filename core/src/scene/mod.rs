@@ -6,10 +6,14 @@
 mod build;
 mod builtin;
 mod check;
+mod collider;
+mod contact;
 mod disc;
 mod grid;
+mod motion;
 mod pins;
 mod place;
+mod resource;
 mod select;
 mod terms;
 mod tube;
@@ -17,10 +21,13 @@ mod tube;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-pub use build::{BuiltScene, ClothRange, Resource, build};
+pub use build::{BuiltScene, ClothRange, build};
 pub use builtin::BUILT_IN;
+pub use collider::{ColliderDesc, ColliderMotionDesc, Shape};
+pub use contact::{ContactDesc, FrictionDesc};
 pub use disc::DiscDesc;
 pub use grid::{GridDesc, Pattern};
+pub use resource::{Content, PointCache, Resource};
 pub use select::{SelectDesc, Side};
 pub use tube::TubeDesc;
 
@@ -45,6 +52,11 @@ pub struct SceneDesc {
     pub gravity: Option<[f64; 3]>,
     /// The sheets.
     pub cloth: Vec<ClothDesc>,
+    /// What the cloth can touch besides itself.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub collider: Vec<ColliderDesc>,
+    /// How surfaces touch; absent: nothing touches anything.
+    pub contact: Option<ContactDesc>,
     /// Air; absent: none.
     pub drag: Option<DragDesc>,
     /// How time is advanced.

@@ -25,8 +25,7 @@ pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Re
         }
         None => &sheet.mesh.positions,
     };
-    let [rx, ry, rz] = sheet.desc.rotation.map(f64::to_radians);
-    let turn = axis_turn(2, rz) * axis_turn(1, ry) * axis_turn(0, rx);
+    let turn = turn(sheet.desc.rotation);
     let placed: Vec<_> = start.iter().map(|&p| turn * DVec3::from(p) + DVec3::from(sheet.desc.position)).collect();
     let merged = |&[a, b]: &[u32; 2]| {
         let rounded = |v: u32| vec3(placed[v as usize].into());
@@ -36,6 +35,12 @@ pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Re
         Some([a, b]) => Err(SceneError::TooFar { a, b }),
         None => Ok(placed),
     }
+}
+
+/// Rotation about x, then y, then z by degrees.
+pub(super) fn turn(degrees: [f64; 3]) -> DMat3 {
+    let [rx, ry, rz] = degrees.map(f64::to_radians);
+    axis_turn(2, rz) * axis_turn(1, ry) * axis_turn(0, rx)
 }
 
 /// Rotation about a coordinate axis by libm, so that every machine places alike.

@@ -2,7 +2,6 @@
 //! Vertex order is kept exactly.
 
 mod obj;
-#[cfg_attr(not(test), expect(dead_code, reason = "colliders will move by it"))]
 pub mod pc2;
 mod ply;
 mod polygon;

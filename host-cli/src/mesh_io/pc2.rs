@@ -4,6 +4,8 @@
 use std::fs;
 use std::path::Path;
 
+use muslin_core::scene::PointCache;
+
 use super::MeshFileError;
 
 const MAGIC: &[u8] = b"POINTCACHE2\0";
@@ -60,25 +62,6 @@ pub enum Pc2Error {
     },
 }
 
-/// A mesh in motion; there is at least one sample of at least one point.
-#[derive(Debug, PartialEq)]
-pub struct PointCache {
-    /// Points of each sample, in the vertex order of the mesh.
-    pub points: usize,
-    /// Frame of the first sample.
-    pub start: f32,
-    /// Frames from one sample to the next.
-    pub rate: f32,
-    positions: Vec<[f32; 3]>,
-}
-
-impl PointCache {
-    /// The positions of each sample.
-    pub fn samples(&self) -> impl ExactSizeIterator<Item = &[[f32; 3]]> {
-        self.positions.chunks_exact(self.points)
-    }
-}
-
 /// Loads the point cache in `path`.
 pub fn load(path: &Path) -> Result<PointCache, MeshFileError> {
     let owned = || path.to_path_buf();
@@ -114,7 +97,7 @@ pub fn parse(bytes: &[u8]) -> Result<PointCache, Pc2Error> {
     let positions: Vec<[f32; 3]> = body.as_chunks::<12>().0.iter().map(point).collect();
     match positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         Some(k) => Err(Pc2Error::NotFinite { sample: k / points_each, point: k % points_each }),
-        None => Ok(PointCache { points: points_each, start, rate, positions }),
+        None => Ok(PointCache { points: points as u32, positions }),
     }
 }
 
@@ -147,11 +130,9 @@ mod tests {
     #[test]
     fn reads_header_and_samples() {
         let cache = parse(&file()).unwrap();
-        assert_eq!((cache.points, cache.start, cache.rate), (3, 5.0, 0.5));
-        let samples: Vec<_> = cache.samples().collect();
-        assert_eq!(samples[0], [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0], [6.0, 7.0, 8.0]]);
-        assert_eq!(samples[1], [[9.0, 10.0, 11.0], [12.0, 13.0, 14.0], [15.0, 16.0, 17.0]]);
-        assert_eq!(samples.len(), 2);
+        assert_eq!((cache.points, cache.frames()), (3, 2));
+        assert_eq!(cache.positions[..3], [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0], [6.0, 7.0, 8.0]]);
+        assert_eq!(cache.positions[3..], [[9.0, 10.0, 11.0], [12.0, 13.0, 14.0], [15.0, 16.0, 17.0]]);
     }
 
     #[test]
@@ -204,6 +185,6 @@ mod tests {
     fn reads_the_kick() {
         let Some(path) = data("garment/body_kick.pc2") else { return };
         let cache = load(&path).unwrap();
-        assert_eq!((cache.points, cache.samples().len(), cache.start, cache.rate), (12_811, 121, 0.0, 1.0));
+        assert_eq!((cache.points, cache.frames()), (12_811, 121));
     }
 }

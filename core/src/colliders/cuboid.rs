@@ -1,0 +1,39 @@
+//! Boxes: twelve triangles.
+
+use crate::real::{Real, Vec3, sqrt};
+
+/// The triangles over the corners, wound outward.
+pub const TRIANGLES: [[u32; 3]; 12] = [
+    [0, 2, 3],
+    [0, 3, 1],
+    [4, 5, 7],
+    [4, 7, 6],
+    [0, 1, 5],
+    [0, 5, 4],
+    [2, 6, 7],
+    [2, 7, 3],
+    [0, 4, 6],
+    [0, 6, 2],
+    [1, 3, 7],
+    [1, 7, 5],
+];
+
+/// The corners: corner k lies beyond the centre along those axes whose bit k has. `axes` are half
+/// as long as the box.
+pub fn corners(centre: Vec3, axes: [Vec3; 3]) -> [Vec3; 8] {
+    core::array::from_fn(|corner| {
+        let side = |axis: usize| if corner >> axis & 1 == 1 { axes[axis] } else { -axes[axis] };
+        centre + side(0) + side(1) + side(2)
+    })
+}
+
+/// How deep a point lies in it, m.
+pub fn depth(corners: &[Vec3], point: Vec3) -> Real {
+    let least = |depth: Real, axis: usize| {
+        let edge = corners[1 << axis] - corners[0];
+        let length = sqrt(edge.length_squared());
+        let along = (point - corners[0]).dot(edge) / length;
+        depth.min(along).min(length - along)
+    };
+    (0..3).fold(Real::INFINITY, least).max(0.0)
+}

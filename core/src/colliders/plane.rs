@@ -1,0 +1,8 @@
+//! The half space below a point.
+
+use crate::real::{Real, Vec3};
+
+/// How deep a point lies in it, m.
+pub fn depth(on_plane: Vec3, normal: Vec3, point: Vec3) -> Real {
+    (on_plane - point).dot(normal).max(0.0)
+}

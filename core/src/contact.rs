@@ -1,0 +1,279 @@
+//! What detection and response work on: the surfaces that can touch, and the columns that a step
+//! writes. Vertices of the cloth come first, then those of the colliders.
+
+use crate::broad_phase::{Counts, Grid, Surface};
+use crate::colliders::Colliders;
+use crate::geometry::aabb::Aabb;
+use crate::integrate::coupling::Hold;
+use crate::real::{Real, Vec3};
+use crate::response::constraint::Constraint;
+use crate::response::friction::Law;
+
+/// Contact as a scene describes it, borrowed.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactModel<'a> {
+    /// m; features nearer than this are in contact.
+    pub thickness: Real,
+    /// Whether motion inside the step is tested.
+    pub continuous: bool,
+    /// What can touch.
+    pub surface: Surface<'a>,
+    /// What the cloth can touch besides itself.
+    pub colliders: Colliders<'a>,
+    /// First vertex of each cloth and, last, of the colliders.
+    pub firsts: &'a [u32],
+    /// Where each cloth vertex was before its cloth was placed, m: neighbours on the sheet may be
+    /// nearer than the thickness.
+    pub material: &'a [Vec3],
+    /// m around each vertex; only spheres and capsules have one.
+    pub radii: &'a [Real],
+    /// 1/kg along each axis; 0 where it is held, and for colliders.
+    pub mobility: &'a [Vec3],
+    /// Index of each vertex's law of friction; a contact follows the larger.
+    pub law_of: &'a [u32],
+    /// The laws.
+    pub laws: &'a [Law],
+}
+
+impl ContactModel<'_> {
+    /// How many vertices are cloth.
+    pub fn cloth(&self) -> usize {
+        self.material.len()
+    }
+}
+
+/// The columns that a step writes; one entry a vertex where not said otherwise.
+#[derive(Debug)]
+pub struct ContactScratch<'a> {
+    /// Where each vertex is at the start of the step, m.
+    pub start: &'a mut [Vec3],
+    /// Where it is at the end, m.
+    pub end: &'a mut [Vec3],
+    /// From start to end, m: beside both because differences of positions round.
+    pub moves: &'a mut [Vec3],
+    /// The part of `moves` that only parts surfaces and is no velocity, m.
+    pub parting: &'a mut [Vec3],
+    /// The round in which each vertex was last moved by the response; 0: not at all.
+    pub rounds: &'a mut [u32],
+    /// Union-find over vertices.
+    pub zones: &'a mut [u32],
+    /// Around each vertex's motion.
+    pub boxes: &'a mut [Aabb],
+    /// How many of the candidates are valid.
+    pub counts: &'a mut Counts,
+    /// Pairs of a vertex and a triangle.
+    pub vertex_triangle: Pairs<'a>,
+    /// Pairs of edges.
+    pub edge_edge: Pairs<'a>,
+    /// What has to be kept; as many as there is room for.
+    pub constraints: &'a mut [Constraint],
+    /// Indices of constraints; twice as many as there is room for.
+    pub order: &'a mut [u32],
+    /// The contacts that push; as many as there is room for constraints.
+    pub holds: &'a mut [Hold],
+    /// Of the broad phase.
+    pub grid: Grid<'a>,
+}
+
+/// Candidates of one kind, and what is known of each.
+#[derive(Debug)]
+pub struct Pairs<'a> {
+    /// The features.
+    pub candidates: &'a mut [[u32; 2]],
+    /// Distance at the start less the radii, m; where it is beyond reach a lower bound.
+    pub distances: &'a mut [Real],
+    /// When they meet; above 1: not in this step.
+    pub times: &'a mut [Real],
+}
+
+/// The owned columns.
+#[cfg(feature = "alloc")]
+pub use owned::{ContactColumns, ContactScratchColumns};
+
+#[cfg(feature = "alloc")]
+mod owned {
+    use alloc::vec;
+    use alloc::vec::Vec;
+
+    use super::{Aabb, Constraint, ContactModel, ContactScratch, Counts, Hold, Law, Pairs, Real, Vec3};
+    use crate::broad_phase::GridColumns;
+    use crate::colliders::ColliderColumns;
+    use crate::mesh::ownership::SurfaceColumns;
+
+    /// The owned columns of [`ContactModel`].
+    #[derive(Clone, Debug, Default)]
+    pub struct ContactColumns {
+        /// m.
+        pub thickness: Real,
+        /// Whether motion inside the step is tested.
+        pub continuous: bool,
+        /// What can touch.
+        pub surface: SurfaceColumns,
+        /// What the cloth can touch besides itself.
+        pub colliders: ColliderColumns,
+        /// First vertex of each cloth and, last, of the colliders.
+        pub firsts: Vec<u32>,
+        /// Each cloth vertex before its cloth was placed, m.
+        pub material: Vec<Vec3>,
+        /// m.
+        pub radii: Vec<Real>,
+        /// 1/kg.
+        pub mobility: Vec<Vec3>,
+        /// Index of each vertex's law.
+        pub law_of: Vec<u32>,
+        /// The laws.
+        pub laws: Vec<Law>,
+    }
+
+    impl ContactColumns {
+        /// The borrowed view that kernels take.
+        pub fn view(&self) -> ContactModel<'_> {
+            ContactModel {
+                thickness: self.thickness,
+                continuous: self.continuous,
+                surface: self.surface.view(),
+                colliders: self.colliders.view(),
+                firsts: &self.firsts,
+                material: &self.material,
+                radii: &self.radii,
+                mobility: &self.mobility,
+                law_of: &self.law_of,
+                laws: &self.laws,
+            }
+        }
+
+        /// Bytes held.
+        pub fn bytes(&self) -> usize {
+            self.surface.bytes()
+                + self.colliders.bytes()
+                + size_of_val(&self.firsts[..])
+                + size_of_val(&self.material[..])
+                + size_of_val(&self.radii[..])
+                + size_of_val(&self.mobility[..])
+                + size_of_val(&self.law_of[..])
+                + size_of_val(&self.laws[..])
+        }
+    }
+
+    /// Owned columns of one kind of candidates.
+    #[derive(Clone, Debug, Default)]
+    struct PairColumns {
+        candidates: Vec<[u32; 2]>,
+        distances: Vec<Real>,
+        times: Vec<Real>,
+    }
+
+    impl PairColumns {
+        fn resize(&mut self, capacity: usize) {
+            self.candidates.resize(capacity, [0; 2]);
+            self.distances.resize(capacity, 0.0);
+            self.times.resize(capacity, 0.0);
+        }
+
+        fn view(&mut self) -> Pairs<'_> {
+            Pairs { candidates: &mut self.candidates, distances: &mut self.distances, times: &mut self.times }
+        }
+
+        fn bytes(&self) -> usize {
+            size_of_val(&self.candidates[..]) + size_of_val(&self.distances[..]) + size_of_val(&self.times[..])
+        }
+    }
+
+    /// The owned columns of [`ContactScratch`].
+    #[derive(Clone, Debug, Default)]
+    pub struct ContactScratchColumns {
+        start: Vec<Vec3>,
+        end: Vec<Vec3>,
+        moves: Vec<Vec3>,
+        parting: Vec<Vec3>,
+        rounds: Vec<u32>,
+        zones: Vec<u32>,
+        boxes: Vec<Aabb>,
+        counts: Counts,
+        vertex_triangle: PairColumns,
+        edge_edge: PairColumns,
+        constraints: Vec<Constraint>,
+        order: Vec<u32>,
+        holds: Vec<Hold>,
+        grid: GridColumns,
+    }
+
+    impl ContactScratchColumns {
+        /// Columns for a model, with room for `pairs` candidates of each kind and as many
+        /// constraints; they grow where a step needs more.
+        pub fn build(model: &ContactModel<'_>, pairs: usize) -> Self {
+            let vertices = model.radii.len();
+            let column = vec![Vec3::ZERO; vertices];
+            let mut columns = Self {
+                start: column.clone(),
+                end: column.clone(),
+                moves: column.clone(),
+                parting: column,
+                rounds: vec![0; vertices],
+                zones: vec![0; vertices],
+                boxes: vec![Aabb::EMPTY; vertices],
+                grid: GridColumns::build(model.surface.triangles.len(), model.surface.edges.len()),
+                ..Self::default()
+            };
+            columns.grow_pairs(Counts { vertex_triangle: pairs, edge_edge: pairs });
+            columns.grow_constraints(pairs);
+            columns
+        }
+
+        /// Makes room for at least so many candidates; false where there was enough.
+        pub fn grow_pairs(&mut self, counts: Counts) -> bool {
+            let mut grown = false;
+            for (pairs, needed) in
+                [(&mut self.vertex_triangle, counts.vertex_triangle), (&mut self.edge_edge, counts.edge_edge)]
+            {
+                if needed > pairs.candidates.len() {
+                    pairs.resize(needed + needed / 4);
+                    grown = true;
+                }
+            }
+            grown
+        }
+
+        /// Makes room for more constraints.
+        pub fn grow_constraints(&mut self, needed: usize) {
+            if needed > self.constraints.len() {
+                self.constraints.resize(needed + needed / 4, Constraint::default());
+                self.order.resize(2 * self.constraints.len(), 0);
+                self.holds.resize(self.constraints.len(), Hold::default());
+            }
+        }
+
+        /// Bytes held.
+        pub fn bytes(&self) -> usize {
+            4 * size_of_val(&self.start[..])
+                + 2 * size_of_val(&self.rounds[..])
+                + size_of_val(&self.boxes[..])
+                + self.vertex_triangle.bytes()
+                + self.edge_edge.bytes()
+                + size_of_val(&self.constraints[..])
+                + size_of_val(&self.order[..])
+                + size_of_val(&self.holds[..])
+                + self.grid.bytes()
+        }
+
+        /// The borrowed view that a step takes.
+        pub fn view(&mut self) -> ContactScratch<'_> {
+            ContactScratch {
+                start: &mut self.start,
+                end: &mut self.end,
+                moves: &mut self.moves,
+                parting: &mut self.parting,
+                rounds: &mut self.rounds,
+                zones: &mut self.zones,
+                boxes: &mut self.boxes,
+                counts: &mut self.counts,
+                vertex_triangle: self.vertex_triangle.view(),
+                edge_edge: self.edge_edge.view(),
+                constraints: &mut self.constraints,
+                order: &mut self.order,
+                holds: &mut self.holds,
+                grid: self.grid.view(),
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Contact inside the implicit system. A step that was solved as if nothing touched is corrected
+//! for what does: with A the matrix of the step, G d the relative displacement of each contact that
+//! pushes, and s stiff beside A,
+//!
+//! `(A + G^T s G) y = G^T s (g - G d)`
+//!
+//! brings the contacts to where the response put them and lets the rest of the cloth give way
+//! elastically. Without it only the vertices that touch would be moved, and a sheet pressed
+//! together would stay as if it were not [Otaduy 2009, Tang 2016].
+
+use bytemuck::{Pod, Zeroable};
+
+use super::conjugate_gradient::{self, Preconditioner, System, Vectors};
+use super::{Context, Method, Work};
+use crate::dispatch::Dispatch;
+use crate::forces::matrix;
+use crate::real::{Mat3, Real, Vec3, outer, scaled_identity};
+use crate::scratch::Scratch;
+use crate::stage::Stage;
+
+/// Stiffness of a hold beside that of the cloth at its vertices.
+const STIFFNESS: Real = 30.0;
+
+/// Relative residual: what is left is left to the response.
+const TOLERANCE: f64 = 1e-2;
+
+/// A contact that pushes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Hold {
+    /// The vertices of both features.
+    pub vertices: [u32; 4],
+    /// Positive on the first feature, negative on the second.
+    pub weights: [Real; 4],
+    /// Unit vector from the second feature to the first.
+    pub normal: Vec3,
+    /// By how much the displacement of the contact is wrong, m.
+    pub missing: Vec3,
+    /// 1: sliding is held as well; 0: it is free.
+    pub sticks: Real,
+    /// s, kg; written here.
+    pub stiffness: Real,
+}
+
+impl Hold {
+    /// The directions that are held, times the stiffness.
+    #[inline]
+    fn along(&self, v: Vec3) -> Vec3 {
+        let normal = self.normal * self.normal.dot(v);
+        (normal + (v - normal) * self.sticks) * self.stiffness
+    }
+
+    /// Its part of the diagonal block of vertex k.
+    fn block(&self, k: usize) -> Mat3 {
+        let normal = outer(self.normal, self.normal);
+        let held = normal + (scaled_identity(1.0) - normal) * self.sticks;
+        held * (self.stiffness * self.weights[k] * self.weights[k])
+    }
+}
+
+/// Adds `G^T s G p` to a column over the cloth's vertices; others do not move.
+pub fn add_product(holds: &[Hold], p: &[Vec3], out: &mut [Vec3]) {
+    for hold in holds {
+        let mut relative = Vec3::ZERO;
+        for (&v, weight) in hold.vertices.iter().zip(hold.weights) {
+            relative += p.get(v as usize).map_or(Vec3::ZERO, |&p| p * weight);
+        }
+        scatter(hold, hold.along(relative), out);
+    }
+}
+
+fn scatter(hold: &Hold, force: Vec3, out: &mut [Vec3]) {
+    for (&v, weight) in hold.vertices.iter().zip(hold.weights) {
+        if let Some(out) = out.get_mut(v as usize) {
+            *out += force * weight;
+        }
+    }
+}
+
+/// Adds the holds' diagonal blocks.
+pub fn add_diagonal(holds: &[Hold], blocks: &mut [Mat3]) {
+    for hold in holds {
+        for (k, &v) in hold.vertices.iter().enumerate() {
+            if let Some(block) = blocks.get_mut(v as usize) {
+                *block += hold.block(k);
+            }
+        }
+    }
+}
+
+/// How the end of a step follows from the velocity that its stage was solved for: positions, s,
+/// and velocities.
+fn lengths(method: Method, step: Real, has_history: bool) -> [Real; 2] {
+    match method {
+        Method::ImplicitMidpoint => [step, 2.0],
+        Method::Bdf2 if has_history => [step * (2.0 / 3.0), 1.0],
+        Method::Bdf2 => [step, 2.0],
+        _ => [step, 1.0],
+    }
+}
+
+/// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. What a
+/// vertex without mobility would give is not held.
+pub fn correct<D: Dispatch>(c: &Context<'_, D>, holds: &mut [Hold], s: &mut Scratch<'_>, work: &mut Work) {
+    let [to_position, to_velocity] = lengths(c.scheme.method, c.step, s.has_history);
+    for hold in &mut *holds {
+        hold.stiffness = STIFFNESS * stiffness(hold, c.masses, s);
+    }
+    s.residual.fill(Vec3::ZERO);
+    for hold in &*holds {
+        scatter(hold, hold.along(hold.missing / to_position), s.residual);
+    }
+    c.pins.filter(s.residual);
+    c.dispatch.enter(Stage::Solve);
+    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds };
+    conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
+    let vectors = Vectors {
+        solution: s.solution,
+        residual: s.residual,
+        direction: s.direction,
+        product: s.products,
+        preconditioned: s.preconditioned,
+        partials: s.partials,
+    };
+    // The factor of the step's own solve still serves.
+    let two_level = c.scheme.preconditioner == super::Preconditioner::TwoLevel;
+    let coarse = two_level.then_some((s.patches, &mut s.coarse));
+    let mut preconditioner = Preconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
+    conjugate_gradient::solve(&system, &mut preconditioner, TOLERANCE, vectors, work, c.dispatch);
+    c.dispatch.enter(Stage::Integrate);
+    let y = &*s.solution;
+    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x, v)| {
+        for (i, (x, v)) in (start..).zip(x.iter_mut().zip(v)) {
+            *x += y[i] * to_position;
+            *v += y[i] * to_velocity;
+        }
+    });
+}
+
+/// 1 / sum W^2 / (n . A n) over a hold's vertices, kg.
+fn stiffness(hold: &Hold, masses: &[Real], s: &Scratch<'_>) -> Real {
+    let compliance = |(&v, weight): (&u32, Real)| {
+        let Some(&mass) = masses.get(v as usize) else { return 0.0 };
+        let block = matrix::to_mat3(&s.matrix.blocks[s.matrix.offsets[v as usize] as usize]);
+        weight * weight / (mass + hold.normal.dot(block * hold.normal).max(0.0))
+    };
+    let sum: Real = hold.vertices.iter().zip(hold.weights).map(compliance).sum();
+    if sum > 0.0 { 1.0 / sum } else { 0.0 }
+}

@@ -1,0 +1,61 @@
+//! When the features of each candidate meet in the course of a step.
+
+use super::{Pairing, gather};
+use crate::broad_phase::Surface;
+use crate::dispatch::Dispatch;
+use crate::real::{Real, Vec3};
+
+/// In `times`: not in this step.
+pub const NEVER: Real = 2.0;
+
+/// The motion of all vertices, and which of them moved since they were last tested.
+#[derive(Clone, Copy)]
+pub struct Motion<'a> {
+    /// m.
+    pub start: &'a [Vec3],
+    /// m.
+    pub end: &'a [Vec3],
+    /// From start to end, m.
+    pub moves: &'a [Vec3],
+    /// m around each vertex.
+    pub radii: &'a [Real],
+    /// The round in which each was last moved.
+    pub rounds: &'a [u32],
+    /// Only candidates with a vertex moved in this round are tested; 0: all.
+    pub round: u32,
+}
+
+/// Writes when each candidate's features come within `separation` of one another, or within half
+/// of their distance where they are already nearer. Features that touch at the start are left to
+/// the response that parts them.
+pub fn times<P: Pairing>(
+    candidates: &[[u32; 2]],
+    distances: &[Real],
+    surface: &Surface<'_>,
+    motion: Motion<'_>,
+    separation: Real,
+    times: &mut [Real],
+    dispatch: &impl Dispatch,
+) {
+    let least = 1e-3 * separation;
+    dispatch.run(times, |first, part| {
+        for ((&candidate, &distance), time) in candidates[first..].iter().zip(&distances[first..]).zip(part) {
+            *time = NEVER;
+            let vertices = P::vertices(surface, candidate);
+            let untouched = motion.round > 0 && gather(vertices, motion.rounds).iter().all(|&r| r != motion.round);
+            if untouched || distance <= least {
+                continue;
+            }
+            let separation = separation.min(0.5 * distance);
+            // Nearly all candidates cannot have come near enough.
+            if P::approach(&gather(vertices, motion.moves)) * (1.0 + 1e-5) < distance - separation {
+                continue;
+            }
+            let [start, end] = [motion.start, motion.end].map(|x| gather(vertices, x));
+            let radius = P::radius(gather(vertices, motion.radii));
+            if let Some(at) = P::time_of_impact(&start, &end, separation + radius, 0.5 * separation) {
+                *time = at;
+            }
+        }
+    });
+}

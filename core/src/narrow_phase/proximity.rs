@@ -1,0 +1,27 @@
+//! How far apart the features of each candidate are at the start of a step [Ericson 2005].
+
+use super::{Pairing, gather};
+use crate::broad_phase::Surface;
+use crate::dispatch::Dispatch;
+use crate::real::{Real, Vec3, sqrt};
+
+/// Writes each candidate's distance less the radii; where boxes already lie further apart than
+/// `reach`, that of the boxes.
+pub fn distances<P: Pairing>(
+    candidates: &[[u32; 2]],
+    surface: &Surface<'_>,
+    x: &[Vec3],
+    radii: &[Real],
+    reach: Real,
+    distances: &mut [Real],
+    dispatch: &impl Dispatch,
+) {
+    dispatch.run(distances, |first, part| {
+        for (&candidate, distance) in candidates[first..].iter().zip(part) {
+            let vertices = P::vertices(surface, candidate);
+            let (x, radius) = (&gather(vertices, x), P::radius(gather(vertices, radii)));
+            let bound = P::box_distance(x) - radius;
+            *distance = if bound > reach { bound } else { sqrt(P::nearest(x).between.length_squared()) - radius };
+        }
+    });
+}

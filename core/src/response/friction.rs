@@ -1,0 +1,42 @@
+//! Friction: Coulomb's cone with a static and a kinetic coefficient, and optionally one that
+//! depends on the speed, mu(v) = mu_k + (mu_s - mu_k) exp(-(v / v_s)^2) + c v [Stribeck 1902,
+//! Armstrong 1994].
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::real::{Real, Vec3, exp, sqrt};
+
+/// A law of friction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Law {
+    /// Up to which a contact sticks.
+    pub at_rest: Real,
+    /// While it slides.
+    pub kinetic: Real,
+    /// v_s, m/s; 0: the static coefficient is gone as soon as something slides.
+    pub stribeck: Real,
+    /// c, s/m.
+    pub viscous: Real,
+}
+
+impl Law {
+    /// The coefficient of a contact that slides, m/s.
+    pub fn sliding(&self, speed: Real) -> Real {
+        let decayed = match self.stribeck {
+            limit if limit > 0.0 => exp(-(speed / limit) * (speed / limit)),
+            _ => 0.0,
+        };
+        self.kinetic + (self.at_rest - self.kinetic) * decayed + self.viscous * speed
+    }
+
+    /// The tangential impulse of a contact: as wanted while it sticks, else on the cone. `speed` is
+    /// that of the sliding before friction, m/s.
+    pub fn limit(&self, wanted: Vec3, normal: Real, speed: Real) -> Vec3 {
+        let size = sqrt(wanted.length_squared());
+        if size <= self.at_rest * normal {
+            return wanted;
+        }
+        wanted * ((self.sliding(speed) * normal).min(size) / size)
+    }
+}

@@ -1,0 +1,69 @@
+//! What meets on the way: a constraint at the place and along the direction of the meeting, so that
+//! the pair ends no nearer than it began, or as near as the thickness. Inelastic [Bridson 2002].
+
+use super::constraint::Constraint;
+use super::repulsion::{law, thickness};
+use super::{Context, List, Motion, relax};
+use crate::contact::{ContactModel, Pairs};
+use crate::dispatch::Dispatch;
+use crate::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, contact, continuous, gather};
+use crate::real::{Real, Vec3};
+
+/// Sweeps in a round.
+const SWEEPS: u32 = 5;
+
+/// How near two features count as met, of the thickness.
+pub const SEPARATION: Real = 0.1;
+
+/// Adds a constraint for each pair that meets. Only pairs with a vertex moved in `round` are
+/// tested; 0: all.
+pub(crate) fn find<D: Dispatch>(
+    model: &ContactModel<'_>,
+    vertex_triangle: &mut Pairs<'_>,
+    edge_edge: &mut Pairs<'_>,
+    counts: [usize; 2],
+    motion: &Motion<'_>,
+    round: u32,
+    list: &mut List<'_>,
+    dispatch: &D,
+) {
+    find_pairs::<VertexTriangle, D>(model, vertex_triangle, counts[0], motion, round, list, dispatch);
+    find_pairs::<EdgeEdge, D>(model, edge_edge, counts[1], motion, round, list, dispatch);
+}
+
+fn find_pairs<P: Pairing, D: Dispatch>(
+    model: &ContactModel<'_>,
+    pairs: &mut Pairs<'_>,
+    count: usize,
+    motion: &Motion<'_>,
+    round: u32,
+    list: &mut List<'_>,
+    dispatch: &D,
+) {
+    let (candidates, times) = (&pairs.candidates[..count], &mut pairs.times[..count]);
+    let Motion { start, end, moves, rounds } = motion;
+    let swept = continuous::Motion { start, end, moves, radii: model.radii, rounds, round };
+    let separation = SEPARATION * model.thickness;
+    continuous::times::<P>(candidates, pairs.distances, &model.surface, swept, separation, times, dispatch);
+    for (&candidate, &time) in candidates.iter().zip(&*times) {
+        if time > 1.0 {
+            continue;
+        }
+        let vertices = P::vertices(&model.surface, candidate);
+        let (x, moves) = (gather(vertices, start), gather(vertices, moves));
+        let met: [Vec3; 4] = core::array::from_fn(|k| x[k] + moves[k] * time);
+        let radius = P::radius(gather(vertices, model.radii));
+        let (Some(at), Some(before)) =
+            (contact::<P>(vertices, &met, &x, radius), contact::<P>(vertices, &x, &x, radius))
+        else {
+            continue;
+        };
+        let target = thickness::<P>(model, vertices).min(before.gap);
+        list.push(Constraint::new(at, target, law(model, vertices), model.mobility));
+    }
+}
+
+/// Solves what met.
+pub(crate) fn resolve(context: &Context<'_>, met: &mut [Constraint], motion: &mut Motion<'_>) {
+    relax(context, met, None, motion, SWEEPS, 0.0);
+}

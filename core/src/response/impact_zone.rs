@@ -1,0 +1,84 @@
+//! Impact zones: all constraints that hang together through vertices that can move, solved together
+//! until they are kept [Harmon 2008, Tang 2018]. The projection is inelastic and leaves sliding
+//! free, unlike a rigid zone.
+
+use super::constraint::Constraint;
+use super::{Context, Motion, relax};
+use crate::real::{Real, Vec3};
+
+/// Sweeps over a zone.
+const SWEEPS: u32 = 60;
+/// Violation that is left, of the thickness.
+const LEFT: Real = 0.02;
+
+/// Solves the zones of the constraints from `first` on; returns how many there are. `order` has room
+/// for twice as many indices as there are constraints.
+pub(crate) fn resolve(
+    context: &Context<'_>,
+    constraints: &mut [Constraint],
+    first: usize,
+    zones: &mut [u32],
+    order: &mut [u32],
+    motion: &mut Motion<'_>,
+) -> u64 {
+    let mobility = context.model.mobility;
+    for (v, zone) in zones.iter_mut().enumerate() {
+        *zone = v as u32;
+    }
+    for constraint in constraints.iter() {
+        join(zones, constraint, mobility);
+    }
+    // Roots of the new constraints first, then the constraints that lie in their zones.
+    let (roots, chosen) = order.split_at_mut(constraints.len());
+    let mut wanted = 0;
+    for constraint in &constraints[first..] {
+        if let Some(root) = root_of(zones, constraint, mobility) {
+            roots[wanted] = root;
+            wanted += 1;
+        }
+    }
+    let roots = &mut roots[..wanted];
+    roots.sort_unstable();
+    let mut count = 0;
+    for k in 0..constraints.len() {
+        let root = root_of(zones, &constraints[k], mobility);
+        if root.is_some_and(|root| roots.binary_search(&root).is_ok()) {
+            chosen[count] = k as u32;
+            count += 1;
+        }
+    }
+    relax(context, constraints, Some(&chosen[..count]), motion, SWEEPS, LEFT * context.model.thickness);
+    roots.chunk_by(|a, b| a == b).count() as u64
+}
+
+fn movable(mobility: &[Vec3], vertex: u32) -> bool {
+    mobility[vertex as usize] != Vec3::ZERO
+}
+
+fn root(zones: &mut [u32], vertex: u32) -> u32 {
+    let mut v = vertex;
+    while zones[v as usize] != v {
+        zones[v as usize] = zones[zones[v as usize] as usize];
+        v = zones[v as usize];
+    }
+    v
+}
+
+fn root_of(zones: &mut [u32], constraint: &Constraint, mobility: &[Vec3]) -> Option<u32> {
+    let found = constraint.contact.vertices.into_iter().find(|&v| movable(mobility, v));
+    found.map(|v| root(zones, v))
+}
+
+fn join(zones: &mut [u32], constraint: &Constraint, mobility: &[Vec3]) {
+    let Some(zone) = root_of(zones, constraint, mobility) else { return };
+    let mut low = zone;
+    for v in constraint.contact.vertices {
+        if movable(mobility, v) {
+            let other = root(zones, v);
+            // The lesser root wins, whatever the order.
+            let (less, more) = (low.min(other), low.max(other));
+            zones[more as usize] = less;
+            low = less;
+        }
+    }
+}

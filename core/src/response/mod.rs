@@ -1,0 +1,265 @@
+//! Contacts in, corrected motion out [Bridson 2002], in passes:
+//!
+//! 1. [`repulsion`]: what is near at the start of the step must not come nearer than the thickness;
+//!    [`friction`] holds it. All contacts are [`constraint`]s on the displacements of the step.
+//! 2. What overlaps is parted a little, without velocity.
+//! 3. [`impact`]: what meets on the way becomes one more constraint, in rounds.
+//! 4. [`impact_zone`]: what still meets is solved together with all that it touches; constraints
+//!    keep sliding free, unlike rigid zones [Harmon 2008].
+//! 5. [`hold`]: as a last resort what still meets stays where it was.
+//!
+//! Nothing is accepted while a pair meets: the step is rejected and taken in halves.
+
+pub mod constraint;
+pub mod friction;
+pub mod hold;
+pub mod impact;
+pub mod impact_zone;
+pub mod repulsion;
+
+use crate::contact::{ContactModel, ContactScratch};
+use crate::dispatch::Dispatch;
+use crate::real::Real;
+use constraint::Constraint;
+
+/// Rounds in which only what met is solved.
+const IMPACT_ROUNDS: u32 = 4;
+/// Rounds after which a step is given up.
+const MOST_ROUNDS: u32 = 30;
+/// Rounds of the last resort.
+const HOLD_ROUNDS: u32 = 100;
+
+/// What became of a step's motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Nothing meets.
+    Free,
+    /// A vertex was moved out of the box that its candidates were found for: sweep again, wider.
+    Left,
+    /// So many pairs still meet.
+    Meets(u32),
+    /// There is no room for so many constraints.
+    Short {
+        /// At least so many are needed.
+        needed: usize,
+    },
+}
+
+/// Counts of contact, over all steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Candidates found.
+    pub candidates: u64,
+    /// Contacts within the thickness.
+    pub proximity: u64,
+    /// Meetings inside a step that were resolved.
+    pub impacts: u64,
+    /// Impact zones solved.
+    pub zones: u64,
+    /// Steps that needed the last resort.
+    pub failsafe: u64,
+    /// Steps rejected and taken in halves.
+    pub rejected: u64,
+}
+
+/// How a response is run.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Length of the step, s.
+    pub step: Real,
+    /// Whether what still meets may be held back.
+    pub hold: bool,
+}
+
+/// The constraints so far.
+pub(crate) struct List<'a> {
+    pub all: &'a mut [Constraint],
+    pub count: usize,
+}
+
+impl List<'_> {
+    /// Adds one; counts on where there is no room.
+    pub fn push(&mut self, constraint: Constraint) {
+        if let Some(slot) = self.all.get_mut(self.count) {
+            *slot = constraint;
+        }
+        self.count += 1;
+    }
+
+    pub fn short(&self) -> Option<Outcome> {
+        (self.count > self.all.len()).then_some(Outcome::Short { needed: self.count })
+    }
+}
+
+/// Finds and solves what is near at the start of the step, without a look at what meets on the way,
+/// and writes the contacts that push to `scratch.holds`; returns how many.
+pub fn press(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, settings: Settings) -> Result<usize, Outcome> {
+    let near = begin(model, scratch, settings)?;
+    let mut count = 0;
+    for constraint in &scratch.constraints[..near] {
+        if constraint.normal_impulse > 0.0 && constraint.inverse_mass > 0.0 {
+            scratch.holds[count] = repulsion::hold(model, constraint, scratch.start, scratch.end, scratch.moves);
+            count += 1;
+        }
+    }
+    Ok(count)
+}
+
+/// The first pass: contacts within the thickness.
+fn begin(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, settings: Settings) -> Result<usize, Outcome> {
+    let ContactScratch { start, end, moves, parting, rounds, counts, constraints, .. } = scratch;
+    for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
+        *moves = *end - *start;
+    }
+    parting.fill(crate::real::Vec3::ZERO);
+    rounds.fill(0);
+    let mut list = List { all: constraints, count: 0 };
+    let pairs = [counts.vertex_triangle, counts.edge_edge];
+    let mut motion = Motion { start, end, moves, rounds };
+    repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &mut list);
+    if let Some(short) = list.short() {
+        return Err(short);
+    }
+    let near = list.count;
+    repulsion::keep(&Context { model, settings, round: 1 }, &mut list.all[..near], &mut motion);
+    Ok(near)
+}
+
+/// Corrects `scratch.end` until nothing meets on the way from `scratch.start`.
+pub fn respond<D: Dispatch>(
+    model: &ContactModel<'_>,
+    scratch: &mut ContactScratch<'_>,
+    settings: Settings,
+    tally: &mut Tally,
+    dispatch: &D,
+) -> Outcome {
+    let near = match begin(model, scratch, settings) {
+        Ok(near) => near,
+        Err(outcome) => return outcome,
+    };
+    let ContactScratch { start, end, moves, parting, rounds, zones, boxes, counts, constraints, order, .. } = scratch;
+    let mut list = List { all: constraints, count: near };
+    let pairs = [counts.vertex_triangle, counts.edge_edge];
+    let mut motion = Motion { start, end, moves, rounds };
+    let mut now = Tally { proximity: near as u64, ..Tally::default() };
+    let context = Context { model, settings, round: 1 };
+    repulsion::part(&context, &mut list.all[..near], parting, &mut motion);
+    let most = if settings.hold { HOLD_ROUNDS } else { MOST_ROUNDS };
+    for round in 1..=most {
+        let context = Context { round: round + 1, ..context };
+        motion.land(round);
+        if motion.left(boxes, model, round) {
+            return Outcome::Left;
+        }
+        let first = list.count;
+        let tested = if round == 1 { 0 } else { round };
+        if model.continuous {
+            let [vertex_triangle, edge_edge] = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
+            impact::find(model, vertex_triangle, edge_edge, pairs, &motion, tested, &mut list, dispatch);
+        }
+        repulsion::find_planes(model, &motion, tested, &mut list);
+        if let Some(short) = list.short() {
+            return short;
+        }
+        let met = list.count - first;
+        if met == 0 {
+            tally.add(&now);
+            return Outcome::Free;
+        }
+        now.impacts += met as u64;
+        if round == most {
+            return Outcome::Meets(met as u32);
+        }
+        if settings.hold && round > MOST_ROUNDS {
+            now.failsafe = 1;
+            hold::hold(&list.all[first..list.count], model, &mut motion, context.round);
+        } else if round <= IMPACT_ROUNDS {
+            impact::resolve(&context, &mut list.all[near..list.count], &mut motion);
+        } else {
+            now.zones += impact_zone::resolve(&context, &mut list.all[..list.count], first, zones, order, &mut motion);
+        }
+    }
+    Outcome::Meets(0)
+}
+
+impl Tally {
+    fn add(&mut self, other: &Self) {
+        self.proximity += other.proximity;
+        self.impacts += other.impacts;
+        self.zones += other.zones;
+        self.failsafe += other.failsafe;
+    }
+}
+
+/// What every pass needs to know.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'a> {
+    pub model: &'a ContactModel<'a>,
+    pub settings: Settings,
+    /// Vertices moved now are marked with it.
+    pub round: u32,
+}
+
+/// The motion that passes correct.
+pub(crate) struct Motion<'a> {
+    pub start: &'a mut [crate::real::Vec3],
+    pub end: &'a mut [crate::real::Vec3],
+    pub moves: &'a mut [crate::real::Vec3],
+    pub rounds: &'a mut [u32],
+}
+
+impl Motion<'_> {
+    /// Rounds the ends of the vertices moved in a round.
+    fn land(&mut self, round: u32) {
+        for (v, end) in self.end.iter_mut().enumerate() {
+            if self.rounds[v] == round {
+                *end = self.start[v] + self.moves[v];
+                self.moves[v] = *end - self.start[v];
+            }
+        }
+    }
+
+    /// Whether a vertex moved in a round has left its box, less what the box is inflated by.
+    fn left(&self, boxes: &[crate::geometry::aabb::Aabb], model: &ContactModel<'_>, round: u32) -> bool {
+        self.end.iter().enumerate().any(|(v, &end)| {
+            let around = crate::real::Vec3::splat(0.5 * model.thickness + model.radii[v]);
+            self.rounds[v] == round
+                && !((end - around).cmpge(boxes[v].min).all() && (end + around).cmple(boxes[v].max).all())
+        })
+    }
+}
+
+/// Solves constraints in their order until none is violated by more than `tolerance`, m, or for so
+/// many sweeps.
+pub(crate) fn relax(
+    context: &Context<'_>,
+    constraints: &mut [Constraint],
+    chosen: Option<&[u32]>,
+    motion: &mut Motion<'_>,
+    sweeps: u32,
+    tolerance: Real,
+) {
+    let ContactModel { mobility, laws, .. } = *context.model;
+    let count = chosen.map_or(constraints.len(), <[u32]>::len);
+    for _ in 0..sweeps {
+        let mut worst: Real = 0.0;
+        for k in 0..count {
+            let constraint = &mut constraints[chosen.map_or(k, |chosen| chosen[k] as usize)];
+            let (missing, moved) = constraint::solve(constraint, mobility, laws, context.settings.step, motion.moves);
+            worst = worst.max(missing.abs());
+            if moved {
+                mark(constraint, motion.rounds, context.round);
+            }
+        }
+        if worst <= tolerance {
+            break;
+        }
+    }
+}
+
+/// Marks the vertices of a constraint as moved.
+pub(crate) fn mark(constraint: &Constraint, rounds: &mut [u32], round: u32) {
+    for v in constraint.contact.vertices {
+        rounds[v as usize] = round;
+    }
+}

@@ -1,0 +1,163 @@
+//! What is near at the start of a step: it may come as near as the thickness, or no nearer than it
+//! is, and overlaps are parted by a tenth in each step [Bridson 2002]. Parting moves and gives no
+//! velocity, so that it adds no energy.
+
+use super::constraint::{self, Constraint};
+use super::{Context, List, Motion, mark, relax};
+use crate::colliders::Form;
+use crate::contact::{ContactModel, Pairs};
+use crate::integrate::coupling::Hold;
+use crate::narrow_phase::{Contact, EdgeEdge, Pairing, VertexTriangle, contact, gather};
+use crate::real::{Real, Vec3, sqrt};
+
+/// Sweeps over all contacts.
+const SWEEPS: u32 = 20;
+/// Sweeps that part.
+const PARTING_SWEEPS: u32 = 4;
+/// Part of an overlap that goes in a step.
+const PARTED: Real = 0.1;
+/// Violation that is left, of the thickness.
+const LEFT: Real = 1e-3;
+
+/// How near is looked at, of the thickness: what is further may still meet, but its direction of
+/// now says little.
+pub const REACH: Real = 2.0;
+
+/// Adds a constraint for each pair that is near and approaches, or overlaps.
+pub(crate) fn find(
+    model: &ContactModel<'_>,
+    vertex_triangle: &Pairs<'_>,
+    edge_edge: &Pairs<'_>,
+    counts: [usize; 2],
+    motion: &Motion<'_>,
+    list: &mut List<'_>,
+) {
+    find_pairs::<VertexTriangle>(model, vertex_triangle, counts[0], motion, list);
+    find_pairs::<EdgeEdge>(model, edge_edge, counts[1], motion, list);
+    find_planes(model, motion, 0, list);
+}
+
+fn find_pairs<P: Pairing>(
+    model: &ContactModel<'_>,
+    pairs: &Pairs<'_>,
+    count: usize,
+    motion: &Motion<'_>,
+    list: &mut List<'_>,
+) {
+    for (&candidate, &distance) in pairs.candidates[..count].iter().zip(&*pairs.distances) {
+        if distance > REACH * model.thickness {
+            continue;
+        }
+        let vertices = P::vertices(&model.surface, candidate);
+        let x = gather(vertices, motion.start);
+        let Some(contact) = contact::<P>(vertices, &x, &x, P::radius(gather(vertices, model.radii))) else { continue };
+        let least = thickness::<P>(model, vertices);
+        let approaches = contact.gap + constraint::weighted(&contact, motion.moves).dot(contact.normal) < least;
+        if distance < least || approaches {
+            list.push(Constraint::new(contact, least.min(contact.gap), law(model, vertices), model.mobility));
+        }
+    }
+}
+
+/// Adds a constraint for each vertex that ends nearer to a plane than it may. In later rounds only
+/// those count that were moved in the round and ended behind it.
+pub(crate) fn find_planes(model: &ContactModel<'_>, motion: &Motion<'_>, round: u32, list: &mut List<'_>) {
+    for body in model.colliders.bodies {
+        let Form::Plane(normal) = body.form else { continue };
+        let plane = (model.cloth() + body.vertices[0]) as u32;
+        for v in 0..model.cloth() as u32 {
+            if round > 0 && motion.rounds[v as usize] != round {
+                continue;
+            }
+            let contact = Contact {
+                vertices: [v, plane, plane, plane],
+                weights: [1.0, -1.0, 0.0, 0.0],
+                normal,
+                gap: normal.dot(motion.start[v as usize] - motion.start[plane as usize]),
+            };
+            let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(normal);
+            let least = if round == 0 { model.thickness } else { (0.1 * contact.gap).min(0.1 * model.thickness) };
+            if ends < least {
+                let target = model.thickness.min(contact.gap);
+                list.push(Constraint::new(contact, target, model.law_of[plane as usize], model.mobility));
+            }
+        }
+    }
+}
+
+/// The law of the collider, where one is met.
+pub(crate) fn law(model: &ContactModel<'_>, vertices: [u32; 4]) -> u32 {
+    gather(vertices, model.law_of).into_iter().fold(0, u32::max)
+}
+
+/// The thickness that a pair can keep: neighbours on one sheet may be nearer than the thickness by
+/// the sheet itself.
+pub(crate) fn thickness<P: Pairing>(model: &ContactModel<'_>, vertices: [u32; 4]) -> Real {
+    let sheet = |v: u32| model.firsts.partition_point(|&first| first <= v);
+    let colliders = model.cloth() as u32;
+    if vertices.iter().any(|&v| v >= colliders) || vertices.iter().any(|&v| sheet(v) != sheet(vertices[0])) {
+        return model.thickness;
+    }
+    let rest = sqrt(P::nearest(&gather(vertices, model.material)).between.length_squared());
+    model.thickness.min(0.9 * rest)
+}
+
+/// Solves the contacts with their friction.
+pub(crate) fn keep(context: &Context<'_>, constraints: &mut [Constraint], motion: &mut Motion<'_>) {
+    relax(context, constraints, None, motion, SWEEPS, LEFT * context.model.thickness);
+}
+
+/// A contact that pushes, as the implicit system holds it: to where the constraint is kept, and
+/// where it sticks nowhere else.
+pub(crate) fn hold(
+    model: &ContactModel<'_>,
+    constraint: &Constraint,
+    start: &[Vec3],
+    end: &[Vec3],
+    moves: &[Vec3],
+) -> Hold {
+    let Constraint { contact, target, law, normal_impulse, friction_impulse, .. } = *constraint;
+    let friction = model.laws[law as usize].at_rest;
+    let sticks =
+        friction > 0.0 && friction_impulse.length_squared() < friction * friction * normal_impulse * normal_impulse;
+    let predicted = constraint::weighted(&contact, end) - constraint::weighted(&contact, start);
+    let normal = contact.normal;
+    // Along the normal to the target, across it to where friction brought it.
+    let kept = constraint::weighted(&contact, moves);
+    let wanted = kept + normal * (target - contact.gap - kept.dot(normal));
+    Hold {
+        vertices: contact.vertices,
+        weights: contact.weights,
+        normal,
+        missing: wanted - predicted,
+        sticks: if sticks { 1.0 } else { 0.0 },
+        stiffness: 0.0,
+    }
+}
+
+/// Parts what overlaps.
+pub(crate) fn part(
+    context: &Context<'_>,
+    constraints: &mut [Constraint],
+    parting: &mut [Vec3],
+    motion: &mut Motion<'_>,
+) {
+    let ContactModel { thickness, mobility, .. } = *context.model;
+    for _ in 0..PARTING_SWEEPS {
+        for constraint in &mut *constraints {
+            let (contact, along) = (constraint.contact, constraint.inverse_mass);
+            let overlap = thickness - contact.gap;
+            if overlap <= LEFT * thickness || along <= 0.0 || constraint.target < contact.gap {
+                continue;
+            }
+            let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(contact.normal);
+            let missing = contact.gap + PARTED * overlap - ends;
+            if missing > 0.0 {
+                let impulse = contact.normal * (missing / along);
+                constraint::push(&contact, impulse, mobility, motion.moves);
+                constraint::push(&contact, impulse, mobility, parting);
+                mark(constraint, motion.rounds, context.round);
+            }
+        }
+    }
+}

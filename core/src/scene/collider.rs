@@ -1,0 +1,216 @@
+//! What the cloth can touch besides itself, out of a scene.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use glam::DVec3;
+
+use super::check::{finite, positive};
+use super::motion::read_motion;
+use super::place::turn;
+use super::{FrictionDesc, MotionDesc, Resource, resource};
+use crate::colliders::{Body, ColliderColumns, Drive, Form, cuboid, round};
+use crate::error::SceneError;
+use crate::real::{Real, Vec3, vec3};
+
+/// The shape of a collider.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum Shape {
+    /// All below `point`, seen along `normal`.
+    Plane,
+    /// A ball.
+    Sphere,
+    /// All within a radius of a line from `a` to `b`.
+    Capsule,
+    /// A box.
+    Box,
+    /// Triangles from a file.
+    Mesh,
+}
+
+impl Shape {
+    /// As scenes spell it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Sphere => "sphere",
+            Self::Capsule => "capsule",
+            Self::Box => "box",
+            Self::Mesh => "mesh",
+        }
+    }
+}
+
+/// A collider: a shape with its keys.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+pub struct ColliderDesc {
+    /// The shape.
+    pub shape: Shape,
+    /// Plane: a point on it, m.
+    pub point: Option<[f64; 3]>,
+    /// Plane: the direction of the free side.
+    pub normal: Option<[f64; 3]>,
+    /// Sphere and box: the centre, m.
+    pub center: Option<[f64; 3]>,
+    /// Sphere and capsule, m.
+    pub radius: Option<f64>,
+    /// Capsule: one end of its axis, m.
+    pub a: Option<[f64; 3]>,
+    /// Capsule: the other end, m.
+    pub b: Option<[f64; 3]>,
+    /// Box: half of its size along each axis, m.
+    pub half: Option<[f64; 3]>,
+    /// Box: degrees about x, then y, then z.
+    pub rotation: Option<[f64; 3]>,
+    /// Mesh: the name of a file that the host loads.
+    pub file: Option<String>,
+    /// How it moves; absent: not at all.
+    pub motion: Option<ColliderMotionDesc>,
+    /// Mesh in a point cache: frames per second.
+    pub motion_rate: Option<f64>,
+    /// Friction; absent: that of `contact`.
+    pub friction: Option<FrictionDesc>,
+}
+
+/// How a collider moves.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(untagged))]
+pub enum ColliderMotionDesc {
+    /// Mesh: the name of a point cache that the host loads.
+    Cache(String),
+    /// Keys and a turn about its centre.
+    Keys(MotionDesc),
+}
+
+/// A collider's keys while they are taken: what is left over does not belong to the shape.
+struct Keys<'a> {
+    desc: &'a ColliderDesc,
+    index: u32,
+}
+
+impl Keys<'_> {
+    fn needed<T: Clone>(&self, key: &'static str, value: &Option<T>) -> Result<T, SceneError> {
+        value.clone().ok_or(SceneError::ShapeNeeds { collider: self.index, key, shape: self.desc.shape.name() })
+    }
+
+    fn point(&self, key: &'static str, value: &Option<[f64; 3]>) -> Result<DVec3, SceneError> {
+        let point = self.needed(key, value)?;
+        finite(key, &point)?;
+        Ok(point.into())
+    }
+
+    /// Whether no key is given that the shape does not have.
+    fn only(&self, own: &[&str]) -> Result<(), SceneError> {
+        let d = self.desc;
+        let given = [
+            ("point", d.point.is_some()),
+            ("normal", d.normal.is_some()),
+            ("center", d.center.is_some()),
+            ("radius", d.radius.is_some()),
+            ("a", d.a.is_some()),
+            ("b", d.b.is_some()),
+            ("half", d.half.is_some()),
+            ("rotation", d.rotation.is_some()),
+            ("file", d.file.is_some()),
+            ("motion_rate", d.motion_rate.is_some()),
+        ];
+        match given.iter().find(|(key, given)| *given && !own.contains(key)) {
+            Some(&(key, _)) => Err(SceneError::NotOfShape { collider: self.index, key, shape: d.shape.name() }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Adds a collider whose contacts follow a law.
+pub(super) fn add(
+    columns: &mut ColliderColumns,
+    desc: &ColliderDesc,
+    index: u32,
+    law: u32,
+    resources: &[Resource],
+) -> Result<(), SceneError> {
+    let keys = Keys { desc, index };
+    let rounded = |point: DVec3| vec3(point.into());
+    let body = |form| Body { form, vertices: [0; 2], drive: Drive::Rest, radius: 0.0, law };
+    let radius = || positive("collider.radius", keys.needed("radius", &desc.radius)?).map(|r| r as Real);
+    let (body, centre, anchors, triangles): (Body, DVec3, Vec<Vec3>, Vec<[u32; 3]>) = match desc.shape {
+        Shape::Plane => {
+            keys.only(&["point", "normal"])?;
+            let (point, normal) = (keys.point("point", &desc.point)?, keys.point("normal", &desc.normal)?);
+            let normal = normal.try_normalize().ok_or(SceneError::NoNormal { collider: index })?;
+            (body(Form::Plane(rounded(normal))), point, [rounded(point)].into(), Vec::new())
+        }
+        Shape::Sphere => {
+            keys.only(&["center", "radius"])?;
+            let centre = keys.point("center", &desc.center)?;
+            let body = Body { radius: radius()?, ..body(Form::Sphere) };
+            (body, centre, [rounded(centre)].into(), round::SPHERE.into())
+        }
+        Shape::Capsule => {
+            keys.only(&["a", "b", "radius"])?;
+            let (a, b) = (keys.point("a", &desc.a)?, keys.point("b", &desc.b)?);
+            let body = Body { radius: radius()?, ..body(Form::Capsule) };
+            (body, (a + b) / 2.0, [rounded(a), rounded(b)].into(), round::CAPSULE.into())
+        }
+        Shape::Box => {
+            keys.only(&["center", "half", "rotation"])?;
+            let (centre, half) = (keys.point("center", &desc.center)?, keys.point("half", &desc.half)?);
+            for half in half.to_array() {
+                positive("collider.half", half)?;
+            }
+            finite("collider.rotation", &desc.rotation.unwrap_or_default())?;
+            let axes = turn(desc.rotation.unwrap_or_default());
+            let axes = [0, 1, 2].map(|k| rounded(axes.col(k) * half[k]));
+            (body(Form::Box), centre, cuboid::corners(rounded(centre), axes).into(), cuboid::TRIANGLES.into())
+        }
+        Shape::Mesh => {
+            keys.only(&["file", "motion_rate"])?;
+            let name = keys.needed("file", &desc.file)?;
+            let mesh = resource::mesh(&name, resources).ok_or(SceneError::MissingColliderFile { collider: index })?;
+            mesh.check_surface().map_err(|error| SceneError::ColliderMesh { collider: index, error })?;
+            let anchors: Vec<_> = mesh.positions.iter().map(|&p| vec3(p)).collect();
+            let centre = mesh.positions.iter().map(|&p| DVec3::from(p)).sum::<DVec3>() / anchors.len() as f64;
+            (body(Form::Mesh), centre, anchors, mesh.triangles.clone())
+        }
+    };
+    let drive = drive(columns, &keys, centre, anchors.len(), resources)?;
+    columns.add(Body { drive, ..body }, &anchors, &triangles);
+    Ok(())
+}
+
+fn drive(
+    columns: &mut ColliderColumns,
+    keys: &Keys<'_>,
+    centre: DVec3,
+    vertices: usize,
+    resources: &[Resource],
+) -> Result<Drive, SceneError> {
+    let (desc, index) = (keys.desc, keys.index);
+    match &desc.motion {
+        None => Ok(Drive::Rest),
+        Some(ColliderMotionDesc::Keys(motion)) => {
+            let turns_plane = desc.shape == Shape::Plane && motion.turn.is_some();
+            let read = read_motion(motion, centre, &mut columns.keys).ok().filter(|_| !turns_plane);
+            read.map(Drive::Motion).ok_or(SceneError::ColliderMotion { collider: index })
+        }
+        Some(ColliderMotionDesc::Cache(name)) => {
+            if desc.shape != Shape::Mesh {
+                return Err(SceneError::NotOfShape { collider: index, key: "motion", shape: desc.shape.name() });
+            }
+            let rate = positive("collider.motion_rate", keys.needed("motion_rate", &desc.motion_rate)?)?;
+            let cache = resource::cache(name, resources).ok_or(SceneError::MissingColliderFile { collider: index })?;
+            let (found, expected) = (cache.points, vertices as u32);
+            if found != expected || cache.frames() == 0 {
+                return Err(SceneError::CachePoints { collider: index, expected, found });
+            }
+            let first = columns.frames.len();
+            columns.frames.extend(cache.positions.iter().map(|p| vec3(p.map(f64::from))));
+            if columns.frames[first..].iter().any(|x| !x.is_finite()) {
+                return Err(SceneError::ColliderMotion { collider: index });
+            }
+            Ok(Drive::Cache { first, frames: cache.frames(), rate })
+        }
+    }
+}

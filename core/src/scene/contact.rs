@@ -1,0 +1,176 @@
+//! How surfaces touch: thickness and friction out of a scene.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::build::BuiltScene;
+use super::check::{not_negative, positive};
+use super::{Resource, SceneDesc, collider};
+use crate::contact::ContactColumns;
+use crate::error::SceneError;
+use crate::mesh::ownership::SurfaceColumns;
+use crate::real::{Real, Vec3, vec3};
+use crate::response::friction::Law;
+
+/// Contact between all surfaces of a scene.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+pub struct ContactDesc {
+    /// m; features nearer than this are in contact.
+    pub thickness: f64,
+    /// Friction, where a collider has none of its own.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub friction: FrictionDesc,
+    /// Whether cloths touch themselves and one another.
+    #[cfg_attr(feature = "serde", serde(default = "yes", rename = "self"))]
+    pub own: bool,
+    /// Whether motion inside the step is tested: without it, only proximity keeps surfaces apart.
+    #[cfg_attr(feature = "serde", serde(default = "yes"))]
+    pub continuous: bool,
+}
+
+/// Coefficients of friction. In a scene also a single number, which is both.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrictionDesc {
+    /// Up to which contacts stick.
+    pub at_rest: f64,
+    /// While they slide.
+    pub kinetic: f64,
+    /// m/s; the speed at which the static coefficient has decayed to the kinetic one by 1/e; absent:
+    /// at once.
+    pub stribeck: Option<f64>,
+    /// s/m; added per speed.
+    pub viscous: f64,
+}
+
+impl FrictionDesc {
+    /// One coefficient.
+    pub fn both(mu: f64) -> Self {
+        Self { at_rest: mu, kinetic: mu, ..Self::default() }
+    }
+
+    pub(super) fn law(&self) -> Result<Law, SceneError> {
+        let key = "friction";
+        not_negative(key, self.at_rest)?;
+        not_negative(key, self.kinetic)?;
+        not_negative("friction.viscous", self.viscous)?;
+        if let Some(speed) = self.stribeck {
+            positive("friction.stribeck", speed)?;
+        }
+        if self.at_rest < self.kinetic {
+            return Err(SceneError::StaticBelowKinetic { at_rest: self.at_rest, kinetic: self.kinetic });
+        }
+        Ok(Law {
+            at_rest: self.at_rest as Real,
+            kinetic: self.kinetic as Real,
+            stribeck: self.stribeck.unwrap_or(0.0) as Real,
+            viscous: self.viscous as Real,
+        })
+    }
+}
+
+/// The columns of contact; none where the scene has no contact.
+pub(super) fn columns(
+    scene: &SceneDesc,
+    built: &BuiltScene,
+    resources: &[Resource],
+) -> Result<Option<ContactColumns>, SceneError> {
+    let Some(contact) = &scene.contact else {
+        return if scene.collider.is_empty() { Ok(None) } else { Err(SceneError::ColliderWithoutContact) };
+    };
+    let mut columns = ContactColumns {
+        thickness: positive("contact.thickness", contact.thickness)? as Real,
+        continuous: contact.continuous,
+        laws: vec![contact.friction.law()?],
+        ..ContactColumns::default()
+    };
+    for (index, desc) in scene.collider.iter().enumerate() {
+        let law = match &desc.friction {
+            Some(friction) => {
+                columns.laws.push(friction.law()?);
+                columns.laws.len() as u32 - 1
+            }
+            None => 0,
+        };
+        collider::add(&mut columns.colliders, desc, index as u32, law, resources)?;
+    }
+    let (cloth, colliders) = (built.particles.positions.len(), columns.colliders.anchors.len());
+    columns.firsts = built.cloths.iter().map(|range| range.vertices.start).chain([cloth as u32]).collect();
+    columns.material = built.material.iter().map(|&x| vec3(x.into())).collect();
+    columns.mobility = mobility(built);
+    columns.mobility.resize(cloth + colliders, Vec3::ZERO);
+    columns.radii = vec![0.0; cloth];
+    columns.law_of = vec![0; cloth];
+    for body in &columns.colliders.bodies {
+        columns.radii.extend(body.range().map(|_| body.radius));
+        columns.law_of.extend(body.range().map(|_| body.law));
+    }
+    let passive = columns.colliders.triangles.iter().map(|t| t.map(|v| cloth as u32 + v));
+    let triangles: Vec<_> = built.triangles.iter().copied().chain(passive).collect();
+    columns.surface = SurfaceColumns::build(cloth + colliders, &triangles, &sewn(built));
+    columns.surface.first_passive = built.triangles.len() as u32;
+    columns.surface.own_contact = contact.own;
+    Ok(Some(columns))
+}
+
+/// Inverse masses along the axes that no pin holds.
+fn mobility(built: &BuiltScene) -> Vec<Vec3> {
+    let mut mobility: Vec<_> = built.particles.inverse_masses.iter().map(|&m| Vec3::splat(m)).collect();
+    built.pins.view().filter(&mut mobility);
+    mobility
+}
+
+/// Pairs of vertices that seams hold together.
+fn sewn(built: &BuiltScene) -> Vec<[u32; 2]> {
+    let stitches = built.model.seams.iter().flat_map(|seams| &seams.vertices);
+    stitches.flat_map(|&[a, b, c]| [[a, b], [a, c]]).filter(|[a, b]| a != b).collect()
+}
+
+#[cfg(feature = "serde")]
+fn yes() -> bool {
+    true
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for FrictionDesc {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        /// The keys of the section.
+        #[derive(serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Coefficients {
+            #[serde(rename = "static")]
+            at_rest: f64,
+            kinetic: f64,
+            stribeck: Option<f64>,
+            #[serde(default)]
+            viscous: f64,
+        }
+
+        struct Visitor;
+
+        impl<'de> serde::de::Visitor<'de> for Visitor {
+            type Value = FrictionDesc;
+
+            fn expecting(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                f.write_str("a number, or { static = .., kinetic = .. }")
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, mu: f64) -> Result<FrictionDesc, E> {
+                Ok(FrictionDesc::both(mu))
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, mu: i64) -> Result<FrictionDesc, E> {
+                Ok(FrictionDesc::both(mu as f64))
+            }
+
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<FrictionDesc, A::Error> {
+                let c: Coefficients =
+                    serde::Deserialize::deserialize(serde::de::value::MapAccessDeserializer::new(map))?;
+                let Coefficients { at_rest, kinetic, stribeck, viscous } = c;
+                Ok(FrictionDesc { at_rest, kinetic, stribeck, viscous })
+            }
+        }
+
+        deserializer.deserialize_any(Visitor)
+    }
+}

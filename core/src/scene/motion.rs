@@ -1,0 +1,34 @@
+//! Motions of pins and colliders out of a scene.
+
+use alloc::vec::Vec;
+
+use glam::DVec3;
+
+use super::{MotionDesc, TurnDesc};
+use crate::motion::{Key, Motion, Turn};
+use crate::real::{Real, vec3};
+
+/// What of a motion is not usable; the scene adds where it stands.
+pub(super) enum MotionError {
+    Keys,
+    Turn,
+}
+
+/// A motion whose keys join those of all motions; `centre` is what it turns about.
+pub(super) fn read_motion(motion: &MotionDesc, centre: DVec3, keys: &mut Vec<Key>) -> Result<Motion, MotionError> {
+    let times_increase = motion.keys.windows(2).all(|k| k[0][0] < k[1][0]);
+    if !times_increase || motion.keys.as_flattened().iter().any(|&x| !(x as Real).is_finite()) {
+        return Err(MotionError::Keys);
+    }
+    let turn = motion.turn.as_ref().map(|turn| read_turn(turn, centre).ok_or(MotionError::Turn)).transpose()?;
+    let first = keys.len() as u32;
+    keys.extend(motion.keys.iter().map(|&[time, x, y, z]| Key { time, offset: vec3([x, y, z]) }));
+    Ok(Motion { keys: [first, motion.keys.len() as u32], turn })
+}
+
+/// None where the axis has no direction or a number is none.
+fn read_turn(turn: &TurnDesc, centre: DVec3) -> Option<Turn> {
+    let until = turn.until.unwrap_or(f64::INFINITY);
+    let axis = DVec3::from(turn.axis).try_normalize().filter(|_| turn.rate.is_finite() && !until.is_nan())?;
+    Some(Turn { axis: vec3(axis.into()), centre: vec3(centre.into()), rate: turn.rate, until })
+}
