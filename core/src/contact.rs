@@ -65,6 +65,8 @@ pub struct ContactScratch<'a> {
     pub vertex_triangle: Pairs<'a>,
     /// Pairs of edges.
     pub edge_edge: Pairs<'a>,
+    /// How many constraints the implicit system was told of, and how many of them it held.
+    pub pressed: &'a mut [usize; 2],
     /// What has to be kept; as many as there is room for.
     pub constraints: &'a mut [Constraint],
     /// Indices of constraints; twice as many as there is room for.
@@ -192,6 +194,7 @@ mod owned {
         counts: Counts,
         vertex_triangle: PairColumns,
         edge_edge: PairColumns,
+        pressed: [usize; 2],
         constraints: Vec<Constraint>,
         order: Vec<u32>,
         holds: Vec<Hold>,
@@ -269,6 +272,7 @@ mod owned {
                 counts: &mut self.counts,
                 vertex_triangle: self.vertex_triangle.view(),
                 edge_edge: self.edge_edge.view(),
+                pressed: &mut self.pressed,
                 constraints: &mut self.constraints,
                 order: &mut self.order,
                 holds: &mut self.holds,

@@ -131,9 +131,11 @@ impl Simulation {
             if self.try_part(part, halvings == MOST_HALVINGS, dispatch)? {
                 done += length;
                 halvings -= u32::from(halvings > 0 && done % (2 * length) == 0);
-            } else {
+            } else if halvings < MOST_HALVINGS {
                 self.tally.rejected += 1;
                 halvings += 1;
+            } else {
+                return Err(Diverged { step: self.steps + 1, particle: 0, term: None });
             }
         }
         self.steps += 1;
@@ -166,20 +168,18 @@ impl Simulation {
         }
         dispatch.enter(Stage::Response);
         let holds = loop {
-            match step::press(&touching.view(), &mut contact.view(), Settings { step, hold: false }) {
+            let settings = Settings { step, hold: false };
+            match step::press(&touching.view(), &mut contact.view(), settings, scratch.view().inverse_diagonal) {
                 Ok(holds) => break holds,
                 Err(Outcome::Short { needed }) => contact.grow_constraints(needed),
                 Err(_) => return,
             }
         };
-        if holds == 0 {
-            return;
-        }
         let BuiltScene { particles, model, pins, .. } = built;
         let (model, pins) = (&model.view(), &pins.view());
         let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
         let context = Context { model, pins, masses, inverse_masses, time, step, scheme, dispatch };
-        step::couple(&context, &mut contact.view(), holds, &mut scratch.view(), work);
+        step::couple(&touching.view(), &context, &mut contact.view(), holds, &mut scratch.view(), work);
     }
 
     /// The phases between prediction and commit; false where surfaces would still meet.

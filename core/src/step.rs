@@ -10,10 +10,12 @@ use crate::contact::{ContactModel, ContactScratch};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
-use crate::integrate::{self, Context, Work, coupling};
+use crate::integrate::coupling::{self, Hold};
+use crate::integrate::{self, Context, Work};
 use crate::narrow_phase::{EdgeEdge, VertexTriangle, proximity};
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
+use crate::response::coupled;
 use crate::response::repulsion::REACH;
 use crate::scratch::Scratch;
 use crate::stage::Stage;
@@ -78,6 +80,7 @@ pub fn sweep(
         model.colliders.place(sweep.time, &mut contact.start[cloth..]);
         ends(contact);
         contact.boxes.fill(Aabb::EMPTY);
+        *contact.pressed = [0; 2];
     }
     for (v, around) in contact.boxes.iter_mut().enumerate() {
         let (start, end) = (contact.start[v], contact.end[v]);
@@ -118,13 +121,16 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
 /// Solves the contacts that push together with the cloth; for implicit methods only, and before the
 /// response.
 pub fn couple<D: Dispatch>(
+    model: &ContactModel<'_>,
     context: &Context<'_, D>,
     contact: &mut ContactScratch<'_>,
     holds: usize,
     scratch: &mut Scratch<'_>,
     work: &mut Work,
 ) {
-    coupling::correct(context, &mut contact.holds[..holds], scratch, work);
+    let ContactScratch { holds: all, constraints, .. } = contact;
+    let release = |holds: &mut [Hold]| coupled::release(model, constraints, holds, context.step);
+    coupling::correct(context, &mut all[..holds], scratch, work, release);
     contact.end[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
 }
 

@@ -8,8 +8,6 @@
 //! elastically. Without it only the vertices that touch would be moved, and a sheet pressed
 //! together would stay as if it were not [Otaduy 2009, Tang 2016].
 
-use bytemuck::{Pod, Zeroable};
-
 use super::conjugate_gradient::{self, Preconditioner, System, Vectors};
 use super::{Context, Method, Work};
 use crate::dispatch::Dispatch;
@@ -21,12 +19,14 @@ use crate::stage::Stage;
 /// Stiffness of a hold beside that of the cloth at its vertices.
 const STIFFNESS: Real = 30.0;
 
+/// Solves of a step: all that touches sticks, then what cannot slides.
+const MOST_SOLVES: u32 = 3;
+
 /// Relative residual: what is left is left to the response.
 const TOLERANCE: f64 = 1e-2;
 
 /// A contact that pushes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hold {
     /// The vertices of both features.
     pub vertices: [u32; 4],
@@ -36,8 +36,16 @@ pub struct Hold {
     pub normal: Vec3,
     /// By how much the displacement of the contact is wrong, m.
     pub missing: Vec3,
-    /// 1: sliding is held as well; 0: it is free.
+    /// The impulse of the contact, kg m/s; written here.
+    pub impulse: Vec3,
+    /// How far it slides if nothing holds it, m.
+    pub slide: Real,
+    /// How stiffly sliding is held beside the normal: 1 where it sticks, 0 where it is free.
     pub sticks: Real,
+    /// 1: nothing is held.
+    pub released: Real,
+    /// Index of the contact's constraint.
+    pub constraint: u32,
     /// s, kg; written here.
     pub stiffness: Real,
 }
@@ -47,26 +55,28 @@ impl Hold {
     #[inline]
     fn along(&self, v: Vec3) -> Vec3 {
         let normal = self.normal * self.normal.dot(v);
-        (normal + (v - normal) * self.sticks) * self.stiffness
+        (normal + (v - normal) * self.sticks) * (self.stiffness * (1.0 - self.released))
     }
 
     /// Its part of the diagonal block of vertex k.
     fn block(&self, k: usize) -> Mat3 {
         let normal = outer(self.normal, self.normal);
         let held = normal + (scaled_identity(1.0) - normal) * self.sticks;
-        held * (self.stiffness * self.weights[k] * self.weights[k])
+        held * (self.stiffness * (1.0 - self.released) * self.weights[k] * self.weights[k])
     }
 }
 
 /// Adds `G^T s G p` to a column over the cloth's vertices; others do not move.
 pub fn add_product(holds: &[Hold], p: &[Vec3], out: &mut [Vec3]) {
     for hold in holds {
-        let mut relative = Vec3::ZERO;
-        for (&v, weight) in hold.vertices.iter().zip(hold.weights) {
-            relative += p.get(v as usize).map_or(Vec3::ZERO, |&p| p * weight);
-        }
-        scatter(hold, hold.along(relative), out);
+        scatter(hold, hold.along(gather(hold, p)), out);
     }
+}
+
+/// G p.
+fn gather(hold: &Hold, p: &[Vec3]) -> Vec3 {
+    let parts = hold.vertices.iter().zip(hold.weights);
+    parts.map(|(&v, weight)| p.get(v as usize).map_or(Vec3::ZERO, |&p| p * weight)).sum()
 }
 
 fn scatter(hold: &Hold, force: Vec3, out: &mut [Vec3]) {
@@ -99,19 +109,47 @@ fn lengths(method: Method, step: Real, has_history: bool) -> [Real; 2] {
     }
 }
 
-/// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. What a
-/// vertex without mobility would give is not held.
-pub fn correct<D: Dispatch>(c: &Context<'_, D>, holds: &mut [Hold], s: &mut Scratch<'_>, work: &mut Work) {
+/// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. After each
+/// solve `release` may let go of holds; it returns whether it did.
+pub fn correct<D: Dispatch>(
+    c: &Context<'_, D>,
+    holds: &mut [Hold],
+    s: &mut Scratch<'_>,
+    work: &mut Work,
+    mut release: impl FnMut(&mut [Hold]) -> bool,
+) {
     let [to_position, to_velocity] = lengths(c.scheme.method, c.step, s.has_history);
     for hold in &mut *holds {
         hold.stiffness = STIFFNESS * stiffness(hold, c.masses, s);
     }
+    c.dispatch.enter(Stage::Solve);
+    for _ in 0..MOST_SOLVES {
+        solve(c, holds, to_position, s, work);
+        for hold in &mut *holds {
+            let relative = gather(hold, s.solution);
+            hold.impulse = hold.along(hold.missing / to_position - relative);
+        }
+        if !release(holds) {
+            break;
+        }
+    }
+    c.dispatch.enter(Stage::Integrate);
+    let y = &*s.solution;
+    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x, v)| {
+        for (i, (x, v)) in (start..).zip(x.iter_mut().zip(v)) {
+            *x += y[i] * to_position;
+            *v += y[i] * to_velocity;
+        }
+    });
+}
+
+/// Writes y to `s.solution`.
+fn solve<D: Dispatch>(c: &Context<'_, D>, holds: &[Hold], to_position: Real, s: &mut Scratch<'_>, work: &mut Work) {
     s.residual.fill(Vec3::ZERO);
-    for hold in &*holds {
+    for hold in holds {
         scatter(hold, hold.along(hold.missing / to_position), s.residual);
     }
     c.pins.filter(s.residual);
-    c.dispatch.enter(Stage::Solve);
     let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds };
     conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
     let vectors = Vectors {
@@ -127,14 +165,6 @@ pub fn correct<D: Dispatch>(c: &Context<'_, D>, holds: &mut [Hold], s: &mut Scra
     let coarse = two_level.then_some((s.patches, &mut s.coarse));
     let mut preconditioner = Preconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
     conjugate_gradient::solve(&system, &mut preconditioner, TOLERANCE, vectors, work, c.dispatch);
-    c.dispatch.enter(Stage::Integrate);
-    let y = &*s.solution;
-    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x, v)| {
-        for (i, (x, v)) in (start..).zip(x.iter_mut().zip(v)) {
-            *x += y[i] * to_position;
-            *v += y[i] * to_velocity;
-        }
-    });
 }
 
 /// 1 / sum W^2 / (n . A n) over a hold's vertices, kg.

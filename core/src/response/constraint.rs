@@ -5,7 +5,7 @@
 
 use super::friction::Law;
 use crate::narrow_phase::Contact;
-use crate::real::{Real, Vec3, sqrt};
+use crate::real::{Mat3, Real, Vec3, sqrt};
 
 /// A contact with what it has to keep and the impulses that keep it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,17 +26,48 @@ pub struct Constraint {
 
 impl Constraint {
     /// A constraint without impulses yet.
-    pub fn new(contact: Contact, target: Real, law: u32, mobility: &[Vec3]) -> Self {
-        let inverse_mass = inverse_mass(&contact, contact.normal, mobility);
+    pub fn new(contact: Contact, target: Real, law: u32, compliance: impl Compliance) -> Self {
+        let inverse_mass = inverse_mass(&contact, contact.normal, compliance);
         Self { contact, target, inverse_mass, law, normal_impulse: 0.0, friction_impulse: Vec3::ZERO }
     }
 }
 
-/// sum W^2 u . M^-1 u along a unit vector u, 1/kg.
-pub fn inverse_mass(contact: &Contact, along: Vec3, mobility: &[Vec3]) -> Real {
-    let squares = along * along;
+/// How vertices give way to impulses.
+pub trait Compliance: Copy {
+    /// The displacement of a vertex by an impulse times the step, m.
+    fn give(self, vertex: u32, impulse: Vec3) -> Vec3;
+}
+
+/// By their masses alone: one inverse mass an axis, 0 where it is held, 1/kg.
+impl Compliance for &[Vec3] {
+    #[inline]
+    fn give(self, vertex: u32, impulse: Vec3) -> Vec3 {
+        impulse * self[vertex as usize]
+    }
+}
+
+/// As the implicit system gives way at each vertex for itself.
+#[derive(Clone, Copy)]
+pub struct Coupled<'a> {
+    /// Inverse masses, 0 where an axis is held, 1/kg.
+    pub mobility: &'a [Vec3],
+    /// Inverse diagonal blocks of the system, one for each vertex that it has, 1/kg.
+    pub blocks: &'a [Mat3],
+}
+
+impl Compliance for Coupled<'_> {
+    #[inline]
+    fn give(self, vertex: u32, impulse: Vec3) -> Vec3 {
+        let Some(&block) = self.blocks.get(vertex as usize) else { return Vec3::ZERO };
+        let free = self.mobility[vertex as usize].cmpgt(Vec3::ZERO);
+        Vec3::select(free, block * impulse, Vec3::ZERO)
+    }
+}
+
+/// sum W^2 u . C u along a unit vector u, 1/kg.
+pub fn inverse_mass(contact: &Contact, along: Vec3, compliance: impl Compliance) -> Real {
     let parts = contact.vertices.iter().zip(contact.weights);
-    parts.map(|(&v, weight)| weight * weight * mobility[v as usize].dot(squares)).sum()
+    parts.map(|(&v, weight)| weight * weight * along.dot(compliance.give(v, along))).sum()
 }
 
 /// sum W c over a contact's vertices.
@@ -49,17 +80,17 @@ pub fn weighted(contact: &Contact, column: &[Vec3]) -> Vec3 {
 
 /// Adds an impulse (times the step) to the displacements.
 #[inline]
-pub fn push(contact: &Contact, impulse: Vec3, mobility: &[Vec3], moves: &mut [Vec3]) {
+pub fn push(contact: &Contact, impulse: Vec3, compliance: impl Compliance, moves: &mut [Vec3]) {
     for (&v, weight) in contact.vertices.iter().zip(contact.weights) {
-        moves[v as usize] += impulse * mobility[v as usize] * weight;
+        moves[v as usize] += compliance.give(v, impulse) * weight;
     }
 }
 
-/// Solves one constraint against the displacements as they are. Returns by how much it was
+/// Solves one constraint, without friction where there are no laws, against the displacements as they are. Returns by how much it was
 /// violated, m, and whether anything moved.
 pub fn solve(
     constraint: &mut Constraint,
-    mobility: &[Vec3],
+    compliance: impl Compliance,
     laws: &[Law],
     step: Real,
     moves: &mut [Vec3],
@@ -78,18 +109,17 @@ pub fn solve(
     }
     constraint.normal_impulse = impulse;
     let mut total = normal * change;
-    let law = &laws[constraint.law as usize];
-    if law.at_rest > 0.0 {
-        total += rub(constraint, relative - normal * relative.dot(normal), law, mobility, step);
+    if let Some(law) = laws.get(constraint.law as usize).filter(|law| law.at_rest > 0.0) {
+        total += rub(constraint, relative - normal * relative.dot(normal), law, compliance, step);
     }
-    push(&contact, total, mobility, moves);
+    push(&contact, total, compliance, moves);
     (missing, total != Vec3::ZERO)
 }
 
 /// The change of the friction impulse that a sliding displacement asks for.
-fn rub(constraint: &mut Constraint, sliding: Vec3, law: &Law, mobility: &[Vec3], step: Real) -> Vec3 {
+fn rub(constraint: &mut Constraint, sliding: Vec3, law: &Law, compliance: impl Compliance, step: Real) -> Vec3 {
     let size = sqrt(sliding.length_squared());
-    let across = if size > 0.0 { inverse_mass(&constraint.contact, sliding / size, mobility) } else { 0.0 };
+    let across = if size > 0.0 { inverse_mass(&constraint.contact, sliding / size, compliance) } else { 0.0 };
     let wanted =
         if across > 0.0 { constraint.friction_impulse - sliding / across } else { constraint.friction_impulse };
     // What would slide without the friction so far.

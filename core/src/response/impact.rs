@@ -65,5 +65,5 @@ fn find_pairs<P: Pairing, D: Dispatch>(
 
 /// Solves what met.
 pub(crate) fn resolve(context: &Context<'_>, met: &mut [Constraint], motion: &mut Motion<'_>) {
-    relax(context, met, None, motion, SWEEPS, 0.0);
+    relax(context, met, context.model.mobility, context.model.laws, None, motion, SWEEPS, 0.0);
 }

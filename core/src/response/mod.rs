@@ -1,5 +1,8 @@
 //! Contacts in, corrected motion out [Bridson 2002], in passes:
 //!
+//! Of a step by an implicit method, what pushes is first [held in its system](coupled), so that the
+//! cloth gives way elastically. Then:
+//!
 //! 1. [`repulsion`]: what is near at the start of the step must not come nearer than the thickness;
 //!    [`friction`] holds it. All contacts are [`constraint`]s on the displacements of the step.
 //! 2. What overlaps is parted a little, without velocity.
@@ -11,6 +14,7 @@
 //! Nothing is accepted while a pair meets: the step is rejected and taken in halves.
 
 pub mod constraint;
+pub mod coupled;
 pub mod friction;
 pub mod hold;
 pub mod impact;
@@ -19,8 +23,8 @@ pub mod repulsion;
 
 use crate::contact::{ContactModel, ContactScratch};
 use crate::dispatch::Dispatch;
-use crate::real::Real;
-use constraint::Constraint;
+use crate::real::{Mat3, Real, Vec3};
+use constraint::{Compliance, Constraint, Coupled, inverse_mass};
 
 /// Rounds in which only what met is solved.
 const IMPACT_ROUNDS: u32 = 4;
@@ -91,38 +95,53 @@ impl List<'_> {
     }
 }
 
-/// Finds and solves what is near at the start of the step, without a look at what meets on the way,
-/// and writes the contacts that push to `scratch.holds`; returns how many.
-pub fn press(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, settings: Settings) -> Result<usize, Outcome> {
-    let near = begin(model, scratch, settings)?;
-    let mut count = 0;
-    for constraint in &scratch.constraints[..near] {
+/// Finds what is near at the start of the step and writes the contacts that push to
+/// `scratch.holds`, judged by how the implicit system gives way at each vertex; returns how many.
+/// The first pass of a step by an implicit method.
+pub fn press(
+    model: &ContactModel<'_>,
+    scratch: &mut ContactScratch<'_>,
+    settings: Settings,
+    inverse_diagonal: &[Mat3],
+) -> Result<usize, Outcome> {
+    let count = find_near(model, scratch, 0)?;
+    let ContactScratch { start, end, moves, rounds, constraints, .. } = scratch;
+    let near = &mut constraints[..count];
+    let coupled = Coupled { mobility: model.mobility, blocks: inverse_diagonal };
+    for constraint in &mut *near {
+        constraint.inverse_mass = inverse_mass(&constraint.contact, constraint.contact.normal, coupled);
+    }
+    let mut motion = Motion { start, end, moves, rounds };
+    repulsion::keep(&Context { model, settings, round: 1 }, near, coupled, &[], &mut motion);
+    let mut held = 0;
+    for (index, constraint) in (0..).zip(&*near) {
         if constraint.normal_impulse > 0.0 && constraint.inverse_mass > 0.0 {
-            scratch.holds[count] = repulsion::hold(model, constraint, scratch.start, scratch.end, scratch.moves);
-            count += 1;
+            scratch.holds[held] = coupled::hold(model, constraint, index, scratch.start, scratch.end);
+            held += 1;
         }
     }
-    Ok(count)
+    *scratch.pressed = [count, held];
+    Ok(held)
 }
 
-/// The first pass: contacts within the thickness.
-fn begin(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, settings: Settings) -> Result<usize, Outcome> {
-    let ContactScratch { start, end, moves, parting, rounds, counts, constraints, .. } = scratch;
+/// Adds what is near to the constraints that there are; returns how many there are then.
+fn find_near(
+    model: &ContactModel<'_>,
+    scratch: &mut ContactScratch<'_>,
+    before: usize,
+) -> Result<usize, Outcome> {
+    let ContactScratch { start, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
     for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
         *moves = *end - *start;
     }
-    parting.fill(crate::real::Vec3::ZERO);
+    parting.fill(Vec3::ZERO);
     rounds.fill(0);
-    let mut list = List { all: constraints, count: 0 };
+    let mut list = List { all: constraints, count: before };
+    let known = repulsion::Known::sort(&list.all[..list.count], order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];
     let mut motion = Motion { start, end, moves, rounds };
-    repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &mut list);
-    if let Some(short) = list.short() {
-        return Err(short);
-    }
-    let near = list.count;
-    repulsion::keep(&Context { model, settings, round: 1 }, &mut list.all[..near], &mut motion);
-    Ok(near)
+    repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &mut motion, &known, &mut list);
+    list.short().map_or(Ok(list.count), Err)
 }
 
 /// Corrects `scratch.end` until nothing meets on the way from `scratch.start`.
@@ -133,7 +152,9 @@ pub fn respond<D: Dispatch>(
     tally: &mut Tally,
     dispatch: &D,
 ) -> Outcome {
-    let near = match begin(model, scratch, settings) {
+    let [pressed, held] = *scratch.pressed;
+    coupled::carry(model, scratch, pressed, held, settings.step);
+    let near = match find_near(model, scratch, pressed) {
         Ok(near) => near,
         Err(outcome) => return outcome,
     };
@@ -143,6 +164,7 @@ pub fn respond<D: Dispatch>(
     let mut motion = Motion { start, end, moves, rounds };
     let mut now = Tally { proximity: near as u64, ..Tally::default() };
     let context = Context { model, settings, round: 1 };
+    repulsion::keep(&context, &mut list.all[..near], model.mobility, model.laws, &mut motion);
     repulsion::part(&context, &mut list.all[..near], parting, &mut motion);
     let most = if settings.hold { HOLD_ROUNDS } else { MOST_ROUNDS };
     for round in 1..=most {
@@ -157,7 +179,7 @@ pub fn respond<D: Dispatch>(
             let [vertex_triangle, edge_edge] = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
             impact::find(model, vertex_triangle, edge_edge, pairs, &motion, tested, &mut list, dispatch);
         }
-        repulsion::find_planes(model, &motion, tested, &mut list);
+        repulsion::find_planes(model, &motion, tested, &repulsion::Known::nothing(), &mut list);
         if let Some(short) = list.short() {
             return short;
         }
@@ -202,9 +224,9 @@ pub(crate) struct Context<'a> {
 
 /// The motion that passes correct.
 pub(crate) struct Motion<'a> {
-    pub start: &'a mut [crate::real::Vec3],
-    pub end: &'a mut [crate::real::Vec3],
-    pub moves: &'a mut [crate::real::Vec3],
+    pub start: &'a mut [Vec3],
+    pub end: &'a mut [Vec3],
+    pub moves: &'a mut [Vec3],
     pub rounds: &'a mut [u32],
 }
 
@@ -222,7 +244,7 @@ impl Motion<'_> {
     /// Whether a vertex moved in a round has left its box, less what the box is inflated by.
     fn left(&self, boxes: &[crate::geometry::aabb::Aabb], model: &ContactModel<'_>, round: u32) -> bool {
         self.end.iter().enumerate().any(|(v, &end)| {
-            let around = crate::real::Vec3::splat(0.5 * model.thickness + model.radii[v]);
+            let around = Vec3::splat(0.5 * model.thickness + model.radii[v]);
             self.rounds[v] == round
                 && !((end - around).cmpge(boxes[v].min).all() && (end + around).cmple(boxes[v].max).all())
         })
@@ -234,18 +256,19 @@ impl Motion<'_> {
 pub(crate) fn relax(
     context: &Context<'_>,
     constraints: &mut [Constraint],
+    compliance: impl Compliance,
+    laws: &[friction::Law],
     chosen: Option<&[u32]>,
     motion: &mut Motion<'_>,
     sweeps: u32,
     tolerance: Real,
 ) {
-    let ContactModel { mobility, laws, .. } = *context.model;
     let count = chosen.map_or(constraints.len(), <[u32]>::len);
     for _ in 0..sweeps {
         let mut worst: Real = 0.0;
         for k in 0..count {
             let constraint = &mut constraints[chosen.map_or(k, |chosen| chosen[k] as usize)];
-            let (missing, moved) = constraint::solve(constraint, mobility, laws, context.settings.step, motion.moves);
+            let (missing, moved) = constraint::solve(constraint, compliance, laws, context.settings.step, motion.moves);
             worst = worst.max(missing.abs());
             if moved {
                 mark(constraint, motion.rounds, context.round);

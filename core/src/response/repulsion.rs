@@ -2,11 +2,11 @@
 //! is, and overlaps are parted by a tenth in each step [Bridson 2002]. Parting moves and gives no
 //! velocity, so that it adds no energy.
 
-use super::constraint::{self, Constraint};
+use super::constraint::{self, Compliance, Constraint};
+use super::friction::Law;
 use super::{Context, List, Motion, mark, relax};
 use crate::colliders::Form;
 use crate::contact::{ContactModel, Pairs};
-use crate::integrate::coupling::Hold;
 use crate::narrow_phase::{Contact, EdgeEdge, Pairing, VertexTriangle, contact, gather};
 use crate::real::{Real, Vec3, sqrt};
 
@@ -30,11 +30,41 @@ pub(crate) fn find(
     edge_edge: &Pairs<'_>,
     counts: [usize; 2],
     motion: &Motion<'_>,
+    known: &Known<'_>,
     list: &mut List<'_>,
 ) {
-    find_pairs::<VertexTriangle>(model, vertex_triangle, counts[0], motion, list);
-    find_pairs::<EdgeEdge>(model, edge_edge, counts[1], motion, list);
-    find_planes(model, motion, 0, list);
+    find_pairs::<VertexTriangle>(model, vertex_triangle, counts[0], motion, known, list);
+    find_pairs::<EdgeEdge>(model, edge_edge, counts[1], motion, known, list);
+    find_planes(model, motion, 0, known, list);
+}
+
+/// The pairs that already have a constraint.
+pub(crate) struct Known<'a> {
+    order: &'a [u32],
+    count: usize,
+}
+
+impl<'a> Known<'a> {
+    /// None.
+    pub fn nothing() -> Self {
+        Self { order: &[], count: 0 }
+    }
+
+    /// Those of some constraints, whose indices are sorted into `order`.
+    pub fn sort(constraints: &[Constraint], order: &'a mut [u32]) -> Self {
+        let count = constraints.len();
+        for (k, slot) in (0..).zip(&mut order[..count]) {
+            *slot = k;
+        }
+        order[..count].sort_unstable_by_key(|&k| constraints[k as usize].contact.vertices);
+        Self { order: &order[..count], count }
+    }
+
+    fn has(&self, list: &List<'_>, vertices: [u32; 4]) -> bool {
+        // Constraints are only added behind those that are known.
+        let known = &list.all[..self.count];
+        self.order.binary_search_by_key(&vertices, |&k| known[k as usize].contact.vertices).is_ok()
+    }
 }
 
 fn find_pairs<P: Pairing>(
@@ -42,6 +72,7 @@ fn find_pairs<P: Pairing>(
     pairs: &Pairs<'_>,
     count: usize,
     motion: &Motion<'_>,
+    known: &Known<'_>,
     list: &mut List<'_>,
 ) {
     for (&candidate, &distance) in pairs.candidates[..count].iter().zip(&*pairs.distances) {
@@ -49,6 +80,9 @@ fn find_pairs<P: Pairing>(
             continue;
         }
         let vertices = P::vertices(&model.surface, candidate);
+        if known.has(list, vertices) {
+            continue;
+        }
         let x = gather(vertices, motion.start);
         let Some(contact) = contact::<P>(vertices, &x, &x, P::radius(gather(vertices, model.radii))) else { continue };
         let least = thickness::<P>(model, vertices);
@@ -61,7 +95,13 @@ fn find_pairs<P: Pairing>(
 
 /// Adds a constraint for each vertex that ends nearer to a plane than it may. In later rounds only
 /// those count that were moved in the round and ended behind it.
-pub(crate) fn find_planes(model: &ContactModel<'_>, motion: &Motion<'_>, round: u32, list: &mut List<'_>) {
+pub(crate) fn find_planes(
+    model: &ContactModel<'_>,
+    motion: &Motion<'_>,
+    round: u32,
+    known: &Known<'_>,
+    list: &mut List<'_>,
+) {
     for body in model.colliders.bodies {
         let Form::Plane(normal) = body.form else { continue };
         let plane = (model.cloth() + body.vertices[0]) as u32;
@@ -77,7 +117,7 @@ pub(crate) fn find_planes(model: &ContactModel<'_>, motion: &Motion<'_>, round: 
             };
             let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(normal);
             let least = if round == 0 { model.thickness } else { (0.1 * contact.gap).min(0.1 * model.thickness) };
-            if ends < least {
+            if ends < least && !known.has(list, contact.vertices) {
                 let target = model.thickness.min(contact.gap);
                 list.push(Constraint::new(contact, target, model.law_of[plane as usize], model.mobility));
             }
@@ -102,37 +142,15 @@ pub(crate) fn thickness<P: Pairing>(model: &ContactModel<'_>, vertices: [u32; 4]
     model.thickness.min(0.9 * rest)
 }
 
-/// Solves the contacts with their friction.
-pub(crate) fn keep(context: &Context<'_>, constraints: &mut [Constraint], motion: &mut Motion<'_>) {
-    relax(context, constraints, None, motion, SWEEPS, LEFT * context.model.thickness);
-}
-
-/// A contact that pushes, as the implicit system holds it: to where the constraint is kept, and
-/// where it sticks nowhere else.
-pub(crate) fn hold(
-    model: &ContactModel<'_>,
-    constraint: &Constraint,
-    start: &[Vec3],
-    end: &[Vec3],
-    moves: &[Vec3],
-) -> Hold {
-    let Constraint { contact, target, law, normal_impulse, friction_impulse, .. } = *constraint;
-    let friction = model.laws[law as usize].at_rest;
-    let sticks =
-        friction > 0.0 && friction_impulse.length_squared() < friction * friction * normal_impulse * normal_impulse;
-    let predicted = constraint::weighted(&contact, end) - constraint::weighted(&contact, start);
-    let normal = contact.normal;
-    // Along the normal to the target, across it to where friction brought it.
-    let kept = constraint::weighted(&contact, moves);
-    let wanted = kept + normal * (target - contact.gap - kept.dot(normal));
-    Hold {
-        vertices: contact.vertices,
-        weights: contact.weights,
-        normal,
-        missing: wanted - predicted,
-        sticks: if sticks { 1.0 } else { 0.0 },
-        stiffness: 0.0,
-    }
+/// Solves the contacts, with friction where there are laws.
+pub(crate) fn keep(
+    context: &Context<'_>,
+    constraints: &mut [Constraint],
+    compliance: impl Compliance,
+    laws: &[Law],
+    motion: &mut Motion<'_>,
+) {
+    relax(context, constraints, compliance, laws, None, motion, SWEEPS, LEFT * context.model.thickness);
 }
 
 /// Parts what overlaps.

@@ -1,0 +1,79 @@
+//! What the response and the implicit system tell one another: which contacts push, what friction
+//! they bear, and with what impulses the system held them.
+
+use super::constraint::{self, Constraint};
+use crate::contact::{ContactModel, ContactScratch};
+use crate::integrate::coupling::Hold;
+use crate::real::{Real, Vec3, sqrt};
+
+/// A contact that pushes, as the implicit system holds it: at its target along the normal and,
+/// where there is friction, across it where it is.
+pub(crate) fn hold(
+    model: &ContactModel<'_>,
+    constraint: &Constraint,
+    index: u32,
+    start: &[Vec3],
+    end: &[Vec3],
+) -> Hold {
+    let Constraint { contact, target, law, .. } = *constraint;
+    let rubs = model.laws[law as usize].at_rest > 0.0;
+    let predicted = constraint::weighted(&contact, end) - constraint::weighted(&contact, start);
+    let along = contact.normal * contact.normal.dot(predicted);
+    Hold {
+        vertices: contact.vertices,
+        weights: contact.weights,
+        normal: contact.normal,
+        missing: contact.normal * (target - contact.gap) - if rubs { predicted } else { along },
+        slide: sqrt((predicted - along).length_squared()),
+        sticks: if rubs { 1.0 } else { 0.0 },
+        constraint: index,
+        ..Hold::default()
+    }
+}
+
+/// Lets go of contacts that the system had to pull, and softens the friction of those that it had
+/// to hold beyond the cone: to the stiffness with which the slide there would be without friction
+/// meets what the cone allows. Friction so made opposes the slide and cannot turn it round.
+/// Returns whether there were any.
+pub(crate) fn release(model: &ContactModel<'_>, constraints: &[Constraint], holds: &mut [Hold], step: Real) -> bool {
+    let mut any = false;
+    for hold in holds.iter_mut().filter(|hold| hold.released == 0.0) {
+        let along = hold.impulse.dot(hold.normal);
+        if along <= 0.0 {
+            (hold.released, any) = (1.0, true);
+        } else if hold.sticks == 1.0 {
+            let law = &model.laws[constraints[hold.constraint as usize].law as usize];
+            let across = hold.impulse - hold.normal * along;
+            let speed = hold.slide / step;
+            let allowed = law.limit(across, along, speed);
+            if allowed != across {
+                let stiffness = sqrt(allowed.length_squared()) / speed.max(Real::MIN_POSITIVE);
+                hold.sticks = (stiffness / hold.stiffness).min(0.999);
+                any = true;
+            }
+        }
+    }
+    any
+}
+
+/// Gives constraints the impulses with which the system held them, from where the response goes on.
+pub(crate) fn carry(
+    model: &ContactModel<'_>,
+    scratch: &mut ContactScratch<'_>,
+    pressed: usize,
+    held: usize,
+    step: Real,
+) {
+    for constraint in &mut scratch.constraints[..pressed] {
+        *constraint = Constraint::new(constraint.contact, constraint.target, constraint.law, model.mobility);
+    }
+    for hold in &scratch.holds[..held] {
+        let constraint = &mut scratch.constraints[hold.constraint as usize];
+        let along = hold.impulse.dot(hold.normal);
+        if along > 0.0 {
+            let (law, across) = (&model.laws[constraint.law as usize], hold.impulse - hold.normal * along);
+            constraint.normal_impulse = along * step;
+            constraint.friction_impulse = law.limit(across, along, 0.0) * step;
+        }
+    }
+}
