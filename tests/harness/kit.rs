@@ -35,7 +35,7 @@ macro_rules! kit {
             use $muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
             use $muslin::mesh::rest::RestTriangle;
             use $muslin::mesh::{Incidence, IncidenceColumns};
-            use $muslin::narrow_phase::advance::advance;
+            use $muslin::narrow_phase::advance::{ROUNDING, advance};
             use $muslin::narrow_phase::{edge_edge_ccd, vertex_triangle_ccd};
             use $muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
             use $muslin::scene::{BuiltScene, Resource, SceneDesc};
@@ -288,6 +288,11 @@ macro_rules! kit {
                     Pair::EdgeEdge => edge_edge_ccd::time_of_impact(&start, &end, separation, tolerance),
                 };
                 time.map(f64::from)
+            }
+
+            /// What a query keeps in reserve against rounding, m.
+            pub fn reserve(query: &Query) -> f64 {
+                f64::from(ROUNDING) * query.size()
             }
 
             /// How often the time of impact asks for a distance.

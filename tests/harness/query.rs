@@ -56,10 +56,16 @@ impl Query {
         Self { pair: self.pair, start: self.at(from), end: self.at(to) }
     }
 
+    /// As the first vertex sees it.
+    pub fn local(&self) -> Self {
+        let from_first = |x: &[DVec3; 4]| x.map(|v| v - x[0]);
+        Self { pair: self.pair, start: from_first(&self.start), end: from_first(&self.end) }
+    }
+
     /// The largest coordinate relative to the first vertex.
     pub fn size(&self) -> f64 {
-        let local = |x: &[DVec3; 4]| x.map(|v| (v - x[0]).abs().max_element()).into_iter().fold(0.0, f64::max);
-        local(&self.start).max(local(&self.end))
+        let Self { start, end, .. } = self.local();
+        start.iter().chain(&end).map(|v| v.abs().max_element()).fold(0.0, f64::max)
     }
 }
 

@@ -25,7 +25,7 @@ pub enum Contact {
 
 /// Boxes whose differences vary by less than `width` are not divided but taken for contact.
 pub fn first_contact(query: &Query, separation: f64, width: f64) -> Contact {
-    let local = query.map(|x| x - query.start[0]);
+    let local = query.local();
     let reserve = 1e-15 * local.size() + separation;
     let mut boxes = BinaryHeap::from([Reverse(Ordered([[0.0, 1.0]; 3]))]);
     for _ in 0..MOST_BOXES {

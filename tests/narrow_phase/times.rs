@@ -37,7 +37,7 @@ muslin_tests::both_precisions! {
     use super::{contacts, least_distance, motions};
     use crate::exact;
     use crate::tight_inclusion::{self, Contact};
-    use muslin::narrow_phase::advance::{MOST_ADVANCES, ROUNDING};
+    use muslin::narrow_phase::advance::MOST_ADVANCES;
     use muslin_tests::kit::double::distance;
     use muslin_tests::query::{PAIRS, Query};
     use muslin_tests::rng::Rng;
@@ -46,7 +46,7 @@ muslin_tests::both_precisions! {
 
     /// Raised to the reserve.
     fn reach(query: &Query, separation: f64, tolerance: f64) -> f64 {
-        separation + tolerance.max(f64::from(ROUNDING) * query.size())
+        separation + tolerance.max(kit::reserve(query))
     }
 
     #[test]
@@ -59,13 +59,15 @@ muslin_tests::both_precisions! {
             assert!(time <= contact.time, "{time} is later than {}: {query}", contact.time);
             let apart = [distance(query.pair, &query.start), distance(query.pair, &query.at(time))];
             assert!(apart[0] == 0.0 || apart[1] > 0.0, "already touching at {time}: {query}");
-            let moves = apart[0] > 1.01 * f64::from(ROUNDING) * query.size();
+            let moves = apart[0] > 1.01 * kit::reserve(query);
             assert_eq!(time > 0.0, moves, "time {time}, apart by {} at the start: {query}", apart[0]);
             let n = kit::distances(query, 0.0, tolerance);
             distances += n;
             most = most.max(n);
         }
-        println!("contacts: {:.2} distances each, at most {most}", f64::from(distances) / COUNT as f64);
+        let mean = f64::from(distances) / COUNT as f64;
+        println!("contacts: {mean:.2} distances each, at most {most}");
+        assert!(mean < 32.0, "{mean:.2} distances each: slower than it was");
     }
 
     /// Up to the time there is proof by another method that nothing touches.

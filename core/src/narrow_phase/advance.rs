@@ -35,8 +35,8 @@ const TARGET: Real = 0.9;
 ///
 /// `None` says that they stay farther apart than `separation`. A time is never late: until then
 /// they were farther apart than `separation`, except that it is 0 where they start within it. A
-/// tolerance below [`ROUNDING`] is raised to it. What is not finite, or too large to square, is hit at
-/// once.
+/// tolerance below [`ROUNDING`] is raised to it. What is not finite, or too large to square, is hit
+/// at once.
 #[inline]
 pub fn advance<const FIRST: usize>(
     start: &[Vec3; 4],
@@ -59,9 +59,7 @@ pub fn advance<const FIRST: usize>(
             let gap = (CLOSE * (distance - separation)).min(tolerance).max(ROUNDING * size);
             (hit, target) = (separation + gap, separation + TARGET * gap);
         }
-        // What is not a number is not farther.
-        let farther = distance > hit;
-        if !farther {
+        if distance <= hit {
             return Some(time);
         }
         let mut next = closing::<FIRST>(between, &now, &end, time, target);
