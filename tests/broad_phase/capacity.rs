@@ -24,8 +24,6 @@ fn too_little_room_is_counted() {
             assert_eq!(part.vertex_triangle, whole.vertex_triangle[..room[0]], "{name}");
             assert_eq!(part.edge_edge, whole.edge_edge[..room[1]], "{name}");
         }
-        let more = method(&case, [vertex_triangle + 3, edge_edge]);
-        assert_eq!(more.vertex_triangle[vertex_triangle..], [[u32::MAX; 2]; 3], "{name} wrote too far");
     }
 }
 

@@ -30,7 +30,7 @@ fn speed() {
         for thickness in [0.05, 0.25] {
             let case = Case::new("crumpled", &mesh.positions, &mesh.triangles, thickness / 2.0);
             let (boxes, surface) = single::columns(&case);
-            let mut work = GridColumns::build(surface.triangles.len(), surface.edges.len());
+            let mut work = GridColumns::build(surface.triangles.len());
             let surface = surface.view();
             let counts =
                 broad_phase::candidates(&boxes, &surface, &mut work.view(), &mut Candidates::default(), &Serial);

@@ -27,12 +27,14 @@ fn boxes(rng: &mut Rng) -> Vec<[DVec3; 2]> {
 
 muslin_tests::both_precisions! {
     use super::{CASES, boxes};
+    use muslin::broad_phase::byte_boxes::{self, ByteBoxes};
     use muslin::broad_phase::cells::{self, Home, Lattice};
     use muslin::broad_phase::entries::{self, Entry};
     use muslin::broad_phase::spheres::{self, Quantum, Sphere};
     use muslin::broad_phase::{pairs, sort};
     use muslin::dispatch::Serial;
     use muslin::geometry::aabb::Aabb;
+    use muslin::mesh::SurfaceColumns;
     use muslin_tests::rng::Rng;
 
     /// The pairs of boxes of one level.
@@ -41,6 +43,12 @@ muslin_tests::both_precisions! {
         let mut columns = vec![Sphere::default(); boxes.len()];
         let quantum = Quantum::new(&scene, 8.0);
         spheres::write_spheres(boxes, levels, level, &quantum, &mut columns, &Serial);
+        let points: Vec<_> = (0..boxes.len() as u32).map(|v| [v; 3]).collect();
+        let surface = SurfaceColumns::build(boxes.len(), &points, &[]);
+        let mut bytes = vec![ByteBoxes::default(); boxes.len()];
+        byte_boxes::write_byte_boxes(
+            boxes, &surface.view(), boxes, levels, level, &quantum, &mut bytes, &Serial,
+        );
         let lattice = Lattice::new(&columns);
         let mut homes = vec![Home::default(); boxes.len()];
         cells::write_cells(&columns, &lattice, &mut homes, &Serial);
@@ -49,7 +57,10 @@ muslin_tests::both_precisions! {
         let in_spare = sort::sort(&mut entries[..count], &mut spare[..count], lattice.key_bits());
         let sorted = &(if in_spare { spare } else { entries })[..count];
         let mut found = Vec::new();
-        pairs::for_each_pair(sorted, &homes, boxes, &lattice, |a, b| found.push([a.min(b), a.max(b)]));
+        let near = |&&[a, b]: &&[u32; 2]| boxes[a as usize].overlaps(&boxes[b as usize]);
+        pairs::for_each_pair(sorted, &homes, &bytes, &lattice, &surface.view(), |batch| {
+            found.extend(batch.iter().filter(near).map(|&[a, b]| [a.min(b), a.max(b)]));
+        });
         found.sort_unstable();
         found
     }

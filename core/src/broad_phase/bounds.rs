@@ -1,6 +1,6 @@
-//! The boxes of triangles and edges: unions of the boxes of their vertices.
+//! The boxes of triangles: unions of the boxes of their vertices.
 
-use super::{IS_FACE, Surface};
+use super::{IS_FACE, OWNS_EDGE, OWNS_VERTEX, Surface};
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3};
@@ -21,31 +21,36 @@ pub fn around<const K: usize>(boxes: [&Aabb; K]) -> Aabb {
     if boxes.into_iter().all(is_valid) { union } else { NOWHERE }
 }
 
-/// Writes the box of every edge and of every triangle, and [`Surface::owned`] without the faces
-/// that have an invalid vertex: their boxes are around the rest, which may have valid features.
+/// Writes the box of every triangle, and [`Surface::owned`]. Where vertices are not valid the box
+/// is around the others, and what they are part of is not owned.
 pub fn write_bounds(
     boxes: &[Aabb],
     surface: &Surface<'_>,
-    edge_boxes: &mut [Aabb],
     triangle_boxes: &mut [Aabb],
     owned: &mut [u8],
     dispatch: &impl Dispatch,
 ) {
-    dispatch.run(edge_boxes, |start, part| {
-        for (edge, out) in surface.edges[start..].iter().zip(part) {
-            *out = around(edge.map(|v| &boxes[v as usize]));
-        }
-    });
-    dispatch.run((triangle_boxes, owned), |start, (part, owned)| {
-        let triangles = surface.triangles[start..].iter().zip(&surface.owned[start..]);
-        for ((triangle, &all), (out, owned)) in triangles.zip(part.iter_mut().zip(owned)) {
+    dispatch.run((triangle_boxes, owned), |start, (triangle_boxes, owned)| {
+        let given = surface.triangles[start..].iter().zip(&surface.owned[start..]);
+        for ((triangle, &all), (whole, owned)) in given.zip(triangle_boxes.iter_mut().zip(owned)) {
             let corners = triangle.map(|v| &boxes[v as usize]);
-            (*out, *owned) = (around(corners), all);
-            if out.min.x.is_nan() {
-                let valid = || corners.into_iter().filter(|b| is_valid(b));
-                *owned &= !IS_FACE;
-                *out = valid().fold(*valid().next().unwrap_or(&NOWHERE), |union, b| union.union(b));
+            (*whole, *owned) = (around(corners), all);
+            if !is_valid(whole) {
+                (*whole, *owned) = around_valid(corners, all);
             }
         }
     });
+}
+
+#[cold]
+fn around_valid(corners: [&Aabb; 3], mut owned: u8) -> (Aabb, u8) {
+    let mut union = None;
+    for k in 0..3 {
+        if is_valid(corners[k]) {
+            union = Some(union.map_or(*corners[k], |union: Aabb| union.union(corners[k])));
+        } else {
+            owned &= !(IS_FACE | OWNS_VERTEX << k | OWNS_EDGE << k | OWNS_EDGE << ((k + 2) % 3));
+        }
+    }
+    (union.unwrap_or(NOWHERE), owned)
 }

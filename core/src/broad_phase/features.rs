@@ -1,69 +1,134 @@
-//! A pair of triangles -> the pairs of features that the two stand for, whose boxes overlap
+//! Pairs of triangles -> the pairs of features that the two stand for, whose boxes overlap
 //! [Curtis 2008].
 //!
 //! The triangles may share vertices: what is dropped are pairs of features that do, or that are
-//! sewn together. So pairs of neighbours must come here too.
+//! sewn together. So pairs of neighbours must come here too. The fifteen pairs of features are
+//! bits of a word, laid out as in [`ByteBoxes::rows`], from which tables strike out those that the
+//! triangles do not stand for and those that share a vertex.
 
+use super::byte_boxes::{ByteBoxes, may_overlap};
 use super::{Candidates, Counts, IS_FACE, OWNS_EDGE, OWNS_VERTEX, Surface};
 use crate::geometry::aabb::Aabb;
 
-/// What [`write_bounds`](super::bounds::write_bounds) makes of the boxes of vertices.
-#[derive(Clone, Copy, Debug)]
-pub struct FeatureBoxes<'a> {
-    /// One a vertex.
-    pub vertices: &'a [Aabb],
-    /// One a triangle.
-    pub triangles: &'a [Aabb],
-    /// One an edge.
-    pub edges: &'a [Aabb],
-    /// For which features each triangle stands, without invalid faces.
-    pub owned: &'a [u8],
-}
-
-/// Adds the candidates of a pair of triangles.
-#[inline]
+/// Adds the candidates of pairs of triangles. Without byte boxes all features are compared exactly.
 pub fn add_features(
-    boxes: &FeatureBoxes<'_>,
+    boxes: &[Aabb],
     surface: &Surface<'_>,
-    pair: [u32; 2],
+    triangle_boxes: &[Aabb],
+    owned: &[u8],
+    byte_boxes: Option<&[ByteBoxes]>,
+    pairs: &[[u32; 2]],
     out: &mut Candidates<'_>,
     counts: &mut Counts,
 ) {
-    let [a, b] = pair.map(|triangle| triangle as usize);
-    if !surface.may_pair(pair[0], pair[1]) {
-        return;
-    }
-    for (a, b) in [(a, b), (b, a)] {
-        if boxes.owned[b] & IS_FACE == 0 {
-            continue;
-        }
-        let corners = surface.triangles[b];
-        for k in (0..3).filter(|&k| boxes.owned[a] & OWNS_VERTEX << k != 0) {
-            let vertex = surface.triangles[a][k];
-            if boxes.vertices[vertex as usize].overlaps(&boxes.triangles[b])
-                && corners.iter().all(|&corner| are_apart(surface, vertex, corner))
-            {
-                out.add_vertex_triangle(counts, vertex, b as u32);
-            }
-        }
-    }
-    for i in (0..3).filter(|&k| boxes.owned[a] & OWNS_EDGE << k != 0) {
-        let first = surface.triangle_edges[a][i];
-        let first_box = &boxes.edges[first as usize];
-        for j in (0..3).filter(|&k| boxes.owned[b] & OWNS_EDGE << k != 0) {
-            let second = surface.triangle_edges[b][j];
-            if first_box.overlaps(&boxes.edges[second as usize]) {
-                let [p, q] = surface.edges[first as usize];
-                let ends = surface.edges[second as usize];
-                if ends.iter().all(|&end| are_apart(surface, p, end) && are_apart(surface, q, end)) {
+    for &[a, b] in pairs {
+        let (a, b) = (a as usize, b as usize);
+        let near = byte_boxes.map_or(0xffff, |byte_boxes| may_overlap(&byte_boxes[a].rows(), &byte_boxes[b].columns()));
+        let named = ROWS[usize::from(owned[a] & 0x7f)] & COLUMNS[usize::from(owned[b] & 0x7f)];
+        let (p, q) = (&surface.triangles[a], &surface.triangles[b]);
+        let mut left = near & u32::from(named & APART[equal_corners(p, q)]);
+        while left != 0 {
+            let bit = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (row, column) = (bit / 4, bit % 4);
+            if row < 3 && column < 3 {
+                let ends = [p[row], p[(row + 1) % 3], q[column], q[(column + 1) % 3]];
+                if edges_overlap(boxes, &ends) && !edges_are_sewn(surface, &ends) {
+                    let [first, second] = [surface.triangle_edges[a][row], surface.triangle_edges[b][column]];
                     out.add_edge_edge(counts, first, second);
+                }
+            } else {
+                let (vertex, face) = if row < 3 { (p[row], b) } else { (q[column], a) };
+                let is_sewn = |&corner: &u32| surface.sewn.joins(vertex, corner);
+                if boxes[vertex as usize].overlaps(&triangle_boxes[face])
+                    && !surface.triangles[face].iter().any(is_sewn)
+                {
+                    out.add_vertex_triangle(counts, vertex, face as u32);
                 }
             }
         }
     }
 }
 
-#[inline]
-fn are_apart(surface: &Surface<'_>, a: u32, b: u32) -> bool {
-    a != b && !surface.sewn.joins(a, b)
+#[inline(always)]
+fn edges_overlap(boxes: &[Aabb], &ends: &[u32; 4]) -> bool {
+    let [a, b, c, d] = ends.map(|v| &boxes[v as usize]);
+    a.union(b).overlaps(&c.union(d))
 }
+
+#[inline(always)]
+fn edges_are_sewn(surface: &Surface<'_>, &[a, b, c, d]: &[u32; 4]) -> bool {
+    let joins = |a, b| surface.sewn.joins(a, b);
+    !surface.sewn.offsets.is_empty() && (joins(a, c) || joins(a, d) || joins(b, c) || joins(b, d))
+}
+
+/// Bit `3 i + j`: corner `i` of one triangle is corner `j` of the other.
+#[inline(always)]
+fn equal_corners(p: &[u32; 3], q: &[u32; 3]) -> usize {
+    let mut equal = 0;
+    for i in 0..3 {
+        for j in 0..3 {
+            equal |= usize::from(p[i] == q[j]) << (3 * i + j);
+        }
+    }
+    equal
+}
+
+/// The bits of a triangle's features in the rows, by what it owns.
+const ROWS: [u16; 128] = by_ownership(true);
+
+/// The bits of a triangle's features in the columns.
+const COLUMNS: [u16; 128] = by_ownership(false);
+
+const fn by_ownership(in_rows: bool) -> [u16; 128] {
+    let mut table = [0; 128];
+    let mut owned = 0;
+    while owned < 128 {
+        let mut k = 0;
+        while k < 3 {
+            let [edge, vertex] =
+                if in_rows { [0b0111 << (4 * k), 0b1000 << (4 * k)] } else { [0x0111 << k, 0x1000 << k] };
+            if owned & (OWNS_EDGE << k) as usize != 0 {
+                table[owned] |= edge;
+            }
+            if owned & (OWNS_VERTEX << k) as usize != 0 {
+                table[owned] |= vertex;
+            }
+            k += 1;
+        }
+        if owned & IS_FACE as usize != 0 {
+            table[owned] |= if in_rows { 0x7000 } else { 0x0888 };
+        }
+        owned += 1;
+    }
+    table
+}
+
+/// The bits of features that share no vertex, by [`equal_corners`].
+const APART: [u16; 512] = {
+    let mut table = [0; 512];
+    let mut equal = 0;
+    while equal < 512 {
+        let mut k = 0;
+        while k < 3 {
+            let (next, mut j) = ((k + 1) % 3, 0);
+            while j < 3 {
+                let next_j = (j + 1) % 3;
+                let corners = 1 << (3 * k + j) | 1 << (3 * k + next_j) | 1 << (3 * next + j) | 1 << (3 * next + next_j);
+                if equal & corners == 0 {
+                    table[equal] |= 1 << (4 * k + j);
+                }
+                j += 1;
+            }
+            if equal >> (3 * k) & 0b111 == 0 {
+                table[equal] |= 1 << (4 * k + 3);
+            }
+            if equal >> k & 0b1_001_001 == 0 {
+                table[equal] |= 1 << (12 + k);
+            }
+            k += 1;
+        }
+        equal += 1;
+    }
+    table
+};

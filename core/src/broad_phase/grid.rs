@@ -1,11 +1,13 @@
 //! The broad phase: bounds, then for each level of sizes spheres, cells, entries, sort and pairs.
 
 use super::bounds::write_bounds;
+use super::byte_boxes::{ByteBoxes, write_byte_boxes};
 use super::cells::{Home, Lattice, write_cells};
-use super::entries::{Entry, IS_HOME, IS_OWN, write_entries};
-use super::features::{FeatureBoxes, add_features};
-use super::levels::{self, NO_LEVEL};
+use super::entries::{Entry, write_entries};
+use super::features::add_features;
+use super::levels;
 use super::pairs::for_each_pair;
+use super::plain::for_each_plain_pair;
 use super::sort::sort;
 use super::spheres::{Quantum, Sphere, write_spheres};
 use super::{Candidates, Counts, Surface};
@@ -17,14 +19,14 @@ use crate::geometry::aabb::Aabb;
 pub struct Grid<'a> {
     /// Boxes.
     pub triangle_boxes: &'a mut [Aabb],
-    /// Boxes, one an edge.
-    pub edge_boxes: &'a mut [Aabb],
     /// Features that each stands for.
     pub owned: &'a mut [u8],
     /// Levels of sizes.
     pub levels: &'a mut [u8],
     /// Spheres around the boxes in a level's units.
     pub spheres: &'a mut [Sphere],
+    /// Boxes of triangles and their features in bytes, in a level's units.
+    pub byte_boxes: &'a mut [ByteBoxes],
     /// Home cells and control bits in a level's cells.
     pub homes: &'a mut [Home],
     /// Eight a triangle.
@@ -42,43 +44,29 @@ pub fn candidates(
     out: &mut Candidates<'_>,
     dispatch: &impl Dispatch,
 ) -> Counts {
-    write_bounds(boxes, surface, work.edge_boxes, work.triangle_boxes, work.owned, dispatch);
-    let levels = levels::assign(work.triangle_boxes, work.levels);
-    let feature_boxes =
-        FeatureBoxes { vertices: boxes, triangles: work.triangle_boxes, edges: work.edge_boxes, owned: work.owned };
+    let Grid { triangle_boxes, owned, levels, spheres, byte_boxes, homes, entries, spare } = work;
+    write_bounds(boxes, surface, triangle_boxes, owned, dispatch);
+    let sizes = levels::assign(triangle_boxes, levels);
     let mut counts = Counts::default();
-    let mut add = |a, b| add_features(&feature_boxes, surface, [a, b], out, &mut counts);
-    for level in 0..levels.graded {
-        let quantum = Quantum::new(&levels.scene, levels.extents[level as usize]);
-        write_spheres(work.triangle_boxes, work.levels, level, &quantum, work.spheres, dispatch);
-        let lattice = Lattice::new(work.spheres);
-        write_cells(work.spheres, &lattice, work.homes, dispatch);
-        let count = write_entries(work.homes, work.levels, level, &lattice, work.entries);
-        let (entries, spare) = (&mut work.entries[..count], &mut work.spare[..count]);
+    for level in 0..sizes.graded {
+        let quantum = Quantum::new(&sizes.scene, sizes.extents[level as usize]);
+        write_spheres(triangle_boxes, levels, level, &quantum, spheres, dispatch);
+        write_byte_boxes(boxes, surface, triangle_boxes, levels, level, &quantum, byte_boxes, dispatch);
+        let lattice = Lattice::new(spheres);
+        write_cells(spheres, &lattice, homes, dispatch);
+        let count = write_entries(homes, levels, level, &lattice, entries);
+        let (entries, spare) = (&mut entries[..count], &mut spare[..count]);
         let sorted = if sort(entries, spare, lattice.key_bits()) { spare } else { entries };
-        for_each_pair(sorted, work.homes, work.triangle_boxes, &lattice, &mut add);
+        for_each_pair(sorted, homes, byte_boxes, &lattice, surface, |pairs| {
+            add_features(boxes, surface, triangle_boxes, owned, Some(byte_boxes), pairs, out, &mut counts);
+        });
     }
-    if levels.single > 0 {
-        let count = one_cell(work.levels, levels.graded, work.entries);
-        let lattice = Lattice { size: 1, bits: [0; 3] };
-        work.homes.fill(Home { key: 0, control: 1 });
-        for_each_pair(&work.entries[..count], work.homes, work.triangle_boxes, &lattice, &mut add);
+    if sizes.single > 0 {
+        for_each_plain_pair(triangle_boxes, levels, sizes.graded, surface, |pairs| {
+            add_features(boxes, surface, triangle_boxes, owned, None, pairs, out, &mut counts);
+        });
     }
     counts
-}
-
-/// Entries with all homes in one cell.
-fn one_cell(levels: &[u8], level: u8, entries: &mut [Entry]) -> usize {
-    let mut count = 0;
-    for own in [IS_OWN, 0] {
-        for (id, &other) in (0..).zip(levels) {
-            if other != NO_LEVEL && (other == level) == (own != 0) {
-                entries[count] = Entry { key: 0, object: id | IS_HOME | own };
-                count += 1;
-            }
-        }
-    }
-    count
 }
 
 /// The owned columns of a [`Grid`].
@@ -86,8 +74,8 @@ fn one_cell(levels: &[u8], level: u8, entries: &mut [Entry]) -> usize {
 #[derive(Clone, Debug, Default)]
 pub struct GridColumns {
     triangle_boxes: alloc::vec::Vec<Aabb>,
-    edge_boxes: alloc::vec::Vec<Aabb>,
     owned: alloc::vec::Vec<u8>,
+    byte_boxes: alloc::vec::Vec<ByteBoxes>,
     levels: alloc::vec::Vec<u8>,
     spheres: alloc::vec::Vec<Sphere>,
     homes: alloc::vec::Vec<Home>,
@@ -97,13 +85,13 @@ pub struct GridColumns {
 
 #[cfg(feature = "alloc")]
 impl GridColumns {
-    /// Columns for a surface of so many triangles and edges, whatever its shape.
-    pub fn build(triangles: usize, edges: usize) -> Self {
+    /// Columns for a surface of so many triangles, whatever its shape.
+    pub fn build(triangles: usize) -> Self {
         use alloc::vec;
         Self {
             triangle_boxes: vec![Aabb::EMPTY; triangles],
-            edge_boxes: vec![Aabb::EMPTY; edges],
             owned: vec![0; triangles],
+            byte_boxes: vec![ByteBoxes::default(); triangles],
             levels: vec![0; triangles],
             spheres: vec![Sphere::default(); triangles],
             homes: vec![Home::default(); triangles],
@@ -116,8 +104,8 @@ impl GridColumns {
     pub fn view(&mut self) -> Grid<'_> {
         Grid {
             triangle_boxes: &mut self.triangle_boxes,
-            edge_boxes: &mut self.edge_boxes,
             owned: &mut self.owned,
+            byte_boxes: &mut self.byte_boxes,
             levels: &mut self.levels,
             spheres: &mut self.spheres,
             homes: &mut self.homes,

@@ -10,6 +10,7 @@
 pub mod bounds;
 pub mod levels;
 
+pub mod byte_boxes;
 pub mod spheres;
 
 pub mod cells;
@@ -19,6 +20,7 @@ pub mod entries;
 pub mod sort;
 
 pub mod pairs;
+pub mod plain;
 
 pub mod features;
 
@@ -118,8 +120,8 @@ pub struct Counts {
 }
 
 impl Candidates<'_> {
-    /// Writes a vertex and a triangle where there is room, and counts them in any case.
-    #[inline]
+    /// Counts a vertex and a triangle, and writes them where there is room.
+    #[inline(always)]
     pub fn add_vertex_triangle(&mut self, counts: &mut Counts, vertex: u32, triangle: u32) {
         if let Some(slot) = self.vertex_triangle.get_mut(counts.vertex_triangle) {
             *slot = [vertex, triangle];
@@ -127,8 +129,8 @@ impl Candidates<'_> {
         counts.vertex_triangle += 1;
     }
 
-    /// Writes two edges where there is room, and counts them in any case.
-    #[inline]
+    /// Counts two edges, and writes them where there is room.
+    #[inline(always)]
     pub fn add_edge_edge(&mut self, counts: &mut Counts, a: u32, b: u32) {
         if let Some(slot) = self.edge_edge.get_mut(counts.edge_edge) {
             *slot = [a.min(b), a.max(b)];

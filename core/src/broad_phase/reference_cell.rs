@@ -6,7 +6,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::bounds::write_bounds;
-use super::features::{FeatureBoxes, add_features};
+use super::features::add_features;
 use super::{Candidates, Counts, Surface};
 use crate::dispatch::Serial;
 use crate::geometry::aabb::Aabb;
@@ -18,9 +18,8 @@ const ACROSS: Real = 32.0;
 /// Writes the candidates.
 pub fn candidates(boxes: &[Aabb], surface: &Surface<'_>, out: &mut Candidates<'_>) -> Counts {
     let mut triangle_boxes = vec![Aabb::EMPTY; surface.triangles.len()];
-    let mut edge_boxes = vec![Aabb::EMPTY; surface.edges.len()];
     let mut owned = vec![0; surface.triangles.len()];
-    write_bounds(boxes, surface, &mut edge_boxes, &mut triangle_boxes, &mut owned, &Serial);
+    write_bounds(boxes, surface, &mut triangle_boxes, &mut owned, &Serial);
     let is_finite = |b: &&Aabb| b.min.is_finite() && b.max.is_finite();
     let scene = triangle_boxes.iter().filter(is_finite).fold(Aabb::EMPTY, |scene, b| scene.union(b));
     let size = (scene.max - scene.min) / ACROSS;
@@ -40,15 +39,16 @@ pub fn candidates(boxes: &[Aabb], surface: &Surface<'_>, out: &mut Candidates<'_
         }
     }
     entries.sort_unstable();
-    let feature_boxes = FeatureBoxes { vertices: boxes, triangles: &triangle_boxes, edges: &edge_boxes, owned: &owned };
     let mut counts = Counts::default();
     for run in entries.chunk_by(|a, b| a.0 == b.0) {
         for (i, &(here, a)) in run.iter().enumerate() {
             for &(_, b) in &run[i + 1..] {
                 let (low_a, low_b) = (cell(triangle_boxes[a].min), cell(triangle_boxes[b].min));
                 let reference = core::array::from_fn(|k| low_a[k].max(low_b[k]));
-                if here == reference && triangle_boxes[a].overlaps(&triangle_boxes[b]) {
-                    add_features(&feature_boxes, surface, [a as u32, b as u32], out, &mut counts);
+                let may_pair = surface.may_pair(a as u32, b as u32);
+                if may_pair && here == reference && triangle_boxes[a].overlaps(&triangle_boxes[b]) {
+                    let pair = [[a as u32, b as u32]];
+                    add_features(boxes, surface, &triangle_boxes, &owned, None, &pair, out, &mut counts);
                 }
             }
         }

@@ -50,8 +50,9 @@ impl Quantum {
         Self { origin: scene.min, scale: f32::from_bits(((shift + 127) as u32) << 23) as Real }
     }
 
-    #[inline]
-    fn apply(&self, corner: Vec3) -> [i32; 3] {
+    /// A corner in units, from 0 to 2^29.
+    #[inline(always)]
+    pub fn apply(&self, corner: Vec3) -> [i32; 3] {
         const MOST: Real = (1 << (RANGE + 1)) as Real;
         let v = (corner - self.origin) * self.scale;
         [v.x, v.y, v.z].map(|v| v.clamp(0.0, MOST) as i32)

@@ -1,0 +1,106 @@
+//! The boxes of a triangle and its features in bytes: sixteen compare at once.
+//!
+//! Coordinates are rounded outward to units, at most 60 across a triangle, and taken modulo 256.
+//! Boxes that overlap span less than 128 units, so their differences `max - min` are not negative
+//! modulo 256 either. Boxes that do not may seem to: what passes must be compared exactly.
+
+use bytemuck::{Pod, Zeroable};
+use wide::i8x16;
+
+use super::Surface;
+use super::bounds::is_valid;
+use super::spheres::Quantum;
+use crate::dispatch::Dispatch;
+use crate::geometry::aabb::Aabb;
+
+/// Boxes by coordinate, the three minima before the three maxima. In each: bytes of the edges 0,
+/// 1, 2 and of the triangle, then of the vertices 0, 1, 2.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ByteBoxes(pub [[u32; 2]; 6]);
+
+/// Sixteen coordinates of one kind, for each of the six.
+pub type ByteLanes = [i8x16; 6];
+
+/// The byte of the triangle in the first word.
+const WHOLE: u32 = 24;
+
+impl ByteBoxes {
+    /// The box of the triangle.
+    #[inline(always)]
+    pub fn whole(&self, k: usize) -> i8 {
+        (self.0[k][0] >> WHOLE) as i8
+    }
+
+    /// Lane `4 r + c` for rows `r`: edge `r` against edges `c`, then vertex `r` against the triangle;
+    /// in the last row the triangle against vertices `c`.
+    #[inline(always)]
+    pub fn rows(&self) -> ByteLanes {
+        core::array::from_fn(|k| {
+            let [edges, vertices] = self.0[k];
+            let row = |r: u32| (edges >> (8 * r) & 0xff) * 0x01_01_01 | (vertices >> (8 * r) & 0xff) << 24;
+            bytemuck::cast([row(0), row(1), row(2), (edges >> WHOLE) * 0x01_01_01])
+        })
+    }
+
+    /// The other side of [`rows`](Self::rows).
+    #[inline(always)]
+    pub fn columns(&self) -> ByteLanes {
+        core::array::from_fn(|k| {
+            let [edges, vertices] = self.0[k];
+            bytemuck::cast([edges, edges, edges, vertices])
+        })
+    }
+}
+
+/// A bit for each lane whose boxes may overlap.
+#[inline(always)]
+pub fn may_overlap(a: &ByteLanes, b: &ByteLanes) -> u32 {
+    let below = (a[3] - b[0]) | (a[4] - b[1]) | (a[5] - b[2]);
+    let above = (b[3] - a[0]) | (b[4] - a[1]) | (b[5] - a[2]);
+    !(below | above).to_bitmask() & 0xffff
+}
+
+/// Writes the boxes of every triangle up to a level.
+pub fn write_byte_boxes(
+    boxes: &[Aabb],
+    surface: &Surface<'_>,
+    triangle_boxes: &[Aabb],
+    levels: &[u8],
+    level: u8,
+    quantum: &Quantum,
+    byte_boxes: &mut [ByteBoxes],
+    dispatch: &impl Dispatch,
+) {
+    dispatch.run(byte_boxes, |start, part| {
+        for (i, out) in (start..).zip(part).filter(|&(i, _)| levels[i] <= level) {
+            let corners = surface.triangles[i].map(|v| {
+                let b = &boxes[v as usize];
+                quantised(if is_valid(b) { b } else { &triangle_boxes[i] }, quantum)
+            });
+            for k in 0..6 {
+                let [a, b, c] = [corners[0][k], corners[1][k], corners[2][k]];
+                let outer = |a: i32, b: i32| if k < 3 { a.min(b) } else { a.max(b) };
+                let edges = [outer(a, b), outer(b, c), outer(c, a)];
+                out.0[k] = [word([edges[0], edges[1], edges[2], outer(edges[0], c)]), word([a, b, c, c])];
+            }
+        }
+    });
+}
+
+#[inline(always)]
+fn quantised(b: &Aabb, quantum: &Quantum) -> [i32; 6] {
+    let ([x, y, z], [u, v, w]) = (quantum.apply(b.min), quantum.apply(b.max));
+    [x, y, z, u, v, w].map(byte_units)
+}
+
+/// From units of which 2^10 span a triangle to units of which 60 do; the higher bits do not matter.
+#[inline(always)]
+fn byte_units(x: i32) -> i32 {
+    x * 15 >> 8
+}
+
+#[inline(always)]
+fn word(bytes: [i32; 4]) -> u32 {
+    u32::from_le_bytes(bytes.map(|b| b as u8))
+}
