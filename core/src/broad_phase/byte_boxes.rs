@@ -38,7 +38,8 @@ impl ByteBoxes {
     pub fn rows(&self) -> ByteLanes {
         core::array::from_fn(|k| {
             let [edges, vertices] = self.0[k];
-            let row = |r: u32| (edges >> (8 * r) & 0xff) * 0x01_01_01 | (vertices >> (8 * r) & 0xff) << 24;
+            let byte = |word: u32, r: u32| (word >> (8 * r)) & 0xff;
+            let row = |r: u32| (byte(edges, r) * 0x01_01_01) | (byte(vertices, r) << 24);
             bytemuck::cast([row(0), row(1), row(2), (edges >> WHOLE) * 0x01_01_01])
         })
     }
@@ -94,10 +95,10 @@ fn quantised(b: &Aabb, quantum: &Quantum) -> [i32; 6] {
     [x, y, z, u, v, w].map(byte_units)
 }
 
-/// From units of which 2^10 span a triangle to units of which 60 do; the higher bits do not matter.
+/// From units of which 2^10 span a triangle to units of which 60 do.
 #[inline(always)]
 fn byte_units(x: i32) -> i32 {
-    x * 15 >> 8
+    (x * 15) >> 8
 }
 
 #[inline(always)]

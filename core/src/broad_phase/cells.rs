@@ -111,5 +111,5 @@ fn place(sphere: &Sphere, lattice: &Lattice) -> Home {
         let gap_squared: u32 = (0..3).map(|k| if across >> k & 1 == 1 { gaps_squared[k] } else { 0 }).sum();
         mask |= u32::from(gap_squared <= cover_squared) << (parity ^ across);
     }
-    Home { key, control: mask | parity << HOME_SHIFT | upward * UPWARD }
+    Home { key, control: mask | (parity << HOME_SHIFT) | (upward * UPWARD) }
 }

@@ -21,9 +21,16 @@ pub fn add_features(
     out: &mut Candidates<'_>,
     counts: &mut Counts,
 ) {
+    // Many pairs in a row have the same first triangle.
+    let (mut rows, mut rows_of) = (ByteBoxes::default().rows(), usize::MAX);
     for &[a, b] in pairs {
         let (a, b) = (a as usize, b as usize);
-        let near = byte_boxes.map_or(0xffff, |byte_boxes| may_overlap(&byte_boxes[a].rows(), &byte_boxes[b].columns()));
+        let near = byte_boxes.map_or(0xffff, |byte_boxes| {
+            if a != rows_of {
+                (rows, rows_of) = (byte_boxes[a].rows(), a);
+            }
+            may_overlap(&rows, &byte_boxes[b].columns())
+        });
         let named = ROWS[usize::from(owned[a] & 0x7f)] & COLUMNS[usize::from(owned[b] & 0x7f)];
         let (p, q) = (&surface.triangles[a], &surface.triangles[b]);
         let mut left = near & u32::from(named & APART[equal_corners(p, q)]);

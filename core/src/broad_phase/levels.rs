@@ -6,7 +6,7 @@
 //! are a level of one cell.
 
 use crate::geometry::aabb::Aabb;
-use crate::real::{Real, Vec3};
+use crate::real::{Vec3, to_f32};
 
 /// In the column of levels: a box that overlaps nothing.
 pub const NO_LEVEL: u8 = u8::MAX;
@@ -97,7 +97,7 @@ fn extent(b: &Aabb) -> Option<f32> {
     } else if size.is_nan() {
         Some(f32::INFINITY)
     } else {
-        Some(largest as Real as f32)
+        Some(to_f32(largest))
     }
 }
 

@@ -9,13 +9,13 @@ use bytemuck::{Pod, Zeroable};
 use super::levels::NO_LEVEL;
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
-use crate::real::{Real, Vec3};
+use crate::real::{Real, Vec3, to_f32};
 
 /// Units across the largest box of a level: 2^9 to 2^10.
 const FINE: i32 = 9;
 
-/// Coordinates stay below 2^29, so that twice a centre is an i32.
-const RANGE: i32 = 28;
+/// Coordinates stay below 2^27, so that sums and small multiples are an i32.
+const RANGE: i32 = 26;
 
 /// From metres to units.
 #[derive(Clone, Copy, Debug)]
@@ -45,12 +45,12 @@ impl Quantum {
     /// For boxes of up to `extent` in a scene; both at most the greatest f32.
     pub fn new(scene: &Aabb, extent: f32) -> Self {
         let size = scene.max - scene.min;
-        let whole = size.x.max(size.y).max(size.z) as f32;
+        let whole = to_f32(size.x.max(size.y).max(size.z));
         let shift = (FINE - exponent(extent)).min(RANGE - exponent(whole)).clamp(-126, 127);
         Self { origin: scene.min, scale: f32::from_bits(((shift + 127) as u32) << 23) as Real }
     }
 
-    /// A corner in units, from 0 to 2^29.
+    /// A corner in units, from 0 to 2^27.
     #[inline(always)]
     pub fn apply(&self, corner: Vec3) -> [i32; 3] {
         const MOST: Real = (1 << (RANGE + 1)) as Real;
