@@ -81,7 +81,7 @@ muslin_tests::both_precisions! {
 
     pub fn grid(case: &Case, room: [usize; 2]) -> Found {
         found(case, room, |boxes, surface, out| {
-            let mut work = GridColumns::build(surface.triangles.len());
+            let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
             broad_phase::candidates(boxes, surface, &mut work.view(), out, &Serial)
         })
     }
@@ -90,15 +90,15 @@ muslin_tests::both_precisions! {
     pub fn on_threads(case: &Case, threads: usize) -> Found {
         let counts = grid(case, [0, 0]).counts;
         found(case, counts, |boxes, surface, out| {
-            let mut work = GridColumns::build(surface.triangles.len());
+            let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
             broad_phase::candidates(boxes, surface, &mut work.view(), out, &Uneven::new(threads))
         })
     }
 
     /// Counts of cases with the same triangles, all in the same columns.
     pub fn in_turn<const K: usize>(cases: &[&Case; K]) -> [[usize; 2]; K] {
-        let (_, surface) = columns(cases[0]);
-        let mut work = GridColumns::build(surface.triangles.len());
+        let (boxes, surface) = columns(cases[0]);
+        let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
         cases.map(|case| {
             let (boxes, _) = columns(case);
             let out = &mut Candidates::default();

@@ -30,7 +30,8 @@ muslin_tests::both_precisions! {
     use muslin::broad_phase::byte_boxes::{self, ByteBoxes};
     use muslin::broad_phase::cells::{self, Home, Lattice};
     use muslin::broad_phase::entries::{self, Entry};
-    use muslin::broad_phase::spheres::{self, Quantum, Sphere};
+    use muslin::broad_phase::spheres::{self, Sphere};
+    use muslin::broad_phase::units::{self, Quantum, UnitBox};
     use muslin::broad_phase::{pairs, sort};
     use muslin::dispatch::Serial;
     use muslin::geometry::aabb::Aabb;
@@ -40,15 +41,14 @@ muslin_tests::both_precisions! {
     /// The pairs of boxes of one level.
     fn pairs_in_cells(boxes: &[Aabb], levels: &[u8], level: u8) -> Vec<[u32; 2]> {
         let scene = boxes.iter().fold(Aabb::EMPTY, |scene, b| scene.union(b));
-        let mut columns = vec![Sphere::default(); boxes.len()];
-        let quantum = Quantum::new(&scene, 8.0);
-        spheres::write_spheres(boxes, levels, level, &quantum, &mut columns, &Serial);
+        let mut units = vec![UnitBox::EMPTY; boxes.len()];
+        units::write_units(boxes, &Quantum::new(&scene, 8.0), &mut units, &Serial);
         let points: Vec<_> = (0..boxes.len() as u32).map(|v| [v; 3]).collect();
         let surface = SurfaceColumns::build(boxes.len(), &points, &[]);
+        let mut columns = vec![Sphere::default(); boxes.len()];
+        spheres::write_spheres(&units, &points, levels, level, &mut columns, &Serial);
         let mut bytes = vec![ByteBoxes::default(); boxes.len()];
-        byte_boxes::write_byte_boxes(
-            boxes, &surface.view(), boxes, levels, level, &quantum, &mut bytes, &Serial,
-        );
+        byte_boxes::write_byte_boxes(&units, &points, levels, level, &mut bytes, &Serial);
         let lattice = Lattice::new(&columns);
         let mut homes = vec![Home::default(); boxes.len()];
         cells::write_cells(&columns, &lattice, &mut homes, &Serial);

@@ -7,11 +7,8 @@
 use bytemuck::{Pod, Zeroable};
 use wide::i8x16;
 
-use super::Surface;
-use super::bounds::is_valid;
-use super::spheres::Quantum;
+use super::units::UnitBox;
 use crate::dispatch::Dispatch;
-use crate::geometry::aabb::Aabb;
 
 /// Boxes by coordinate, the three minima before the three maxima. In each: bytes of the edges 0,
 /// 1, 2 and of the triangle, then of the vertices 0, 1, 2.
@@ -62,46 +59,32 @@ pub fn may_overlap(a: &ByteLanes, b: &ByteLanes) -> u32 {
     !(below | above).to_bitmask() & 0xffff
 }
 
-/// Writes the boxes of every triangle up to a level.
+/// Writes the boxes of every triangle up to a level. Those of features with an empty vertex are
+/// without meaning.
 pub fn write_byte_boxes(
-    boxes: &[Aabb],
-    surface: &Surface<'_>,
-    triangle_boxes: &[Aabb],
+    units: &[UnitBox],
+    triangles: &[[u32; 3]],
     levels: &[u8],
     level: u8,
-    quantum: &Quantum,
     byte_boxes: &mut [ByteBoxes],
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(byte_boxes, |start, part| {
-        for (i, out) in (start..).zip(part).filter(|&(i, _)| levels[i] <= level) {
-            let corners = surface.triangles[i].map(|v| {
-                let b = &boxes[v as usize];
-                quantised(if is_valid(b) { b } else { &triangle_boxes[i] }, quantum)
-            });
+        let present = triangles[start..].iter().zip(&levels[start..]).zip(part);
+        for ((triangle, _), out) in present.filter(|&((_, &own), _)| own <= level) {
+            let [a, b, c] = triangle.map(|v| units[v as usize]);
+            let edges = [a.union(&b), b.union(&c), c.union(&a)];
+            let whole = edges[0].union(&c);
             for k in 0..6 {
-                let [a, b, c] = [corners[0][k], corners[1][k], corners[2][k]];
-                let outer = |a: i32, b: i32| if k < 3 { a.min(b) } else { a.max(b) };
-                let edges = [outer(a, b), outer(b, c), outer(c, a)];
-                out.0[k] = [word([edges[0], edges[1], edges[2], outer(edges[0], c)]), word([a, b, c, c])];
+                let first = [edges[0].0[k], edges[1].0[k], edges[2].0[k], whole.0[k]];
+                out.0[k] = [word(first), word([a.0[k], b.0[k], c.0[k], 0])];
             }
         }
     });
 }
 
+/// From units of which 2^10 span a triangle to bytes' units of which 60 do.
 #[inline(always)]
-fn quantised(b: &Aabb, quantum: &Quantum) -> [i32; 6] {
-    let ([x, y, z], [u, v, w]) = (quantum.apply(b.min), quantum.apply(b.max));
-    [x, y, z, u, v, w].map(byte_units)
-}
-
-/// From units of which 2^10 span a triangle to units of which 60 do.
-#[inline(always)]
-fn byte_units(x: i32) -> i32 {
-    (x * 15) >> 8
-}
-
-#[inline(always)]
-fn word(bytes: [i32; 4]) -> u32 {
-    u32::from_le_bytes(bytes.map(|b| b as u8))
+fn word(units: [i32; 4]) -> u32 {
+    u32::from_le_bytes(units.map(|x| ((x * 15) >> 8) as u8))
 }

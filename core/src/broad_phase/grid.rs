@@ -9,7 +9,8 @@ use super::levels;
 use super::pairs::for_each_pair;
 use super::plain::for_each_plain_pair;
 use super::sort::sort;
-use super::spheres::{Quantum, Sphere, write_spheres};
+use super::spheres::{Sphere, write_spheres};
+use super::units::{Quantum, UnitBox, write_units};
 use super::{Candidates, Counts, Surface};
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
@@ -23,6 +24,8 @@ pub struct Grid<'a> {
     pub owned: &'a mut [u8],
     /// Levels of sizes.
     pub levels: &'a mut [u8],
+    /// Boxes in a level's units, one a vertex.
+    pub units: &'a mut [UnitBox],
     /// Spheres around the boxes in a level's units.
     pub spheres: &'a mut [Sphere],
     /// Boxes of triangles and their features in bytes, in a level's units.
@@ -44,14 +47,15 @@ pub fn candidates(
     out: &mut Candidates<'_>,
     dispatch: &impl Dispatch,
 ) -> Counts {
-    let Grid { triangle_boxes, owned, levels, spheres, byte_boxes, homes, entries, spare } = work;
+    let Grid { triangle_boxes, owned, levels, units, spheres, byte_boxes, homes, entries, spare } = work;
     write_bounds(boxes, surface, triangle_boxes, owned, dispatch);
     let sizes = levels::assign(triangle_boxes, levels);
     let mut counts = Counts::default();
     for level in 0..sizes.graded {
         let quantum = Quantum::new(&sizes.scene, sizes.extents[level as usize]);
-        write_spheres(triangle_boxes, levels, level, &quantum, spheres, dispatch);
-        write_byte_boxes(boxes, surface, triangle_boxes, levels, level, &quantum, byte_boxes, dispatch);
+        write_units(boxes, &quantum, units, dispatch);
+        write_spheres(units, surface.triangles, levels, level, spheres, dispatch);
+        write_byte_boxes(units, surface.triangles, levels, level, byte_boxes, dispatch);
         let lattice = Lattice::new(spheres);
         write_cells(spheres, &lattice, homes, dispatch);
         let count = write_entries(homes, levels, level, &lattice, entries);
@@ -77,6 +81,7 @@ pub struct GridColumns {
     owned: alloc::vec::Vec<u8>,
     byte_boxes: alloc::vec::Vec<ByteBoxes>,
     levels: alloc::vec::Vec<u8>,
+    units: alloc::vec::Vec<UnitBox>,
     spheres: alloc::vec::Vec<Sphere>,
     homes: alloc::vec::Vec<Home>,
     entries: alloc::vec::Vec<Entry>,
@@ -85,14 +90,15 @@ pub struct GridColumns {
 
 #[cfg(feature = "alloc")]
 impl GridColumns {
-    /// Columns for a surface of so many triangles, whatever its shape.
-    pub fn build(triangles: usize) -> Self {
+    /// Columns for a surface of so many vertices and triangles, whatever its shape.
+    pub fn build(vertices: usize, triangles: usize) -> Self {
         use alloc::vec;
         Self {
             triangle_boxes: vec![Aabb::EMPTY; triangles],
             owned: vec![0; triangles],
             byte_boxes: vec![ByteBoxes::default(); triangles],
             levels: vec![0; triangles],
+            units: vec![UnitBox::EMPTY; vertices],
             spheres: vec![Sphere::default(); triangles],
             homes: vec![Home::default(); triangles],
             entries: vec![Entry::default(); 8 * triangles],
@@ -107,6 +113,7 @@ impl GridColumns {
             owned: &mut self.owned,
             byte_boxes: &mut self.byte_boxes,
             levels: &mut self.levels,
+            units: &mut self.units,
             spheres: &mut self.spheres,
             homes: &mut self.homes,
             entries: &mut self.entries,

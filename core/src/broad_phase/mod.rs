@@ -10,8 +10,11 @@
 pub mod bounds;
 pub mod levels;
 
-pub mod byte_boxes;
+pub mod units;
+
 pub mod spheres;
+
+pub mod byte_boxes;
 
 pub mod cells;
 pub mod control_bits;

@@ -1,4 +1,5 @@
-//! Pairs of objects whose boxes may overlap; each that do from exactly one of its common cells.
+//! Pairs of objects whose boxes may overlap. Those whose boxes do come exactly once, from one of
+//! their common cells; a few others come, once or more often, and have no candidates.
 //!
 //! In a cell, own homes meet everything after them, smaller homes only own phantoms. The spheres
 //! of overlapping boxes overlap, so the box test stands for the sphere test that the uniqueness
