@@ -56,6 +56,8 @@ fn random_soups_of_every_size() {
 fn a_large_soup() {
     let corners = random(&mut Rng::new(1), 5000, 12.0, |rng| rng.between(0.3, 1.0));
     agree_on_some(&Case::soup("5,000 triangles", &corners, 0.0));
+    let scattered = corners.iter().zip(0..).map(|(t, i)| t.map(|x| x + 60.0 * DVec3::splat((i % 9) as f64)));
+    agree_on_some(&Case::soup("5,000 triangles in many cells", &scattered.collect::<Vec<_>>(), 0.1));
 }
 
 #[test]

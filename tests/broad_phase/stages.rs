@@ -85,4 +85,21 @@ muslin_tests::both_precisions! {
         }
         assert!(overlapping > CASES, "only {overlapping} pairs overlap");
     }
+
+    /// Keys of one digit and of several, in which equal keys must stay in their order.
+    #[test]
+    fn the_sort_is_stable() {
+        let rng = &mut Rng::new(22);
+        for bits in 1..=30 {
+            for count in [0, 1, 2, 2500] {
+                let entry = |object| Entry { key: (rng.bits() as u32 & ((1 << bits) - 1)) >> (object % 7), object };
+                let mut entries: Vec<Entry> = (0..count).map(entry).collect();
+                let mut spare = vec![Entry::default(); entries.len()];
+                let mut expected = entries.clone();
+                expected.sort_by_key(|entry| entry.key);
+                let in_spare = sort::sort(&mut entries, &mut spare, bits);
+                assert_eq!(if in_spare { spare } else { entries }, expected, "{bits} bits");
+            }
+        }
+    }
 }
