@@ -215,7 +215,7 @@ mod owned {
                 rounds: vec![0; vertices],
                 zones: vec![0; vertices],
                 boxes: vec![Aabb::EMPTY; vertices],
-                grid: GridColumns::build(model.surface.triangles.len(), model.surface.edges.len()),
+                grid: GridColumns::build(model.radii.len(), model.surface.triangles.len()),
                 ..Self::default()
             };
             columns.grow_pairs(Counts { vertex_triangle: pairs, edge_edge: pairs });

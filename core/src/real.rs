@@ -15,7 +15,6 @@ mod precision {
     pub type Lanes = wide::f32x4;
 
     pub use libm::{atan2f as atan2, cosf as cos, expf as exp, sinf as sin, sqrtf as sqrt};
-    pub use libm::{atan2f as atan2, cosf as cos, sinf as sin, sqrtf as sqrt};
 
     /// The nearest f32.
     #[inline]
@@ -36,7 +35,6 @@ mod precision {
     pub type Lanes = wide::f64x4;
 
     pub use libm::{atan2, cos, exp, sin, sqrt};
-    pub use libm::{atan2, cos, sin, sqrt};
 
     /// The nearest f32.
     #[inline]

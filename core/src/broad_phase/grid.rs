@@ -120,14 +120,13 @@ impl GridColumns {
             spare: &mut self.spare,
         }
     }
-}
 
-#[cfg(feature = "alloc")]
-impl GridColumns {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.triangle_boxes[..])
-            + size_of_val(&self.edge_boxes[..])
+            + size_of_val(&self.owned[..])
+            + size_of_val(&self.byte_boxes[..])
+            + size_of_val(&self.units[..])
             + size_of_val(&self.levels[..])
             + size_of_val(&self.spheres[..])
             + size_of_val(&self.homes[..])

@@ -50,6 +50,16 @@ impl SurfaceColumns {
         }
     }
 
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.triangles[..])
+            + size_of_val(&self.triangle_edges[..])
+            + size_of_val(&self.owned[..])
+            + size_of_val(&self.edges[..])
+            + size_of_val(&self.sewn_offsets[..])
+            + size_of_val(&self.sewn_others[..])
+    }
+
     /// The borrowed view that the broad phase takes.
     pub fn view(&self) -> Surface<'_> {
         Surface {
@@ -123,16 +133,4 @@ fn rows(vertices: usize, pairs: &[[u32; 2]]) -> (Vec<u32>, Vec<u32>) {
         offsets[v + 1] += offsets[v];
     }
     (offsets, both.iter().map(|&[_, b]| b).collect())
-}
-
-impl SurfaceColumns {
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.triangles[..])
-            + size_of_val(&self.triangle_edges[..])
-            + size_of_val(&self.owned[..])
-            + size_of_val(&self.edges[..])
-            + size_of_val(&self.sewn_offsets[..])
-            + size_of_val(&self.sewn_others[..])
-    }
 }

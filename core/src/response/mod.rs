@@ -125,11 +125,7 @@ pub fn press(
 }
 
 /// Adds what is near to the constraints that there are; returns how many there are then.
-fn find_near(
-    model: &ContactModel<'_>,
-    scratch: &mut ContactScratch<'_>,
-    before: usize,
-) -> Result<usize, Outcome> {
+fn find_near(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, before: usize) -> Result<usize, Outcome> {
     let ContactScratch { start, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
     for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
         *moves = *end - *start;
@@ -139,8 +135,8 @@ fn find_near(
     let mut list = List { all: constraints, count: before };
     let known = repulsion::Known::sort(&list.all[..list.count], order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];
-    let mut motion = Motion { start, end, moves, rounds };
-    repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &mut motion, &known, &mut list);
+    let motion = Motion { start, end, moves, rounds };
+    repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &known, &mut list);
     list.short().map_or(Ok(list.count), Err)
 }
 
