@@ -1,16 +1,15 @@
-//! Every built-in scene to its end: finite, every solve converged, and no edge stretched by more
-//! than a tenth in any step.
+//! Every built-in scene to its end: finite, every solve converged, no edge stretched by more than its
+//! scene's bound in any step, and, where there is contact, nothing passes through anything in any
+//! frame.
 //!
-//! Run with `cargo test -p muslin-tests --test built_in`.
+//! Run with `cargo test --release -p muslin-tests --test built_in`; without optimisation the scenes
+//! with contact would take an hour and are left out.
 
 use muslin_core::dispatch::Serial;
 use muslin_core::scene::{BUILT_IN, SceneDesc};
 use muslin_core::simulation::Simulation;
 
-/// `flag`, the softest, reaches 1.066 when the wind takes it up.
-const MOST_STRETCH: f64 = 1.1;
-
-fn ends_well(name: &str) {
+fn ends_well(name: &str, most: f64) {
     let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("the scene is built in").1;
     let scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
     let mut cloth = Simulation::new(&scene, &[]).expect("built-in scenes build");
@@ -18,16 +17,20 @@ fn ends_well(name: &str) {
     for step in 1..=timing.frames * timing.steps_per_frame {
         cloth.step(&Serial).unwrap_or_else(|diverged| panic!("{name}: {diverged}"));
         let stretch = cloth.stretch().max;
-        assert!(stretch < MOST_STRETCH, "{name}: an edge is stretched to {stretch} in step {step}");
+        assert!(stretch < most, "{name}: an edge is stretched to {stretch} in step {step}");
+        if scene.contact.is_some() && step % timing.steps_per_frame == 0 {
+            assert_eq!(cloth.crossings(), 0, "{name}: something passes through something in step {step}");
+        }
     }
     assert_eq!(cloth.work().unconverged, 0, "{name}: solves ended at their limit of iterations");
 }
 
 macro_rules! scenes {
-    ($($name:ident),*) => {
+    ($($name:ident $most:literal $($slow:literal)?),*) => {
         $(#[test]
+        $(#[cfg_attr(debug_assertions, ignore = $slow)])?
         fn $name() {
-            ends_well(stringify!($name));
+            ends_well(stringify!($name), $most);
         })*
 
         #[test]
@@ -38,4 +41,20 @@ macro_rules! scenes {
     };
 }
 
-scenes!(cantilever, curtain, flag, hanging, skirt, swing);
+// `flag`, the softest, reaches 1.066 when the wind takes it up. Sheets that fall on something are
+// drawn out for a moment, and eight turns wring more out of a strip than it has.
+scenes!(
+    ball 1.15 "slow: run with --release",
+    cantilever 1.1,
+    curtain 1.1,
+    flag 1.1,
+    fold 1.3 "slow: run with --release",
+    funnel 1.7 "slow: run with --release",
+    hanging 1.1,
+    poncho 1.3 "slow: run with --release",
+    skirt 1.1,
+    stack 1.15 "slow: run with --release",
+    swing 1.1,
+    tablecloth 1.15 "slow: run with --release",
+    twist 4.5 "slow: run with --release"
+);

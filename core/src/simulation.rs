@@ -186,6 +186,7 @@ impl Simulation {
     fn resolve(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> bool {
         let mut widened = 0;
         loop {
+            dispatch.enter(Stage::BroadPhase);
             self.sweep(part, widened);
             self.detect(dispatch);
             if widened == 0 {

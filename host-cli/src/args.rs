@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::export::Format;
+use crate::failure::Failure;
 
 /// A cloth simulator that says what each method costs and how wrong it is.
 #[derive(Debug, Parser)]
@@ -16,6 +17,7 @@ use crate::export::Format;
 Examples:
   muslin run flag                       run a built-in scene, leave a picture in out/flag
   muslin scenes flag > my.toml          start a scene of your own
+  muslin detect a.ply --thickness 0.002 what is near in a mesh, or meets on the way to the next
   muslin bench                          what each stage costs on this machine"
 )]
 pub struct Arguments {
@@ -29,6 +31,8 @@ pub struct Arguments {
 pub enum Command {
     /// Simulate a scene; write frames, a picture and a summary
     Run(RunArguments),
+    /// Count what is near, meets or passes through itself in a mesh
+    Detect(DetectArguments),
     /// List the built-in scenes, or print one
     Scenes(ScenesArguments),
     /// Measure what each stage costs on this machine
@@ -46,6 +50,64 @@ fn threads(text: &str) -> Result<usize, String> {
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|&seconds: &f64| seconds >= 0.0 && seconds.is_finite());
     seconds.ok_or_else(|| "must be a time in seconds, zero or more".into())
+}
+
+fn thickness(text: &str) -> Result<f32, String> {
+    let metres = text.parse().ok().filter(|&metres: &f32| metres >= 0.0 && metres.is_finite());
+    metres.ok_or_else(|| "must be a length in metres, zero or more".into())
+}
+
+/// What computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// The processor.
+    Cpu,
+    /// A graphics processor: not in this version.
+    Gpu,
+}
+
+impl Backend {
+    /// Refuses what this version does not have.
+    pub fn check(self) -> Result<(), Failure> {
+        match self {
+            Self::Cpu => Ok(()),
+            Self::Gpu => Err(Failure::Usage(
+                "--backend gpu: this version has no GPU backend; say --backend cpu, or leave it out".into(),
+            )),
+        }
+    }
+
+    /// As summaries spell it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
+        }
+    }
+}
+
+/// How to find candidates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Cells and control bits, as runs do.
+    Grid,
+    /// Cells, by a simpler rule.
+    Reference,
+    /// Every pair compared: slow.
+    Brute,
+}
+
+/// How far detection goes; each stage includes those before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum DetectStage {
+    /// Pairs whose boxes overlap.
+    Candidates,
+    /// Pairs closer than the thickness.
+    Contacts,
+    /// Pairs that touch on the way to the next mesh.
+    Ccd,
+    /// Edges that pass through triangles, exactly.
+    Intersections,
 }
 
 /// In which precision to compute.
@@ -77,8 +139,9 @@ Examples:
   muslin run flag --set integrator.method=implicit-midpoint --set integrator.step=0.002
   muslin run curtain --checkpoint 100; muslin run curtain --resume out/curtain/checkpoint.muslin
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 diverged (outputs up to then are
-valid), 130 interrupted (a checkpoint is written).")]
+Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 diverged, or --audit found surfaces
+that pass through one another (outputs up to then are valid), 130 interrupted (a checkpoint is
+written).")]
 pub struct RunArguments {
     /// A scene file, or the name of a built-in scene
     pub scene: String,
@@ -92,6 +155,9 @@ pub struct RunArguments {
     /// Simulated seconds, instead of the scene's
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
+    /// What computes
+    #[arg(long, value_enum, default_value = "cpu")]
+    pub backend: Backend,
     /// Precision of the computation
     #[arg(long, value_enum, default_value = "f32")]
     pub precision: Precision,
@@ -121,6 +187,46 @@ pub struct RunArguments {
     pub quiet: bool,
 }
 
+/// `muslin detect`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  muslin detect dress.obj --thickness 0.002
+  muslin detect frame1.ply --next frame2.ply --thickness 0 --stage ccd
+  muslin detect dress.obj --thickness 0.002 --stage intersections --json
+
+A candidate is a vertex with a triangle, or two edges, that share no vertex and whose boxes, each
+wider by half the thickness on every side, touch or overlap. A contact is a candidate closer than
+the thickness, as MESH stands: with a thickness of 0 there are none. With --next the boxes are those
+of the motion, and ccd counts what touches in its course, things that are too near to tell included.
+Intersections are edges of MESH that pass through triangles, by an exact test. All is in single
+precision.")]
+pub struct DetectArguments {
+    /// An OBJ or PLY file
+    pub mesh: PathBuf,
+    /// The same mesh some time later: the same triangles, other positions
+    #[arg(long, value_name = "MESH")]
+    pub next: Option<PathBuf>,
+    /// How near is in contact, m; 0 is allowed
+    #[arg(long, value_name = "H", value_parser = thickness, allow_negative_numbers = true)]
+    pub thickness: f32,
+    /// How to find candidates; all find the same
+    #[arg(long, value_enum, default_value = "grid")]
+    pub method: Method,
+    /// What computes
+    #[arg(long, value_enum, default_value = "cpu")]
+    pub backend: Backend,
+    /// How far to go; each stage includes those before
+    #[arg(long, value_enum, default_value = "contacts")]
+    pub stage: DetectStage,
+    /// Threads [default: one per core]; the counts do not depend on it
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
+    pub threads: Option<usize>,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `muslin scenes`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  muslin scenes flag > my.toml")]
@@ -138,9 +244,10 @@ pub struct ScenesArguments {
 Examples:
   muslin bench                          the scenes and sizes of the README
   muslin bench hanging swing --threads 1
-  muslin bench my.toml --json")]
+  muslin bench my.toml --json
+  muslin bench crumpled                 candidates of crumpled sheets, 10k to 1M triangles")]
 pub struct BenchArguments {
-    /// Scene files or names of built-in scenes [default: the standard set]
+    /// Scene files, names of built-in scenes, or crumpled [default: the standard set]
     pub scenes: Vec<String>,
     /// Threads
     #[arg(long, value_name = "N", default_value = "1", value_parser = threads, allow_negative_numbers = true)]

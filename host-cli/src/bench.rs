@@ -1,22 +1,25 @@
 //! `muslin bench`: what each stage costs on this machine, beside what its memory traffic would
 //! cost if copying were all there is to it.
 
+mod candidates;
 mod copy;
-mod stopwatch;
+mod crumpled;
+mod report;
 
 use std::time::{Duration, Instant};
 
+use muslin_core::response::Tally;
 use muslin_core::simulation::Simulation;
 use muslin_core::stage::Stage;
 use muslin_core::traffic;
-use serde::Serialize;
 
 use crate::args::BenchArguments;
 use crate::failure::{Failure, print_data, print_note};
 use crate::limits;
 use crate::pool::Pool;
 use crate::scene_file::{self, SceneFile};
-use stopwatch::Stopwatch;
+use crate::stopwatch::Stopwatch;
+use report::{ContactReport, Machine, Report, SceneReport, StageReport};
 
 /// Wall time after which a scene is cut short.
 const LONGEST: Duration = Duration::from_secs(4);
@@ -24,50 +27,11 @@ const LONGEST: Duration = Duration::from_secs(4);
 /// Steps before the clocks start: caches fill, pages are mapped.
 const WARM_UP: u64 = 3;
 
-/// The standard set: explicit springs from 10k to 1M particles, then the implicit scenes.
+/// The standard set: explicit springs from 10k to 1M particles, then implicit scenes, two of them
+/// with contact, then crumpled sheets.
 const SPRINGS: [(&str, u32); 3] = [("springs-10k", 100), ("springs-100k", 315), ("springs-1m", 1000)];
-const IMPLICIT: [&str; 3] = ["hanging", "swing", "flag"];
-
-/// What is printed.
-#[derive(Serialize)]
-struct Report {
-    machine: Machine,
-    scenes: Vec<SceneReport>,
-}
-
-#[derive(Serialize)]
-struct Machine {
-    cpu: String,
-    threads: usize,
-    copy_gb_per_s: f64,
-}
-
-#[derive(Serialize)]
-struct SceneReport {
-    scene: String,
-    method: &'static str,
-    particles: usize,
-    bytes_per_particle: f64,
-    steps: u64,
-    ms_per_step: f64,
-    ms_per_frame: f64,
-    particles_per_s: f64,
-    largest_stretch: f64,
-    cg_iterations_per_step: f64,
-    stages: Vec<StageReport>,
-}
-
-#[derive(Serialize)]
-struct StageReport {
-    stage: String,
-    ms_per_step: f64,
-    particles_per_s: f64,
-    /// Counted, not measured.
-    traffic_bytes_per_particle: f64,
-    gb_per_s: f64,
-    /// Speed over the speed that copying as many bytes would allow.
-    of_copy_speed: f64,
-}
+const IMPLICIT: [&str; 5] = ["hanging", "swing", "flag", "ball", "stack"];
+const CRUMPLED: &str = "crumpled";
 
 /// Measures the scenes and prints a table or JSON.
 pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
@@ -75,20 +39,26 @@ pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
         Pool::new(Some(arguments.threads)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
     let copy = copy::bandwidth();
     let machine = Machine { cpu: cpu_name(), threads: pool.threads(), copy_gb_per_s: copy / 1e9 };
-    let mut report = Report { machine, scenes: Vec::new() };
+    let mut report = Report { machine, scenes: Vec::new(), candidates: Vec::new() };
+    let sheets = arguments.scenes.is_empty() || arguments.scenes.iter().any(|name| name == CRUMPLED);
     for scene in scenes(&arguments.scenes)? {
         print_note(&format!("measuring {} ...", scene.desc.name));
         report.scenes.push(pool.install(|| measure(&scene, &pool, copy))?);
     }
+    if sheets {
+        print_note("measuring crumpled sheets ...");
+        report.candidates = pool.install(|| candidates::measure(&pool));
+    }
     match arguments.json {
         true => print_data(&serde_json::to_string_pretty(&report).map_err(|error| Failure::Tool(error.to_string()))?),
-        false => print_data(&table(&report)),
+        false => print_data(&report.table()),
     }
 }
 
 fn scenes(names: &[String]) -> Result<Vec<SceneFile>, Failure> {
     if !names.is_empty() {
-        return names.iter().map(|name| scene_file::load(name, &[])).collect();
+        let scenes = names.iter().filter(|name| *name != CRUMPLED);
+        return scenes.map(|name| scene_file::load(name, &[])).collect();
     }
     let springs = SPRINGS.iter().map(|&(name, cells)| scene_file::from_text(name, springs_scene(name, cells)));
     springs.chain(IMPLICIT.iter().map(|name| scene_file::load(name, &[]))).collect()
@@ -112,16 +82,17 @@ fn measure(scene: &SceneFile, pool: &Pool, copy: f64) -> Result<SceneReport, Fai
     let timing = scene.desc.timing();
     let total = (timing.frames * timing.steps_per_frame).max(WARM_UP + 1);
     let stopwatch = Stopwatch::new(pool);
-    let (mut largest_stretch, mut times, started) = (0.0_f64, Vec::new(), Instant::now());
+    let (mut largest_stretch, mut times, mut before, started) = (0.0_f64, Vec::new(), Tally::default(), Instant::now());
     for step in 0..total {
         if step == WARM_UP {
             stopwatch.reset();
+            before = simulation.tally();
         }
-        let before = Instant::now();
+        let clock = Instant::now();
         simulation.step(&stopwatch).map_err(|diverged| Failure::Diverged(diverged.to_string()))?;
         stopwatch.pause();
         if step >= WARM_UP {
-            times.push(before.elapsed().as_secs_f64());
+            times.push(clock.elapsed().as_secs_f64());
         }
         largest_stretch = largest_stretch.max(simulation.stretch().max);
         if started.elapsed() > LONGEST && step > WARM_UP {
@@ -171,8 +142,24 @@ fn measure(scene: &SceneFile, pool: &Pool, copy: f64) -> Result<SceneReport, Fai
         particles_per_s: particles as f64 / mean,
         largest_stretch,
         cg_iterations_per_step: work.cg_iterations as f64 / all_steps,
+        contact: simulation.contact().map(|_| contact(before, simulation.tally(), steps, &stopwatch)),
         stages,
     })
+}
+
+fn contact(before: Tally, after: Tally, steps: u64, stopwatch: &Stopwatch<'_>) -> ContactReport {
+    let (candidates, contacts) = (after.candidates - before.candidates, after.proximity - before.proximity);
+    let seconds = |stage| stopwatch.time(stage).as_secs_f64();
+    ContactReport {
+        candidates_per_step: candidates as f64 / steps as f64,
+        contacts_per_step: contacts as f64 / steps as f64,
+        candidates_per_s: candidates as f64 / seconds(Stage::BroadPhase),
+        contacts_per_s: contacts as f64 / (seconds(Stage::NarrowPhase) + seconds(Stage::Response)),
+        candidates_per_contact: (contacts > 0).then(|| candidates as f64 / contacts as f64),
+        impacts: after.impacts - before.impacts,
+        zones: after.zones - before.zones,
+        rejected_steps: after.rejected - before.rejected,
+    }
 }
 
 fn stage_name(stage: Stage) -> String {
@@ -191,37 +178,4 @@ fn cpu_name() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split(": ").nth(1));
     model.unwrap_or(std::env::consts::ARCH).into()
-}
-
-fn table(report: &Report) -> String {
-    let Machine { cpu, threads, copy_gb_per_s } = &report.machine;
-    let mut text = format!("{cpu}, {threads} thread(s), copies {copy_gb_per_s:.1} GB/s (read + written)\n");
-    for scene in &report.scenes {
-        text += &format!(
-            "\n{}: {} particles, {}, {:.0} bytes a particle held\n\
-             {:.3} ms a step, {:.2} ms a frame, {:.1} CG iterations a step, largest stretch {:.2} %\n\
-             {:36}{:>10}{:>14}{:>12}{:>9}{:>9}\n",
-            scene.scene,
-            scene.particles,
-            scene.method,
-            scene.bytes_per_particle,
-            scene.ms_per_step,
-            scene.ms_per_frame,
-            scene.cg_iterations_per_step,
-            1e2 * (scene.largest_stretch - 1.0),
-            "stage",
-            "ms/step",
-            "particles/s",
-            "bytes/part.",
-            "GB/s",
-            "of copy",
-        );
-        for s in &scene.stages {
-            text += &format!(
-                "{:36}{:>10.4}{:>14.3e}{:>12.0}{:>9.1}{:>9.2}\n",
-                s.stage, s.ms_per_step, s.particles_per_s, s.traffic_bytes_per_particle, s.gb_per_s, s.of_copy_speed
-            );
-        }
-    }
-    text.trim_end().into()
 }

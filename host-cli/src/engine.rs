@@ -5,8 +5,9 @@ use muslin_core::scene::Timing;
 
 use crate::args::Precision;
 use crate::limits;
-use crate::pool::Pool;
+use crate::preview::Solid;
 use crate::scene_file::SceneFile;
+use crate::stopwatch::Stopwatch;
 
 /// Why a step was not taken.
 #[derive(Clone, Debug)]
@@ -60,7 +61,7 @@ pub struct Snapshot {
 /// A simulation in some precision.
 pub trait Engine: Send {
     /// Takes one step; on divergence the state stays as it was.
-    fn step(&mut self, pool: &Pool) -> Result<(), Divergence>;
+    fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Divergence>;
     /// Positions as exporters take them, m.
     fn write_positions(&self, out: &mut Vec<[f32; 3]>);
     /// Triangles of all cloths.
@@ -79,6 +80,10 @@ pub trait Engine: Send {
     fn crossings(&self) -> usize;
     /// The deepest that a vertex lies in a collider, m; none without colliders.
     fn penetration(&self) -> Option<f64>;
+    /// The colliders, to be drawn.
+    fn solids(&self) -> Vec<Solid>;
+    /// Where the colliders' vertices are now, m.
+    fn write_solids(&self, out: &mut Vec<[f32; 3]>);
     /// What a checkpoint keeps.
     fn snapshot(&self) -> Snapshot;
     /// Goes on from a snapshot; false where it does not fit the scene.
@@ -103,6 +108,7 @@ pub fn build(scene: &SceneFile, precision: Precision) -> Result<(Box<dyn Engine>
 macro_rules! engine {
     ($module:ident, $core:ident) => {
         mod $module {
+            use $core::colliders::{Body, ColliderColumns, Form};
             use $core::diagnostics::StateHash;
             use $core::integrate::Work;
             use $core::mesh::{Stitch, TriMesh};
@@ -111,7 +117,7 @@ macro_rules! engine {
             use $core::simulation::{Simulation, State};
             use $core::stage::Term;
 
-            use super::{Divergence, Engine, Pool, Report, SceneFile, Snapshot};
+            use super::{Divergence, Engine, Report, SceneFile, Snapshot, Solid, Stopwatch};
 
             pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
@@ -139,6 +145,24 @@ macro_rules! engine {
                 }
             }
 
+            fn to_single(p: &Vec3) -> [f32; 3] {
+                [p.x as f32, p.y as f32, p.z as f32]
+            }
+
+            /// A collider and those of all triangles that are over its vertices.
+            fn solid(body: &Body, triangles: &[[u32; 3]]) -> Solid {
+                let [first, count] = body.vertices;
+                let own = || triangles.iter().filter(|t| body.range().contains(&(t[0] as usize))).copied().collect();
+                match body.form {
+                    Form::Plane(normal) => Solid::Plane { vertex: first, normal: to_single(&normal) },
+                    Form::Sphere | Form::Capsule => {
+                        Solid::Round { ends: [first, first + count - 1], radius: body.radius as f32 }
+                    }
+                    Form::Box => Solid::Faceted(own()),
+                    Form::Mesh => Solid::Smooth(own()),
+                }
+            }
+
             fn to_bytes(column: &[Vec3]) -> Vec<u8> {
                 bytemuck::cast_slice::<Vec3, Real>(column).iter().flat_map(|x| x.to_le_bytes()).collect()
             }
@@ -150,8 +174,8 @@ macro_rules! engine {
             }
 
             impl Engine for Simulation {
-                fn step(&mut self, pool: &Pool) -> Result<(), Divergence> {
-                    Simulation::step(self, pool).map_err(|diverged| Divergence {
+                fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Divergence> {
+                    Simulation::step(self, stopwatch).map_err(|diverged| Divergence {
                         step: diverged.step,
                         particle: diverged.particle,
                         term: diverged.term.map_or("no term", Term::name),
@@ -160,7 +184,7 @@ macro_rules! engine {
 
                 fn write_positions(&self, out: &mut Vec<[f32; 3]>) {
                     out.clear();
-                    out.extend(self.positions().iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]));
+                    out.extend(self.positions().iter().map(to_single));
                 }
 
                 fn triangles(&self) -> &[[u32; 3]] {
@@ -215,6 +239,17 @@ macro_rules! engine {
 
                 fn penetration(&self) -> Option<f64> {
                     Simulation::penetration(self).map(f64::from)
+                }
+
+                fn solids(&self) -> Vec<Solid> {
+                    let colliders = self.contact().map(|contact| &contact.colliders);
+                    let solids = |c: &ColliderColumns| c.bodies.iter().map(|body| solid(body, &c.triangles)).collect();
+                    colliders.map(solids).unwrap_or_default()
+                }
+
+                fn write_solids(&self, out: &mut Vec<[f32; 3]>) {
+                    out.clear();
+                    out.extend(self.collider_positions().iter().map(to_single));
                 }
 
                 fn snapshot(&self) -> Snapshot {

@@ -4,6 +4,7 @@
 mod args;
 mod bench;
 mod checkpoint;
+mod detect;
 mod engine;
 mod export;
 mod failure;
@@ -15,6 +16,7 @@ mod preview;
 mod run;
 mod scene_file;
 mod scenes;
+mod stopwatch;
 mod summary;
 
 use std::process::ExitCode;
@@ -25,6 +27,7 @@ use clap::Parser;
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Detect(arguments) => detect::detect(&arguments),
         Command::Scenes(arguments) => scenes::print(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };

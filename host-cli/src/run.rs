@@ -1,22 +1,27 @@
 //! `muslin run`: a scene from its first to its last frame, and what is left of it on disk.
 
+mod conclusion;
+mod files;
+
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use muslin_core::scene::Timing;
+use muslin_core::stage::Stage;
 
-use crate::args::{Precision, PreviewKind, RunArguments};
+use crate::args::{PreviewKind, RunArguments};
 use crate::checkpoint::{self, Checkpoint};
 use crate::engine::{self, Divergence, Engine};
-use crate::export::{Exporter, whole};
+use crate::export::Exporter;
 use crate::failure::{Failure, print_data, print_note};
 use crate::interrupt;
 use crate::pool::Pool;
 use crate::preview::Preview;
 use crate::scene_file::{self, SceneFile};
-use crate::summary::{StageMs, Stretch, Summary};
+use crate::stopwatch::Stopwatch;
+use files::{to_json, write_preview, write_summary};
 
 /// Name of the checkpoint in the output directory.
 const CHECKPOINT: &str = "checkpoint.muslin";
@@ -62,19 +67,26 @@ struct Run<'a> {
     exporter: Exporter,
     preview: Option<Preview>,
     positions: Vec<[f32; 3]>,
+    /// Where the vertices of colliders are, m.
+    solids: Vec<[f32; 3]>,
     /// Extent of the first frame, m.
     size: [f64; 3],
     largest_stretch: f64,
     /// Crossings of the worst frame, and that frame.
     worst_crossings: Option<(u64, u64)>,
+    /// Crossings of the start state.
+    start_crossings: Option<u64>,
     /// Deepest penetration of any frame, m.
     penetration: Option<f64>,
-    predict: Duration,
+    stepping: Duration,
+    /// In the broad phase, the narrow phase and the response.
+    contact: [Duration; 3],
     output: Duration,
 }
 
 /// Runs a scene.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
+    arguments.backend.check()?;
     let scene = load(arguments)?;
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
     let built = engine::build(&scene, arguments.precision);
@@ -169,21 +181,26 @@ impl<'a> Run<'a> {
             exporter,
             preview: None,
             positions: Vec::new(),
+            solids: Vec::new(),
             size: [0.0; 3],
             largest_stretch: 0.0,
             worst_crossings: None,
+            start_crossings: None,
             penetration: None,
-            predict: Duration::ZERO,
+            stepping: Duration::ZERO,
+            contact: [Duration::ZERO; 3],
             output: Duration::ZERO,
         };
         run.engine.write_positions(&mut run.positions);
         run.size = extent(&run.positions);
         if arguments.preview != PreviewKind::None {
-            let most = (PREVIEW_MEMORY / (12 * run.positions.len())).clamp(6, PREVIEW_FRAMES);
-            let mut preview = Preview::new(run.engine.triangles(), run.engine.pins(), frame_rate, most);
+            run.engine.write_solids(&mut run.solids);
+            let most = PREVIEW_MEMORY / (12 * (run.positions.len() + run.solids.len()));
+            let (triangles, pins, solids) = (run.engine.triangles(), run.engine.pins(), run.engine.solids());
+            let mut preview = Preview::new(triangles, pins, solids, frame_rate, most.clamp(6, PREVIEW_FRAMES));
             // A resumed run's picture begins here: the frames before are in files, if at all.
             if resumed.is_some() {
-                preview.frame(&run.positions);
+                preview.frame(&run.positions, &run.solids);
             }
             run.preview = Some(preview);
         }
@@ -203,13 +220,16 @@ impl<'a> Run<'a> {
 
     fn take_steps(&mut self, pool: &Pool, stop: &AtomicBool, bar: &ProgressBar) -> Result<Ending, Failure> {
         let total = total_steps(&self.timing);
+        let stopwatch = Stopwatch::new(pool);
         while self.steps < total {
             if stop.load(Ordering::Relaxed) {
                 return Ok(Ending::Interrupted);
             }
             let started = Instant::now();
-            let stepped = self.engine.step(pool);
-            self.predict += started.elapsed();
+            let stepped = self.engine.step(&stopwatch);
+            stopwatch.pause();
+            self.stepping += started.elapsed();
+            self.contact = [Stage::BroadPhase, Stage::NarrowPhase, Stage::Response].map(|s| stopwatch.time(s));
             if let Err(divergence) = stepped {
                 return Ok(Ending::Diverged(divergence));
             }
@@ -234,12 +254,16 @@ impl<'a> Run<'a> {
         self.penetration = self.engine.penetration().map(|now| now.max(self.penetration.unwrap_or(0.0)));
         if self.arguments.audit {
             let found = (self.engine.crossings() as u64, self.steps / self.timing.steps_per_frame);
+            if self.steps == 0 {
+                self.start_crossings = Some(found.0);
+            }
             if self.worst_crossings.is_none_or(|worst| found.0 > worst.0) {
                 self.worst_crossings = Some(found);
             }
         }
         if let Some(preview) = &mut self.preview {
-            preview.frame(&self.positions);
+            self.engine.write_solids(&mut self.solids);
+            preview.frame(&self.positions, &self.solids);
         }
         self.output += started.elapsed();
         Ok(())
@@ -272,6 +296,7 @@ impl<'a> Run<'a> {
             return Err(Failure::Interrupted(message));
         }
         let summary = self.summary(scene, ending, threads, wall);
+        let intersecting = self.intersecting(scene);
         let Self { arguments, out, exporter, preview, .. } = self;
         let mut written = exporter.finish()?;
         written.extend(write_preview(arguments, preview.as_ref(), &out)?);
@@ -285,62 +310,10 @@ impl<'a> Run<'a> {
             let names: Vec<_> = written.iter().map(|path| path.display().to_string()).collect();
             print_note(&format!("wrote {}", names.join(", ")));
         }
-        match summary.divergence {
-            Some(message) => Err(Failure::Diverged(message)),
-            None => Ok(()),
-        }
-    }
-
-    fn summary(&self, scene: &SceneFile, ending: &Ending, threads: usize, wall: Duration) -> Summary {
-        let report = self.engine.report();
-        let steps = self.steps - self.begun;
-        let per_step = |total: Duration| 1e3 * total.as_secs_f64() / (steps.max(1) as f64);
-        let divergence = match ending {
-            Ending::Diverged(d) => Some(format!(
-                "diverged in step {} at particle {}, pulled hardest by {}; take a smaller integrator.step, \
-                 softer terms, less damping or an implicit method. The frames before it are kept",
-                d.step, d.particle, d.term
-            )),
-            _ => None,
-        };
-        Summary {
-            tool: "muslin",
-            version: env!("CARGO_PKG_VERSION"),
-            scene: scene.desc.name.clone(),
-            precision: match self.arguments.precision {
-                Precision::F32 => "f32",
-                Precision::F64 => "f64",
-            },
-            backend: "cpu",
-            adapter: None,
-            threads,
-            size_m: self.size,
-            mass_kg: self.engine.mass(),
-            pinned: self.engine.pins().len(),
-            vertices: self.positions.len(),
-            triangles: self.engine.triangles().len(),
-            method: scene.desc.integrator.method.name(),
-            step_s: self.timing.step,
-            frames: self.steps / self.timing.steps_per_frame + 1,
-            steps: self.steps,
-            rejected_steps: report.contacts[5],
-            simulated_s: report.time,
-            wall_s: wall.as_secs_f64(),
-            verdict: if divergence.is_some() { "diverged" } else { "ok" },
-            divergence,
-            stage_ms: StageMs { predict: per_step(self.predict), output: per_step(self.output), ..StageMs::default() },
-            stretch: Stretch {
-                max: report.stretch[0],
-                mean: report.stretch[1],
-                max_of_all_frames: self.largest_stretch.max(report.stretch[0]),
-            },
-            energy: (&report).into(),
-            momentum: report.momentum,
-            contacts: (&report).into(),
-            intersections: self.worst_crossings.map(|(count, _)| count),
-            penetration_m: self.penetration,
-            work: (&report).into(),
-            state_hash: format!("fnv1a:{:016x}", self.chain),
+        match (summary.divergence, intersecting) {
+            (Some(message), _) => Err(Failure::Diverged(message)),
+            (None, Some(message)) => Err(Failure::Intersecting(message)),
+            (None, None) => Ok(()),
         }
     }
 }
@@ -355,33 +328,4 @@ fn progress(arguments: &RunArguments, total: u64, done: u64) -> ProgressBar {
     bar.set_position(done);
     bar.reset_eta();
     bar
-}
-
-fn write_preview(arguments: &RunArguments, preview: Option<&Preview>, out: &Path) -> Result<Option<PathBuf>, Failure> {
-    let Some(preview) = preview else { return Ok(None) };
-    let (kind, quiet) = (arguments.preview, arguments.quiet);
-    let path = match kind {
-        PreviewKind::Gif => out.join("preview.gif"),
-        PreviewKind::Png => out.join("preview.png"),
-        PreviewKind::None => return Ok(None),
-    };
-    if !quiet {
-        print_note(&format!("drawing {}", path.display()));
-    }
-    match kind {
-        PreviewKind::Gif => preview.write_gif(&path)?,
-        _ => preview.write_png(&path)?,
-    }
-    Ok(Some(path))
-}
-
-fn to_json(summary: &Summary) -> Result<String, Failure> {
-    serde_json::to_string_pretty(summary).map_err(|error| Failure::Tool(error.to_string()))
-}
-
-fn write_summary(summary: &Summary, out: &Path) -> Result<PathBuf, Failure> {
-    use std::io::Write;
-    let text = to_json(summary)?;
-    whole::write(out.join("summary.json"), |file| writeln!(file, "{text}"))
-        .map_err(|error| Failure::Tool(error.to_string()))
 }

@@ -34,13 +34,18 @@ pub struct Summary {
     pub momentum: [f64; 3],
     pub contacts: Contacts,
     pub intersections: Option<u64>,
+    pub intersections_frame: Option<u64>,
+    pub intersections_at_start: Option<u64>,
     pub penetration_m: Option<f64>,
     pub work: Work,
     pub state_hash: String,
+    /// Steps that this process took; fewer than `steps` of a resumed run.
+    #[serde(skip)]
+    pub steps_here: u64,
 }
 
 /// Means per step, ms.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct StageMs {
     pub predict: f64,
     pub broad_phase: f64,
@@ -69,7 +74,7 @@ pub struct Energy {
     pub gravity: f64,
 }
 
-/// Totals; zero without contact.
+/// Totals of this process; zero without contact.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Contacts {
     pub candidates: u64,
@@ -129,7 +134,8 @@ fn percent(stretch: f64) -> String {
 impl Summary {
     /// For a person.
     pub fn lines(&self) -> String {
-        let per_step = self.stage_ms.predict + self.stage_ms.output;
+        let StageMs { predict, broad_phase, narrow_phase, response, output } = self.stage_ms;
+        let per_step = predict + broad_phase + narrow_phase + response + output;
         let [x, y, z] = self.size_m;
         let mut text = format!(
             "{}: {} vertices, {} triangles, {x:.2} x {y:.2} x {z:.2} m, {:.3} kg, {} pinned\n\
@@ -156,20 +162,7 @@ impl Summary {
             self.work.cg_iterations,
             self.state_hash,
         );
-        let Contacts { candidates, proximity, impacts, zones, failsafe } = self.contacts;
-        if candidates > 0 {
-            text += &format!(
-                "\ncontact {candidates} candidates, {proximity} contacts, {impacts} impacts, {zones} impact zones, \
-                 {} steps rejected, {failsafe} held back",
-                self.rejected_steps
-            );
-        }
-        if let Some(depth) = self.penetration_m {
-            text += &format!(", {:.3} mm into colliders at most", 1e3 * depth);
-        }
-        if let Some(crossings) = self.intersections {
-            text += &format!("\naudit {crossings} intersections in the worst frame");
-        }
+        text += &self.contact_lines();
         if self.stretch.max_of_all_frames > TOO_LONG {
             text +=
                 "\nthat is more than cloth stretches: check density (kg/m^2), stiffness (N/m) and the mesh's size (m)";
@@ -179,6 +172,39 @@ impl Summary {
                 "\n{} solves ended at their limit of iterations, before their tolerance",
                 self.work.unconverged
             );
+        }
+        text
+    }
+
+    /// What contact came to; nothing where none is modelled and nothing was audited.
+    fn contact_lines(&self) -> String {
+        let Contacts { candidates, proximity, impacts, zones, failsafe } = self.contacts;
+        let StageMs { broad_phase, narrow_phase, response, .. } = self.stage_ms;
+        let mut text = String::new();
+        if broad_phase > 0.0 {
+            let a_step = |count: u64| count as f64 / self.steps_here.max(1) as f64;
+            let per_contact = match (candidates, proximity) {
+                (_, 0) => String::new(),
+                _ => format!(", {:.0} candidates for each", candidates as f64 / proximity as f64),
+            };
+            text += &format!(
+                "\ncontact {:.0} candidates and {:.0} contacts a step{per_contact}; \
+                 {broad_phase:.3} ms broad phase, {narrow_phase:.3} narrow phase, {response:.3} response\n\
+                 impacts {impacts} in all, {zones} zones, {} steps rejected, {failsafe} held back",
+                a_step(candidates),
+                a_step(proximity),
+                self.rejected_steps,
+            );
+        }
+        if let Some(depth) = self.penetration_m {
+            text += &format!("\npenetration {:.3} mm into colliders at most", 1e3 * depth);
+        }
+        if let Some(count) = self.intersections {
+            let worst = self.intersections_frame.map(|frame| format!(", in frame {frame}")).unwrap_or_default();
+            text += &format!("\naudit {count} intersections in the worst frame{worst}");
+        }
+        if let Some(count @ 1..) = self.intersections_at_start {
+            text += &format!("; it starts with {count} intersections");
         }
         text
     }

@@ -88,12 +88,26 @@ fn more_than_can_be_run() {
 
 #[test]
 fn sections_that_do_not_fit() {
-    refuses("[integrator]", "[contact]\nthickness = 0.002\n\n[integrator]", &["[contact] is not modelled", "remove"]);
-    refuses("[integrator]", "[[collider]]\nshape = \"sphere\"\n\n[integrator]", &["[collider] is not modelled"]);
     refuses(GRID, "", &["cloth 0", "exactly one of grid, tube, disc or mesh"]);
     refuses(GRID, &format!("{GRID}\ndisc = {{ radius = 0.5, rings = 4 }}"), &["exactly one of"]);
     refuses("rigidity = 1e-5", "stiffness = 1e-5", &["cloth.bend.rigidity is needed"]);
     refuses("model = \"membrane\"", "model = \"spring\"", &["cloth.shear has no meaning"]);
+}
+
+#[test]
+fn contact_and_colliders() {
+    let sections = |text: &str, parts: &[&str]| refuses("[integrator]", &format!("{text}\n[integrator]"), parts);
+    sections("[contact]\n", &["missing field `thickness`"]);
+    sections("[contact]\nthickness = 0.002\nfrction = 0.3\n", &["`frction`", "did you mean `friction`?"]);
+    sections("[[collider]]\nshape = \"plane\"\n", &["[[collider]] but no [contact]", "thickness"]);
+    let collider = |keys: &str, parts: &[&str]| {
+        sections(&format!("[contact]\nthickness = 0.002\n[[collider]]\n{keys}\n"), parts);
+    };
+    collider("shape = \"ball\"", &["`ball`", "`sphere`"]);
+    collider("shape = \"sphere\"\nradius = 1", &["collider 0: center is needed with shape = \"sphere\""]);
+    collider("shape = \"plane\"\nradius = 1", &["collider 0: radius has no meaning with shape = \"plane\""]);
+    collider("shape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0", &["collider.radius = 0: must be greater"]);
+    collider("shape = \"mesh\"\nfile = \"none.obj\"", &["cannot read none.obj"]);
 }
 
 #[test]

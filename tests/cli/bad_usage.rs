@@ -32,7 +32,7 @@ fn scenes_that_are_not_there() {
     let place = Place::new();
     place.refuses("flg", &["there is no file flg", "did you mean the built-in scene flag"]);
     place.refuses("hangin", &["built-in scene hanging"]);
-    place.refuses("none.toml", &["none.toml", "built-in scenes are cantilever, curtain, flag"]);
+    place.refuses("none.toml", &["none.toml", "built-in scenes are ball, cantilever, curtain, flag"]);
     place.refuses(".", &["cannot read ."]);
     place.write("binary.toml", [0xff; 100]);
     place.refuses("binary.toml", &["cannot read binary.toml", "UTF-8"]);
@@ -59,7 +59,8 @@ fn overrides() {
     refuses("integrator.step.x=3", &["x is inside a value that is no section"]);
     refuses("cloth.1.density=3", &["there is no number 1", "the last is 0"]);
     refuses("cloth.grid.cells=[-1,4]", &["`-1`"]);
-    refuses("contact.thickness=0.01", &["[contact] is not modelled"]);
+    refuses("contact.thicknes=0.01", &["`thicknes`", "did you mean `thickness`?"]);
+    refuses("contact.friction=0.3", &["missing field `thickness`"]);
     // Of several, the one that is wrong.
     place.refuses("tiny.toml --set integrator.step=0.02 --set nme=x --set duration=1", &["--set nme=x: ", "`name`"]);
 }
@@ -75,5 +76,6 @@ fn overrides_with_values_out_of_bounds() {
     refuses("integrator.step=-0.1", &["integrator.step = -0.1"]);
     refuses("integrator.newton=0", &["integrator.newton"]);
     refuses("frame_rate=0", &["frame_rate = 0"]);
+    refuses("contact.thickness=0", &["contact.thickness = 0: must be greater than zero"]);
     refuses("duration=-1", &["duration = -1: must not be negative"]);
 }

@@ -1,6 +1,7 @@
 //! What the tests share.
 
 pub mod cloth_ball;
+#[path = "../../host-cli/src/bench/crumpled.rs"]
 pub mod crumpled;
 pub mod data;
 pub mod dense;

@@ -8,6 +8,7 @@ use crate::contact::{ContactModel, Pairs};
 use crate::dispatch::Dispatch;
 use crate::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, contact, continuous, gather};
 use crate::real::{Real, Vec3};
+use crate::stage::Stage;
 
 /// Sweeps in a round.
 const SWEEPS: u32 = 5;
@@ -44,7 +45,9 @@ fn find_pairs<P: Pairing, D: Dispatch>(
     let Motion { start, end, moves, rounds } = motion;
     let swept = continuous::Motion { start, end, moves, radii: model.radii, rounds, round };
     let separation = SEPARATION * model.thickness;
+    dispatch.enter(Stage::NarrowPhase);
     continuous::times::<P>(candidates, pairs.distances, &model.surface, swept, separation, times, dispatch);
+    dispatch.enter(Stage::Response);
     for (&candidate, &time) in candidates.iter().zip(&*times) {
         if time > 1.0 {
             continue;

@@ -6,6 +6,7 @@ mod picture;
 mod raster;
 mod shade;
 mod shadow;
+mod solids;
 mod stage;
 
 use std::io;
@@ -19,6 +20,9 @@ use rayon::prelude::*;
 
 use crate::export::whole::{self, WriteError};
 use palette::Palette;
+use picture::Things;
+pub use solids::Solid;
+use solids::Solids;
 use stage::Stage;
 
 /// Picture size, pixels.
@@ -47,25 +51,41 @@ pub enum PreviewError {
     Empty,
 }
 
+/// Everything at one instant.
+struct Snapshot {
+    /// Vertices of the cloth, m.
+    cloth: Vec<Vec3>,
+    /// Vertices of the colliders, m.
+    places: Vec<[f32; 3]>,
+}
+
 /// Collects snapshots of a run and draws them.
 pub struct Preview {
     triangles: Vec<[u32; 3]>,
     pins: Vec<u32>,
+    solids: Solids,
     frame_rate: f64,
     most_frames: usize,
-    snapshots: Vec<Vec<Vec3>>,
+    snapshots: Vec<Snapshot>,
     /// Frames from one snapshot to the next.
     stride: usize,
     frames: usize,
 }
 
 impl Preview {
-    /// For cloth of these triangles and pinned vertices, at `frame_rate` frames per second. Never
-    /// holds more than `most_frames` snapshots.
-    pub fn new(triangles: &[[u32; 3]], pins: &[u32], frame_rate: f64, most_frames: usize) -> Preview {
+    /// For cloth of these triangles and pinned vertices among these colliders, at `frame_rate`
+    /// frames per second. Never holds more than `most_frames` snapshots.
+    pub fn new(
+        triangles: &[[u32; 3]],
+        pins: &[u32],
+        solids: Vec<Solid>,
+        frame_rate: f64,
+        most_frames: usize,
+    ) -> Preview {
         Preview {
             triangles: triangles.into(),
             pins: pins.into(),
+            solids: Solids::new(solids),
             frame_rate,
             most_frames: most_frames.max(2),
             snapshots: Vec::new(),
@@ -74,15 +94,17 @@ impl Preview {
         }
     }
 
-    /// Takes the next frame: the position of every vertex, metres. When there are too many
-    /// snapshots, every second one is dropped, so that they span the whole run.
-    pub fn frame(&mut self, positions: &[[f32; 3]]) {
+    /// Takes the next frame: the position of every vertex of the cloth and of the colliders, metres.
+    /// When there are too many snapshots, every second one is dropped, so that they span the whole
+    /// run.
+    pub fn frame(&mut self, positions: &[[f32; 3]], places: &[[f32; 3]]) {
         if self.frames.is_multiple_of(self.stride) {
             if self.snapshots.len() == self.most_frames {
                 self.thin_out();
             }
             if self.frames.is_multiple_of(self.stride) {
-                self.snapshots.push(positions.iter().copied().map(Vec3::from_array).collect());
+                let cloth = positions.iter().copied().map(Vec3::from_array).collect();
+                self.snapshots.push(Snapshot { cloth, places: places.into() });
             }
         }
         self.frames += 1;
@@ -140,15 +162,20 @@ impl Preview {
     }
 
     fn stage(&self) -> Result<Stage, PreviewError> {
-        if self.snapshots.is_empty() {
-            return Err(PreviewError::Empty);
-        }
-        Ok(Stage::around(self.snapshots.iter().map(Vec::as_slice), SIZE))
+        let first = self.snapshots.first().ok_or(PreviewError::Empty)?;
+        let solids: Vec<_> = self.snapshots.iter().flat_map(|snapshot| self.solids.points(&snapshot.places)).collect();
+        let cloth = self.snapshots.iter().map(|snapshot| snapshot.cloth.as_slice());
+        Ok(Stage::around(cloth, &solids, self.solids.floor(&first.places), SIZE))
     }
 
     fn draw(&self, stage: &Stage, snapshots: &[usize]) -> Vec<RgbImage> {
         let last = (self.snapshots.len() - 1).max(1) as f32;
-        let draw = |&k: &usize| picture::draw(stage, &self.triangles, &self.pins, &self.snapshots[k], k as f32 / last);
+        let draw = |&k: &usize| {
+            let Snapshot { cloth, places } = &self.snapshots[k];
+            let solids = self.solids.points(places);
+            let things = Things { cloth, triangles: &self.triangles, solids: &solids, others: &self.solids.triangles };
+            picture::draw(stage, &things, &self.pins, k as f32 / last)
+        };
         snapshots.par_iter().map(draw).collect()
     }
 
@@ -213,8 +240,8 @@ mod tests {
     }
 
     fn preview(frames: usize) -> Preview {
-        let mut preview = Preview::new(&grid(), &[0, 11], 30.0, 16);
-        (0..frames).for_each(|frame| preview.frame(&waves(frame)));
+        let mut preview = Preview::new(&grid(), &[0, 11], Vec::new(), 30.0, 16);
+        (0..frames).for_each(|frame| preview.frame(&waves(frame), &[]));
         preview
     }
 
@@ -287,7 +314,7 @@ mod tests {
             let preview = preview(frames);
             assert!(preview.snapshots.len() <= 16 && preview.snapshots.len() * 2 >= frames.min(16));
             for (k, snapshot) in preview.snapshots.iter().enumerate() {
-                assert_eq!(snapshot[5].to_array(), waves(k * preview.stride)[5]);
+                assert_eq!(snapshot.cloth[5].to_array(), waves(k * preview.stride)[5]);
             }
             let last = (preview.snapshots.len() - 1) * preview.stride;
             assert!(last < frames && frames - last <= preview.stride);
@@ -301,8 +328,8 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY, 1e30, -3e38] {
             let mut frame = waves(3);
             frame[40] = [bad, 0.0, bad];
-            preview.frame(&frame);
-            preview.frame(&[[bad; 3]; SIDE * SIDE]);
+            preview.frame(&frame, &[]);
+            preview.frame(&[[bad; 3]; SIDE * SIDE], &[]);
         }
         let left = fabric(&sheet(&preview));
         assert!(whole / 4 < left && left < whole, "{left} of {whole}");
@@ -311,11 +338,11 @@ mod tests {
 
     #[test]
     fn odd_input_does_no_harm() {
-        let mut preview = Preview::new(&[[0, 1, 7]], &[9], f64::NAN, 0);
+        let mut preview = Preview::new(&[[0, 1, 7]], &[9], Vec::new(), f64::NAN, 0);
         assert!(matches!(preview.write_gif(Path::new("never.gif")), Err(PreviewError::Empty)));
-        preview.frame(&[]);
-        preview.frame(&[[0.0; 3]; 2]);
-        preview.frame(&[[1.0; 3]; 8]);
+        preview.frame(&[], &[]);
+        preview.frame(&[[0.0; 3]; 2], &[]);
+        preview.frame(&[[1.0; 3]; 8], &[]);
         for rate in [f64::NAN, 0.0, -1.0, f64::INFINITY, 1e-9] {
             preview.frame_rate = rate;
             assert!(!gif(&preview).is_empty());

@@ -1,10 +1,10 @@
-//! Draws one snapshot of the cloth.
+//! Draws one snapshot of the cloth and of what it falls on.
 
 use glam::Vec3;
 use image::{Rgb, RgbImage};
 
 use super::raster;
-use super::shade::{self, Surface};
+use super::shade::{self, Side, Surface};
 use super::shadow::ShadowMap;
 use super::stage::Stage;
 
@@ -15,46 +15,70 @@ const SOFTNESS: [i32; 2] = [2, 7];
 /// Radius of a pin's dot, pixels.
 const PIN_RADIUS: f32 = 2.0;
 
-/// The cloth at one instant.
-struct Cloth<'a> {
-    points: &'a [Vec3],
+/// What there is to draw at one instant.
+pub struct Things<'a> {
+    /// Vertices of the cloth, metres.
+    pub cloth: &'a [Vec3],
+    /// Its triangles.
+    pub triangles: &'a [[u32; 3]],
+    /// Vertices of the solids, metres.
+    pub solids: &'a [Vec3],
+    /// Their triangles.
+    pub others: &'a [[u32; 3]],
+}
+
+/// The same, ready to be looked at: first the cloth, then the solids.
+struct Scenery<'a> {
+    points: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// Triangles of which the camera follows all corners.
+    /// Those of the cloth of which the camera follows all corners, then those of solids.
     triangles: Vec<[usize; 3]>,
+    /// How many triangles are cloth.
+    fabric: usize,
     shadows: ShadowMap<'a>,
 }
 
 /// What a sample of the picture sees.
 #[derive(Clone, Copy)]
 struct Hit {
-    /// Inverse depth, 1/metres; 0 where there is no cloth.
+    /// Inverse depth, 1/metres; 0 where there is nothing.
     nearness: f32,
     triangle: usize,
     weights: [f32; 3],
 }
 
-/// Draws cloth and pins at `points`; `progress`, from 0 to 1, is shown as a bar along the bottom.
-pub fn draw(stage: &Stage, triangles: &[[u32; 3]], pins: &[u32], points: &[Vec3], progress: f32) -> RgbImage {
-    let cloth = Cloth::new(stage, triangles, points);
-    let hits = cloth.hits(stage);
+/// Draws everything and the pins; `progress`, from 0 to 1, is shown as a bar along the bottom.
+pub fn draw(stage: &Stage, things: &Things<'_>, pins: &[u32], progress: f32) -> RgbImage {
+    let scenery = Scenery::new(stage, things);
+    let hits = scenery.hits(stage);
     let [width, height] = stage.size;
-    let mut pixels: Vec<Vec3> = (0..width * height).map(|k| cloth.pixel(stage, &hits, k % width, k / width)).collect();
-    for &pin in pins.iter().filter_map(|&pin| points.get(pin as usize)) {
+    let pixel = |k: usize| scenery.pixel(stage, &hits, k % width, k / width);
+    let mut pixels: Vec<Vec3> = (0..width * height).map(pixel).collect();
+    for &pin in pins.iter().filter_map(|&pin| things.cloth.get(pin as usize)) {
         draw_pin(stage, &hits, pin, &mut pixels);
     }
     draw_bar(stage, progress, &mut pixels);
     RgbImage::from_fn(width as u32, height as u32, |x, y| Rgb(shade::encode(pixels[y as usize * width + x as usize])))
 }
 
-impl<'a> Cloth<'a> {
-    fn new(stage: &'a Stage, triangles: &[[u32; 3]], points: &'a [Vec3]) -> Self {
-        let shown: Vec<bool> = points.iter().map(|&point| stage.shows(point)).collect();
-        let shows = |triangle: &[usize; 3]| triangle.iter().all(|&v| shown.get(v) == Some(&true));
-        let triangles: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(|v| v as usize)).filter(shows).collect();
-        let corners = |triangle: &[usize; 3]| triangle.map(|v| points[v]);
-        let shadows = stage.light.shadows(triangles.iter().map(corners));
-        let normals = normals(points, &triangles);
-        Cloth { points, normals, triangles, shadows }
+impl<'a> Scenery<'a> {
+    fn new(stage: &'a Stage, things: &Things<'_>) -> Self {
+        let Things { cloth, triangles, solids, others } = *things;
+        let points = [cloth, solids].concat();
+        let shown = |v: usize| match cloth.get(v) {
+            Some(&point) => stage.shows(point),
+            None => points.get(v).is_some_and(|point| point.is_finite()),
+        };
+        let whole = |triangle: &[usize; 3]| triangle.iter().all(|&v| shown(v));
+        let fabric = triangles.iter().map(|t| t.map(|v| v as usize));
+        // A triangle of no cloth there is must not be one of a solid.
+        let fabric = fabric.filter(|t| t.iter().all(|&v| v < cloth.len()));
+        let mut triangles: Vec<[usize; 3]> = fabric.filter(whole).collect();
+        let fabric = triangles.len();
+        triangles.extend(others.iter().map(|t| t.map(|v| cloth.len() + v as usize)).filter(whole));
+        let shadows = stage.light.shadows(triangles.iter().map(|t| t.map(|v| points[v])));
+        let normals = normals(&points, &triangles);
+        Scenery { points, normals, triangles, fabric, shadows }
     }
 
     fn corners(&self, triangle: usize) -> [Vec3; 3] {
@@ -85,13 +109,13 @@ impl<'a> Cloth<'a> {
     /// Colour of a pixel: the mean over its samples.
     fn pixel(&self, stage: &Stage, hits: &[Hit], x: usize, y: usize) -> Vec3 {
         let samples = samples(stage, x, y).map(|sample| hits[sample]).filter(|hit| hit.nearness > 0.0);
-        let (count, fabric) = samples.fold((0, Vec3::ZERO), |(n, sum), hit| (n + 1, sum + self.fabric(stage, hit)));
+        let (count, seen) = samples.fold((0, Vec3::ZERO), |(n, sum), hit| (n + 1, sum + self.surface(stage, hit)));
         let free = (SAMPLES * SAMPLES - count) as f32;
         let behind = if count < SAMPLES * SAMPLES { self.backdrop(stage, x, y) } else { Vec3::ZERO };
-        (fabric + behind * free) / (SAMPLES * SAMPLES) as f32
+        (seen + behind * free) / (SAMPLES * SAMPLES) as f32
     }
 
-    fn fabric(&self, stage: &Stage, hit: Hit) -> Vec3 {
+    fn surface(&self, stage: &Stage, hit: Hit) -> Vec3 {
         let blend = |values: [Vec3; 3]| (0..3).map(|k| values[k] * hit.weights[k]).sum::<Vec3>();
         let corners = self.corners(hit.triangle);
         let point = blend(corners);
@@ -101,11 +125,17 @@ impl<'a> Cloth<'a> {
         let smooth = blend(self.triangles[hit.triangle].map(|v| self.normals[v])).normalize_or_zero();
         let normal = if front { smooth } else { -smooth };
 
-        // Off the cloth towards the light, so that it does not shade itself.
+        let side = match (hit.triangle < self.fabric, front) {
+            (true, true) => Side::Front,
+            (true, false) => Side::Back,
+            (false, _) => Side::Solid,
+        };
+
+        // Off the surface towards the light, so that it does not shade itself.
         let light = &stage.light;
-        let side = normal * normal.dot(light.direction).signum();
-        let lit = self.shadows.lit(point + (side * 3.0 + light.direction) * light.texel, SOFTNESS[0]);
-        shade::fabric(stage, &Surface { to_eye, normal, front, lit })
+        let off = normal * normal.dot(light.direction).signum();
+        let lit = self.shadows.lit(point + (off * 3.0 + light.direction) * light.texel, SOFTNESS[0]);
+        shade::surface(stage, &Surface { to_eye, normal, side, lit })
     }
 
     fn backdrop(&self, stage: &Stage, x: usize, y: usize) -> Vec3 {
@@ -132,7 +162,7 @@ fn normals(points: &[Vec3], triangles: &[[usize; 3]]) -> Vec<Vec3> {
     normals.into_iter().map(Vec3::normalize_or_zero).collect()
 }
 
-/// A dot on a vertex, unless cloth hides it.
+/// A dot on a vertex, unless something hides it.
 fn draw_pin(stage: &Stage, hits: &[Hit], pin: Vec3, pixels: &mut [Vec3]) {
     let place = stage.camera.project(pin);
     let inside = (0.0..stage.size[0] as f32).contains(&place.x) && (0.0..stage.size[1] as f32).contains(&place.y);

@@ -6,6 +6,7 @@ use super::stage::Stage;
 
 const FRONT: Vec3 = Vec3::new(0.60, 0.135, 0.075);
 const BACK: Vec3 = Vec3::new(0.085, 0.23, 0.28);
+const SOLID: Vec3 = Vec3::new(0.27, 0.28, 0.295);
 const KEY: Vec3 = Vec3::new(1.05, 0.98, 0.88);
 const FILL: Vec3 = Vec3::new(0.16, 0.19, 0.24);
 const SKY: Vec3 = Vec3::new(0.36, 0.40, 0.46);
@@ -20,31 +21,46 @@ pub const PIN: Vec3 = Vec3::new(0.012, 0.014, 0.02);
 /// Of the bar that shows the time.
 pub const BAR: Vec3 = Vec3::new(0.16, 0.20, 0.24);
 
-/// A piece of cloth as the camera sees it.
+/// What is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The front of the cloth.
+    Front,
+    /// Its back.
+    Back,
+    /// A collider.
+    Solid,
+}
+
+/// A piece of a surface as the camera sees it.
 pub struct Surface {
     /// Towards the camera, of length 1.
     pub to_eye: Vec3,
     /// Normal on the side that is seen, of length 1.
     pub normal: Vec3,
-    /// Whether that is the front.
-    pub front: bool,
+    /// Which side of what it is.
+    pub side: Side,
     /// How much of the key light reaches it, 0 to 1.
     pub lit: f32,
 }
 
-/// Fabric: light from a sky, a key and a fill, a soft highlight, a sheen at the rim and a little
-/// light that comes through.
-pub fn fabric(stage: &Stage, surface: &Surface) -> Vec3 {
-    let Surface { to_eye, normal, front, lit } = *surface;
+/// Light from a sky, a key and a fill; of fabric also a soft highlight, a sheen at the rim and a
+/// little light that comes through.
+pub fn surface(stage: &Stage, surface: &Surface) -> Vec3 {
+    let Surface { to_eye, normal, side, lit } = *surface;
     let to_key = stage.light.direction;
     let towards_key = normal.dot(to_key);
-    let key = KEY * lit * (towards_key.max(0.0) + 0.22 * (-towards_key).max(0.0));
+    let through = if side == Side::Solid { 0.0 } else { 0.22 * (-towards_key).max(0.0) };
+    let key = KEY * lit * (towards_key.max(0.0) + through);
     let fill = FILL * normal.dot(TOWARDS_FILL).max(0.0);
     let ambient = GROUND.lerp(SKY, 0.5 + 0.5 * normal.y);
     let highlight = 0.10 * lit * normal.dot((to_key + to_eye).normalize_or_zero()).max(0.0).powi(28);
     let sheen = 0.22 * (1.0 - normal.dot(to_eye).clamp(0.0, 1.0)).powi(4);
-    let albedo = if front { FRONT } else { BACK };
-    albedo * (key + fill + ambient) + KEY * highlight + SKY * sheen
+    match side {
+        Side::Front => FRONT * (key + fill + ambient) + KEY * highlight + SKY * sheen,
+        Side::Back => BACK * (key + fill + ambient) + KEY * highlight + SKY * sheen,
+        Side::Solid => SOLID * (key + fill + ambient),
+    }
 }
 
 /// Wall and floor in one: a gradient down the picture (`down` from 0 to 1), darkened by a faint
@@ -59,8 +75,9 @@ pub fn backdrop(stage: &Stage, [x, y]: [f32; 2], down: f32, lit: impl Fn(Vec3) -
 }
 
 fn floor_point(stage: &Stage, x: f32, y: f32) -> Option<Vec3> {
-    let (eye, ray) = (stage.camera.eye, stage.camera.ray(x, y));
-    (ray.y < -1e-4).then(|| eye + ray * ((stage.floor.y - eye.y) / ray.y))
+    let (eye, ray, up) = (stage.camera.eye, stage.camera.ray(x, y), stage.up);
+    let (height, sinking) = (up.dot(eye - stage.floor), -up.dot(ray));
+    (sinking > 1e-4 && height > 0.0).then(|| eye + ray * (height / sinking))
 }
 
 /// How much of a pixel of the floor is covered by lines, 0 to 1.

@@ -22,14 +22,23 @@ pub struct Stage {
     pub light: Light,
     /// A point of the floor under the middle of the motion, metres.
     pub floor: Vec3,
+    /// Away from the floor, of length 1.
+    pub up: Vec3,
     /// Length of the diagonal of the box around the motion, metres.
     pub extent: f32,
     space: [Vec3; 2],
 }
 
 impl Stage {
-    /// Looks at all that the snapshots show, in pictures of `size` pixels.
-    pub fn around<'a>(snapshots: impl Iterator<Item = &'a [Vec3]> + Clone, size: [usize; 2]) -> Stage {
+    /// Looks at all that the snapshots show of the cloth, and at the solids if those are not much
+    /// larger, in pictures of `size` pixels. `floor` is a point and the normal of the floor, where
+    /// there is one.
+    pub fn around<'a>(
+        snapshots: impl Iterator<Item = &'a [Vec3]> + Clone,
+        solids: &[Vec3],
+        floor: Option<[Vec3; 2]>,
+        size: [usize; 2],
+    ) -> Stage {
         let first = snapshots.clone().find_map(|points| bounds(points.iter().filter(|p| p.is_finite())));
         let [low, high] = first.unwrap_or([Vec3::ZERO; 2]);
         let followed = Vec3::splat(FOLLOWED * low.distance(high));
@@ -40,14 +49,21 @@ impl Stage {
         let [low, high] = bounds(framed.iter().flat_map(|points| shown(points))).unwrap_or([Vec3::ZERO; 2]);
         let extent = low.distance(high).max(1e-6);
         let middle = (low + high) / 2.0;
+        let solids = bounds(solids.iter().filter(|p| within(space, **p)));
+        let all = solids.into_iter().flat_map(corners);
+        let solids = solids.filter(|[low, high]| low.distance(*high) <= FRAMED * extent);
+        let lowest = solids.map_or(low.y, |[solid, _]| solid.y.min(low.y));
+        let [floor, up] = floor.unwrap_or([middle.with_y(lowest - 0.01 * extent), Vec3::Y]);
         // Two more points, so that cloth in one point is no special case.
         let around = [middle - Vec3::splat(extent / 4.0), middle + Vec3::splat(extent / 4.0)];
-        let points = || framed.iter().flat_map(|points| shown(points)).copied().chain(around);
+        let corners = solids.into_iter().flat_map(corners);
+        let points = || framed.iter().flat_map(|points| shown(points)).copied().chain(around).chain(corners.clone());
         Stage {
             size,
             camera: Camera::fit(points(), size),
-            light: Light::fit(points()),
-            floor: middle.with_y(low.y - 0.01 * extent),
+            light: Light::fit(points().chain(all)),
+            floor: middle - up * up.dot(middle - floor),
+            up,
             extent,
             space,
         }
@@ -57,6 +73,12 @@ impl Stage {
     pub fn shows(&self, point: Vec3) -> bool {
         within(self.space, point)
     }
+}
+
+/// Of a box.
+fn corners([low, high]: [Vec3; 2]) -> impl Iterator<Item = Vec3> + Clone {
+    let side = move |corner: usize, axis: usize| [low, high][corner >> axis & 1][axis];
+    (0..8).map(move |k| Vec3::new(side(k, 0), side(k, 1), side(k, 2)))
 }
 
 /// The snapshots, each with the box around it, in which the cloth is not much larger than in most.
@@ -85,7 +107,7 @@ mod tests {
         let start = [Vec3::ZERO, Vec3::ONE];
         let fallen = [Vec3::new(0.0, -2.0, 0.0), Vec3::new(1.0, -1.0, 1.0)];
         let gone = [Vec3::splat(1e30), Vec3::NAN];
-        let stage = Stage::around([&gone[1..], &start, &fallen, &gone].into_iter(), [48, 36]);
+        let stage = Stage::around([&gone[1..], &start, &fallen, &gone].into_iter(), &[], None, [48, 36]);
         assert!(start.iter().chain(&fallen).all(|&p| stage.shows(p)));
         assert!(!gone.iter().any(|&p| stage.shows(p)));
         assert!((stage.floor.y + 2.03).abs() < 0.02 && stage.extent < 4.0);
@@ -95,21 +117,22 @@ mod tests {
     fn cloth_that_flies_apart_does_not_push_the_camera_away() {
         let calm = [Vec3::ZERO, Vec3::ONE];
         let apart = [Vec3::splat(-2.0), Vec3::splat(3.0)];
-        let extent = |snapshots: &[[Vec3; 2]]| Stage::around(snapshots.iter().map(|s| &s[..]), [48, 36]).extent;
+        let extent =
+            |snapshots: &[[Vec3; 2]]| Stage::around(snapshots.iter().map(|s| &s[..]), &[], None, [48, 36]).extent;
         assert_eq!(extent(&[calm, calm, apart]), extent(&[calm]));
     }
 
     #[test]
     fn follows_flat_cloth() {
         let flat = [Vec3::ZERO, Vec3::X, Vec3::Z];
-        let stage = Stage::around([&flat[..]].into_iter(), [48, 36]);
+        let stage = Stage::around([&flat[..]].into_iter(), &[], None, [48, 36]);
         assert!(flat.iter().all(|&p| stage.shows(p)));
     }
 
     #[test]
     fn has_a_camera_even_for_nothing() {
         for snapshot in [&[][..], &[Vec3::NAN], &[Vec3::ONE]] {
-            assert!(Stage::around([snapshot].into_iter(), [48, 36]).camera.eye.is_finite());
+            assert!(Stage::around([snapshot].into_iter(), &[], None, [48, 36]).camera.eye.is_finite());
         }
     }
 }

@@ -2,13 +2,11 @@
 //!
 //! Its profile is a meander whose direction swings as `SWING sin(2 pi s / WAVE)`, with loops that
 //! nearly touch; the meander shifts and bends along the other side [Langbein 1966, sine-generated
-//! curves].
+//! curves]. The bench measures it and the tests check it: they share this file.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-
-use crate::rng::Rng;
 
 /// Swing of the meander's direction, radians: at 2.2 its loops touch.
 const SWING: f64 = 2.15;
@@ -30,7 +28,7 @@ pub struct Mesh {
 
 /// A square sheet of `cells` x `cells` cells of two triangles, with edges of length one.
 pub fn sheet(cells: usize) -> Mesh {
-    let (rng, side) = (&mut Rng::new(7), cells + 1);
+    let (noise, side) = (&mut Noise(7), cells + 1);
     let profile = meander(side + 2 * WAVE as usize);
     let mut positions = Vec::with_capacity(side * side);
     for j in 0..side {
@@ -41,10 +39,28 @@ pub fn sheet(cells: usize) -> Mesh {
             let at = i as f64 + shift;
             let (low, part) = (at as usize, at.fract());
             let [x, y] = [0, 1].map(|k| profile[low][k] * (1.0 - part) + profile[low + 1][k] * part);
-            positions.push(DVec3::new(x, y + lift, 0.75 * j as f64) + rng.cube(NOISE));
+            positions.push(DVec3::new(x, y + lift, 0.75 * j as f64) + noise.next());
         }
     }
     Mesh { positions, triangles: triangles(cells) }
+}
+
+/// Random numbers that are the same on every machine [Steele 2014, SplitMix64].
+struct Noise(u64);
+
+impl Noise {
+    /// Uniform in `-NOISE..NOISE` along each axis.
+    fn next(&mut self) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|_| {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = self.0;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            z ^= z >> 31;
+            let unit = (z >> 11) as f64 / (1u64 << 53) as f64;
+            -NOISE + 2.0 * NOISE * unit
+        }))
+    }
 }
 
 /// Points one apart along the meander.

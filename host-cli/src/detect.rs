@@ -1,0 +1,77 @@
+//! `muslin detect`: what is near in a mesh, what meets on its way to the next, what passes through
+//! what; counted, by the stages that runs are made of.
+
+mod mesh;
+mod report;
+mod stages;
+
+use std::time::{Duration, Instant};
+
+use muslin_core::audit;
+
+use crate::args::{DetectArguments, DetectStage};
+use crate::failure::{Failure, print_data, print_note};
+use crate::pool::Pool;
+use mesh::Subject;
+use report::{Pairs, Report, StageMs};
+use stages::{Found, Touch};
+
+/// Detects and prints a table or JSON.
+pub fn detect(arguments: &DetectArguments) -> Result<(), Failure> {
+    arguments.backend.check()?;
+    if arguments.stage == DetectStage::Ccd && arguments.next.is_none() {
+        return Err(Failure::Usage("--stage ccd is about a motion: say --next MESH, where it leads".into()));
+    }
+    let subject = Subject::load(arguments)?;
+    let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
+    let report = pool.install(|| report(arguments, &subject, &pool));
+    match arguments.json {
+        true => print_data(&serde_json::to_string_pretty(&report).map_err(|error| Failure::Tool(error.to_string()))?),
+        false => print_data(&report.table()),
+    }
+}
+
+fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Report {
+    let mut ms = StageMs::default();
+    let surface = subject.surface.view();
+    let mut found = Found::default();
+    ms.candidates = Some(milliseconds(found.find(arguments.method, &subject.boxes, &surface, pool)));
+    let mut report = Report::new(arguments, subject, pool.threads());
+    report.edge_edge = Pairs::of(found.edge_edge.len());
+    report.vertex_triangle = Pairs::of(found.vertex_triangle.len());
+
+    if arguments.stage >= DetectStage::Contacts {
+        let (distances, time) = clocked(|| stages::distances(&found, subject, pool));
+        ms.contacts = Some(milliseconds(time));
+        let near = |distances: &[f32]| Some(distances.iter().filter(|&&d| d < subject.thickness).count());
+        report.vertex_triangle.contacts = near(&distances.vertex_triangle);
+        report.edge_edge.contacts = near(&distances.edge_edge);
+
+        if let Some(next) = subject.next.as_ref().filter(|_| arguments.stage >= DetectStage::Ccd) {
+            let (touch, time) = clocked(|| Touch::find(&found, &distances, subject, next, pool));
+            ms.ccd = Some(milliseconds(time));
+            report.vertex_triangle.ccd = Some(touch.vertex_triangle);
+            report.edge_edge.ccd = Some(touch.edge_edge);
+            report.first_impact = touch.first;
+        }
+    }
+    if arguments.stage == DetectStage::Intersections {
+        let (count, time) = clocked(|| audit::count(&surface, &subject.positions));
+        ms.intersections = Some(milliseconds(time));
+        report.intersections = Some(count);
+        if arguments.next.is_none() {
+            print_note("without --next MESH nothing moves: no ccd");
+        }
+    }
+    report.ms = ms;
+    report
+}
+
+fn clocked<R>(work: impl FnOnce() -> R) -> (R, Duration) {
+    let started = Instant::now();
+    (work(), started.elapsed())
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    1e3 * time.as_secs_f64()
+}

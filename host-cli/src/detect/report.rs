@@ -1,0 +1,161 @@
+//! What `muslin detect` prints.
+
+use serde::Serialize;
+
+use super::mesh::Subject;
+use crate::args::{DetectArguments, Method};
+
+/// The keys of the interface, and a few more. What was not asked for is null.
+#[derive(Serialize)]
+pub struct Report {
+    pub edge_edge: Pairs,
+    pub vertex_triangle: Pairs,
+    /// Edges that pass through triangles.
+    pub intersections: Option<usize>,
+    /// Of the motion, 0..1.
+    pub first_impact: Option<f32>,
+    pub ms: StageMs,
+    pub backend: &'static str,
+    pub adapter: Option<String>,
+    pub mesh: String,
+    pub next: Option<String>,
+    pub method: &'static str,
+    pub thickness_m: f32,
+    pub threads: usize,
+    pub vertices: usize,
+    pub triangles: usize,
+    pub edges: usize,
+}
+
+/// How many pairs of one kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Pairs {
+    pub candidates: usize,
+    pub contacts: Option<usize>,
+    /// Those that touch in the course of the motion.
+    pub ccd: Option<usize>,
+}
+
+impl Pairs {
+    /// Only candidates so far.
+    pub fn of(candidates: usize) -> Self {
+        Self { candidates, contacts: None, ccd: None }
+    }
+
+    fn add(self, other: Self) -> Self {
+        let sum = |a: Option<usize>, b: Option<usize>| Some(a? + b?);
+        Self {
+            candidates: self.candidates + other.candidates,
+            contacts: sum(self.contacts, other.contacts),
+            ccd: sum(self.ccd, other.ccd),
+        }
+    }
+}
+
+/// How long each stage took, ms.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct StageMs {
+    pub candidates: Option<f64>,
+    pub contacts: Option<f64>,
+    pub ccd: Option<f64>,
+    pub intersections: Option<f64>,
+}
+
+impl Report {
+    /// About a mesh, without any counts.
+    pub fn new(arguments: &DetectArguments, subject: &Subject, threads: usize) -> Self {
+        Self {
+            edge_edge: Pairs::of(0),
+            vertex_triangle: Pairs::of(0),
+            intersections: None,
+            first_impact: None,
+            ms: StageMs::default(),
+            backend: arguments.backend.name(),
+            adapter: None,
+            mesh: arguments.mesh.display().to_string(),
+            next: arguments.next.as_ref().map(|path| path.display().to_string()),
+            method: match arguments.method {
+                Method::Grid => "grid",
+                Method::Reference => "reference",
+                Method::Brute => "brute",
+            },
+            thickness_m: arguments.thickness,
+            threads,
+            vertices: subject.positions.len(),
+            triangles: subject.surface.triangles.len(),
+            edges: subject.surface.edges.len(),
+        }
+    }
+
+    /// For a person.
+    pub fn table(&self) -> String {
+        let all = self.edge_edge.add(self.vertex_triangle);
+        let next = self.next.as_ref().map(|next| format!(" -> {next}")).unwrap_or_default();
+        let mut text = format!(
+            "{}{next}: {} vertices, {} triangles, {} edges\nthickness {} m, method {}, {} thread(s)\n\n\
+             {:16}{:>16}{:>14}{:>12}\n",
+            self.mesh,
+            self.vertices,
+            self.triangles,
+            self.edges,
+            self.thickness_m,
+            self.method,
+            self.threads,
+            "pairs",
+            "candidates",
+            "contacts",
+            "ccd"
+        );
+        for (name, pairs) in [("edge-edge", self.edge_edge), ("vertex-triangle", self.vertex_triangle), ("all", all)] {
+            let Pairs { candidates, contacts, ccd } = pairs;
+            text += &format!("{name:16}{:>16}{:>14}{:>12}\n", grouped(candidates), or_dash(contacts), or_dash(ccd));
+        }
+        text += &format!("\n{:16}{:>16}{:>14}\n", "stage", "ms", "candidates/s");
+        let stages = [("candidates", self.ms.candidates), ("contacts", self.ms.contacts), ("ccd", self.ms.ccd)];
+        for (name, ms) in stages.into_iter().filter_map(|(name, ms)| Some((name, ms?))) {
+            text += &format!("{name:16}{ms:>16.2}{:>14.3e}\n", all.candidates as f64 / (1e-3 * ms));
+        }
+        if let Some(ms) = self.ms.intersections {
+            text += &format!("{:16}{ms:>16.2}\n", "intersections");
+        }
+        text += "\n";
+        match (all.candidates, all.contacts) {
+            (candidates, Some(contacts @ 1..)) => {
+                text += &format!("candidates : contacts = {:.1}\n", candidates as f64 / contacts as f64);
+            }
+            (_, Some(0)) => text += "no contacts\n",
+            _ => {}
+        }
+        if all.ccd.is_some() {
+            text += &match self.first_impact {
+                Some(time) => format!("first impact at {time:.6} of the motion\n"),
+                None => "nothing meets in the course of the motion\n".into(),
+            };
+        }
+        if let Some(count) = self.intersections {
+            text += &format!("{} intersections\n", grouped(count));
+        }
+        text.trim_end().into()
+    }
+}
+
+fn or_dash(count: Option<usize>) -> String {
+    count.map_or("-".into(), grouped)
+}
+
+/// With commas between thousands.
+fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
+    groups.join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_are_grouped() {
+        assert_eq!([0, 999, 1000, 5_197_332].map(grouped), ["0", "999", "1,000", "5,197,332"]);
+    }
+}

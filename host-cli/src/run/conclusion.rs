@@ -1,0 +1,86 @@
+//! What a run came to: its summary, and the word on surfaces that pass through one another.
+
+use std::time::Duration;
+
+use super::{Ending, Run};
+use crate::args::Precision;
+use crate::scene_file::SceneFile;
+use crate::summary::{StageMs, Stretch, Summary};
+
+impl Run<'_> {
+    /// What to say of surfaces that pass through one another, if the audit found any.
+    pub(super) fn intersecting(&self, scene: &SceneFile) -> Option<String> {
+        let (count, frame) = self.worst_crossings.filter(|&(count, _)| count > 0)?;
+        let start = self.start_crossings.filter(|&count| count > 0);
+        let advice = match (start, &scene.desc.contact) {
+            (Some(start), _) => format!("the scene starts with {start} intersections: part them before the start"),
+            (None, None) => "the scene has no [contact]".into(),
+            (None, Some(_)) => "take a smaller integrator.step or a larger contact.thickness".into(),
+        };
+        let seconds = frame as f64 / scene.desc.frame_rate;
+        Some(format!("intersecting: {count} in frame {frame}, at {seconds:.3} s, the worst; {advice}"))
+    }
+
+    /// All that is known of it.
+    pub(super) fn summary(&self, scene: &SceneFile, ending: &Ending, threads: usize, wall: Duration) -> Summary {
+        let report = self.engine.report();
+        let steps = self.steps - self.begun;
+        let per_step = |total: Duration| 1e3 * total.as_secs_f64() / (steps.max(1) as f64);
+        let [broad_phase, narrow_phase, response] = self.contact.map(per_step);
+        let predict = per_step(self.stepping.saturating_sub(self.contact.iter().sum()));
+        let divergence = match ending {
+            Ending::Diverged(d) => Some(format!(
+                "diverged in step {} at particle {}, pulled hardest by {}; take a smaller integrator.step, \
+                 softer terms, less damping or an implicit method. The frames before it are kept",
+                d.step, d.particle, d.term
+            )),
+            _ => None,
+        };
+        Summary {
+            tool: "muslin",
+            version: env!("CARGO_PKG_VERSION"),
+            scene: scene.desc.name.clone(),
+            precision: match self.arguments.precision {
+                Precision::F32 => "f32",
+                Precision::F64 => "f64",
+            },
+            backend: self.arguments.backend.name(),
+            adapter: None,
+            threads,
+            size_m: self.size,
+            mass_kg: self.engine.mass(),
+            pinned: self.engine.pins().len(),
+            vertices: self.positions.len(),
+            triangles: self.engine.triangles().len(),
+            method: scene.desc.integrator.method.name(),
+            step_s: self.timing.step,
+            frames: self.steps / self.timing.steps_per_frame + 1,
+            steps: self.steps,
+            rejected_steps: report.contacts[5],
+            simulated_s: report.time,
+            wall_s: wall.as_secs_f64(),
+            verdict: match (&divergence, self.worst_crossings) {
+                (Some(_), _) => "diverged",
+                (None, Some((1.., _))) => "intersecting",
+                (None, _) => "ok",
+            },
+            divergence,
+            stage_ms: StageMs { predict, broad_phase, narrow_phase, response, output: per_step(self.output) },
+            stretch: Stretch {
+                max: report.stretch[0],
+                mean: report.stretch[1],
+                max_of_all_frames: self.largest_stretch.max(report.stretch[0]),
+            },
+            energy: (&report).into(),
+            momentum: report.momentum,
+            contacts: (&report).into(),
+            intersections: self.worst_crossings.map(|(count, _)| count),
+            intersections_frame: self.worst_crossings.filter(|&(count, _)| count > 0).map(|(_, frame)| frame),
+            intersections_at_start: self.start_crossings,
+            penetration_m: self.penetration,
+            work: (&report).into(),
+            state_hash: format!("fnv1a:{:016x}", self.chain),
+            steps_here: steps,
+        }
+    }
+}

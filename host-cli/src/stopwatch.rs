@@ -1,0 +1,119 @@
+//! A pool that keeps a clock for each stage.
+
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use muslin_core::dispatch as single;
+use muslin_core::stage::{Stage, Term};
+use muslin_core_f64::dispatch as double;
+use muslin_core_f64::stage as double_stage;
+
+use crate::pool::Pool;
+
+/// Runs kernels on a pool and adds up the time between changes of stage.
+pub struct Stopwatch<'a> {
+    pool: &'a Pool,
+    clock: Mutex<Clock>,
+}
+
+struct Clock {
+    since: Option<(Stage, Instant)>,
+    times: Vec<(Stage, Duration)>,
+}
+
+impl Clock {
+    fn stop(&mut self, now: Instant) {
+        let Some((stage, since)) = self.since.take() else { return };
+        let passed = now - since;
+        match self.times.iter_mut().find(|(known, _)| *known == stage) {
+            Some((_, time)) => *time += passed,
+            None => self.times.push((stage, passed)),
+        }
+    }
+
+    fn enter(&mut self, stage: Stage) {
+        if self.since.is_none_or(|(current, _)| current != stage) {
+            let now = Instant::now();
+            self.stop(now);
+            self.since = Some((stage, now));
+        }
+    }
+}
+
+impl<'a> Stopwatch<'a> {
+    /// A stopped watch.
+    pub fn new(pool: &'a Pool) -> Self {
+        Self { pool, clock: Mutex::new(Clock { since: None, times: Vec::new() }) }
+    }
+
+    /// Forgets all times.
+    pub fn reset(&self) {
+        self.with(|clock| (clock.since, clock.times) = (None, Vec::new()));
+    }
+
+    /// Stops until the next stage is entered.
+    pub fn pause(&self) {
+        self.with(|clock| clock.stop(Instant::now()));
+    }
+
+    /// Time in each stage, in the order in which they were first entered.
+    pub fn times(&self) -> Vec<(Stage, Duration)> {
+        self.with(|clock| clock.times.clone())
+    }
+
+    /// Time in one stage.
+    pub fn time(&self, stage: Stage) -> Duration {
+        self.with(|clock| clock.times.iter().find(|(known, _)| *known == stage).map_or(Duration::ZERO, |&(_, t)| t))
+    }
+
+    fn with<R>(&self, act: impl FnOnce(&mut Clock) -> R) -> R {
+        act(&mut self.clock.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+    }
+}
+
+impl single::Dispatch for Stopwatch<'_> {
+    fn run<S: single::Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K) {
+        single::Dispatch::run(self.pool, out, kernel);
+    }
+
+    fn enter(&self, stage: Stage) {
+        self.with(|clock| clock.enter(stage));
+    }
+}
+
+impl double::Dispatch for Stopwatch<'_> {
+    fn run<S: double::Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K) {
+        double::Dispatch::run(self.pool, out, kernel);
+    }
+
+    fn enter(&self, stage: double_stage::Stage) {
+        self.with(|clock| clock.enter(same(stage)));
+    }
+}
+
+/// The stage of the same name: both cores are the same sources.
+fn same(stage: double_stage::Stage) -> Stage {
+    use double_stage::Stage as Double;
+    match stage {
+        Double::Force(term) => Stage::Force(Term::ALL[term as usize]),
+        Double::Jacobian(term) => Stage::Jacobian(Term::ALL[term as usize]),
+        Double::Solve => Stage::Solve,
+        Double::BroadPhase => Stage::BroadPhase,
+        Double::NarrowPhase => Stage::NarrowPhase,
+        Double::Response => Stage::Response,
+        Double::Integrate => Stage::Integrate,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terms_are_the_same_in_both_precisions() {
+        for (term, double) in Term::ALL.into_iter().zip(double_stage::Term::ALL) {
+            assert_eq!(same(double_stage::Stage::Force(double)), Stage::Force(term));
+            assert_eq!(term.name(), double.name());
+        }
+    }
+}

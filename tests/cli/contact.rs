@@ -1,0 +1,191 @@
+//! Runs with contact: what they say of it, and files of moving colliders that cannot be used.
+
+use image::ImageFormat;
+
+use crate::kit::{Place, PointCache, TINY};
+
+/// A sheet let fall on a ball.
+const DROP: &str = r#"name = "drop"
+duration = 0.2
+frame_rate = 20
+gravity = [0.0, -9.81, 0.0]
+
+[[cloth]]
+grid = { size = [0.3, 0.3], cells = [8, 8] }
+position = [0.0, 0.22, 0.0]
+density = 0.2
+stretch = { model = "membrane", stiffness = 100.0 }
+shear = { stiffness = 50.0 }
+
+[[collider]]
+shape = "sphere"
+center = [0.0, 0.0, 0.0]
+radius = 0.2
+
+[contact]
+thickness = 0.004
+friction = 0.3
+
+[integrator]
+step = 0.01
+"#;
+
+/// A ball with a floor of two triangles in its place, which a point cache moves.
+fn floor() -> String {
+    let ball = "shape = \"sphere\"\ncenter = [0.0, 0.0, 0.0]\nradius = 0.2\n";
+    assert!(DROP.contains(ball));
+    DROP.replace(ball, "shape = \"mesh\"\nfile = \"floor.obj\"\nmotion = \"floor.pc2\"\nmotion_rate = 10\n")
+}
+
+const FLOOR: &str = "v -1 0.2 -1\nv 1 0.2 -1\nv 1 0.2 1\nv -1 0.2 1\nf 1 3 2\nf 1 4 3\n";
+
+/// A point cache in which points at these corners rise by 0.1 m from frame to frame.
+fn rising(corners: &[[f32; 2]], frames: u32) -> Vec<u8> {
+    let mut bytes = b"POINTCACHE2\0".to_vec();
+    let head = [1, corners.len() as u32, 0, 1_f32.to_bits(), frames];
+    head.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
+    for frame in 0..frames {
+        let points = corners.iter().flat_map(|&[x, z]| [x, 0.1 * frame as f32, z]);
+        points.for_each(|x| bytes.extend(x.to_le_bytes()));
+    }
+    bytes
+}
+
+const CORNERS: [[f32; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+#[test]
+fn the_summary_counts_and_times_contact() {
+    let place = Place::new();
+    place.write("drop.toml", DROP);
+    for words in ["--backend cpu", "--precision f64"] {
+        let summary = place.run(&format!("drop.toml --audit {words}"));
+        assert_eq!((&summary["verdict"], &summary["backend"]), (&"ok".into(), &"cpu".into()));
+        assert_eq!([&summary["intersections"], &summary["intersections_at_start"]], [&0, &0]);
+        assert!(summary["contacts"]["candidates"].as_u64() > summary["contacts"]["proximity"].as_u64());
+        assert!(summary["contacts"]["proximity"].as_u64() > Some(20), "{summary}");
+        assert!(summary["penetration_m"].as_f64().is_some_and(|depth| depth < 1e-4), "{summary}");
+        let stages = ["predict", "broad_phase", "narrow_phase", "response", "output"];
+        let ms = stages.map(|stage| summary["stage_ms"][stage].as_f64().unwrap());
+        assert!(ms.iter().all(|&ms| ms > 0.0), "{summary}");
+        let wall = 1e3 * summary["wall_s"].as_f64().unwrap() / summary["steps"].as_f64().unwrap();
+        assert!(ms[..4].iter().sum::<f64>() <= wall, "{summary}");
+    }
+    let text = place.muslin("run drop.toml --out out --preview none --audit").expect(0).stdout;
+    for part in ["candidates and ", "ms broad phase", "impacts ", "steps rejected", "penetration ", "audit 0 "] {
+        assert!(text.contains(part), "{part:?} is not in {text}");
+    }
+}
+
+#[test]
+fn a_run_without_contact_says_nothing_of_it() {
+    let place = Place::new();
+    let text = place.muslin("run tiny.toml --out out --preview none").expect(0).stdout;
+    assert!(!text.contains("contact") && !text.contains("audit"), "{text}");
+    let stages = place.run("tiny.toml")["stage_ms"].clone();
+    assert_eq!(["broad_phase", "narrow_phase", "response"].map(|key| stages[key].as_f64()), [Some(0.0); 3]);
+}
+
+#[test]
+fn no_gpu_backend_yet() {
+    Place::new().refuses("tiny.toml --backend gpu", &["--backend gpu", "no GPU backend", "--backend cpu"]);
+    Place::new().refuses("tiny.toml --backend vulkan", &["'vulkan'", "cpu, gpu"]);
+}
+
+#[test]
+fn a_scene_that_starts_crossed_is_intersecting() {
+    let place = Place::new();
+    let second = "\n[[cloth]]\ngrid = { size = [0.3, 0.3], cells = [4, 4] }\nposition = [0, 1.01, 0]\n\
+                  rotation = [90, 0, 10]\ndensity = 0.2\n";
+    place.write("crossed.toml", TINY.to_owned() + second);
+    let outcome = place.muslin("run crossed.toml --out out --preview none --audit --json").expect(3);
+    let summary = outcome.json();
+    let worst = summary["intersections"].as_u64().unwrap();
+    let start = summary["intersections_at_start"].as_u64().unwrap();
+    assert!(summary["verdict"] == "intersecting" && worst >= start && start > 0, "{summary}");
+    let frame = summary["intersections_frame"].as_u64().unwrap();
+    for part in [format!("intersecting: {worst} in frame {frame},"), format!("starts with {start} intersections")] {
+        assert!(outcome.stderr.contains(&part), "{part:?} is not in {outcome:?}");
+    }
+    assert_eq!(PointCache::parse(&place.read("out/cloth.pc2")).frames.len(), 5, "all frames are there");
+    let text = place.muslin("run crossed.toml --out out --preview none --audit").expect(3).stdout;
+    assert!(text.contains(&format!("it starts with {start} intersections")), "{text}");
+    assert_eq!(place.run("crossed.toml")["intersections"], serde_json::Value::Null, "not asked, not looked");
+}
+
+#[test]
+fn cloth_that_passes_through_cloth_is_intersecting() {
+    let place = Place::new();
+    let held = TINY.replace("corners = [0, 1]", "box = [[-1, 0.9, -1], [1, 1.1, 1]]");
+    let second = "\n[[cloth]]\ngrid = { size = [0.3, 0.3], cells = [4, 4] }\nposition = [0, 1.06, 0]\n\
+                  rotation = [18, 0, 0]\ndensity = 0.2\n";
+    place.write("through.toml", held + second);
+    let outcome = place.muslin("run through.toml --out out --preview none --audit --json").expect(3);
+    assert!(outcome.stderr.contains("the scene has no [contact]"), "{outcome:?}");
+    assert_eq!(outcome.json()["intersections_at_start"], 0);
+    let summary = place.run("through.toml --audit --set contact.thickness=0.004");
+    assert_eq!((&summary["verdict"], &summary["intersections"]), (&"ok".into(), &0.into()));
+}
+
+#[test]
+fn a_point_cache_moves_a_collider() {
+    let place = Place::new();
+    place.write("drop.toml", floor());
+    place.write("floor.obj", FLOOR);
+    place.write("floor.pc2", rising(&CORNERS, 5));
+    let summary = place.run("drop.toml --audit");
+    assert_eq!((&summary["verdict"], &summary["intersections"]), (&"ok".into(), &0.into()));
+    // The floor rises through where the sheet began.
+    let last = PointCache::parse(&place.read("out/cloth.pc2")).frames.pop().unwrap();
+    assert!(last.iter().all(|p| p[1] > 0.2), "{last:?}");
+}
+
+#[test]
+fn point_caches_that_cannot_be_used() {
+    let place = Place::new();
+    let scene = floor();
+    place.write("drop.toml", &scene);
+    place.write("floor.obj", FLOOR);
+    place.refuses("drop.toml", &["drop.toml: cannot read floor.pc2"]);
+    place.write("floor.pc2", rising(&CORNERS[..3], 5));
+    place.refuses("drop.toml", &["collider 0", "point cache has 3 points", "mesh 4 vertices"]);
+    let whole = rising(&CORNERS, 5);
+    place.write("floor.pc2", &whole[..whole.len() - 7]);
+    place.refuses("drop.toml", &["floor.pc2: it has", "whole copy"]);
+    place.write("floor.pc2", "PTCACHE");
+    place.refuses("drop.toml", &["floor.pc2: "]);
+    place.write("floor.pc2", whole);
+    place.write("drop.toml", scene.replace("motion_rate = 10\n", ""));
+    place.refuses("drop.toml", &["collider 0: motion_rate is needed"]);
+    place.write("drop.toml", DROP.replace("radius = 0.2\n", "radius = 0.2\nmotion = \"floor.pc2\"\n"));
+    place.refuses("drop.toml", &["collider 0: motion has no meaning with shape = \"sphere\""]);
+}
+
+#[test]
+fn colliders_are_in_the_picture() {
+    let place = Place::new();
+    place.write("drop.toml", DROP);
+    // Dark and without colour: neither cloth nor wall nor floor in the light.
+    let grey = |words: &str| {
+        place.muslin(&format!("run drop.toml --out out --preview png {words}")).expect(0);
+        let sheet = image::load_from_memory_with_format(&place.read("out/preview.png"), ImageFormat::Png).unwrap();
+        let is_grey = |p: &&image::Rgb<u8>| p.0.iter().max().unwrap() - p.0.iter().min().unwrap() < 30 && p.0[1] < 125;
+        sheet.into_rgb8().pixels().filter(is_grey).count()
+    };
+    let (with, without) = (grey(""), grey("--set collider=[]"));
+    assert!(with > without + 20_000, "{with} grey pixels, {without} without the ball");
+}
+
+#[test]
+fn the_bench_measures_contact() {
+    let place = Place::new();
+    place.write("drop.toml", DROP);
+    let report = place.muslin("bench drop.toml --json").expect(0).json();
+    let scene = &report["scenes"][0];
+    let contact = &scene["contact"];
+    assert!(contact["candidates_per_s"].as_f64() > Some(1.0) && contact["contacts_per_s"].as_f64() > Some(1.0));
+    assert!(contact["candidates_per_contact"].as_f64() > Some(1.0), "{contact}");
+    let stages: Vec<_> = scene["stages"].as_array().unwrap().iter().map(|s| s["stage"].as_str().unwrap()).collect();
+    for stage in ["broad phase", "narrow phase", "response", "all"] {
+        assert!(stages.contains(&stage), "{stage} is not in {stages:?}");
+    }
+}
