@@ -40,6 +40,7 @@ macro_rules! kit {
             use $muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
             use $muslin::scene::{BuiltScene, Resource, SceneDesc};
             use $muslin::scratch::{Scratch, ScratchColumns};
+            use $muslin::simulation::Simulation;
 
             use std::cell::Cell;
 
@@ -334,6 +335,50 @@ macro_rules! kit {
             pub fn build_with(text: &str, resources: &[Resource]) -> BuiltScene {
                 let built = $muslin::scene::build(&scene(text), resources);
                 built.unwrap_or_else(|error| panic!("{error}: in scene\n{text}"))
+            }
+
+            /// A scene in motion.
+            pub fn simulation(text: &str, resources: &[Resource]) -> Simulation {
+                let sim = Simulation::new(&scene(text), resources);
+                sim.unwrap_or_else(|error| panic!("{error}: in scene\n{text}"))
+            }
+
+            /// Steps for a time, s; after each step `see` is shown the state.
+            pub fn run(sim: &mut Simulation, seconds: f64, mut see: impl FnMut(&Simulation)) {
+                for _ in 0..(seconds / f64::from(sim.step_length())).round() as u32 {
+                    sim.step(&Serial).unwrap_or_else(|diverged| panic!("{diverged}"));
+                    see(sim);
+                }
+            }
+
+            /// Throws a cloth of a scene, m/s.
+            pub fn throw(sim: &mut Simulation, cloth: usize, velocity: DVec3) {
+                let range = sim.scene().cloths[cloth].vertices.clone();
+                sim.state_mut().1[range.start as usize..range.end as usize].fill(vec3(velocity.to_array()));
+            }
+
+            /// Where the vertices of a cloth are, m.
+            pub fn places(sim: &Simulation, cloth: usize) -> Vec<DVec3> {
+                let range = sim.scene().cloths[cloth].vertices.clone();
+                let positions = &sim.positions()[range.start as usize..range.end as usize];
+                positions.iter().map(|&x| to_f64(x).into()).collect()
+            }
+
+            /// The mean velocity of a cloth, m/s.
+            pub fn drift(sim: &Simulation, cloth: usize) -> DVec3 {
+                let (masses, velocities) = (&sim.scene().particles.masses, sim.velocities());
+                let range = sim.scene().cloths[cloth].vertices.clone();
+                let sums = range.map(|v| v as usize).map(|v| {
+                    let mass = f64::from(masses[v]);
+                    (DVec3::from(to_f64(velocities[v])) * mass, mass)
+                });
+                let (momentum, mass) = sums.fold((DVec3::ZERO, 0.0), |(p, m), (q, n)| (p + q, m + n));
+                momentum / mass
+            }
+
+            /// The largest speed of all vertices, m/s.
+            pub fn fastest(sim: &Simulation) -> f64 {
+                sim.velocities().iter().map(|&v| DVec3::from(to_f64(v)).length()).fold(0.0, f64::max)
             }
         }
     };

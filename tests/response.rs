@@ -1,0 +1,16 @@
+//! What contact does: friction, momentum and energy, that nothing passes through anything, and that
+//! too little room loses nothing.
+//!
+//! Run: `cargo test --release -p muslin-tests --test response`; with `-- --nocapture` it prints
+//! every measured value beside its bound.
+
+#[path = "response/capacity.rs"]
+mod capacity;
+#[path = "response/cone.rs"]
+mod cone;
+#[path = "response/friction.rs"]
+mod friction;
+#[path = "response/momentum.rs"]
+mod momentum;
+#[path = "response/safety.rs"]
+mod safety;

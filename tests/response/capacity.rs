@@ -1,0 +1,118 @@
+//! Too little room for candidates or constraints is counted and grown, and changes no bit.
+//!
+//! Run: `cargo test --release -p muslin-tests --test response capacity`.
+
+use muslin_tests::both_precisions;
+
+/// A sheet folded like an accordion by walls that close, over a ball: starts free of contacts.
+const CRUSHED: &str = r#"
+    name = "crushed"
+    duration = 1.0
+    frame_rate = 100
+    gravity = [0.0, -9.81, 0.0]
+    [[cloth]]
+    grid = { size = [0.2, 0.2], cells = [14, 14] }
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 50.0 }
+    bend = { model = "hinge", rigidity = 1e-7 }
+    [contact]
+    thickness = 0.005
+    friction = 0.3
+    [[collider]]
+    shape = "plane"
+    point = [0, -0.021, 0]
+    normal = [0, 1, 0]
+    [[collider]]
+    shape = "plane"
+    point = [-0.13, 0, 0]
+    normal = [1, 0, 0]
+    motion = { keys = [[0.0, 0, 0, 0], [0.2, 0.11, 0, 0]] }
+    [[collider]]
+    shape = "plane"
+    point = [0.13, 0, 0]
+    normal = [-1, 0, 0]
+    motion = { keys = [[0.0, 0, 0, 0], [0.2, -0.11, 0, 0]] }
+    [[collider]]
+    shape = "capsule"
+    a = [0, 0.1, -0.2]
+    b = [0, 0.1, 0.2]
+    radius = 0.06
+    motion = { keys = [[0.0, 0, 0, 0], [0.2, 0, -0.09, 0]] }
+    [integrator]
+    step = 0.005
+"#;
+
+both_precisions! {
+    use super::CRUSHED;
+    use muslin::contact::ContactScratchColumns;
+    use muslin::diagnostics::StateHash;
+    use muslin::dispatch::Serial;
+    use muslin::integrate::Work;
+    use muslin::real::{Real, Vec3, vec3};
+    use muslin::response::{Outcome, Settings, Tally};
+    use muslin::step::{self, Sweep};
+    use muslin_tests::rng::Rng;
+
+    /// Where a step ends that begins with so much room, how many constraints it has, and how often
+    /// it was short of room.
+    fn end_with_room(room: usize) -> (Vec<Vec3>, Tally, u32) {
+        let built = kit::build(CRUSHED);
+        let touching = built.contact.as_ref().expect("the scene has contact");
+        let model = touching.view();
+        let mut rng = Rng::new(5);
+        let from = &built.particles.positions;
+        let to: Vec<Vec3> = from.iter().map(|&x| x * 0.7 as Real + vec3(rng.cube(0.01).into())).collect();
+        let mut columns = ContactScratchColumns::build(&model, room);
+        let sweep = Sweep { time: 0.0, step: 0.005, margin: 0.5, widen: false };
+        step::sweep(&model, sweep, from, &to, &mut columns.view());
+        let (mut short, mut tally) = (0, Tally::default());
+        let counts = step::detect(&model, &mut columns.view(), &Serial);
+        if columns.grow_pairs(counts) {
+            short += 1;
+            assert_eq!(step::detect(&model, &mut columns.view(), &Serial), counts, "counts depend on the room");
+        }
+        let settings = Settings { step: 0.005, hold: false };
+        loop {
+            match step::respond(&model, &mut columns.view(), settings, &mut tally, &Serial) {
+                Outcome::Short { needed } => columns.grow_constraints(needed),
+                Outcome::Free => break,
+                other => panic!("with room for {room}: {other:?}"),
+            }
+            short += 1;
+        }
+        (columns.view().end.to_vec(), tally, short)
+    }
+
+    #[test]
+    fn a_step_ends_alike_whatever_the_room() {
+        let (want, tally, short) = end_with_room(1_000_000);
+        assert_eq!(short, 0, "there is room for a million");
+        for room in [0, 1, 10, 100, 1000] {
+            let (end, found, short) = end_with_room(room);
+            println!("{}: with room for {room} grown {short} times, {found:?}", muslin::real::NAME);
+            assert!(short > 0, "room for {room} should be too little for {tally:?}");
+            assert_eq!(found, tally, "with room for {room} contacts are lost or found twice");
+            assert_eq!(end, want, "with room for {room} the step ends elsewhere");
+        }
+    }
+
+    /// The hash of a run, and bytes before and after.
+    fn hash(sim: &mut muslin::simulation::Simulation) -> (StateHash, [usize; 2]) {
+        let (before, mut hash) = (sim.bytes(), StateHash::default());
+        kit::run(sim, 0.2, |sim| hash.add(sim.positions(), sim.velocities()));
+        (hash, [before, sim.bytes()])
+    }
+
+    /// The second run has the room that the first has made.
+    #[test]
+    fn a_run_that_grows_ends_as_one_that_has_room() {
+        let mut sim = kit::simulation(CRUSHED, &[]);
+        let start = sim.clone();
+        let (grown, bytes) = hash(&mut sim);
+        assert!(bytes[1] > bytes[0], "nothing had to grow: {bytes:?} bytes, {:?}", sim.tally());
+        assert!(sim.restore(&start.state(), Work::default()), "a simulation restores its own start");
+        let (roomy, bytes) = hash(&mut sim);
+        assert_eq!(bytes[0], bytes[1], "the same run needs more room the second time");
+        assert_eq!(grown, roomy, "with and without growth the hashes differ");
+    }
+}

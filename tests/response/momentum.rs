@@ -1,0 +1,148 @@
+//! Two free sheets that collide: what momentum and energy do through the impact.
+//!
+//! Run: `cargo test --release -p muslin-tests --test response momentum`.
+
+use glam::DVec3;
+use muslin_core_f64::simulation::Simulation;
+use muslin_tests::kit::double as kit;
+
+/// kg/m^2 of both sheets.
+const DENSITY: [f64; 2] = [0.2, 0.5];
+
+/// Two sheets 4 mm apart; the first is cut otherwise, turned a little and comes down.
+fn sheets(material: &str, friction: f64, method: &str, step: f64) -> Simulation {
+    let text = format!(
+        r#"
+        name = "collision"
+        duration = 1.0
+        frame_rate = 10
+        [[cloth]]
+        grid = {{ size = [0.2, 0.2], cells = [8, 9] }}
+        density = {:?}
+        position = [0.02, 0.004, 0.03]
+        rotation = [1.0, 20.0, 0.5]
+        {material}
+        [[cloth]]
+        grid = {{ size = [0.25, 0.25], cells = [7, 7], pattern = "alternating" }}
+        density = {:?}
+        {material}
+        [contact]
+        thickness = 0.001
+        friction = {friction:?}
+        [integrator]
+        method = "{method}"
+        step = {step:?}
+        tolerance = 1e-13
+        "#,
+        DENSITY[0], DENSITY[1]
+    );
+    kit::simulation(&text, &[])
+}
+
+const CLOTH: &str = r#"
+    stretch = { model = "membrane", stiffness = 50.0 }
+    shear = { stiffness = 20.0 }
+    bend = { model = "hinge", rigidity = 1e-6 }"#;
+
+const METHODS: [&str; 5] = ["symplectic-euler", "rk4", "backward-euler", "bdf2", "implicit-midpoint"];
+const HEAD_ON: DVec3 = DVec3::new(0.0, -2.0, 0.0);
+const OBLIQUE: DVec3 = DVec3::new(1.5, -2.0, 0.7);
+
+/// The largest change of momentum in a flight through the impact, of the sum of all |momenta|.
+fn drift(friction: f64, method: &str, velocity: DVec3) -> f64 {
+    let mut sim = sheets(CLOTH, friction, method, 2e-4);
+    kit::throw(&mut sim, 0, velocity);
+    let before = DVec3::from(sim.momentum());
+    let mut worst: f64 = 0.0;
+    kit::run(&mut sim, 0.02, |sim| worst = worst.max((DVec3::from(sim.momentum()) - before).length()));
+    assert!(sim.tally().proximity > 100, "the sheets hardly touch: {:?}", sim.tally());
+    worst / before.length()
+}
+
+#[test]
+fn contact_keeps_momentum() {
+    for method in METHODS {
+        for friction in [0.0, 0.5] {
+            for (name, velocity) in [("head-on", HEAD_ON), ("oblique", OBLIQUE)] {
+                let drift = drift(friction, method, velocity);
+                let what = format!("{method}, friction {friction}, {name}: momentum changes by {drift:.1e}");
+                println!("{what}, bound 1e-12");
+                assert!(drift <= 1e-12, "{what}, expected at most 1e-12: impulses are not equal and opposite");
+            }
+        }
+    }
+}
+
+/// Growth of the energy in the worst step, of the energy at the start, and what is left of it.
+fn growth(mut sim: Simulation, velocity: DVec3) -> [f64; 2] {
+    kit::throw(&mut sim, 0, velocity);
+    let start = sim.energy().total();
+    let (mut before, mut worst) = (start, f64::NEG_INFINITY);
+    kit::run(&mut sim, 0.02, |sim| {
+        let now = sim.energy().total();
+        worst = worst.max((now - before) / start);
+        before = now;
+    });
+    [worst, before / start]
+}
+
+/// Without forces the response alone changes the energy.
+#[test]
+fn no_impact_adds_kinetic_energy() {
+    for friction in [0.0, 0.5] {
+        for (name, velocity) in [("head-on", HEAD_ON), ("oblique", OBLIQUE), ("fast", 40.0 * HEAD_ON)] {
+            let [growth, left] = growth(sheets("", friction, "symplectic-euler", 1e-3), velocity);
+            let what = format!("{name}, friction {friction}: in the worst step the energy grows by {growth:.1e}");
+            println!("{what}, bound 1e-12; {left:.3} of it is left");
+            assert!(growth <= 1e-12, "{what} of its start, expected at most 1e-12");
+            assert!(left < 0.8, "{name}: {left} of the energy is left, the sheets missed one another");
+        }
+    }
+}
+
+/// At this step RK4 by itself changes the energy by less than the bound.
+#[test]
+fn no_impact_adds_energy_to_elastic_sheets() {
+    for friction in [0.0, 0.5] {
+        for (name, velocity) in [("head-on", HEAD_ON), ("oblique", OBLIQUE)] {
+            let [growth, left] = growth(sheets(CLOTH, friction, "rk4", 5e-5), velocity);
+            let what = format!("{name}, friction {friction}: in the worst step the energy grows by {growth:.1e}");
+            println!("{what}, bound 1e-6; {left:.3} of it is left");
+            assert!(growth <= 1e-6, "{what} of its start, expected at most 1e-6");
+        }
+    }
+}
+
+/// The speed at which the second sheet comes nearer to the first below those vertices that touch it,
+/// m/s.
+fn approach(sim: &Simulation) -> f64 {
+    let (upper, lower) = (sim.scene().cloths[0].vertices.clone(), sim.scene().cloths[1].vertices.clone());
+    let state = |v: u32| (sim.positions()[v as usize], sim.velocities()[v as usize]);
+    let below = upper.flat_map(|v| {
+        let (at, velocity) = state(v);
+        sim.triangles().iter().filter(|t| lower.contains(&t[0])).filter_map(move |t| {
+            let [a, b, c] = t.map(|v| state(v).0 - at);
+            let turn = |p: DVec3, q: DVec3| p.x * q.z - p.z * q.x;
+            let weights = [turn(b, c), turn(c, a), turn(a, b)].map(|part| part / (turn(b, c) + turn(c, a) + turn(a, b)));
+            let normal = (b - a).cross(c - a).normalize();
+            let normal = if normal.dot(a) < 0.0 { -normal } else { normal };
+            let there: DVec3 = weights.iter().zip(t).map(|(w, &v)| state(v).1 * *w).sum();
+            let touches = weights.iter().all(|w| *w > 0.0) && normal.dot(a) < 1.02e-3;
+            touches.then(|| (velocity - there).dot(normal))
+        })
+    });
+    below.fold(0.0, f64::max)
+}
+
+/// What is left of the approach is what sweeps over the contacts leave of the thickness in a step.
+#[test]
+fn after_an_impact_nothing_approaches() {
+    for friction in [0.0, 0.5] {
+        let mut sim = sheets("", friction, "symplectic-euler", 1e-3);
+        kit::throw(&mut sim, 0, HEAD_ON);
+        kit::run(&mut sim, 0.02, |_| ());
+        let approach = approach(&sim);
+        println!("friction {friction}: what touches approaches at {approach:.1e} m/s, bound 1e-3");
+        assert!(approach <= 1e-3, "friction {friction}: what touches still approaches at {approach} m/s");
+    }
+}

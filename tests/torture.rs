@@ -1,0 +1,120 @@
+//! The torture set with contact on: crumpled, flattened, stretched, folded, wrung, funnelled, heavy
+//! on light, stiff on soft, slivers, fast capsules. From seeded starts without crossings, the exact
+//! audit finds none after any step.
+//!
+//! Run: `cargo test --release -p muslin-tests --test torture`. The long form prints a table:
+//! `cargo test --release -p muslin-tests --test torture -- --ignored --nocapture`.
+
+#[path = "torture/numbers.rs"]
+mod numbers;
+#[path = "torture/scenes.rs"]
+mod scenes;
+
+use scenes::{SCENES, Scene};
+
+use muslin_tests::both_precisions;
+
+/// Seeds in CI and in the long form.
+const SEEDS: [u64; 2] = [10, 100];
+
+both_precisions! {
+    use super::{SCENES, Scene};
+    use glam::DVec3;
+    use muslin::dispatch::Serial;
+    use muslin::real::{to_f64, vec3};
+    use muslin_tests::rng::Rng;
+
+    /// What the runs of a scene came to.
+    #[derive(Debug, Default)]
+    pub struct Row {
+        pub runs: u64,
+        pub rejected: u64,
+        pub failsafe: u64,
+        pub stretch: f64,
+        pub crossings: usize,
+        /// The first seed and step with a crossing, or that diverged.
+        pub first: Option<String>,
+    }
+
+    fn run(scene: &Scene, seed: u64, row: &mut Row) {
+        let mut sim = kit::simulation(&(scene.text)(), &[]);
+        let mut rng = Rng::new(seed);
+        let mut start: Vec<DVec3> = sim.positions().iter().map(|&x| to_f64(x).into()).collect();
+        (scene.start)(&mut start, &mut rng);
+        for (x, start) in sim.state_mut().0.iter_mut().zip(start) {
+            *x = vec3(start.into());
+        }
+        assert_eq!(sim.crossings(), 0, "{}, seed {seed}: choose a start without crossings", scene.name);
+        row.runs += 1;
+        for step in 1..=scene.steps {
+            if let Err(diverged) = sim.step(&Serial) {
+                row.first.get_or_insert(format!("seed {seed}: {diverged}"));
+                break;
+            }
+            let crossings = sim.crossings();
+            row.crossings += crossings;
+            row.stretch = row.stretch.max(sim.stretch().max);
+            if crossings > 0 {
+                row.first.get_or_insert(format!("seed {seed}: {crossings} crossings after step {step}, {:?}", sim.tally()));
+                break;
+            }
+        }
+        row.rejected += sim.tally().rejected;
+        row.failsafe += sim.tally().failsafe;
+    }
+
+    pub fn torture(scene: &Scene, seeds: u64) -> Row {
+        let mut row = Row::default();
+        (0..seeds).for_each(|seed| run(scene, seed, &mut row));
+        row
+    }
+
+    pub fn check(name: &str) {
+        let scene = SCENES.iter().find(|scene| scene.name == name).expect("the scene is in the table");
+        let row = torture(scene, super::SEEDS[0]);
+        println!("{} {name}: {row:?}", muslin::real::NAME);
+        assert!(row.first.is_none(), "{} {name}: {}", muslin::real::NAME, row.first.unwrap_or_default());
+    }
+}
+
+macro_rules! scenes {
+    ($($name:ident),*) => {
+        mod in_single {
+            $(#[test] fn $name() { super::single::check(stringify!($name)); })*
+        }
+        mod in_double {
+            $(#[test] fn $name() { super::double::check(stringify!($name)); })*
+        }
+
+        #[test]
+        fn every_scene_is_here() {
+            let names: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
+            assert_eq!(names, [$(stringify!($name)),*], "give the new scene a test");
+        }
+    };
+}
+
+scenes!(crumpled, line, plane, stretched, folded, wrung, funnel, masses, stiffnesses, slivers, capsules, pressed);
+
+#[test]
+#[ignore = "takes minutes: the table of 100 seeds"]
+fn a_hundred_seeds() {
+    println!("{:24} {:>5} {:>9} {:>9} {:>10} {:>10}", "scene", "runs", "rejected", "fail-safe", "stretch", "crossings");
+    let mut wrong = Vec::new();
+    for scene in SCENES {
+        macro_rules! line {
+            ($precision:ident) => {
+                let row = $precision::torture(scene, SEEDS[1]);
+                let name = format!("{} {}", scene.name, stringify!($precision));
+                println!(
+                    "{name:24} {:5} {:9} {:9} {:10.3} {:10}",
+                    row.runs, row.rejected, row.failsafe, row.stretch, row.crossings
+                );
+                wrong.extend(row.first.map(|first| format!("{name}: {first}")));
+            };
+        }
+        line!(single);
+        line!(double);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
