@@ -109,7 +109,7 @@ pub fn solve(
     }
     constraint.normal_impulse = impulse;
     let mut total = normal * change;
-    if let Some(law) = laws.get(constraint.law as usize).filter(|law| law.at_rest > 0.0) {
+    if let Some(law) = laws.get(constraint.law as usize).filter(|law| law.rubs()) {
         total += rub(constraint, relative - normal * relative.dot(normal), law, compliance, step);
     }
     push(&contact, total, compliance, moves);

@@ -16,7 +16,7 @@ pub(crate) fn hold(
     end: &[Vec3],
 ) -> Hold {
     let Constraint { contact, target, law, .. } = *constraint;
-    let rubs = model.laws[law as usize].at_rest > 0.0;
+    let rubs = model.laws[law as usize].rubs();
     let predicted = constraint::weighted(&contact, end) - constraint::weighted(&contact, start);
     let along = contact.normal * contact.normal.dot(predicted);
     Hold {

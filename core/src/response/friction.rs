@@ -21,6 +21,11 @@ pub struct Law {
 }
 
 impl Law {
+    /// Whether there is any friction.
+    pub fn rubs(&self) -> bool {
+        self.at_rest > 0.0 || self.viscous > 0.0
+    }
+
     /// The coefficient of a contact that slides, m/s.
     pub fn sliding(&self, speed: Real) -> Real {
         let decayed = match self.stribeck {
