@@ -60,6 +60,65 @@ fn a_step_allocates_nothing() {
     }
 }
 
+/// A sheet that falls onto a ball, a plane and itself.
+const TOUCHING: &str = r#"
+name = "touching"
+duration = 1.0
+gravity = [0.0, -9.81, 0.0]
+
+[[cloth]]
+grid = { size = [0.2, 0.2], cells = [12, 12] }
+density = 0.2
+stretch = { model = "membrane", stiffness = 50.0 }
+shear = { stiffness = 10.0 }
+bend = { model = "hinge", rigidity = 1e-6 }
+
+[contact]
+thickness = 0.004
+friction = 0.3
+
+[[collider]]
+shape = "sphere"
+center = [0.0, -0.06, 0.0]
+radius = 0.05
+
+[[collider]]
+shape = "plane"
+point = [0.0, -0.08, 0.0]
+normal = [0.0, 1.0, 0.0]
+
+[integrator]
+step = 0.0004
+"#;
+
+/// The same run again needs no more room than the first has made.
+#[test]
+fn a_step_with_contact_allocates_nothing_once_there_is_room() {
+    for method in [Method::SymplecticEuler, Method::BackwardEuler, Method::Bdf2] {
+        let mut scene: SceneDesc = toml::from_str(TOUCHING).expect("the scene of this test parses");
+        scene.integrator.method = method;
+        scene.integrator.step = if method.is_implicit() { 0.005 } else { 0.0004 };
+        let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
+        let (start, steps) = (cloth.clone(), (0.25 / scene.timing().step) as u32);
+        let run = |cloth: &mut Simulation| {
+            (0..steps).for_each(|_| cloth.step(&Serial).expect("the scene of this test stays finite"));
+        };
+        run(&mut cloth);
+        assert!(cloth.tally().proximity > 1000, "{}: hardly anything touches", method.name());
+        assert!(cloth.restore(&start.state(), start.work()), "a simulation restores its own start");
+        let counted = allocation_counter::measure(|| run(&mut cloth));
+        assert_eq!(
+            counted.count_total,
+            0,
+            "{} allocated {} times, {} bytes; find the call with a debugger on the allocator and give its column to \
+             ContactScratch",
+            method.name(),
+            counted.count_total,
+            counted.bytes_total
+        );
+    }
+}
+
 /// Bytes a particle of a scene's columns.
 fn bytes_per_particle(text: &str) -> f64 {
     let scene: SceneDesc = toml::from_str(text).expect("the scene of this test parses");

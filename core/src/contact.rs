@@ -47,6 +47,8 @@ impl ContactModel<'_> {
 pub struct ContactScratch<'a> {
     /// Where each vertex is at the start of the step, m.
     pub start: &'a mut [Vec3],
+    /// Where it would be at the end if nothing touched, m.
+    pub predicted: &'a mut [Vec3],
     /// Where it is at the end, m.
     pub end: &'a mut [Vec3],
     /// From start to end, m: beside both because differences of positions round.
@@ -185,6 +187,7 @@ mod owned {
     #[derive(Clone, Debug, Default)]
     pub struct ContactScratchColumns {
         start: Vec<Vec3>,
+        predicted: Vec<Vec3>,
         end: Vec<Vec3>,
         moves: Vec<Vec3>,
         parting: Vec<Vec3>,
@@ -209,6 +212,7 @@ mod owned {
             let column = vec![Vec3::ZERO; vertices];
             let mut columns = Self {
                 start: column.clone(),
+                predicted: column.clone(),
                 end: column.clone(),
                 moves: column.clone(),
                 parting: column,
@@ -248,7 +252,7 @@ mod owned {
 
         /// Bytes held.
         pub fn bytes(&self) -> usize {
-            4 * size_of_val(&self.start[..])
+            5 * size_of_val(&self.start[..])
                 + 2 * size_of_val(&self.rounds[..])
                 + size_of_val(&self.boxes[..])
                 + self.vertex_triangle.bytes()
@@ -263,6 +267,7 @@ mod owned {
         pub fn view(&mut self) -> ContactScratch<'_> {
             ContactScratch {
                 start: &mut self.start,
+                predicted: &mut self.predicted,
                 end: &mut self.end,
                 moves: &mut self.moves,
                 parting: &mut self.parting,

@@ -27,6 +27,9 @@ const MOST_HALVINGS: u32 = 6;
 /// How often the boxes around the motion are widened before the step is halved.
 const MOST_WIDENINGS: u32 = 6;
 
+/// How often, where it cannot be halved any more.
+const LAST_WIDENINGS: u32 = 20;
+
 /// Room for so many candidates of each kind a vertex, to begin with.
 const PAIRS_PER_VERTEX: usize = 32;
 
@@ -45,7 +48,8 @@ pub struct Simulation {
     work: Work,
 }
 
-/// A step whose result is not a number. The state is still that before it.
+/// A step whose result is not a number, or so far away that no contact can follow. The state is still
+/// that before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Diverged {
     /// The step that failed, counted from 1.
@@ -149,12 +153,21 @@ impl Simulation {
             return Err(Diverged { step: self.steps + 1, particle, term });
         }
         if self.contact.is_some() && !self.resolve(part, hold, dispatch) {
-            return Ok(false);
+            return if hold { Err(self.out_of_reach(dispatch)) } else { Ok(false) };
         }
         self.commit();
         // A two-step method cannot look back over an impulse or a step of another length.
         self.scratch.has_history &= part == Part::WHOLE && !self.touched;
         Ok(true)
+    }
+
+    /// A step whose shortest part still leaves every box: its fastest particle.
+    fn out_of_reach(&mut self, dispatch: &impl Dispatch) -> Diverged {
+        let (x, next) = (&self.built.particles.positions, &self.scratch.next_positions);
+        let moved = |v: usize| (next[v] - x[v]).length_squared();
+        let particle = (0..x.len()).max_by(|&a, &b| moved(a).total_cmp(&moved(b))).unwrap_or_default() as u32;
+        let term = self.hardest_term(particle, dispatch);
+        Diverged { step: self.steps + 1, particle, term }
     }
 
     /// Contact: solves what touches together with the cloth. Where there is too little room for what
@@ -184,6 +197,7 @@ impl Simulation {
 
     /// The phases between prediction and commit; false where surfaces would still meet.
     fn resolve(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> bool {
+        let most = if hold { LAST_WIDENINGS } else { MOST_WIDENINGS };
         let mut widened = 0;
         loop {
             dispatch.enter(Stage::BroadPhase);
@@ -194,7 +208,7 @@ impl Simulation {
             }
             match self.respond(part, hold, dispatch) {
                 Outcome::Free => return true,
-                Outcome::Left if widened < MOST_WIDENINGS => widened += 1,
+                Outcome::Left if widened < most => widened += 1,
                 Outcome::Left | Outcome::Short { .. } => return false,
                 Outcome::Meets(_) if hold => return true,
                 Outcome::Meets(_) => return false,

@@ -71,14 +71,12 @@ pub fn sweep(
     contact: &mut ContactScratch<'_>,
 ) {
     let cloth = model.cloth();
-    let ends = |contact: &mut ContactScratch<'_>| {
-        contact.end[..cloth].copy_from_slice(next_positions);
-        model.colliders.place(sweep.time + Sum::from(sweep.step), &mut contact.end[cloth..]);
-    };
     if !sweep.widen {
         contact.start[..cloth].copy_from_slice(positions);
         model.colliders.place(sweep.time, &mut contact.start[cloth..]);
-        ends(contact);
+        contact.predicted[..cloth].copy_from_slice(next_positions);
+        model.colliders.place(sweep.time + Sum::from(sweep.step), &mut contact.predicted[cloth..]);
+        contact.end.copy_from_slice(contact.predicted);
         contact.boxes.fill(Aabb::EMPTY);
         *contact.pressed = [0; 2];
     }
@@ -88,9 +86,6 @@ pub fn sweep(
         let wide = (0.5 * model.thickness + model.radii[v] + sweep.margin) * (1.0 + 4.0 * Real::EPSILON);
         let swept = Aabb { min: start.min(end) - wide, max: start.max(end) + wide };
         *around = around.union(&swept);
-    }
-    if sweep.widen {
-        ends(contact);
     }
 }
 
@@ -131,7 +126,7 @@ pub fn couple<D: Dispatch>(
     let ContactScratch { holds: all, constraints, .. } = contact;
     let release = |holds: &mut [Hold]| coupled::release(model, constraints, holds, context.step);
     coupling::correct(context, &mut all[..holds], scratch, work, release);
-    contact.end[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+    contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
 }
 
 /// Takes over what the response corrected: positions, and the velocities by as much, less what only

@@ -65,6 +65,7 @@ impl Lying {
             [integrator]
             method = "{method}"
             step = {step:?}
+            tolerance = 1e-6
             "#,
             -level
         )
@@ -236,8 +237,10 @@ both_precisions! {
                 kit::throw(&mut sim, 0, down * 0.5);
                 kit::run(&mut sim, 0.1, |_| ());
                 let error = (kit::drift(&sim, 0).dot(down) - 0.5) / 0.1 / lying.acceleration(0.4) - 1.0;
-                println!("{} {method}, {sheet}: acceleration off by {error:.1e}, bound 5e-3", muslin::real::NAME);
-                assert!(error.abs() <= 5e-3, "{method}, {sheet}: thrown, its acceleration is off by {error}");
+                // In f32 a step of the explicit method moves by some hundred roundings of the position.
+                let bound = kit::bound(1e-2, 5e-3);
+                println!("{} {method}, {sheet}: acceleration off by {error:.1e}, bound {bound}", muslin::real::NAME);
+                assert!(error.abs() <= bound, "{method}, {sheet}: thrown, its acceleration is off by {error}");
             }
         }
     }

@@ -53,8 +53,8 @@ fn one_sheet() -> String {
 }
 
 fn two_sheets(light: &str, heavy: &str) -> String {
-    let [lower, upper] = [("", light), ("position = [0.01, 0.02, 0.02]\nrotation = [0, 15, 0]", heavy)]
-        .map(|(place, change)| {
+    let [lower, upper] =
+        [("", light), ("position = [0.01, 0.02, 0.02]\nrotation = [0, 15, 0]", heavy)].map(|(place, change)| {
             let [from, to] = change.split_once("->").map(|(a, b)| [a, b]).expect("a change of the material");
             sheet(place, &MATERIAL.replace(from, to))
         });
@@ -63,10 +63,12 @@ fn two_sheets(light: &str, heavy: &str) -> String {
 
 /// A random smooth height over the sheet, of about so many metres; graphs do not cross themselves.
 fn heights(x: &mut [DVec3], rng: &mut Rng, size: f64) {
-    let waves: Vec<_> =
-        (0..6).map(|_| (rng.direction() * rng.between(10.0, 60.0), rng.between(0.0, 6.3), rng.between(0.0, size))).collect();
+    let waves: Vec<_> = (0..6)
+        .map(|_| (rng.direction() * rng.between(10.0, 60.0), rng.between(0.0, 6.3), rng.between(0.0, size)))
+        .collect();
     for x in x {
-        let height: f64 = waves.iter().map(|(wave, phase, size)| size * (wave.x * x.x + wave.z * x.z + phase).sin()).sum();
+        let height: f64 =
+            waves.iter().map(|(wave, phase, size)| size * (wave.x * x.x + wave.z * x.z + phase).sin()).sum();
         x.y += height;
     }
 }
@@ -181,7 +183,8 @@ pub const SCENES: &[Scene] = &[
         name: "slivers",
         text: || {
             let slivers = format!("[[cloth]]\ngrid = {{ size = [1.0, 0.1], cells = [2, 100] }}\n{MATERIAL}");
-            let capsule = "[[collider]]\nshape = \"capsule\"\na = [0.02, -0.05, -0.1]\nb = [0, -0.05, 0.1]\nradius = 0.03\n";
+            let capsule =
+                "[[collider]]\nshape = \"capsule\"\na = [0.02, -0.05, -0.1]\nb = [0, -0.05, 0.1]\nradius = 0.03\n";
             scene(&[&slivers, capsule])
         },
         start: roughen,
@@ -192,12 +195,12 @@ pub const SCENES: &[Scene] = &[
         text: || {
             let capsule = |z: f64, up: f64, rate: f64| {
                 format!(
-                    "[[collider]]\nshape = \"capsule\"\na = [-0.1, -0.1, {z:?}]\nb = [0.1, -0.1, {z:?}]\nradius = 0.03\n\
+                    "[[collider]]\nshape = \"capsule\"\na = [-0.05, -0.1, {z:?}]\nb = [0.05, -0.1, {z:?}]\nradius = 0.03\n\
                      motion = {{ keys = [[0.0, 0, 0, 0], [0.1, 0, {up:?}, 0], [0.2, 0, 0, 0]], turn = {{ axis = [0, 1, 0.2], \
                      rate = {rate:?} }} }}\n"
                 )
             };
-            scene(&[&sheet("", MATERIAL), &capsule(0.05, 0.5, 20.0), &capsule(-0.05, 1.0, -30.0), GROUND])
+            scene(&[&sheet("", MATERIAL), &capsule(0.09, 0.5, 20.0), &capsule(-0.09, 1.0, -30.0), GROUND])
         },
         start: roughen,
         steps: 60,

@@ -12,7 +12,7 @@ use super::conjugate_gradient::{self, Preconditioner, System, Vectors};
 use super::{Context, Method, Work};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
-use crate::real::{Mat3, Real, Vec3, outer, scaled_identity};
+use crate::real::{Mat3, Real, Sum, Vec3, outer, scaled_identity};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
@@ -21,9 +21,6 @@ const STIFFNESS: Real = 30.0;
 
 /// Solves of a step: all that touches sticks, then what cannot slides.
 const MOST_SOLVES: u32 = 3;
-
-/// Relative residual: what is left is left to the response.
-const TOLERANCE: f64 = 1e-2;
 
 /// A contact that pushes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -164,7 +161,9 @@ fn solve<D: Dispatch>(c: &Context<'_, D>, holds: &[Hold], to_position: Real, s: 
     let two_level = c.scheme.preconditioner == super::Preconditioner::TwoLevel;
     let coarse = two_level.then_some((s.patches, &mut s.coarse));
     let mut preconditioner = Preconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
-    conjugate_gradient::solve(&system, &mut preconditioner, TOLERANCE, vectors, work, c.dispatch);
+    // As tight as the step itself: momentum is kept to what is left.
+    let reduction = Sum::from(c.scheme.tolerance);
+    conjugate_gradient::solve(&system, &mut preconditioner, reduction, vectors, work, c.dispatch);
 }
 
 /// 1 / sum W^2 / (n . A n) over a hold's vertices, kg.

@@ -126,7 +126,8 @@ pub fn press(
 
 /// Adds what is near to the constraints that there are; returns how many there are then.
 fn find_near(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, before: usize) -> Result<usize, Outcome> {
-    let ContactScratch { start, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
+    let ContactScratch { start, predicted, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
+    end.copy_from_slice(predicted);
     for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
         *moves = *end - *start;
     }
@@ -140,7 +141,8 @@ fn find_near(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, before:
     list.short().map_or(Ok(list.count), Err)
 }
 
-/// Corrects `scratch.end` until nothing meets on the way from `scratch.start`.
+/// Corrects the way from `scratch.start` to `scratch.predicted` until nothing meets, and writes where
+/// it ends to `scratch.end`.
 pub fn respond<D: Dispatch>(
     model: &ContactModel<'_>,
     scratch: &mut ContactScratch<'_>,
