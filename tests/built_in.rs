@@ -44,7 +44,7 @@ macro_rules! scenes {
 // `flag`, the softest, reaches 1.066 when the wind takes it up. Sheets that fall on something are
 // drawn out for a moment, and eight turns wring more out of a strip than it has.
 scenes!(
-    ball 1.15 "slow: run with --release",
+    ball 1.2 "slow: run with --release",
     cantilever 1.1,
     curtain 1.1,
     flag 1.1,

@@ -4,6 +4,8 @@
 //! Run: `cargo test --release -p muslin-tests --test response`; with `-- --nocapture` it prints
 //! every measured value beside its bound.
 
+#![expect(clippy::useless_conversion, reason = "conversions to double, of doubles")]
+
 #[path = "response/capacity.rs"]
 mod capacity;
 #[path = "response/cone.rs"]

@@ -80,10 +80,14 @@ both_precisions! {
 macro_rules! scenes {
     ($($name:ident),*) => {
         mod in_single {
-            $(#[test] fn $name() { super::single::check(stringify!($name)); })*
+            $(#[test]
+            #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+            fn $name() { super::single::check(stringify!($name)); })*
         }
         mod in_double {
-            $(#[test] fn $name() { super::double::check(stringify!($name)); })*
+            $(#[test]
+            #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+            fn $name() { super::double::check(stringify!($name)); })*
         }
 
         #[test]

@@ -48,8 +48,8 @@ pub struct Simulation {
     work: Work,
 }
 
-/// A step whose result is not a number, or so far away that no contact can follow. The state is still
-/// that before it.
+/// A step whose result is not a number, is so far away that no contact can follow, or would let
+/// surfaces pass through one another however short it is taken. The state is that before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Diverged {
     /// The step that failed, counted from 1.
@@ -135,11 +135,9 @@ impl Simulation {
             if self.try_part(part, halvings == MOST_HALVINGS, dispatch)? {
                 done += length;
                 halvings -= u32::from(halvings > 0 && done % (2 * length) == 0);
-            } else if halvings < MOST_HALVINGS {
+            } else {
                 self.tally.rejected += 1;
                 halvings += 1;
-            } else {
-                return Err(Diverged { step: self.steps + 1, particle: 0, term: None });
             }
         }
         self.steps += 1;
@@ -209,9 +207,7 @@ impl Simulation {
             match self.respond(part, hold, dispatch) {
                 Outcome::Free => return true,
                 Outcome::Left if widened < most => widened += 1,
-                Outcome::Left | Outcome::Short { .. } => return false,
-                Outcome::Meets(_) if hold => return true,
-                Outcome::Meets(_) => return false,
+                Outcome::Left | Outcome::Short { .. } | Outcome::Meets(_) => return false,
             }
         }
     }
@@ -274,7 +270,7 @@ impl Simulation {
             let outcome = step::respond(&model.view(), &mut view, Settings { step, hold }, &mut self.tally, dispatch);
             match outcome {
                 Outcome::Short { needed } => contact.grow_constraints(needed),
-                Outcome::Free | Outcome::Meets(_) if outcome == Outcome::Free || hold => {
+                Outcome::Free => {
                     self.touched = step::settle(step, &view, &mut self.scratch.view());
                     return outcome;
                 }

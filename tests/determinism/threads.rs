@@ -42,11 +42,40 @@ const LARGE: &str = r#"
     pin = [{ select = { corners = [0] } }]
 "#;
 
+/// Sheets thrown onto one another, a turning box and a plane: every pass of the response.
+const TOUCHING: &str = r#"
+    name = "touching"
+    duration = 1.0
+    gravity = [0.5, -9.81, 0.2]
+    [[cloth]]
+    grid = { size = [0.2, 0.2], cells = [7, 7] }
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 40.0 }
+    bend = { model = "hinge", rigidity = 1e-6 }
+    [[cloth]]
+    grid = { size = [0.2, 0.2], cells = [6, 6], pattern = "alternating" }
+    density = 0.2
+    position = [0.02, 0.01, 0.03]
+    stretch = { model = "membrane", stiffness = 40.0 }
+    [contact]
+    thickness = 0.003
+    friction = { static = 0.4, kinetic = 0.3 }
+    [[collider]]
+    shape = "box"
+    center = [0, -0.03, 0]
+    half = [0.05, 0.01, 0.05]
+    motion = { keys = [[0.0, 0, 0, 0], [0.1, 0, 0.5, 0]], turn = { axis = [1, 1, 0], rate = 20.0 } }
+    [[collider]]
+    shape = "plane"
+    point = [0, -0.04, 0]
+    normal = [0, 1, 0]
+"#;
+
 const STEP: f64 = 0.001;
 const THREADS: [usize; 4] = [1, 2, 3, 7];
 
 both_precisions! {
-    use super::{EVERYTHING, LARGE, STEP, THREADS};
+    use super::{EVERYTHING, LARGE, STEP, THREADS, TOUCHING};
     use muslin::diagnostics::StateHash;
     use muslin::dispatch::{Dispatch, Serial};
     use muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
@@ -106,6 +135,13 @@ both_precisions! {
             check(EVERYTHING, Scheme { newton: 5, ..scheme(method) }, 4);
             check(EVERYTHING, Scheme { preconditioner, ..scheme(method) }, 4);
             check(EVERYTHING, Scheme { jacobian: Jacobian::Exact, ..scheme(method) }, 4);
+        }
+    }
+
+    #[test]
+    fn contact_under_any_threads() {
+        for method in [Method::SymplecticEuler, Method::BackwardEuler, Method::Bdf2] {
+            check(TOUCHING, scheme(method), 30);
         }
     }
 

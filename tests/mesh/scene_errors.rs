@@ -34,7 +34,7 @@ const GOOD: &str = r#"
     shape = "sphere"
     center = [0.0, -1.0, 0.0]
     radius = 0.3
-    motion = { keys = [[0.0, 0, 0, 0], [2.0, 0, 1, 0]] }
+    motion = { keys= [[0.0, 0, 0, 0], [2.0, 0, 1, 0]] }
     [[collider]]
     shape = "plane"
     point = [0.0, -2.0, 0.0]

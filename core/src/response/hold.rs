@@ -1,5 +1,5 @@
-//! The last resort: what still meets moves as its obstacle does, or stays where it was. Motion is
-//! lost, and counted.
+//! The last resort: what still meets moves as its obstacle does, or stays where it was; where that
+//! does not help, all of the cloth does. Motion is lost, and counted.
 
 use super::Motion;
 use super::constraint::Constraint;
@@ -20,6 +20,16 @@ pub(crate) fn hold(met: &[Constraint], model: &ContactModel<'_>, motion: &mut Mo
         for (v, _) in pairs().filter(|&(v, _)| model.mobility[v as usize] != Vec3::ZERO) {
             motion.moves[v as usize] = along;
             motion.rounds[v as usize] = round;
+        }
+    }
+}
+
+/// Holds everything back: what was apart stays apart, unless an obstacle moves into it.
+pub(crate) fn freeze(model: &ContactModel<'_>, motion: &mut Motion<'_>, round: u32) {
+    for (v, mobility) in model.mobility.iter().enumerate() {
+        if *mobility != Vec3::ZERO {
+            motion.moves[v] = Vec3::select(mobility.cmpgt(Vec3::ZERO), Vec3::ZERO, motion.moves[v]);
+            motion.rounds[v] = round;
         }
     }
 }

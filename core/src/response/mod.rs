@@ -192,6 +192,10 @@ pub fn respond<D: Dispatch>(
         }
         if settings.hold && round > MOST_ROUNDS {
             now.failsafe = 1;
+            if round + 1 == most {
+                hold::freeze(model, &mut motion, context.round);
+                continue;
+            }
             hold::hold(&list.all[first..list.count], model, &mut motion, context.round);
         } else if round <= IMPACT_ROUNDS {
             impact::resolve(&context, &mut list.all[near..list.count], &mut motion);
