@@ -86,8 +86,8 @@ pub fn push(contact: &Contact, impulse: Vec3, compliance: impl Compliance, moves
     }
 }
 
-/// Solves one constraint, without friction where there are no laws, against the displacements as they are. Returns by how much it was
-/// violated, m, and whether anything moved.
+/// Solves one constraint against the displacements as they are, without friction where there are no
+/// laws. Returns by how much it was violated, m, and whether anything moved.
 pub fn solve(
     constraint: &mut Constraint,
     compliance: impl Compliance,
