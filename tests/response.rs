@@ -10,9 +10,17 @@
 mod capacity;
 #[path = "response/cone.rs"]
 mod cone;
+#[path = "response/constraint.rs"]
+mod constraint;
+#[path = "response/coupling.rs"]
+mod coupling;
 #[path = "response/friction.rs"]
 mod friction;
+#[path = "response/impact.rs"]
+mod impact;
 #[path = "response/momentum.rs"]
 mod momentum;
 #[path = "response/safety.rs"]
 mod safety;
+#[path = "response/zone.rs"]
+mod zone;

@@ -23,6 +23,7 @@ macro_rules! kit {
     ($name:ident, $muslin:ident, $doc:literal) => {
         #[doc = $doc]
         pub mod $name {
+            use $muslin::contact::{ContactColumns, ContactScratchColumns};
             use $muslin::dispatch::Serial;
             use $muslin::forces::element::Element;
             use $muslin::forces::hinge::{HingeColumns, Hinges};
@@ -34,19 +35,23 @@ macro_rules! kit {
             use $muslin::forces::{self, Energy, Model, TangentScale};
             use $muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
             use $muslin::mesh::rest::RestTriangle;
-            use $muslin::mesh::{Incidence, IncidenceColumns};
+            use $muslin::mesh::{Incidence, IncidenceColumns, SurfaceColumns};
             use $muslin::narrow_phase::advance::{ROUNDING, advance};
             use $muslin::narrow_phase::{edge_edge_ccd, vertex_triangle_ccd};
             use $muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
+            use $muslin::response::friction::Law;
+            use $muslin::response::{Settings, Tally};
             use $muslin::scene::{BuiltScene, Resource, SceneDesc};
             use $muslin::scratch::{Scratch, ScratchColumns};
             use $muslin::simulation::Simulation;
+            use $muslin::step::{self, Sweep};
 
             use std::cell::Cell;
 
             use glam::{DMat3, DVec3};
 
             use $crate::dense::Dense;
+            use $crate::pieces::{Kept, Piece, Response};
             use $crate::query::{Pair, Query};
             use $crate::states::{Bar, Fold, State, Stitch, Triangle};
 
@@ -314,6 +319,61 @@ macro_rules! kit {
                     Pair::EdgeEdge => advance::<2>(&start, &end, separation, tolerance, counted(edge_edge_ccd::apart)),
                 };
                 count.get()
+            }
+
+            /// The response to pieces that move for 1 s, each a cloth by itself.
+            pub fn respond(pieces: &[Piece], thickness: f64, friction: f64) -> Response {
+                let mut contact = ContactColumns {
+                    thickness: thickness as Real,
+                    continuous: true,
+                    laws: vec![Law { at_rest: friction as Real, kinetic: friction as Real, ..Law::default() }],
+                    ..ContactColumns::default()
+                };
+                let (mut from, mut to, mut masses, mut triangles) = (vec![], vec![], vec![], vec![]);
+                for piece in pieces {
+                    let (first, last) = (from.len() as u32, piece.start.len() as u32 - 1);
+                    contact.firsts.push(first);
+                    // A lone point or edge repeats its last vertex.
+                    triangles.push([0, 1, 2].map(|k: u32| first + k.min(last)));
+                    for ((x, d), mass) in piece.start.iter().zip(&piece.moves).zip(&piece.masses) {
+                        from.push(vec3(x.to_array()));
+                        to.push(vec3((x + d).to_array()));
+                        masses.push(*mass);
+                        contact.mobility.push(Vec3::splat((1.0 / mass) as Real));
+                    }
+                }
+                let count = from.len();
+                contact.firsts.push(count as u32);
+                contact.surface = SurfaceColumns::build(count, &triangles, &[]);
+                contact.material = from.clone();
+                (contact.radii, contact.law_of) = (vec![0.0; count], vec![0; count]);
+                let (model, mut columns) = (contact.view(), ContactScratchColumns::build(&contact.view(), 20_000));
+                let (sweep, settings) =
+                    (Sweep { time: 0.0, step: 1.0, margin: 10.0, widen: false }, Settings { step: 1.0, hold: false });
+                let (mut scratch, mut tally) = (columns.view(), Tally::default());
+                step::sweep(&model, sweep, &from, &to, &mut scratch);
+                step::detect(&model, &mut scratch, &Serial);
+                let outcome = step::respond(&model, &mut scratch, settings, &mut tally, &Serial);
+                let wide = |column: &[Vec3]| column.iter().map(|&x| to_f64(x).into()).collect();
+                let kept = scratch.constraints.iter().filter(|c| c.contact.normal != Vec3::ZERO).map(|c| Kept {
+                    vertices: c.contact.vertices.map(|v| v as usize),
+                    weights: c.contact.weights.map(f64::from),
+                    normal: to_f64(c.contact.normal).into(),
+                    gap: c.contact.gap.into(),
+                    target: c.target.into(),
+                    impulse: c.normal_impulse.into(),
+                    friction: to_f64(c.friction_impulse).into(),
+                });
+                Response {
+                    outcome: format!("{outcome:?}"),
+                    counts: [tally.proximity, tally.impacts, tally.zones],
+                    start: wide(scratch.start),
+                    predicted: wide(scratch.predicted),
+                    end: wide(scratch.end),
+                    touched: scratch.rounds.iter().map(|&round| round > 0).collect(),
+                    masses,
+                    kept: kept.collect(),
+                }
             }
 
             fn wide_block(m: Mat3) -> DMat3 {

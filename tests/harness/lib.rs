@@ -9,6 +9,7 @@ pub mod differences;
 pub mod kit;
 pub mod net;
 pub mod oscillator;
+pub mod pieces;
 pub mod query;
 pub mod rng;
 pub mod spectrum;
