@@ -7,6 +7,7 @@
 //! precisions, because the stiffness inside a patch cancels in it.
 
 use super::conjugate_gradient::System;
+use super::coupling::Hold;
 use crate::real::{Real, Sum, Vec3, to_f64};
 
 /// Motions of a patch: three axes times (1, u, v) in its own coordinates.
@@ -54,6 +55,11 @@ impl Patches<'_> {
         [1.0, u.into(), v.into()]
     }
 
+    /// Whether the small matrix has room for what couples two patches, the first numbered higher.
+    fn are_coupled(&self, high: usize, low: usize) -> bool {
+        self.first_columns[high * MODES] as usize <= low * MODES
+    }
+
     /// Positions of a row's values, from its first column to the diagonal.
     #[inline]
     fn row(&self, row: usize) -> core::ops::Range<usize> {
@@ -61,12 +67,15 @@ impl Patches<'_> {
     }
 }
 
-/// Writes the small matrix `P^T (M + S') P` and factorises it.
+/// Writes the small matrix `P^T (M + S' + holds) P` and factorises it.
 pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, factor: &mut CoarseFactor<'_>) {
     factor.values.fill(0.0);
     factor.own.fill([[0.0; MODES]; MODES]);
     for vertex in 0..system.masses.len() {
         add_row(patches, system, vertex, factor);
+    }
+    for hold in system.holds {
+        add_hold(patches, hold, factor);
     }
     for (patch, own) in factor.own.iter().enumerate() {
         for r in 0..MODES {
@@ -142,6 +151,59 @@ fn spread(patches: &Patches<'_>, vertex: usize, other: usize, sums: &[[Sum; MODE
             }
         }
     }
+}
+
+/// Adds a contact that the system holds. Where two of its patches have no place together in the
+/// envelope it is held to each by itself, stiffer by their number: a bound from above (by Cauchy's
+/// inequality), so that the small system never answers too softly.
+fn add_hold(patches: &Patches<'_>, hold: &Hold, factor: &mut CoarseFactor<'_>) {
+    let (shares, count) = shares(patches, hold);
+    let shares = &shares[..count];
+    let [x, y, z] = hold.matrix().to_cols_array_2d();
+    let stiffness = [x, y, z].map(|column| column.map(Sum::from));
+    let fits = |a: &Share, b: &Share| a.patch <= b.patch || patches.are_coupled(a.patch, b.patch);
+    let together = shares.iter().all(|a| shares.iter().all(|b| fits(a, b)));
+    let times = if together { 1.0 } else { count as Sum };
+    for a in shares {
+        for b in shares.iter().filter(|b| b.patch == a.patch || together && b.patch < a.patch) {
+            for r in 0..MODES {
+                for c in 0..MODES {
+                    let entry = times * stiffness[r / 3][c / 3] * a.moves[r] * b.moves[c];
+                    if a.patch == b.patch {
+                        factor.own[a.patch][r][c] += 0.5 * entry;
+                    } else {
+                        let row = a.patch * MODES + r;
+                        let column = b.patch * MODES + c - patches.first_columns[row] as usize;
+                        factor.values[patches.row(row).start + column] += entry;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// How far each motion of a patch moves a contact.
+#[derive(Clone, Copy, Default)]
+struct Share {
+    patch: usize,
+    moves: [Sum; MODES],
+}
+
+/// The shares of a contact's patches, and how many they are.
+fn shares(patches: &Patches<'_>, hold: &Hold) -> ([Share; 4], usize) {
+    let mut shares = [Share::default(); 4];
+    let mut count = 0;
+    for (&v, weight) in hold.vertices.iter().zip(hold.weights) {
+        let Some(&label) = patches.labels.get(v as usize) else { continue };
+        let k = shares[..count].iter().position(|share| share.patch == label as usize).unwrap_or(count);
+        count = count.max(k + 1);
+        shares[k].patch = label as usize;
+        let (shape, held) = (patches.shape(v as usize), patches.held[v as usize]);
+        for r in (0..MODES).filter(|r| held >> (r / 3) & 1 == 0) {
+            shares[k].moves[r] += Sum::from(weight) * shape[r % 3];
+        }
+    }
+    (shares, count)
 }
 
 /// Cholesky's factor within the envelope, row by row.

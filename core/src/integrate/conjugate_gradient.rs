@@ -53,6 +53,22 @@ pub struct Vectors<'a> {
     pub partials: &'a mut [Sum],
 }
 
+/// Where a solve begins and ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Until {
+    /// The preconditioned residual of the solution beside that of zero.
+    pub reduction: Sum,
+    /// Whether to begin from the solution that there is; else from zero.
+    pub warm: bool,
+}
+
+impl Until {
+    /// From zero.
+    pub fn reduced_by(reduction: Sum) -> Self {
+        Self { reduction, warm: false }
+    }
+}
+
 /// Writes the inverse of each diagonal block, held axes decoupled.
 pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatch: &impl Dispatch) {
     let matrix = system.matrix;
@@ -81,22 +97,36 @@ fn is_positive_definite(block: &Mat3) -> bool {
     block.x_axis.x > 0.0 && minor > 0.0 && block.determinant() > 0.0
 }
 
-/// Solves for `vectors.solution` from zero until the preconditioned residual has fallen to
-/// `reduction` of its start.
+/// Solves for `vectors.solution`.
 pub fn solve(
     system: &System<'_>,
     preconditioner: &mut Preconditioner<'_, '_>,
-    reduction: Sum,
+    until: Until,
     vectors: Vectors<'_>,
     work: &mut Work,
     dispatch: &impl Dispatch,
 ) {
     let Vectors { solution, residual, direction, product, preconditioned, partials } = vectors;
-    solution.fill(Vec3::ZERO);
     precondition(system, preconditioner, residual, preconditioned, dispatch);
-    direction.copy_from_slice(preconditioned);
     let mut rho = dot(residual, preconditioned, partials, dispatch);
-    let target = rho * reduction * reduction;
+    let target = rho * until.reduction * until.reduction;
+    let guessed = if until.warm {
+        work.matrix_products += 1;
+        apply(system, solution, product, dispatch);
+        product.iter_mut().zip(&*residual).for_each(|(q, &b)| *q = b - *q);
+        precondition(system, preconditioner, product, direction, dispatch);
+        Some(dot(product, direction, partials, dispatch))
+    } else {
+        None
+    };
+    // A guess that is worse than none is dropped.
+    if let Some(better) = guessed.filter(|&guessed| guessed < rho) {
+        rho = better;
+        residual.copy_from_slice(product);
+    } else {
+        solution.fill(Vec3::ZERO);
+        direction.copy_from_slice(preconditioned);
+    }
     let mut iteration = 0;
     while rho > target && rho > 0.0 {
         if iteration == MOST_ITERATIONS {

@@ -8,19 +8,23 @@
 //! elastically. Without it only the vertices that touch would be moved, and a sheet pressed
 //! together would stay as if it were not [Otaduy 2009, Tang 2016].
 
-use super::conjugate_gradient::{self, Preconditioner, System, Vectors};
-use super::{Context, Method, Work};
+use super::conjugate_gradient::Until;
+use super::{Context, Method, Work, newton};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
-use crate::real::{Mat3, Real, Sum, Vec3, outer, scaled_identity};
+use crate::real::{Mat3, Real, Vec3, outer, scaled_identity};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
 /// Stiffness of a hold beside that of the cloth at its vertices.
 const STIFFNESS: Real = 30.0;
 
-/// Solves of a step: all that touches sticks, then what cannot slides.
-const MOST_SOLVES: u32 = 3;
+/// Solves that find out what slides and what lets go: all that touches sticks, then what cannot
+/// slides.
+const MOST_TRIALS: u32 = 3;
+
+/// How much less tight than the last solve a trial is.
+const TRIAL: Real = 10.0;
 
 /// A contact that pushes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,11 +59,11 @@ impl Hold {
         (normal + (v - normal) * self.sticks) * (self.stiffness * (1.0 - self.released))
     }
 
-    /// Its part of the diagonal block of vertex k.
-    fn block(&self, k: usize) -> Mat3 {
+    /// The same as a matrix: from relative displacement to force.
+    pub fn matrix(&self) -> Mat3 {
         let normal = outer(self.normal, self.normal);
         let held = normal + (scaled_identity(1.0) - normal) * self.sticks;
-        held * (self.stiffness * (1.0 - self.released) * self.weights[k] * self.weights[k])
+        held * (self.stiffness * (1.0 - self.released))
     }
 }
 
@@ -89,7 +93,7 @@ pub fn add_diagonal(holds: &[Hold], blocks: &mut [Mat3]) {
     for hold in holds {
         for (k, &v) in hold.vertices.iter().enumerate() {
             if let Some(block) = blocks.get_mut(v as usize) {
-                *block += hold.block(k);
+                *block += hold.matrix() * (hold.weights[k] * hold.weights[k]);
             }
         }
     }
@@ -119,16 +123,21 @@ pub fn correct<D: Dispatch>(
     for hold in &mut *holds {
         hold.stiffness = STIFFNESS * stiffness(hold, c.masses, s);
     }
-    c.dispatch.enter(Stage::Solve);
-    for _ in 0..MOST_SOLVES {
-        solve(c, holds, to_position, s, work);
+    // Each solve goes on from the one before; the last is as tight as the step itself, since
+    // momentum is kept to what is left.
+    let mut known = false;
+    for trials in 0..=MOST_TRIALS {
+        known |= trials == MOST_TRIALS;
+        let reduction = c.scheme.tolerance * if known { 1.0 } else { TRIAL };
+        solve(c, holds, to_position, Until { reduction: reduction.into(), warm: trials > 0 }, s, work);
         for hold in &mut *holds {
             let relative = gather(hold, s.solution);
             hold.impulse = hold.along(hold.missing / to_position - relative);
         }
-        if !release(holds) {
+        if known {
             break;
         }
+        known = !release(holds);
     }
     c.dispatch.enter(Stage::Integrate);
     let y = &*s.solution;
@@ -141,29 +150,20 @@ pub fn correct<D: Dispatch>(
 }
 
 /// Writes y to `s.solution`.
-fn solve<D: Dispatch>(c: &Context<'_, D>, holds: &[Hold], to_position: Real, s: &mut Scratch<'_>, work: &mut Work) {
+fn solve<D: Dispatch>(
+    c: &Context<'_, D>,
+    holds: &[Hold],
+    to_position: Real,
+    until: Until,
+    s: &mut Scratch<'_>,
+    work: &mut Work,
+) {
     s.residual.fill(Vec3::ZERO);
     for hold in holds {
         scatter(hold, hold.along(hold.missing / to_position), s.residual);
     }
     c.pins.filter(s.residual);
-    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds };
-    conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
-    let vectors = Vectors {
-        solution: s.solution,
-        residual: s.residual,
-        direction: s.direction,
-        product: s.products,
-        preconditioned: s.preconditioned,
-        partials: s.partials,
-    };
-    // The factor of the step's own solve still serves.
-    let two_level = c.scheme.preconditioner == super::Preconditioner::TwoLevel;
-    let coarse = two_level.then_some((s.patches, &mut s.coarse));
-    let mut preconditioner = Preconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
-    // As tight as the step itself: momentum is kept to what is left.
-    let reduction = Sum::from(c.scheme.tolerance);
-    conjugate_gradient::solve(&system, &mut preconditioner, reduction, vectors, work, c.dispatch);
+    newton::solve_linear(c, holds, until, s, work);
 }
 
 /// 1 / sum W^2 / (n . A n) over a hold's vertices, kg.

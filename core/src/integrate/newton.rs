@@ -11,7 +11,8 @@
 //! where E is the potential and R the dissipation, frozen during a line search. Without
 //! dissipation G is one function and every accepted iteration decreases it.
 
-use super::conjugate_gradient::{self, System};
+use super::conjugate_gradient::{self, System, Until};
+use super::coupling::Hold;
 use super::{Context, Preconditioner, Work, coarse};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
@@ -60,7 +61,7 @@ fn linearised<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratc
     work.newton_iterations += 1;
     let norm = residual_norm(c, s.residual).max(Sum::MIN_POSITIVE);
     let reduction = Sum::from(c.scheme.tolerance) * (weight_impulse(c, stage) / norm).max(1.0);
-    solve_linear(c, reduction, s, work);
+    solve_linear(c, &[], Until::reduced_by(reduction), s, work);
     add_scaled(c, s.solution, 1.0, s.next_velocities);
 }
 
@@ -89,7 +90,8 @@ fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch
         work.newton_iterations += 1;
         // Conjugate gradients consume the residual, which is minus the slope of the objective.
         s.base_residual.copy_from_slice(s.residual);
-        solve_linear(c, c.scheme.tolerance.max(INNER_TOLERANCE).into(), s, work);
+        let reduction = c.scheme.tolerance.max(INNER_TOLERANCE).into();
+        solve_linear(c, &[], Until::reduced_by(reduction), s, work);
         let slope = -column_dot(s.base_residual, s.solution);
         match search(c, stage, slope, s, work) {
             Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
@@ -123,8 +125,15 @@ fn write_residual<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Sc
     c.pins.filter(s.residual);
 }
 
-fn solve_linear<D: Dispatch>(c: &Context<'_, D>, reduction: Sum, s: &mut Scratch<'_>, work: &mut Work) {
-    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds: &[] };
+/// Solves `(M + S' + holds) y = s.residual` for `s.solution`.
+pub(super) fn solve_linear<D: Dispatch>(
+    c: &Context<'_, D>,
+    holds: &[Hold],
+    until: Until,
+    s: &mut Scratch<'_>,
+    work: &mut Work,
+) {
+    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds };
     c.dispatch.enter(stage::Stage::Solve);
     conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
     let vectors = conjugate_gradient::Vectors {
@@ -141,7 +150,7 @@ fn solve_linear<D: Dispatch>(c: &Context<'_, D>, reduction: Sum, s: &mut Scratch
         coarse = Some((s.patches, &mut s.coarse));
     }
     let mut preconditioner = conjugate_gradient::Preconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
-    conjugate_gradient::solve(&system, &mut preconditioner, reduction, vectors, work, c.dispatch);
+    conjugate_gradient::solve(&system, &mut preconditioner, until, vectors, work, c.dispatch);
     c.dispatch.enter(stage::Stage::Integrate);
 }
 
