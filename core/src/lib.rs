@@ -10,7 +10,8 @@
 //! 5. [`integrate`]: forces become candidate positions and velocities.
 //! 6. [`step`]: the phases of a step in their order, in [`scratch`] columns sized once.
 //! 7. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash;
-//!    [`audit`]: whether anything passes through anything, exactly.
+//!    [`audit`]: whether anything passes through anything, exactly; [`untangle`]: start states that
+//!    do, made free of it.
 //! 8. [`simulation`]: all of it owned, for hosts that allocate.
 //!
 //! The crate is `no_std`. With the feature `alloc` (default) it builds scenes and owns columns;
@@ -57,6 +58,9 @@ pub mod diagnostics;
 
 #[cfg(feature = "alloc")]
 pub mod audit;
+
+#[cfg(feature = "alloc")]
+pub mod untangle;
 
 #[cfg(feature = "alloc")]
 pub mod simulation;

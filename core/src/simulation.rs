@@ -13,13 +13,15 @@ use crate::integrate::pins::Pins;
 use crate::integrate::{Context, Scheme, Work};
 use crate::mesh::SurfaceColumns;
 use crate::particles::Particles;
-use crate::real::{Real, Sum, Vec3};
+use crate::real::{Real, Sum, Vec3, sqrt};
+use crate::response::impact::SEPARATION;
 use crate::response::{Outcome, Settings, Tally};
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
 use crate::stage::{Stage, Term};
 use crate::step::{self, Prediction, Sweep};
 use crate::traffic::Sizes;
+use crate::untangle::{self, Untangled};
 
 /// How often a step is halved before what still meets is held back.
 const MOST_HALVINGS: u32 = 6;
@@ -29,6 +31,9 @@ const MOST_WIDENINGS: u32 = 6;
 
 /// How often, where it cannot be halved any more.
 const LAST_WIDENINGS: u32 = 20;
+
+/// How often what is near is parted after untangling.
+const PARTINGS: u32 = 10;
 
 /// Room for so many candidates of each kind a vertex, to begin with.
 const PAIRS_PER_VERTEX: usize = 32;
@@ -325,6 +330,83 @@ impl Simulation {
         self.built.contact.as_ref()
     }
 
+    /// [Parts](untangle::untangle) what passes through one another now, where pins let it, and then
+    /// what is too near for the response to tell apart. Only positions change, and none in a scene
+    /// without contact or in which nothing passes through anything.
+    pub fn untangle(&mut self, dispatch: &impl Dispatch) -> Untangled {
+        let mut places = self.places();
+        let Some(model) = &self.built.contact else { return Untangled::default() };
+        let mut untangled = untangle::untangle(&model.view(), &mut places);
+        if untangled.rounds == 0 {
+            return untangled;
+        }
+        let positions = &mut self.built.particles.positions;
+        places.truncate(positions.len());
+        let start = core::mem::replace(positions, places);
+        self.scratch.has_history = false;
+        for _ in 0..PARTINGS {
+            let kept = self.positions().to_vec();
+            if !self.part_near(dispatch) {
+                break;
+            }
+            let places = self.places();
+            let left = self.built.contact.as_ref().map_or(0, |model| untangle::count(&model.view(), &places));
+            if left > untangled.after {
+                self.built.particles.positions = kept;
+                break;
+            }
+            untangled.after = left;
+        }
+        let moved = self.positions().iter().zip(&start).map(|(now, before)| (*now - *before).length_squared());
+        untangled.moved = sqrt(moved.fold(0.0, Real::max));
+        untangled
+    }
+
+    /// Lets the response part, standing still, what is nearer than what it counts as met; false
+    /// where there is no such thing or it cannot.
+    fn part_near(&mut self, dispatch: &impl Dispatch) -> bool {
+        let (time, step) = (self.time(), self.step);
+        let Self { built, contact, .. } = self;
+        let (Some(model), Some(contact)) = (&built.contact, contact) else { return false };
+        let (model, positions) = (&model.view(), &mut built.particles.positions);
+        for widened in 0..MOST_WIDENINGS {
+            let margin = 0.5 * model.thickness * (1 << widened) as Real;
+            let sweep = Sweep { time, step: 0.0, margin, widen: widened > 0 };
+            step::sweep(model, sweep, positions, positions, &mut contact.view());
+            let mut counts = step::detect(model, &mut contact.view(), dispatch);
+            if contact.grow_pairs(counts) {
+                counts = step::detect(model, &mut contact.view(), dispatch);
+            }
+            let view = contact.view();
+            let pairs = [(&view.vertex_triangle, counts.vertex_triangle), (&view.edge_edge, counts.edge_edge)];
+            let apart = |&distance: &Real| distance >= SEPARATION * model.thickness;
+            if pairs.iter().all(|(pairs, count)| pairs.distances[..*count].iter().all(apart)) {
+                return false;
+            }
+            let settings = Settings { step, hold: false };
+            let outcome = loop {
+                match step::respond(model, &mut contact.view(), settings, &mut Tally::default(), dispatch) {
+                    Outcome::Short { needed } => contact.grow_constraints(needed),
+                    outcome => break outcome,
+                }
+            };
+            match outcome {
+                Outcome::Free => {
+                    positions.copy_from_slice(&contact.view().end[..model.cloth()]);
+                    return true;
+                }
+                Outcome::Left => {}
+                _ => return false,
+            }
+        }
+        false
+    }
+
+    /// Where the vertices of the cloths and then of the colliders are now, m.
+    fn places(&self) -> Vec<Vec3> {
+        self.positions().iter().copied().chain(self.collider_positions()).collect()
+    }
+
     /// Where the vertices of the colliders are now, m.
     pub fn collider_positions(&self) -> Vec<Vec3> {
         let colliders = self.built.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default();
@@ -336,7 +418,7 @@ impl Simulation {
     /// Pairs of an edge and a triangle, of cloths and colliders, that pass through one another now,
     /// by the exact test; a scene without contact is asked about its cloths.
     pub fn crossings(&self) -> usize {
-        let positions: Vec<_> = self.positions().iter().copied().chain(self.collider_positions()).collect();
+        let positions = self.places();
         match &self.built.contact {
             Some(contact) => audit::count(&contact.surface.view(), &positions),
             None => {
