@@ -58,6 +58,21 @@ pub struct Snapshot {
     pub columns: [Vec<u8>; 4],
 }
 
+/// What came of a start state in which surfaces pass through one another.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Untangled {
+    /// Crossings of what can touch, before.
+    pub before: usize,
+    /// Crossings left.
+    pub after: usize,
+    /// Vertices of the cloth inside colliders, before and after.
+    pub inside: [usize; 2],
+    /// Rounds taken.
+    pub rounds: u32,
+    /// The farthest that a vertex was moved, m.
+    pub moved: f64,
+}
+
 /// A simulation in some precision.
 pub trait Engine: Send {
     /// Takes one step; on divergence the state stays as it was.
@@ -78,6 +93,8 @@ pub trait Engine: Send {
     fn chain(&self, chain: Option<u64>) -> u64;
     /// Pairs of an edge and a triangle that pass through one another, by the exact test.
     fn crossings(&self) -> usize;
+    /// Parts what passes through one another; none without contact.
+    fn untangle(&mut self, stopwatch: &Stopwatch<'_>) -> Option<Untangled>;
     /// The deepest that a vertex lies in a collider, m; none without colliders.
     fn penetration(&self) -> Option<f64>;
     /// The colliders, to be drawn.
@@ -117,7 +134,7 @@ macro_rules! engine {
             use $core::simulation::{Simulation, State};
             use $core::stage::Term;
 
-            use super::{Divergence, Engine, Report, SceneFile, Snapshot, Solid, Stopwatch};
+            use super::{Divergence, Engine, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
 
             pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
@@ -235,6 +252,18 @@ macro_rules! engine {
 
                 fn crossings(&self) -> usize {
                     Simulation::crossings(self)
+                }
+
+                fn untangle(&mut self, stopwatch: &Stopwatch<'_>) -> Option<Untangled> {
+                    self.contact()?;
+                    let untangled = Simulation::untangle(self, stopwatch);
+                    Some(Untangled {
+                        before: untangled.before,
+                        after: untangled.after,
+                        inside: untangled.inside,
+                        rounds: untangled.rounds,
+                        moved: untangled.moved.into(),
+                    })
                 }
 
                 fn penetration(&self) -> Option<f64> {

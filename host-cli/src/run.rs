@@ -2,6 +2,7 @@
 
 mod conclusion;
 mod files;
+mod start;
 
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,6 +23,7 @@ use crate::preview::Preview;
 use crate::scene_file::{self, SceneFile};
 use crate::stopwatch::Stopwatch;
 use files::{to_json, write_preview, write_summary};
+use start::Start;
 
 /// Name of the checkpoint in the output directory.
 const CHECKPOINT: &str = "checkpoint.muslin";
@@ -75,7 +77,7 @@ struct Run<'a> {
     /// Crossings of the worst frame, and that frame.
     worst_crossings: Option<(u64, u64)>,
     /// Crossings of the start state.
-    start_crossings: Option<u64>,
+    start: Start,
     /// Deepest penetration of any frame, m.
     penetration: Option<f64>,
     stepping: Duration,
@@ -102,7 +104,11 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let out = out(arguments, &scene)?;
     say_what_changed(arguments, &scene, &timing);
     let stop = interrupt::watch()?;
-    let mut run = Run::begin(arguments, engine, timing, out, scene_crc, resumed, scene.desc.frame_rate)?;
+    let start = match resumed {
+        Some(_) => Start::default(),
+        None => pool.install(|| start::untangle(engine.as_mut(), arguments, &pool)),
+    };
+    let mut run = Run::begin(arguments, engine, timing, out, scene_crc, resumed, scene.desc.frame_rate, start)?;
     pool.install(|| {
         let started = Instant::now();
         let ending = run.advance(&pool, &stop)?;
@@ -164,6 +170,7 @@ impl<'a> Run<'a> {
         scene_crc: u32,
         resumed: Option<u64>,
         frame_rate: f64,
+        start: Start,
     ) -> Result<Self, Failure> {
         let steps = engine.report().steps;
         let first_frame = if resumed.is_some() { steps / timing.steps_per_frame + 1 } else { 0 };
@@ -185,7 +192,7 @@ impl<'a> Run<'a> {
             size: [0.0; 3],
             largest_stretch: 0.0,
             worst_crossings: None,
-            start_crossings: None,
+            start,
             penetration: None,
             stepping: Duration::ZERO,
             contact: [Duration::ZERO; 3],
@@ -254,9 +261,6 @@ impl<'a> Run<'a> {
         self.penetration = self.engine.penetration().map(|now| now.max(self.penetration.unwrap_or(0.0)));
         if self.arguments.audit {
             let found = (self.engine.crossings() as u64, self.steps / self.timing.steps_per_frame);
-            if self.steps == 0 {
-                self.start_crossings = Some(found.0);
-            }
             if self.worst_crossings.is_none_or(|worst| found.0 > worst.0) {
                 self.worst_crossings = Some(found);
             }

@@ -35,7 +35,10 @@ pub struct Summary {
     pub contacts: Contacts,
     pub intersections: Option<u64>,
     pub intersections_frame: Option<u64>,
+    /// Of the scene as it is given; counted with contact, and with an audit.
     pub intersections_at_start: Option<u64>,
+    /// How many of them were parted before the first step; none without contact.
+    pub intersections_untangled: Option<u64>,
     pub penetration_m: Option<f64>,
     pub work: Work,
     pub state_hash: String,
@@ -203,8 +206,11 @@ impl Summary {
             let worst = self.intersections_frame.map(|frame| format!(", in frame {frame}")).unwrap_or_default();
             text += &format!("\naudit {count} intersections in the worst frame{worst}");
         }
-        if let Some(count @ 1..) = self.intersections_at_start {
+        if let (Some(_), Some(count @ 1..)) = (self.intersections, self.intersections_at_start) {
             text += &format!("; it starts with {count} intersections");
+        }
+        if let Some(count @ 1..) = self.intersections_untangled {
+            text += &format!("\nstart {count} intersections untangled");
         }
         text
     }

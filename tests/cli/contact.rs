@@ -91,12 +91,14 @@ fn no_gpu_backend_yet() {
     Place::new().refuses("tiny.toml --backend vulkan", &["'vulkan'", "cpu, gpu"]);
 }
 
+/// A sheet through the middle of the other.
+const THROUGH: &str = "\n[[cloth]]\ngrid = { size = [0.3, 0.3], cells = [4, 4] }\nposition = [0, 1.01, 0]\n\
+                       rotation = [90, 0, 10]\ndensity = 0.2\n";
+
 #[test]
 fn a_scene_that_starts_crossed_is_intersecting() {
     let place = Place::new();
-    let second = "\n[[cloth]]\ngrid = { size = [0.3, 0.3], cells = [4, 4] }\nposition = [0, 1.01, 0]\n\
-                  rotation = [90, 0, 10]\ndensity = 0.2\n";
-    place.write("crossed.toml", TINY.to_owned() + second);
+    place.write("crossed.toml", TINY.to_owned() + THROUGH);
     let outcome = place.muslin("run crossed.toml --out out --preview none --audit --json").expect(3);
     let summary = outcome.json();
     let worst = summary["intersections"].as_u64().unwrap();
@@ -110,6 +112,54 @@ fn a_scene_that_starts_crossed_is_intersecting() {
     let text = place.muslin("run crossed.toml --out out --preview none --audit").expect(3).stdout;
     assert!(text.contains(&format!("it starts with {start} intersections")), "{text}");
     assert_eq!(place.run("crossed.toml")["intersections"], serde_json::Value::Null, "not asked, not looked");
+}
+
+#[test]
+fn with_contact_a_crossed_start_is_untangled() {
+    let place = Place::new();
+    place.write("crossed.toml", TINY.to_owned() + THROUGH);
+    for words in ["--precision f32", "--precision f64"] {
+        let words = format!("run crossed.toml --out out --preview none --set contact.thickness=0.004 {words}");
+        let outcome = place.muslin(&format!("{words} --audit --json")).expect(0);
+        let summary = outcome.json();
+        assert_eq!((&summary["verdict"], &summary["intersections"]), (&"ok".into(), &0.into()), "{outcome:?}");
+        let start = summary["intersections_at_start"].as_u64().unwrap();
+        assert!(start > 0 && summary["intersections_untangled"] == start, "{summary}");
+        let note = format!("{start} crossings at the start: untangled in ");
+        assert!(outcome.stderr.contains(&note) && outcome.stderr.contains(" mm"), "{outcome:?}");
+        let unasked = place.muslin(&words).expect(0);
+        assert!(unasked.stderr.contains(&note), "{unasked:?}");
+        assert!(unasked.stdout.contains(&format!("start {start} intersections untangled")), "{unasked:?}");
+        assert_eq!(place.muslin(&format!("{words} --quiet")).expect(0).stderr, "");
+    }
+}
+
+#[test]
+fn what_is_held_is_reported() {
+    let place = Place::new();
+    let all = "\n[[cloth.pin]]\nselect = { box = [[-1, -1, -1], [1, 2, 1]] }\n";
+    place.write("held.toml", TINY.replace("\n[[cloth.pin]]\nselect = { corners = [0, 1] }\n", all) + THROUGH + all);
+    let outcome = place.muslin("run held.toml --out out --json --audit --set contact.thickness=0.004").expect(3);
+    let summary = outcome.json();
+    let start = summary["intersections_at_start"].as_u64().unwrap();
+    assert_eq!((&summary["intersections"], &summary["intersections_untangled"]), (&start.into(), &0.into()));
+    for part in ["left (held by pins or colliders), nothing was moved", "could not be untangled: part them before"] {
+        assert!(outcome.stderr.contains(part), "{part:?} is not in {outcome:?}");
+    }
+}
+
+#[test]
+fn a_sheet_that_starts_in_the_floor_comes_out() {
+    let place = Place::new();
+    let sunk = floor().replace("motion = \"floor.pc2\"\nmotion_rate = 10\n", "");
+    let sunk = sunk.replace("position = [0.0, 0.22, 0.0]", "position = [0.0, 0.21, 0.0]\nrotation = [0.0, 0.0, 20.0]");
+    place.write("sunk.toml", sunk);
+    place.write("floor.obj", FLOOR);
+    let summary = place.run("sunk.toml --audit");
+    assert_eq!((&summary["verdict"], &summary["intersections"]), (&"ok".into(), &0.into()));
+    assert!(summary["intersections_untangled"].as_u64() > Some(0), "{summary}");
+    let last = PointCache::parse(&place.read("out/cloth.pc2")).frames.pop().unwrap();
+    assert!(last.iter().all(|p| p[1] > 0.2), "it came out below: {last:?}");
 }
 
 #[test]

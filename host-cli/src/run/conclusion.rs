@@ -11,9 +11,14 @@ impl Run<'_> {
     /// What to say of surfaces that pass through one another, if the audit found any.
     pub(super) fn intersecting(&self, scene: &SceneFile) -> Option<String> {
         let (count, frame) = self.worst_crossings.filter(|&(count, _)| count > 0)?;
-        let start = self.start_crossings.filter(|&count| count > 0);
+        let untangled = self.start.untangled.unwrap_or(0);
+        let start = self.start.crossings.filter(|&count| count > untangled);
         let advice = match (start, &scene.desc.contact) {
-            (Some(start), _) => format!("the scene starts with {start} intersections: part them before the start"),
+            (Some(start), None) => format!("the scene starts with {start} intersections: part them before the start"),
+            (Some(start), Some(_)) => {
+                let left = start - untangled;
+                format!("of {start} intersections at the start {left} could not be untangled: part them before")
+            }
             (None, None) => "the scene has no [contact]".into(),
             (None, Some(_)) => "take a smaller integrator.step or a larger contact.thickness".into(),
         };
@@ -76,7 +81,8 @@ impl Run<'_> {
             contacts: (&report).into(),
             intersections: self.worst_crossings.map(|(count, _)| count),
             intersections_frame: self.worst_crossings.filter(|&(count, _)| count > 0).map(|(_, frame)| frame),
-            intersections_at_start: self.start_crossings,
+            intersections_at_start: self.start.crossings,
+            intersections_untangled: self.start.untangled,
             penetration_m: self.penetration,
             work: (&report).into(),
             state_hash: format!("fnv1a:{:016x}", self.chain),

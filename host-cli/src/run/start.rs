@@ -1,0 +1,47 @@
+//! A start state in which surfaces pass through one another is untangled before the first step.
+
+use crate::args::RunArguments;
+use crate::engine::{Engine, Untangled};
+use crate::failure::print_note;
+use crate::pool::Pool;
+use crate::stopwatch::Stopwatch;
+
+/// What is known of a start state.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Start {
+    /// Crossings as the scene has it; none where nothing was counted.
+    pub crossings: Option<u64>,
+    /// How many of them were untangled; none without contact.
+    pub untangled: Option<u64>,
+}
+
+/// Untangles the start of a scene with contact, and says so where there was something to do.
+pub fn untangle(engine: &mut dyn Engine, arguments: &RunArguments, pool: &Pool) -> Start {
+    let audited = arguments.audit.then(|| engine.crossings() as u64);
+    let Some(found) = engine.untangle(&Stopwatch::new(pool)) else {
+        return Start { crossings: audited, untangled: None };
+    };
+    if !arguments.quiet && (found.before > 0 || found.inside[0] > 0) {
+        print_note(&words(&found));
+    }
+    let crossings = audited.unwrap_or(found.before as u64);
+    Start { crossings: Some(crossings), untangled: Some((found.before - found.after) as u64) }
+}
+
+fn words(found: &Untangled) -> String {
+    let Untangled { before, after, inside, rounds, moved } = *found;
+    let what = match (before, inside[0]) {
+        (0, inside) => format!("{inside} vertices inside colliders"),
+        (before, _) => format!("{before} crossings"),
+    };
+    let left = match (after, inside[1]) {
+        (0, 0) => format!("untangled in {rounds} rounds"),
+        (0, inside) => format!("{inside} vertices left inside (held by pins or colliders)"),
+        (after, _) => format!("{after} left (held by pins or colliders)"),
+    };
+    let moved = match rounds {
+        0 => "nothing was moved".into(),
+        _ => format!("vertices moved by up to {:.1} mm", 1e3 * moved),
+    };
+    format!("{what} at the start: {left}, {moved}")
+}
