@@ -422,7 +422,7 @@ impl Simulation {
         match &self.built.contact {
             Some(contact) => audit::count(&contact.surface.view(), &positions),
             None => {
-                let surface = SurfaceColumns::build(positions.len(), &self.built.triangles, &[]);
+                let surface = SurfaceColumns::build(positions.len(), &self.built.triangles, &self.built.sewn());
                 audit::count(&surface.view(), &positions)
             }
         }

@@ -71,6 +71,12 @@ impl BuiltScene {
             + self.model.bytes()
             + self.contact.as_ref().map_or(0, ContactColumns::bytes)
     }
+
+    /// Pairs of vertices that seams hold together.
+    pub fn sewn(&self) -> Vec<[u32; 2]> {
+        let stitches = self.model.seams.iter().flat_map(|seams| &seams.vertices);
+        stitches.flat_map(|&[a, b, c]| [[a, b], [a, c]]).filter(|[a, b]| a != b).collect()
+    }
 }
 
 /// Builds the columns of a scene. `resources` holds every mesh file that the scene names.

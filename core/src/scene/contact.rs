@@ -107,7 +107,7 @@ pub(super) fn columns(
     }
     let passive = columns.colliders.triangles.iter().map(|t| t.map(|v| cloth as u32 + v));
     let triangles: Vec<_> = built.triangles.iter().copied().chain(passive).collect();
-    columns.surface = SurfaceColumns::build(cloth + colliders, &triangles, &sewn(built));
+    columns.surface = SurfaceColumns::build(cloth + colliders, &triangles, &built.sewn());
     columns.surface.first_passive = built.triangles.len() as u32;
     columns.surface.own_contact = contact.own;
     Ok(Some(columns))
@@ -118,12 +118,6 @@ fn mobility(built: &BuiltScene) -> Vec<Vec3> {
     let mut mobility: Vec<_> = built.particles.inverse_masses.iter().map(|&m| Vec3::splat(m)).collect();
     built.pins.view().filter(&mut mobility);
     mobility
-}
-
-/// Pairs of vertices that seams hold together.
-fn sewn(built: &BuiltScene) -> Vec<[u32; 2]> {
-    let stitches = built.model.seams.iter().flat_map(|seams| &seams.vertices);
-    stitches.flat_map(|&[a, b, c]| [[a, b], [a, c]]).filter(|[a, b]| a != b).collect()
 }
 
 #[cfg(feature = "serde")]
