@@ -13,27 +13,18 @@ use crate::integrate::pins::Pins;
 use crate::integrate::{Context, Scheme, Work};
 use crate::mesh::SurfaceColumns;
 use crate::particles::Particles;
-use crate::real::{Real, Sum, Vec3, sqrt};
-use crate::response::impact::SEPARATION;
-use crate::response::{Outcome, Settings, Tally};
+use crate::real::{Real, Sum, Vec3};
+use crate::response::Tally;
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
-use crate::stage::{Stage, Term};
-use crate::step::{self, Prediction, Sweep};
+use crate::stage::Term;
+use crate::step::{self, Prediction};
 use crate::traffic::Sizes;
-use crate::untangle::{self, Untangled};
+
+mod contact;
 
 /// How often a step is halved before what still meets is held back.
 const MOST_HALVINGS: u32 = 6;
-
-/// How often the boxes around the motion are widened before the step is halved.
-const MOST_WIDENINGS: u32 = 6;
-
-/// How often, where it cannot be halved any more.
-const LAST_WIDENINGS: u32 = 20;
-
-/// How often what is near is parted after untangling.
-const PARTINGS: u32 = 10;
 
 /// Room for so many candidates of each kind a vertex, to begin with.
 const PAIRS_PER_VERTEX: usize = 32;
@@ -53,22 +44,36 @@ pub struct Simulation {
     work: Work,
 }
 
-/// A step whose result is not a number, is so far away that no contact can follow, or would let
-/// surfaces pass through one another however short it is taken. The state is that before it.
+/// A step that cannot be taken. The state is that before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Diverged {
     /// The step that failed, counted from 1.
     pub step: u64,
-    /// The first particle that is not finite.
+    /// The first particle that is not finite, or the one that moves fastest where surfaces meet.
     pub particle: u32,
     /// The term that pulled hardest on it.
     pub term: Option<Term>,
+    /// What went wrong.
+    pub cause: Cause,
+}
+
+/// Why a step cannot be taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// Its result is not a number.
+    NotFinite,
+    /// Surfaces would pass through one another however short it is taken.
+    Contact,
 }
 
 impl core::fmt::Display for Diverged {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let term = self.term.map_or("no term", Term::name);
-        write!(f, "diverged in step {} at particle {}, pulled hardest by {term}", self.step, self.particle)
+        let what = match self.cause {
+            Cause::NotFinite => "diverged",
+            Cause::Contact => "surfaces could not be kept apart",
+        };
+        write!(f, "{what} in step {} at particle {}, pulled hardest by {term}", self.step, self.particle)
     }
 }
 
@@ -152,69 +157,23 @@ impl Simulation {
     /// Takes a part of a step; false, and nothing done, where surfaces would meet.
     fn try_part(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Result<bool, Diverged> {
         if let Prediction::NotFinite { particle } = self.predict(part, dispatch) {
-            let term = self.hardest_term(particle, dispatch);
-            return Err(Diverged { step: self.steps + 1, particle, term });
+            return Err(self.diverged(Cause::NotFinite, particle, dispatch));
         }
-        if self.contact.is_some() && !self.resolve(part, hold, dispatch) {
-            return if hold { Err(self.out_of_reach(dispatch)) } else { Ok(false) };
+        if self.contact.is_some() {
+            if !self.resolve(part, hold, dispatch) {
+                let fastest = self.fastest();
+                return if hold { Err(self.diverged(Cause::Contact, fastest, dispatch)) } else { Ok(false) };
+            }
+            // The response compares, and comparisons with what is not a number say nothing.
+            let (x, v) = (&self.scratch.next_positions, &self.scratch.next_velocities);
+            if let Some(particle) = diagnostics::first_non_finite(x, v) {
+                return Err(self.diverged(Cause::NotFinite, particle, dispatch));
+            }
         }
         self.commit();
         // A two-step method cannot look back over an impulse or a step of another length.
         self.scratch.has_history &= part == Part::WHOLE && !self.touched;
         Ok(true)
-    }
-
-    /// A step whose shortest part still leaves every box: its fastest particle.
-    fn out_of_reach(&mut self, dispatch: &impl Dispatch) -> Diverged {
-        let (x, next) = (&self.built.particles.positions, &self.scratch.next_positions);
-        let moved = |v: usize| (next[v] - x[v]).length_squared();
-        let particle = (0..x.len()).max_by(|&a, &b| moved(a).total_cmp(&moved(b))).unwrap_or_default() as u32;
-        let term = self.hardest_term(particle, dispatch);
-        Diverged { step: self.steps + 1, particle, term }
-    }
-
-    /// Contact: solves what touches together with the cloth. Where there is too little room for what
-    /// touches, it is grown.
-    pub fn press(&mut self, part: Part, dispatch: &impl Dispatch) {
-        let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
-        let Self { built, scratch, contact, scheme, work, .. } = self;
-        let (Some(touching), Some(contact)) = (&built.contact, contact) else { return };
-        if !scheme.method.is_implicit() {
-            return;
-        }
-        dispatch.enter(Stage::Response);
-        let holds = loop {
-            let settings = Settings { step, hold: false };
-            match step::press(&touching.view(), &mut contact.view(), settings, scratch.view().inverse_diagonal) {
-                Ok(holds) => break holds,
-                Err(Outcome::Short { needed }) => contact.grow_constraints(needed),
-                Err(_) => return,
-            }
-        };
-        let BuiltScene { particles, model, pins, .. } = built;
-        let (model, pins) = (&model.view(), &pins.view());
-        let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
-        let context = Context { model, pins, masses, inverse_masses, time, step, scheme, dispatch };
-        step::couple(&touching.view(), &context, &mut contact.view(), holds, &mut scratch.view(), work);
-    }
-
-    /// The phases between prediction and commit; false where surfaces would still meet.
-    fn resolve(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> bool {
-        let most = if hold { LAST_WIDENINGS } else { MOST_WIDENINGS };
-        let mut widened = 0;
-        loop {
-            dispatch.enter(Stage::BroadPhase);
-            self.sweep(part, widened);
-            self.detect(dispatch);
-            if widened == 0 {
-                self.press(part, dispatch);
-            }
-            match self.respond(part, hold, dispatch) {
-                Outcome::Free => return true,
-                Outcome::Left if widened < most => widened += 1,
-                Outcome::Left | Outcome::Short { .. } | Outcome::Meets(_) => return false,
-            }
-        }
     }
 
     /// The first phase of a step: writes the candidate state.
@@ -244,46 +203,6 @@ impl Simulation {
         step::predict(&context, &particles, &mut scratch.view(), work)
     }
 
-    /// Contact: writes the boxes around the motion, wider where that was too little.
-    pub fn sweep(&mut self, part: Part, widened: u32) {
-        let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
-        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return };
-        let margin = 0.5 * model.thickness * (1 << widened) as Real;
-        let sweep = Sweep { time, step, margin, widen: widened > 0 };
-        let positions = &self.built.particles.positions;
-        step::sweep(&model.view(), sweep, positions, &self.scratch.next_positions, &mut contact.view());
-    }
-
-    /// Contact: finds candidates, with more room where there was too little.
-    pub fn detect(&mut self, dispatch: &impl Dispatch) {
-        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return };
-        let mut counts = step::detect(&model.view(), &mut contact.view(), dispatch);
-        if contact.grow_pairs(counts) {
-            counts = step::detect(&model.view(), &mut contact.view(), dispatch);
-        }
-        self.tally.candidates += (counts.vertex_triangle + counts.edge_edge) as u64;
-    }
-
-    /// Contact: corrects the candidate state. Where there is too little room for what touches, it
-    /// is grown and the response begun again.
-    pub fn respond(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Outcome {
-        let step = self.step * part.length as Real;
-        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return Outcome::Free };
-        dispatch.enter(Stage::Response);
-        loop {
-            let mut view = contact.view();
-            let outcome = step::respond(&model.view(), &mut view, Settings { step, hold }, &mut self.tally, dispatch);
-            match outcome {
-                Outcome::Short { needed } => contact.grow_constraints(needed),
-                Outcome::Free => {
-                    self.touched = step::settle(step, &view, &mut self.scratch.view());
-                    return outcome;
-                }
-                _ => return outcome,
-            }
-        }
-    }
-
     /// The last phase of a step: the candidate becomes the state. As [`step::commit`], over owned
     /// columns.
     pub fn commit(&mut self) {
@@ -295,6 +214,11 @@ impl Simulation {
             core::mem::swap(&mut scratch.previous_velocities, &mut scratch.next_velocities);
             scratch.has_history = true;
         }
+    }
+
+    fn diverged(&mut self, cause: Cause, particle: u32, dispatch: &impl Dispatch) -> Diverged {
+        let term = self.hardest_term(particle, dispatch);
+        Diverged { step: self.steps + 1, particle, term, cause }
     }
 
     fn hardest_term(&mut self, particle: u32, dispatch: &impl Dispatch) -> Option<Term> {
@@ -328,78 +252,6 @@ impl Simulation {
     /// What can touch; absent: nothing.
     pub fn contact(&self) -> Option<&ContactColumns> {
         self.built.contact.as_ref()
-    }
-
-    /// [Parts](untangle::untangle) what passes through one another now, where pins let it, and then
-    /// what is too near for the response to tell apart. Only positions change, and none in a scene
-    /// without contact or in which nothing passes through anything.
-    pub fn untangle(&mut self, dispatch: &impl Dispatch) -> Untangled {
-        let mut places = self.places();
-        let Some(model) = &self.built.contact else { return Untangled::default() };
-        let mut untangled = untangle::untangle(&model.view(), &mut places);
-        if untangled.rounds == 0 {
-            return untangled;
-        }
-        let positions = &mut self.built.particles.positions;
-        places.truncate(positions.len());
-        let start = core::mem::replace(positions, places);
-        self.scratch.has_history = false;
-        for _ in 0..PARTINGS {
-            let kept = self.positions().to_vec();
-            if !self.part_near(dispatch) {
-                break;
-            }
-            let places = self.places();
-            let left = self.built.contact.as_ref().map_or(0, |model| untangle::count(&model.view(), &places));
-            if left > untangled.after {
-                self.built.particles.positions = kept;
-                break;
-            }
-            untangled.after = left;
-        }
-        let moved = self.positions().iter().zip(&start).map(|(now, before)| (*now - *before).length_squared());
-        untangled.moved = sqrt(moved.fold(0.0, Real::max));
-        untangled
-    }
-
-    /// Lets the response part, standing still, what is nearer than what it counts as met; false
-    /// where there is no such thing or it cannot.
-    fn part_near(&mut self, dispatch: &impl Dispatch) -> bool {
-        let (time, step) = (self.time(), self.step);
-        let Self { built, contact, .. } = self;
-        let (Some(model), Some(contact)) = (&built.contact, contact) else { return false };
-        let (model, positions) = (&model.view(), &mut built.particles.positions);
-        for widened in 0..MOST_WIDENINGS {
-            let margin = 0.5 * model.thickness * (1 << widened) as Real;
-            let sweep = Sweep { time, step: 0.0, margin, widen: widened > 0 };
-            step::sweep(model, sweep, positions, positions, &mut contact.view());
-            let mut counts = step::detect(model, &mut contact.view(), dispatch);
-            if contact.grow_pairs(counts) {
-                counts = step::detect(model, &mut contact.view(), dispatch);
-            }
-            let view = contact.view();
-            let pairs = [(&view.vertex_triangle, counts.vertex_triangle), (&view.edge_edge, counts.edge_edge)];
-            let apart = |&distance: &Real| distance >= SEPARATION * model.thickness;
-            if pairs.iter().all(|(pairs, count)| pairs.distances[..*count].iter().all(apart)) {
-                return false;
-            }
-            let settings = Settings { step, hold: false };
-            let outcome = loop {
-                match step::respond(model, &mut contact.view(), settings, &mut Tally::default(), dispatch) {
-                    Outcome::Short { needed } => contact.grow_constraints(needed),
-                    outcome => break outcome,
-                }
-            };
-            match outcome {
-                Outcome::Free => {
-                    positions.copy_from_slice(&contact.view().end[..model.cloth()]);
-                    return true;
-                }
-                Outcome::Left => {}
-                _ => return false,
-            }
-        }
-        false
     }
 
     /// Where the vertices of the cloths and then of the colliders are now, m.

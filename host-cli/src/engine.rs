@@ -12,12 +12,10 @@ use crate::stopwatch::Stopwatch;
 /// Why a step was not taken.
 #[derive(Clone, Debug)]
 pub struct Divergence {
-    /// The step that failed, counted from 1.
-    pub step: u64,
-    /// The first particle that is not finite.
-    pub particle: u32,
-    /// The term that pulled hardest on it.
-    pub term: &'static str,
+    /// What went wrong, in which step and where.
+    pub what: String,
+    /// What to do about it.
+    pub advice: &'static str,
 }
 
 /// Numbers about the state and the work, in double.
@@ -131,8 +129,8 @@ macro_rules! engine {
             use $core::mesh::{Stitch, TriMesh};
             use $core::real::{Real, Vec3};
             use $core::scene::{Content, PointCache, SceneDesc};
+            use $core::simulation::Cause;
             use $core::simulation::{Simulation, State};
-            use $core::stage::Term;
 
             use super::{Divergence, Engine, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
 
@@ -193,9 +191,16 @@ macro_rules! engine {
             impl Engine for Simulation {
                 fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Divergence> {
                     Simulation::step(self, stopwatch).map_err(|diverged| Divergence {
-                        step: diverged.step,
-                        particle: diverged.particle,
-                        term: diverged.term.map_or("no term", Term::name),
+                        what: diverged.to_string(),
+                        advice: match diverged.cause {
+                            Cause::NotFinite => {
+                                "take a smaller integrator.step, softer terms, less damping or an implicit method"
+                            }
+                            Cause::Contact => {
+                                "leave the cloth room between what closes in on it, slow that down, or take a smaller \
+                                 integrator.step"
+                            }
+                        },
                     })
                 }
 

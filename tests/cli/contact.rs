@@ -239,3 +239,25 @@ fn the_bench_measures_contact() {
         assert!(stages.contains(&stage), "{stage} is not in {stages:?}");
     }
 }
+
+/// Two blocks that close on a sheet until they overlap.
+#[test]
+fn a_sheet_without_room_ends_the_run_and_says_why() {
+    let ball = "shape = \"sphere\"\ncenter = [0.0, 0.0, 0.0]\nradius = 0.2\n";
+    let block = |y: f64, speed: f64| {
+        format!(
+            "shape = \"box\"\ncenter = [0.0, {y:?}, 0.0]\nhalf = [0.3, 0.1, 0.3]\n\
+             motion = {{ keys = [[0.0, 0, 0, 0], [1.0, 0, {speed:?}, 0]] }}\n"
+        )
+    };
+    let blocks = format!("{}\n[[collider]]\n{}", block(0.1, 0.2), block(0.34, -0.2));
+    let place = Place::new();
+    place.write("closing.toml", DROP.replace(ball, &blocks));
+    let outcome = place.muslin("run closing.toml --out out --preview none --json --audit").expect(3);
+    let summary = outcome.json();
+    assert_eq!(summary["verdict"], "diverged");
+    assert_eq!(summary["intersections"], 0, "a frame was written in which surfaces cross");
+    assert!(summary["frames"].as_u64().unwrap() > 1, "no frame was kept: {summary}");
+    assert!(outcome.stderr.contains("surfaces could not be kept apart in step "), "{outcome:?}");
+    assert!(outcome.stderr.contains("leave the cloth room"), "no advice: {outcome:?}");
+}

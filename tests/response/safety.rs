@@ -201,6 +201,21 @@ both_precisions! {
         }
     }
 
+    /// Pairs nearer than a time of impact can tell: the exact test decides.
+    #[test]
+    fn sheets_that_begin_all_but_touching_do_not_pass() {
+        let above = NAPKIN.replace("[0.0, 0.03, 0.0]", "[0.013, 0.03000001, 0.017]");
+        let plate = collider(GROUNDS[1].1, "");
+        for method in ["symplectic-euler", "backward-euler"] {
+            let mut sim = build(&[NAPKIN, &above, &plate], method);
+            let what = format!("{}, {method}", muslin::real::NAME);
+            assert_eq!(sim.crossings(), 0, "{what}: choose a start without crossings");
+            kit::run(&mut sim, 0.1, |sim| no_crossing(sim, &what));
+            println!("{what}: {} pairs touched", sim.tally().touching);
+            assert!(sim.tally().touching > 0, "{what}: nothing touched, choose a start nearer");
+        }
+    }
+
     /// A collider so fast beside the thickness that its push leaves every box.
     #[test]
     fn a_ball_far_faster_than_thick_still_pushes() {

@@ -8,6 +8,9 @@ use crate::real::{Real, Vec3};
 /// In `times`: not in this step.
 pub const NEVER: Real = 2.0;
 
+/// In `times`: the features touch already.
+pub const TOUCHING: Real = 3.0;
+
 /// The motion of all vertices, and which of them moved since they were last tested.
 #[derive(Clone, Copy)]
 pub struct Motion<'a> {
@@ -26,8 +29,8 @@ pub struct Motion<'a> {
 }
 
 /// Writes when each candidate's features come within `separation` of one another, or within half
-/// of their distance where they are already nearer. Features that touch at the start are left to
-/// the response that parts them.
+/// of their distance where they are already nearer. For features that touch at the start there
+/// is no such time: the response parts them, and an exact test has to follow.
 pub fn times<P: Pairing>(
     candidates: &[[u32; 2]],
     distances: &[Real],
@@ -43,7 +46,11 @@ pub fn times<P: Pairing>(
             *time = NEVER;
             let vertices = P::vertices(surface, candidate);
             let untouched = motion.round > 0 && gather(vertices, motion.rounds).iter().all(|&r| r != motion.round);
-            if untouched || distance <= least {
+            if untouched {
+                continue;
+            }
+            if distance <= least {
+                *time = TOUCHING;
                 continue;
             }
             let separation = separation.min(0.5 * distance);

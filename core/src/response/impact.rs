@@ -50,6 +50,7 @@ fn find_pairs<P: Pairing, D: Dispatch>(
     dispatch.enter(Stage::Response);
     for (&candidate, &time) in candidates.iter().zip(&*times) {
         if time > 1.0 {
+            list.touching += u64::from(time == continuous::TOUCHING);
             continue;
         }
         let vertices = P::vertices(&model.surface, candidate);

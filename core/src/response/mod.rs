@@ -60,6 +60,9 @@ pub struct Tally {
     pub impacts: u64,
     /// Impact zones solved.
     pub zones: u64,
+    /// Pairs that touched at the start of a step, so that only an exact test of its end tells whether
+    /// they pass through one another.
+    pub touching: u64,
     /// Steps that needed the last resort.
     pub failsafe: u64,
     /// Steps rejected and taken in halves.
@@ -79,6 +82,8 @@ pub struct Settings {
 pub(crate) struct List<'a> {
     pub all: &'a mut [Constraint],
     pub count: usize,
+    /// Pairs that touch and have no time of impact.
+    pub touching: u64,
 }
 
 impl List<'_> {
@@ -133,7 +138,7 @@ fn find_near(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, before:
     }
     parting.fill(Vec3::ZERO);
     rounds.fill(0);
-    let mut list = List { all: constraints, count: before };
+    let mut list = List { all: constraints, count: before, touching: 0 };
     let known = repulsion::Known::sort(&list.all[..list.count], order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];
     let motion = Motion { start, end, moves, rounds };
@@ -157,7 +162,7 @@ pub fn respond<D: Dispatch>(
         Err(outcome) => return outcome,
     };
     let ContactScratch { start, end, moves, parting, rounds, zones, boxes, counts, constraints, order, .. } = scratch;
-    let mut list = List { all: constraints, count: near };
+    let mut list = List { all: constraints, count: near, touching: 0 };
     let pairs = [counts.vertex_triangle, counts.edge_edge];
     let mut motion = Motion { start, end, moves, rounds };
     let mut now = Tally { proximity: near as u64, ..Tally::default() };
@@ -183,6 +188,7 @@ pub fn respond<D: Dispatch>(
         }
         let met = list.count - first;
         if met == 0 {
+            now.touching = list.touching;
             tally.add(&now);
             return Outcome::Free;
         }
@@ -211,6 +217,7 @@ impl Tally {
         self.proximity += other.proximity;
         self.impacts += other.impacts;
         self.zones += other.zones;
+        self.touching += other.touching;
         self.failsafe += other.failsafe;
     }
 }

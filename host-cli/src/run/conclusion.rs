@@ -34,11 +34,7 @@ impl Run<'_> {
         let [broad_phase, narrow_phase, response] = self.contact.map(per_step);
         let predict = per_step(self.stepping.saturating_sub(self.contact.iter().sum()));
         let divergence = match ending {
-            Ending::Diverged(d) => Some(format!(
-                "diverged in step {} at particle {}, pulled hardest by {}; take a smaller integrator.step, \
-                 softer terms, less damping or an implicit method. The frames before it are kept",
-                d.step, d.particle, d.term
-            )),
+            Ending::Diverged(d) => Some(format!("{}; {}. The frames before it are kept", d.what, d.advice)),
             _ => None,
         };
         Summary {
