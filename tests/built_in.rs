@@ -14,14 +14,17 @@ fn ends_well(name: &str, most: f64) {
     let scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
     let mut cloth = Simulation::new(&scene, &[]).expect("built-in scenes build");
     let timing = scene.timing();
+    let mut largest: f64 = 0.0;
     for step in 1..=timing.frames * timing.steps_per_frame {
         cloth.step(&Serial).unwrap_or_else(|diverged| panic!("{name}: {diverged}"));
         let stretch = cloth.stretch().max;
+        largest = largest.max(stretch);
         assert!(stretch < most, "{name}: an edge is stretched to {stretch} in step {step}");
         if scene.contact.is_some() && step % timing.steps_per_frame == 0 {
             assert_eq!(cloth.crossings(), 0, "{name}: something passes through something in step {step}");
         }
     }
+    println!("{name}: stretched by at most {largest:.3} of {most}");
     assert_eq!(cloth.work().unconverged, 0, "{name}: solves ended at their limit of iterations");
 }
 
@@ -42,13 +45,13 @@ macro_rules! scenes {
 }
 
 // `flag`, the softest, reaches 1.066 when the wind takes it up. Sheets that fall on something are
-// drawn out for a moment, and eight turns wring more out of a strip than it has.
+// drawn out for a moment, and eight turns wring a strip at its ends.
 scenes!(
-    ball 1.2 "slow: run with --release",
+    ball 1.15 "slow: run with --release",
     cantilever 1.1,
     curtain 1.1,
     flag 1.1,
-    fold 1.3 "slow: run with --release",
+    fold 1.2 "slow: run with --release",
     funnel 1.7 "slow: run with --release",
     hanging 1.1,
     poncho 1.3 "slow: run with --release",
@@ -56,5 +59,5 @@ scenes!(
     stack 1.15 "slow: run with --release",
     swing 1.1,
     tablecloth 1.15 "slow: run with --release",
-    twist 4.5 "slow: run with --release"
+    twist 2.0 "slow: run with --release"
 );

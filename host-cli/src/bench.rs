@@ -27,10 +27,10 @@ const LONGEST: Duration = Duration::from_secs(4);
 /// Steps before the clocks start: caches fill, pages are mapped.
 const WARM_UP: u64 = 3;
 
-/// The standard set: explicit springs from 10k to 1M particles, then implicit scenes, two of them
+/// The standard set: explicit springs from 10k to 1M particles, then implicit scenes, three of them
 /// with contact, then crumpled sheets.
 const SPRINGS: [(&str, u32); 3] = [("springs-10k", 100), ("springs-100k", 315), ("springs-1m", 1000)];
-const IMPLICIT: [&str; 5] = ["hanging", "swing", "flag", "ball", "stack"];
+const IMPLICIT: [&str; 6] = ["hanging", "swing", "flag", "ball", "stack", "fold"];
 const CRUMPLED: &str = "crumpled";
 
 /// Measures the scenes and prints a table or JSON.

@@ -3,6 +3,8 @@
 
 use super::{Part, Simulation};
 use crate::audit;
+use crate::broad_phase::Counts;
+use crate::contact::{ContactModel, ContactScratchColumns};
 use crate::dispatch::Dispatch;
 use crate::integrate::Context;
 use crate::real::{Real, sqrt};
@@ -57,31 +59,21 @@ impl Simulation {
     /// Contact: finds candidates, with more room where there was too little.
     pub fn detect(&mut self, dispatch: &impl Dispatch) {
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return };
-        let mut counts = step::detect(&model.view(), &mut contact.view(), dispatch);
-        if contact.grow_pairs(counts) {
-            counts = step::detect(&model.view(), &mut contact.view(), dispatch);
-        }
+        let counts = detect(&model.view(), contact, dispatch);
         self.tally.candidates += (counts.vertex_triangle + counts.edge_edge) as u64;
     }
 
-    /// Contact: corrects the candidate state. Where there is too little room for what touches, it
-    /// is grown and the response begun again.
+    /// Contact: corrects the candidate state, with more room where there was too little for what
+    /// touches.
     pub fn respond(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Outcome {
         let step = self.step * part.length as Real;
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return Outcome::Free };
         dispatch.enter(Stage::Response);
-        loop {
-            let mut view = contact.view();
-            let outcome = step::respond(&model.view(), &mut view, Settings { step, hold }, &mut self.tally, dispatch);
-            match outcome {
-                Outcome::Short { needed } => contact.grow_constraints(needed),
-                Outcome::Free => {
-                    self.touched = step::settle(step, &view, &mut self.scratch.view());
-                    return outcome;
-                }
-                _ => return outcome,
-            }
+        let outcome = respond(&model.view(), contact, Settings { step, hold }, &mut self.tally, dispatch);
+        if outcome == Outcome::Free {
+            self.touched = step::settle(step, &contact.view(), &mut self.scratch.view());
         }
+        outcome
     }
 
     /// Contact: solves what touches together with the cloth. Where there is too little room for what
@@ -166,10 +158,7 @@ impl Simulation {
             let margin = 0.5 * model.thickness * (1 << widened) as Real;
             let sweep = Sweep { time, step: 0.0, margin, widen: widened > 0 };
             step::sweep(model, sweep, positions, positions, &mut contact.view());
-            let mut counts = step::detect(model, &mut contact.view(), dispatch);
-            if contact.grow_pairs(counts) {
-                counts = step::detect(model, &mut contact.view(), dispatch);
-            }
+            let counts = detect(model, contact, dispatch);
             let view = contact.view();
             let pairs = [(&view.vertex_triangle, counts.vertex_triangle), (&view.edge_edge, counts.edge_edge)];
             let apart = |&distance: &Real| distance >= SEPARATION * model.thickness;
@@ -177,13 +166,7 @@ impl Simulation {
                 return false;
             }
             let settings = Settings { step, hold: false };
-            let outcome = loop {
-                match step::respond(model, &mut contact.view(), settings, &mut Tally::default(), dispatch) {
-                    Outcome::Short { needed } => contact.grow_constraints(needed),
-                    outcome => break outcome,
-                }
-            };
-            match outcome {
+            match respond(model, contact, settings, &mut Tally::default(), dispatch) {
                 Outcome::Free => {
                     positions.copy_from_slice(&contact.view().end[..model.cloth()]);
                     return true;
@@ -193,5 +176,28 @@ impl Simulation {
             }
         }
         false
+    }
+}
+
+fn detect(model: &ContactModel<'_>, contact: &mut ContactScratchColumns, dispatch: &impl Dispatch) -> Counts {
+    let counts = step::detect(model, &mut contact.view(), dispatch);
+    if contact.grow_pairs(counts) {
+        return step::detect(model, &mut contact.view(), dispatch);
+    }
+    counts
+}
+
+fn respond(
+    model: &ContactModel<'_>,
+    contact: &mut ContactScratchColumns,
+    settings: Settings,
+    tally: &mut Tally,
+    dispatch: &impl Dispatch,
+) -> Outcome {
+    loop {
+        match step::respond(model, &mut contact.view(), settings, tally, dispatch) {
+            Outcome::Short { needed } => contact.grow_constraints(needed),
+            outcome => return outcome,
+        }
     }
 }
