@@ -1,6 +1,6 @@
 //! Every built-in scene to its end: finite, every solve converged, no edge stretched by more than its
-//! scene's bound in any step, and, where there is contact, nothing passes through anything in any
-//! frame.
+//! scene's bound in any step, and, where there is contact, nothing passes through anything or is
+//! inside a collider in any frame.
 //!
 //! Run with `cargo test --release -p muslin-tests --test built_in`; without optimisation the scenes
 //! with contact would take an hour and are left out.
@@ -22,6 +22,7 @@ fn ends_well(name: &str, most: f64) {
         assert!(stretch < most, "{name}: an edge is stretched to {stretch} in step {step}");
         if scene.contact.is_some() && step % timing.steps_per_frame == 0 {
             assert_eq!(cloth.crossings(), 0, "{name}: something passes through something in step {step}");
+            assert_eq!(cloth.penetration().unwrap_or(0.0), 0.0, "{name}: a vertex is inside a collider in step {step}");
         }
     }
     println!("{name}: stretched by at most {largest:.3} of {most}");

@@ -20,6 +20,8 @@ mod friction;
 mod impact;
 #[path = "response/momentum.rs"]
 mod momentum;
+#[path = "response/refusal.rs"]
+mod refusal;
 #[path = "response/safety.rs"]
 mod safety;
 #[path = "response/zone.rs"]

@@ -5,8 +5,8 @@
 //! Neighbours have a vertex in common or two that are sewn together. Wherever two triangles pass
 //! through one another, the line that they share ends on an edge of one or the other, so crossings
 //! find all of it but what the two sides of a seam do to one another and a fold laid flat onto its
-//! own hinge. Only faces and their edges count, and none passive against passive;
-//! [`Surface::own_contact`] is not asked. Positions must be finite.
+//! own hinge. Only faces and their edges count, and none passive against passive; without
+//! [`Surface::own_contact`] none of the cloth against itself. Positions must be finite.
 //!
 //! Boxes are sorted along the axis on which the vertices are furthest spread. Where all of n
 //! triangles overlap it takes n^2 exact tests.
@@ -70,8 +70,9 @@ pub fn visit(surface: &Surface<'_>, positions: &[Vec3], mut found: impl FnMut(u3
         }
     };
     let boxes = |edges: Vec<u32>| sorted(edges.into_iter().map(|e| (e, boxed(positions, &ends(e)))), axis);
-    let cloth: Vec<_> = triangles.iter().copied().filter(|(t, _)| *t < surface.first_passive).collect();
-    sweep(&boxes(moving), &triangles, axis, &mut test);
+    let (cloth, others): (Vec<_>, Vec<_>) = triangles.iter().partition(|(t, _)| *t < surface.first_passive);
+    let against = if surface.own_contact { &triangles } else { &others };
+    sweep(&boxes(moving), against, axis, &mut test);
     sweep(&boxes(passive), &cloth, axis, &mut test);
 }
 

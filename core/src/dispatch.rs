@@ -56,6 +56,12 @@ pub trait Dispatch: Sync {
     /// Told which stage the following kernels belong to.
     #[inline]
     fn enter(&self, _: Stage) {}
+
+    /// Whether the step is to be given up. Asked where a step can become long.
+    #[inline]
+    fn stopped(&self) -> bool {
+        false
+    }
 }
 
 /// One thread: the whole output in one call.

@@ -10,7 +10,7 @@ use crate::dispatch::Dispatch;
 use crate::error::SceneError;
 use crate::forces::{Energy, Model};
 use crate::integrate::pins::Pins;
-use crate::integrate::{Context, Scheme, Work};
+use crate::integrate::{Context, Method, Scheme, Work};
 use crate::mesh::SurfaceColumns;
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
@@ -22,6 +22,8 @@ use crate::step::{self, Prediction};
 use crate::traffic::Sizes;
 
 mod contact;
+
+use contact::Obstacle;
 
 /// How often a step is halved before what still meets is held back.
 const MOST_HALVINGS: u32 = 6;
@@ -44,12 +46,12 @@ pub struct Simulation {
     work: Work,
 }
 
-/// A step that cannot be taken. The state is that before it.
+/// A step that was not taken. The state is that before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Diverged {
     /// The step that failed, counted from 1.
     pub step: u64,
-    /// The first particle that is not finite, or the one that moves fastest where surfaces meet.
+    /// The first particle that is not finite, that meets something, or the one that moves farthest.
     pub particle: u32,
     /// The term that pulled hardest on it.
     pub term: Option<Term>,
@@ -62,18 +64,46 @@ pub struct Diverged {
 pub enum Cause {
     /// Its result is not a number.
     NotFinite,
-    /// Surfaces would pass through one another however short it is taken.
-    Contact,
+    /// So much moves so far, or is so thick, that contact cannot follow, however short it is taken.
+    TooMuch,
+    /// Surfaces would pass through one another, however short it is taken.
+    Contact {
+        /// Index of the collider that the particle meets; else it meets cloth.
+        collider: Option<u32>,
+        /// Whether the particle is pinned, so that nothing can keep it away.
+        pinned: bool,
+    },
+    /// The host gave it up ([`Dispatch::stopped`]).
+    Stopped,
+}
+
+impl Diverged {
+    /// Whether a shorter step may be taken where this one was not.
+    fn may_help(&self) -> bool {
+        matches!(self.cause, Cause::Contact { .. } | Cause::TooMuch)
+    }
 }
 
 impl core::fmt::Display for Diverged {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { step, particle, .. } = self;
         let term = self.term.map_or("no term", Term::name);
-        let what = match self.cause {
-            Cause::NotFinite => "diverged",
-            Cause::Contact => "surfaces could not be kept apart",
-        };
-        write!(f, "{what} in step {} at particle {}, pulled hardest by {term}", self.step, self.particle)
+        match self.cause {
+            Cause::NotFinite => write!(f, "diverged in step {step} at particle {particle}, pulled hardest by {term}"),
+            Cause::TooMuch => {
+                write!(f, "more comes together in step {step} than contact can follow: ")?;
+                write!(f, "particle {particle} moves farthest, pulled hardest by {term}")
+            }
+            Cause::Contact { collider, pinned } => {
+                write!(f, "surfaces could not be kept apart in step {step}: ")?;
+                write!(f, "{} {particle} meets ", if pinned { "pinned particle" } else { "particle" })?;
+                match collider {
+                    Some(collider) => write!(f, "collider {collider}"),
+                    None => write!(f, "cloth"),
+                }
+            }
+            Cause::Stopped => write!(f, "step {step} was given up"),
+        }
     }
 }
 
@@ -106,6 +136,11 @@ pub struct State<'a> {
     pub previous: [&'a [Vec3]; 2],
 }
 
+/// The state before a step that is taken in halves: as in [`State`].
+struct Kept {
+    columns: [Vec<Vec3>; 4],
+}
+
 impl Simulation {
     /// Builds a scene; see [`scene::build`] for what can be wrong with it.
     ///
@@ -134,35 +169,56 @@ impl Simulation {
         Self { built, scratch, contact, tally, touched: false, scheme, step, steps: 0, work }
     }
 
-    /// Takes one step, in halves where it has to be. On divergence the state stays as it was
-    /// before the part that diverged.
+    /// Takes one step, in halves where surfaces would meet. A step that cannot be taken leaves the
+    /// state as it was.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
+        let Err(cannot) = self.try_part(Part::WHOLE, false, dispatch) else {
+            self.steps += 1;
+            return Ok(());
+        };
+        if !cannot.may_help() {
+            return Err(cannot);
+        }
+        let kept = self.keep();
+        let taken = self.halves(dispatch);
+        match taken {
+            Ok(()) => self.steps += 1,
+            Err(_) => self.put_back(&kept),
+        }
+        taken
+    }
+
+    /// Takes a step in halves, and those in halves again, as short as they must be.
+    fn halves(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
+        self.tally.rejected += 1;
         let whole = 1u32 << MOST_HALVINGS;
-        let (mut done, mut halvings) = (0, 0);
+        let (mut done, mut halvings) = (0, 1);
         while done < whole {
             let length = whole >> halvings;
             let part = Part { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
-            if self.try_part(part, halvings == MOST_HALVINGS, dispatch)? {
-                done += length;
-                halvings -= u32::from(halvings > 0 && done % (2 * length) == 0);
-            } else {
-                self.tally.rejected += 1;
-                halvings += 1;
+            match self.try_part(part, halvings == MOST_HALVINGS, dispatch) {
+                Ok(()) => {
+                    done += length;
+                    halvings -= u32::from(done % (2 * length) == 0);
+                }
+                Err(cannot) if halvings < MOST_HALVINGS && cannot.may_help() => {
+                    self.tally.rejected += 1;
+                    halvings += 1;
+                }
+                Err(cannot) => return Err(cannot),
             }
         }
-        self.steps += 1;
         Ok(())
     }
 
-    /// Takes a part of a step; false, and nothing done, where surfaces would meet.
-    fn try_part(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Result<bool, Diverged> {
+    /// Takes a part of a step.
+    fn try_part(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Result<(), Diverged> {
         if let Prediction::NotFinite { particle } = self.predict(part, dispatch) {
             return Err(self.diverged(Cause::NotFinite, particle, dispatch));
         }
         if self.contact.is_some() {
-            if !self.resolve(part, hold, dispatch) {
-                let fastest = self.fastest();
-                return if hold { Err(self.diverged(Cause::Contact, fastest, dispatch)) } else { Ok(false) };
+            if let Err(Obstacle { cause, particle }) = self.resolve(part, hold, dispatch) {
+                return Err(self.diverged(cause, particle, dispatch));
             }
             // The response compares, and comparisons with what is not a number say nothing.
             let (x, v) = (&self.scratch.next_positions, &self.scratch.next_velocities);
@@ -171,15 +227,25 @@ impl Simulation {
             }
         }
         self.commit();
-        // A two-step method cannot look back over an impulse or a step of another length.
         self.scratch.has_history &= part == Part::WHOLE && !self.touched;
-        Ok(true)
+        Ok(())
+    }
+
+    /// The scheme of a part of a step. BDF2 cannot look back over an impulse or a step of another
+    /// length, and a method that rings would throw back what it met: such a part is backward Euler.
+    fn scheme_of(&self, part: Part) -> Scheme {
+        let cut = part != Part::WHOLE || self.steps > 0 && !self.scratch.has_history;
+        let method = match self.scheme.method {
+            Method::Bdf2 if cut => Method::BackwardEuler,
+            method => method,
+        };
+        Scheme { method, ..self.scheme }
     }
 
     /// The first phase of a step: writes the candidate state.
     pub fn predict(&mut self, part: Part, dispatch: &impl Dispatch) -> Prediction {
-        let time = self.time_at(part.from);
-        let Self { built, scratch, scheme, step, work, .. } = self;
+        let (time, scheme) = (self.time_at(part.from), &self.scheme_of(part));
+        let Self { built, scratch, step, work, .. } = self;
         let BuiltScene { particles, model, pins, .. } = built;
         if part != Part::WHOLE {
             scratch.has_history = false;
@@ -391,6 +457,17 @@ impl Simulation {
             self.work = work;
         }
         fits
+    }
+
+    fn keep(&self) -> Kept {
+        let State { positions, velocities, previous, .. } = self.state();
+        Kept { columns: [positions, velocities, previous[0], previous[1]].map(<[Vec3]>::to_vec) }
+    }
+
+    fn put_back(&mut self, kept: &Kept) {
+        let [positions, velocities, before, rates] = kept.columns.each_ref().map(|column| &column[..]);
+        let state = State { steps: self.steps, positions, velocities, previous: [before, rates] };
+        self.restore(&state, self.work);
     }
 
     /// Triangles of all cloths.

@@ -116,7 +116,6 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
 /// Solves the contacts that push together with the cloth; for implicit methods only, and before the
 /// response.
 pub fn couple<D: Dispatch>(
-    model: &ContactModel<'_>,
     context: &Context<'_, D>,
     contact: &mut ContactScratch<'_>,
     holds: usize,
@@ -124,7 +123,7 @@ pub fn couple<D: Dispatch>(
     work: &mut Work,
 ) {
     let ContactScratch { holds: all, constraints, .. } = contact;
-    let release = |holds: &mut [Hold]| coupled::release(model, constraints, holds, context.step);
+    let release = |holds: &mut [Hold]| coupled::release(constraints, holds, context.step);
     coupling::correct(context, &mut all[..holds], scratch, work, release);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
 }

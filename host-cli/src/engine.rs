@@ -11,6 +11,15 @@ use crate::stopwatch::Stopwatch;
 
 /// Why a step was not taken.
 #[derive(Clone, Debug)]
+pub enum Halt {
+    /// It cannot be.
+    Diverged(Divergence),
+    /// The stopwatch said so.
+    Stopped,
+}
+
+/// Why a step cannot be taken.
+#[derive(Clone, Debug)]
 pub struct Divergence {
     /// What went wrong, in which step and where.
     pub what: String,
@@ -74,7 +83,7 @@ pub struct Untangled {
 /// A simulation in some precision.
 pub trait Engine: Send {
     /// Takes one step; on divergence the state stays as it was.
-    fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Divergence>;
+    fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Halt>;
     /// Positions as exporters take them, m.
     fn write_positions(&self, out: &mut Vec<[f32; 3]>);
     /// Triangles of all cloths.
@@ -132,7 +141,7 @@ macro_rules! engine {
             use $core::simulation::Cause;
             use $core::simulation::{Simulation, State};
 
-            use super::{Divergence, Engine, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
+            use super::{Divergence, Engine, Halt, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
 
             pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
@@ -189,18 +198,24 @@ macro_rules! engine {
             }
 
             impl Engine for Simulation {
-                fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Divergence> {
-                    Simulation::step(self, stopwatch).map_err(|diverged| Divergence {
-                        what: diverged.to_string(),
-                        advice: match diverged.cause {
+                fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Halt> {
+                    Simulation::step(self, stopwatch).map_err(|diverged| {
+                        let advice = match diverged.cause {
                             Cause::NotFinite => {
                                 "take a smaller integrator.step, softer terms, less damping or an implicit method"
                             }
-                            Cause::Contact => {
+                            Cause::TooMuch => {
+                                "take a smaller integrator.step, a lesser contact.thickness, softer terms or an \
+                                 implicit method"
+                            }
+                            Cause::Contact { pinned: true, .. } => "lead the pin clear of it, or free that vertex",
+                            Cause::Contact { pinned: false, .. } => {
                                 "leave the cloth room between what closes in on it, slow that down, or take a smaller \
                                  integrator.step"
                             }
-                        },
+                            Cause::Stopped => return Halt::Stopped,
+                        };
+                        Halt::Diverged(Divergence { what: diverged.to_string(), advice })
                     })
                 }
 

@@ -14,7 +14,7 @@ use muslin_core::stage::Stage;
 
 use crate::args::{PreviewKind, RunArguments};
 use crate::checkpoint::{self, Checkpoint};
-use crate::engine::{self, Divergence, Engine};
+use crate::engine::{self, Divergence, Engine, Halt};
 use crate::export::Exporter;
 use crate::failure::{Failure, print_data, print_note};
 use crate::interrupt;
@@ -227,7 +227,7 @@ impl<'a> Run<'a> {
 
     fn take_steps(&mut self, pool: &Pool, stop: &AtomicBool, bar: &ProgressBar) -> Result<Ending, Failure> {
         let total = total_steps(&self.timing);
-        let stopwatch = Stopwatch::new(pool);
+        let stopwatch = Stopwatch::new(pool).until(stop);
         while self.steps < total {
             if stop.load(Ordering::Relaxed) {
                 return Ok(Ending::Interrupted);
@@ -237,8 +237,10 @@ impl<'a> Run<'a> {
             stopwatch.pause();
             self.stepping += started.elapsed();
             self.contact = [Stage::BroadPhase, Stage::NarrowPhase, Stage::Response].map(|s| stopwatch.time(s));
-            if let Err(divergence) = stepped {
-                return Ok(Ending::Diverged(divergence));
+            match stepped {
+                Ok(()) => {}
+                Err(Halt::Diverged(divergence)) => return Ok(Ending::Diverged(divergence)),
+                Err(Halt::Stopped) => return Ok(Ending::Interrupted),
             }
             self.steps += 1;
             self.chain = self.engine.chain(Some(self.chain));

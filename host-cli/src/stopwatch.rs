@@ -1,6 +1,7 @@
-//! A pool that keeps a clock for each stage.
+//! A pool that keeps a clock for each stage and can be told to stop.
 
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use muslin_core::dispatch as single;
@@ -13,6 +14,7 @@ use crate::pool::Pool;
 /// Runs kernels on a pool and adds up the time between changes of stage.
 pub struct Stopwatch<'a> {
     pool: &'a Pool,
+    stop: Option<&'a AtomicBool>,
     clock: Mutex<Clock>,
 }
 
@@ -43,7 +45,16 @@ impl Clock {
 impl<'a> Stopwatch<'a> {
     /// A stopped watch.
     pub fn new(pool: &'a Pool) -> Self {
-        Self { pool, clock: Mutex::new(Clock { since: None, times: Vec::new() }) }
+        Self { pool, stop: None, clock: Mutex::new(Clock { since: None, times: Vec::new() }) }
+    }
+
+    /// The same, that gives a step up when the flag is raised.
+    pub fn until(self, stop: &'a AtomicBool) -> Self {
+        Self { stop: Some(stop), ..self }
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
     /// Forgets all times.
@@ -79,6 +90,10 @@ impl single::Dispatch for Stopwatch<'_> {
     fn enter(&self, stage: Stage) {
         self.with(|clock| clock.enter(stage));
     }
+
+    fn stopped(&self) -> bool {
+        self.is_stopped()
+    }
 }
 
 impl double::Dispatch for Stopwatch<'_> {
@@ -88,6 +103,10 @@ impl double::Dispatch for Stopwatch<'_> {
 
     fn enter(&self, stage: double_stage::Stage) {
         self.with(|clock| clock.enter(same(stage)));
+    }
+
+    fn stopped(&self) -> bool {
+        self.is_stopped()
     }
 }
 

@@ -67,7 +67,7 @@ both_precisions! {
         for _ in 0..10_000 {
             let (law, speed) = (random_law(&mut rng), rng.magnitude(1e-3, 5.0));
             let (wanted, normal) = (rng.direction() * rng.magnitude(1e-3, 10.0), rng.magnitude(1e-3, 10.0));
-            let got = DVec3::from(to_f64(law.limit(vec3(wanted.into()), normal as Real, speed as Real)));
+            let got = DVec3::from(to_f64(law.grip(speed as Real).limit(vec3(wanted.into()), normal as Real)));
             let cone = f64::from(law.at_rest) * normal;
             let slid = f64::from(law.sliding(speed as Real)) * normal;
             let want = if wanted.length() <= cone { wanted.length() } else { slid.min(wanted.length()) };
@@ -100,7 +100,7 @@ both_precisions! {
             assert!(normal >= 0.0, "seed {seed}: a contact pulls by {normal} kg m");
             assert!(normal > 0.0 || across == 0.0, "seed {seed}: {across} kg m of friction without pressure");
             if normal > 0.0 {
-                let law = constraint.law as usize;
+                let law = usize::from(constraint.grip.sticks < 0.4);
                 steepest[law] = steepest[law].max(across / normal);
             }
         }

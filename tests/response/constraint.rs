@@ -19,11 +19,10 @@ both_precisions! {
     use muslin::narrow_phase::Contact;
     use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
     use muslin::response::constraint::{self, Compliance, Constraint, Coupled};
-    use muslin::response::friction::Law;
+    use muslin::response::friction::Grip;
     use muslin_tests::rng::Rng;
     use muslin_tests::worst::Worst;
 
-    const STEP: Real = 0.01;
     const VERTICES: usize = 6;
 
     fn wide(v: Vec3) -> DVec3 {
@@ -34,8 +33,8 @@ both_precisions! {
         v.iter().map(|&v| wide(v)).collect()
     }
 
-    fn law([at_rest, kinetic]: [f64; 2]) -> Law {
-        Law { at_rest: at_rest as Real, kinetic: kinetic as Real, ..Law::default() }
+    fn grip([sticks, slides]: [f64; 2]) -> Grip {
+        Grip { sticks: sticks as Real, slides: slides as Real }
     }
 
     /// Four of six vertices meet.
@@ -121,9 +120,9 @@ both_precisions! {
 
         /// Solves once and compares.
         fn check(&self, compliance: impl Compliance, give: impl Fn(usize, DVec3) -> DVec3, mu: [f64; 2], worst: &mut Worst) {
-            let mut constraint = Constraint::new(self.contact, self.target, 0, compliance);
+            let mut constraint = Constraint::new(self.contact, self.target, grip(mu), compliance);
             let mut moves = self.moves.clone();
-            constraint::solve(&mut constraint, compliance, &[law(mu)], STEP, &mut moves);
+            constraint::solve(&mut constraint, compliance, true, &mut moves);
             let (pushed, rubbed, want) = self.closed_form(&give, mu);
             let place = || format!("friction {mu:?}, {:?}, target {}", self.contact, self.target);
             let scale = (self.missing(&self.moves).abs() + self.relative(&self.moves).length()) / f64::from(constraint.inverse_mass);
@@ -145,7 +144,7 @@ both_precisions! {
                 for _ in 0..PAIRS {
                     let meeting = Meeting::random(&mut rng, held);
                     let mobility = column(&meeting.mobility);
-                    if Constraint::new(meeting.contact, 0.0, 0, &meeting.mobility[..]).inverse_mass == 0.0 {
+                    if Constraint::new(meeting.contact, 0.0, Grip::default(), &meeting.mobility[..]).inverse_mass == 0.0 {
                         continue;
                     }
                     // What decides between sticking and sliding must not be rounding.
@@ -174,10 +173,10 @@ both_precisions! {
         let mut pushed = 0;
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.0);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, 0, &meeting.mobility[..]);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.4]), &meeting.mobility[..]);
             let mut moves = meeting.moves.clone();
             let mut solve = |moves: &mut [Vec3]| {
-                constraint::solve(&mut constraint, &meeting.mobility[..], &[law([0.4, 0.4])], STEP, moves)
+                constraint::solve(&mut constraint, &meeting.mobility[..], true, moves)
             };
             let (_, moved) = solve(&mut moves);
             if !moved {
@@ -203,9 +202,9 @@ both_precisions! {
         let mut rng = Rng::new(33);
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.0);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, 0, &meeting.mobility[..]);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.8, 0.3]), &meeting.mobility[..]);
             let mut moves = meeting.moves.clone();
-            constraint::solve(&mut constraint, &meeting.mobility[..], &[law([0.8, 0.3])], STEP, &mut moves);
+            constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
             let gained = (0..VERTICES).map(|v| (wide(moves[v]) - wide(meeting.moves[v])) / f64::from(meeting.mobility[v].x));
             let sum: DVec3 = gained.sum();
             let impulse = wide(constraint.friction_impulse).length() + f64::from(constraint.normal_impulse);
@@ -226,9 +225,9 @@ both_precisions! {
             // Of every other pair everything is held.
             let held = if k % 2 == 0 { 0.5 } else { 1.0 };
             let meeting = Meeting::random(&mut rng, held);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, 0, &meeting.mobility[..]);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.5, 0.5]), &meeting.mobility[..]);
             let mut moves = meeting.moves.clone();
-            let (_, moved) = constraint::solve(&mut constraint, &meeting.mobility[..], &[law([0.5, 0.5])], STEP, &mut moves);
+            let (_, moved) = constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
             let what = format!("{} {:?}, target {}", muslin::real::NAME, meeting.contact, meeting.target);
             assert!(constraint.normal_impulse >= 0.0, "{what}: pulls by {} kg m", constraint.normal_impulse);
             if meeting.missing(&meeting.moves) < -1e-6 || held == 1.0 {
@@ -255,9 +254,9 @@ both_precisions! {
         let mut pushed = 0;
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.1);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, 0, &meeting.mobility[..]);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.2]), &meeting.mobility[..]);
             let mut moves = meeting.moves.clone();
-            constraint::solve(&mut constraint, &meeting.mobility[..], &[law([0.4, 0.2])], STEP, &mut moves);
+            constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
             if constraint.normal_impulse <= 0.0 {
                 continue;
             }
@@ -270,7 +269,7 @@ both_precisions! {
             };
             part(&mut moves);
             let furthest = column(&moves).iter().map(|v| v.length()).fold(0.0, f64::max);
-            constraint::solve(&mut constraint, &meeting.mobility[..], &[law([0.4, 0.2])], STEP, &mut moves);
+            constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
             let what = format!("{} {:?}", muslin::real::NAME, before);
             assert_eq!(constraint.normal_impulse, 0.0, "{what}: still pushes what is parted");
             assert_eq!(constraint.friction_impulse, Vec3::ZERO, "{what}: still rubs what is parted");

@@ -272,4 +272,19 @@ both_precisions! {
     fn viscous_friction_needs_no_other() {
         follows("{ static = 0.0, kinetic = 0.0, viscous = 0.2 }", |v| 0.2 * v);
     }
+
+    /// Friction that is judged anew with every correction of a step is chased by them: a sheet on a
+    /// sphere was torn to ten times its size by it.
+    #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+    fn a_coefficient_that_depends_on_the_speed_does_not_tear() {
+        let ball = muslin::scene::BUILT_IN.iter().find(|(name, _)| *name == "ball").expect("ball is built in").1;
+        for friction in ["{ static = 0.4, kinetic = 0.3 }", "{ static = 0.4, kinetic = 0.3, stribeck = 0.1, viscous = 0.1 }"] {
+            let mut sim = kit::simulation(&ball.replace("friction = 0.3", &format!("friction = {friction}")), &[]);
+            let mut most = 1.0;
+            kit::run(&mut sim, 0.3, |sim| most = sim.stretch().max.max(most));
+            println!("{} {friction}: stretched by at most {most:.3}", muslin::real::NAME);
+            assert!(most < 1.2, "{friction}: an edge is stretched to {most}");
+        }
+    }
 }

@@ -281,4 +281,24 @@ both_precisions! {
         kit::run(&mut fast, 0.001, |_| ());
         assert!(lowest(&fast, 1) < 0.03, "100 mm in a step did not pass a sheet of 2 mm");
     }
+
+    /// Contact is inelastic whatever the method: one that rings would throw back what it stops, and
+    /// does so no more than the cloth's own springs.
+    #[test]
+    fn a_sheet_that_lands_does_not_bounce() {
+        for method in ["symplectic-euler", "backward-euler", "implicit-midpoint", "bdf2"] {
+            let mut sim = build(&[NAPKIN, &collider(GROUNDS[0].1, "")], method);
+            kit::throw(&mut sim, 0, DVec3::Y * -2.0);
+            let mut landed = false;
+            let mut back: f64 = 0.0;
+            kit::run(&mut sim, 0.05, |sim| {
+                let rate = kit::drift(sim, 0).y;
+                landed |= rate > -1.0;
+                back = back.max(rate);
+            });
+            println!("{} {method}: comes back at {back:.1e} of 2 m/s", muslin::real::NAME);
+            assert!(landed, "{method}: it never landed");
+            assert!(back < 0.1, "{method}: it landed at 2 m/s and comes back at {back}");
+        }
+    }
 }

@@ -99,14 +99,11 @@ pub fn add_diagonal(holds: &[Hold], blocks: &mut [Mat3]) {
     }
 }
 
-/// How the end of a step follows from the velocity that its stage was solved for: positions, s,
-/// and velocities.
-fn lengths(method: Method, step: Real, has_history: bool) -> [Real; 2] {
+/// How the positions at the end of a step follow from the velocity that its stage was solved for, s.
+fn length(method: Method, step: Real, has_history: bool) -> Real {
     match method {
-        Method::ImplicitMidpoint => [step, 2.0],
-        Method::Bdf2 if has_history => [step * (2.0 / 3.0), 1.0],
-        Method::Bdf2 => [step, 2.0],
-        _ => [step, 1.0],
+        Method::Bdf2 if has_history => step * (2.0 / 3.0),
+        _ => step,
     }
 }
 
@@ -119,7 +116,10 @@ pub fn correct<D: Dispatch>(
     work: &mut Work,
     mut release: impl FnMut(&mut [Hold]) -> bool,
 ) {
-    let [to_position, to_velocity] = lengths(c.scheme.method, c.step, s.has_history);
+    let to_position = length(c.scheme.method, c.step, s.has_history);
+    // A contact takes the velocity that it took from the way. As the second-order methods follow
+    // their stage, it would throw back what it stops.
+    let to_velocity = to_position / c.step;
     for hold in &mut *holds {
         hold.stiffness = STIFFNESS * stiffness(hold, c.masses, s);
     }

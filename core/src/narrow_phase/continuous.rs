@@ -8,7 +8,7 @@ use crate::real::{Real, Vec3};
 /// In `times`: not in this step.
 pub const NEVER: Real = 2.0;
 
-/// In `times`: the features touch already.
+/// In `times`: the features touch already, as far as rounding tells.
 pub const TOUCHING: Real = 3.0;
 
 /// The motion of all vertices, and which of them moved since they were last tested.
@@ -30,7 +30,7 @@ pub struct Motion<'a> {
 
 /// Writes when each candidate's features come within `separation` of one another, or within half
 /// of their distance where they are already nearer. For features that touch at the start there
-/// is no such time: the response parts them, and an exact test has to follow.
+/// is no such time: an exact test of the end has to follow.
 pub fn times<P: Pairing>(
     candidates: &[[u32; 2]],
     distances: &[Real],
@@ -61,7 +61,8 @@ pub fn times<P: Pairing>(
             let [start, end] = [motion.start, motion.end].map(|x| gather(vertices, x));
             let radius = P::radius(gather(vertices, motion.radii));
             if let Some(at) = P::time_of_impact(&start, &end, separation + radius, 0.5 * separation) {
-                *time = at;
+                // At once, although apart: rounding hides what they do.
+                *time = if at > 0.0 { at } else { TOUCHING };
             }
         }
     });

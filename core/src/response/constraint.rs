@@ -3,9 +3,12 @@
 //! (projected Gauss-Seidel), in a fixed order: the bits do not depend on the threads
 //! [Bridson 2002, Harmon 2008].
 
-use super::friction::Law;
+use super::friction::Grip;
 use crate::narrow_phase::Contact;
 use crate::real::{Mat3, Real, Vec3, sqrt};
+
+/// How much farther than a contact its vertices may have to move.
+const MOST_LEVER: Real = 100.0;
 
 /// A contact with what it has to keep and the impulses that keep it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,8 +19,8 @@ pub struct Constraint {
     pub target: Real,
     /// Effective inverse mass along the normal, 1/kg; 0: nothing can move.
     pub inverse_mass: Real,
-    /// Index of the law of friction.
-    pub law: u32,
+    /// The friction that it bears.
+    pub grip: Grip,
     /// Impulse along the normal times the step, kg m.
     pub normal_impulse: Real,
     /// Impulse across it times the step, kg m.
@@ -26,9 +29,9 @@ pub struct Constraint {
 
 impl Constraint {
     /// A constraint without impulses yet.
-    pub fn new(contact: Contact, target: Real, law: u32, compliance: impl Compliance) -> Self {
-        let inverse_mass = inverse_mass(&contact, contact.normal, compliance);
-        Self { contact, target, inverse_mass, law, normal_impulse: 0.0, friction_impulse: Vec3::ZERO }
+    pub fn new(contact: Contact, target: Real, grip: Grip, compliance: impl Compliance) -> Self {
+        let inverse_mass = movable_mass(&contact, compliance);
+        Self { contact, target, inverse_mass, grip, normal_impulse: 0.0, friction_impulse: Vec3::ZERO }
     }
 }
 
@@ -64,6 +67,15 @@ impl Compliance for Coupled<'_> {
     }
 }
 
+/// The inverse mass along the normal; 0 where what could move would have to go so much farther than
+/// the gap that the contact is as good as at what cannot: beside a pin.
+pub fn movable_mass(contact: &Contact, compliance: impl Compliance) -> Real {
+    let total = inverse_mass(contact, contact.normal, compliance);
+    let gives = |(&v, weight): (&u32, Real)| (compliance.give(v, contact.normal) * weight).length_squared();
+    let farthest = contact.vertices.iter().zip(contact.weights).map(gives).fold(0.0, Real::max);
+    if farthest <= (MOST_LEVER * total) * (MOST_LEVER * total) { total } else { 0.0 }
+}
+
 /// sum W^2 u . C u along a unit vector u, 1/kg.
 pub fn inverse_mass(contact: &Contact, along: Vec3, compliance: impl Compliance) -> Real {
     let parts = contact.vertices.iter().zip(contact.weights);
@@ -86,15 +98,9 @@ pub fn push(contact: &Contact, impulse: Vec3, compliance: impl Compliance, moves
     }
 }
 
-/// Solves one constraint against the displacements as they are, without friction where there are no
-/// laws. Returns by how much it was violated, m, and whether anything moved.
-pub fn solve(
-    constraint: &mut Constraint,
-    compliance: impl Compliance,
-    laws: &[Law],
-    step: Real,
-    moves: &mut [Vec3],
-) -> (Real, bool) {
+/// Solves one constraint against the displacements as they are, with friction where it `rubs`.
+/// Returns by how much it was violated, m, and whether anything moved.
+pub fn solve(constraint: &mut Constraint, compliance: impl Compliance, rubs: bool, moves: &mut [Vec3]) -> (Real, bool) {
     let Constraint { contact, inverse_mass: along, .. } = *constraint;
     if along <= 0.0 {
         return (0.0, false);
@@ -109,23 +115,20 @@ pub fn solve(
     }
     constraint.normal_impulse = impulse;
     let mut total = normal * change;
-    if let Some(law) = laws.get(constraint.law as usize).filter(|law| law.rubs()) {
-        total += rub(constraint, relative - normal * relative.dot(normal), law, compliance, step);
+    if rubs && constraint.grip.rubs() {
+        total += rub(constraint, relative - normal * relative.dot(normal), compliance);
     }
     push(&contact, total, compliance, moves);
     (missing, total != Vec3::ZERO)
 }
 
 /// The change of the friction impulse that a sliding displacement asks for.
-fn rub(constraint: &mut Constraint, sliding: Vec3, law: &Law, compliance: impl Compliance, step: Real) -> Vec3 {
+fn rub(constraint: &mut Constraint, sliding: Vec3, compliance: impl Compliance) -> Vec3 {
     let size = sqrt(sliding.length_squared());
     let across = if size > 0.0 { inverse_mass(&constraint.contact, sliding / size, compliance) } else { 0.0 };
     let wanted =
         if across > 0.0 { constraint.friction_impulse - sliding / across } else { constraint.friction_impulse };
-    // What would slide without the friction so far.
-    let free = sliding - constraint.friction_impulse * across;
-    let speed = sqrt(free.length_squared()) / step;
     let before = constraint.friction_impulse;
-    constraint.friction_impulse = law.limit(wanted, constraint.normal_impulse, speed);
+    constraint.friction_impulse = constraint.grip.limit(wanted, constraint.normal_impulse);
     constraint.friction_impulse - before
 }

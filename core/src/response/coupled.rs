@@ -2,21 +2,16 @@
 //! they bear, and with what impulses the system held them.
 
 use super::constraint::{self, Constraint};
+use super::friction::Grip;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::integrate::coupling::Hold;
 use crate::real::{Real, Vec3, sqrt};
 
 /// A contact that pushes, as the implicit system holds it: at its target along the normal and,
 /// where there is friction, across it where it is.
-pub(crate) fn hold(
-    model: &ContactModel<'_>,
-    constraint: &Constraint,
-    index: u32,
-    start: &[Vec3],
-    end: &[Vec3],
-) -> Hold {
-    let Constraint { contact, target, law, .. } = *constraint;
-    let rubs = model.laws[law as usize].rubs();
+pub(crate) fn hold(constraint: &Constraint, index: u32, start: &[Vec3], end: &[Vec3]) -> Hold {
+    let Constraint { contact, target, grip, .. } = *constraint;
+    let rubs = grip.rubs();
     let predicted = constraint::weighted(&contact, end) - constraint::weighted(&contact, start);
     let along = contact.normal * contact.normal.dot(predicted);
     Hold {
@@ -35,19 +30,18 @@ pub(crate) fn hold(
 /// to hold beyond the cone: to the stiffness with which the slide there would be without friction
 /// meets what the cone allows. Friction so made opposes the slide and cannot turn it round.
 /// Returns whether there were any.
-pub(crate) fn release(model: &ContactModel<'_>, constraints: &[Constraint], holds: &mut [Hold], step: Real) -> bool {
+pub(crate) fn release(constraints: &[Constraint], holds: &mut [Hold], step: Real) -> bool {
     let mut any = false;
     for hold in holds.iter_mut().filter(|hold| hold.released == 0.0) {
         let along = hold.impulse.dot(hold.normal);
         if along <= 0.0 {
             (hold.released, any) = (1.0, true);
         } else if hold.sticks == 1.0 {
-            let law = &model.laws[constraints[hold.constraint as usize].law as usize];
             let across = hold.impulse - hold.normal * along;
-            let speed = hold.slide / step;
-            let allowed = law.limit(across, along, speed);
+            let allowed = constraints[hold.constraint as usize].grip.limit(across, along);
             if allowed != across {
-                let stiffness = sqrt(allowed.length_squared()) / speed.max(Real::MIN_POSITIVE);
+                let speed = (hold.slide / step).max(Real::MIN_POSITIVE);
+                let stiffness = sqrt(allowed.length_squared()) / speed;
                 hold.sticks = (stiffness / hold.stiffness).min(0.999);
                 any = true;
             }
@@ -65,15 +59,18 @@ pub(crate) fn carry(
     step: Real,
 ) {
     for constraint in &mut scratch.constraints[..pressed] {
-        *constraint = Constraint::new(constraint.contact, constraint.target, constraint.law, model.mobility);
+        *constraint = Constraint::new(constraint.contact, constraint.target, constraint.grip, model.mobility);
     }
     for hold in &scratch.holds[..held] {
         let constraint = &mut scratch.constraints[hold.constraint as usize];
         let along = hold.impulse.dot(hold.normal);
         if along > 0.0 {
-            let (law, across) = (&model.laws[constraint.law as usize], hold.impulse - hold.normal * along);
+            let across = hold.impulse - hold.normal * along;
+            // What slid in the system does not stick now, and what stuck does not lose its grip.
+            let Grip { sticks, slides } = constraint.grip;
+            constraint.grip = Grip::always(if hold.sticks < 1.0 { slides } else { sticks });
             constraint.normal_impulse = along * step;
-            constraint.friction_impulse = law.limit(across, along, 0.0) * step;
+            constraint.friction_impulse = constraint.grip.limit(across, along) * step;
         }
     }
 }

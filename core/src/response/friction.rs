@@ -21,11 +21,6 @@ pub struct Law {
 }
 
 impl Law {
-    /// Whether there is any friction.
-    pub fn rubs(&self) -> bool {
-        self.at_rest > 0.0 || self.viscous > 0.0
-    }
-
     /// The coefficient of a contact that slides, m/s.
     pub fn sliding(&self, speed: Real) -> Real {
         let decayed = match self.stribeck {
@@ -35,13 +30,39 @@ impl Law {
         self.kinetic + (self.at_rest - self.kinetic) * decayed + self.viscous * speed
     }
 
-    /// The tangential impulse of a contact: as wanted while it sticks, else on the cone. `speed` is
-    /// that of the sliding before friction, m/s.
-    pub fn limit(&self, wanted: Vec3, normal: Real, speed: Real) -> Vec3 {
+    /// What a contact bears in a step. `speed` is that of its sliding before friction, m/s.
+    pub fn grip(&self, speed: Real) -> Grip {
+        Grip { sticks: self.at_rest, slides: self.sliding(speed) }
+    }
+}
+
+/// The friction that a contact bears in a step, of its normal impulse. It is judged once: a
+/// coefficient that followed the corrections of a step would be chased by them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Grip {
+    /// Up to which it sticks.
+    pub sticks: Real,
+    /// Beyond that.
+    pub slides: Real,
+}
+
+impl Grip {
+    /// The same whether it sticks or slides.
+    pub fn always(coefficient: Real) -> Self {
+        Self { sticks: coefficient, slides: coefficient }
+    }
+
+    /// Whether there is any friction.
+    pub fn rubs(self) -> bool {
+        self.sticks > 0.0 || self.slides > 0.0
+    }
+
+    /// The tangential impulse of a contact: as wanted while it sticks, else on the cone.
+    pub fn limit(self, wanted: Vec3, normal: Real) -> Vec3 {
         let size = sqrt(wanted.length_squared());
-        if size <= self.at_rest * normal {
+        if size <= self.sticks * normal {
             return wanted;
         }
-        wanted * ((self.sliding(speed) * normal).min(size) / size)
+        wanted * ((self.slides * normal).min(size) / size)
     }
 }

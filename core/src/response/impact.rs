@@ -1,8 +1,8 @@
 //! What meets on the way: a constraint at the place and along the direction of the meeting, so that
 //! the pair ends no nearer than it began, or as near as the thickness. Inelastic [Bridson 2002].
 
-use super::constraint::Constraint;
-use super::repulsion::{law, thickness};
+use super::constraint::{self, Constraint};
+use super::repulsion::{self, grip, thickness};
 use super::{Context, List, Motion, relax};
 use crate::contact::{ContactModel, Pairs};
 use crate::dispatch::Dispatch;
@@ -42,32 +42,38 @@ fn find_pairs<P: Pairing, D: Dispatch>(
     dispatch: &D,
 ) {
     let (candidates, times) = (&pairs.candidates[..count], &mut pairs.times[..count]);
-    let Motion { start, end, moves, rounds } = motion;
+    let Motion { start, end, moves, rounds, .. } = motion;
     let swept = continuous::Motion { start, end, moves, radii: model.radii, rounds, round };
     let separation = SEPARATION * model.thickness;
     dispatch.enter(Stage::NarrowPhase);
     continuous::times::<P>(candidates, pairs.distances, &model.surface, swept, separation, times, dispatch);
     dispatch.enter(Stage::Response);
     for (&candidate, &time) in candidates.iter().zip(&*times) {
-        if time > 1.0 {
-            list.touching += u64::from(time == continuous::TOUCHING);
+        let touch = time == continuous::TOUCHING;
+        if time > 1.0 && !touch {
             continue;
         }
+        list.touching += u64::from(touch);
         let vertices = P::vertices(&model.surface, candidate);
         let (x, moves) = (gather(vertices, start), gather(vertices, moves));
-        let met: [Vec3; 4] = core::array::from_fn(|k| x[k] + moves[k] * time);
         let radius = P::radius(gather(vertices, model.radii));
-        let (Some(at), Some(before)) =
-            (contact::<P>(vertices, &met, &x, radius), contact::<P>(vertices, &x, &x, radius))
+        let at: [Vec3; 4] = if touch { x } else { core::array::from_fn(|k| x[k] + moves[k] * time) };
+        let (Some(met), Some(before)) =
+            (contact::<P>(vertices, &at, &x, radius), contact::<P>(vertices, &x, &x, radius))
         else {
+            list.touching += 1;
             continue;
         };
+        let ends = before.gap + constraint::weighted(&before, motion.moves).dot(before.normal);
+        if touch && ends >= repulsion::met(before.gap, model.thickness) {
+            continue;
+        }
         let target = thickness::<P>(model, vertices).min(before.gap);
-        list.push(Constraint::new(at, target, law(model, vertices), model.mobility));
+        list.push(Constraint::new(met, target, grip(model, &met, motion), model.mobility));
     }
 }
 
 /// Solves what met.
 pub(crate) fn resolve(context: &Context<'_>, met: &mut [Constraint], motion: &mut Motion<'_>) {
-    relax(context, met, context.model.mobility, context.model.laws, None, motion, SWEEPS, 0.0);
+    relax(context, met, context.model.mobility, true, None, motion, SWEEPS, 0.0);
 }

@@ -47,16 +47,7 @@ pub(crate) fn resolve(
             count += 1;
         }
     }
-    relax(
-        context,
-        constraints,
-        mobility,
-        context.model.laws,
-        Some(&chosen[..count]),
-        motion,
-        SWEEPS,
-        LEFT * context.model.thickness,
-    );
+    relax(context, constraints, mobility, true, Some(&chosen[..count]), motion, SWEEPS, LEFT * context.model.thickness);
     roots.chunk_by(|a, b| a == b).count() as u64
 }
 

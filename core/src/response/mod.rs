@@ -24,7 +24,7 @@ pub mod repulsion;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::dispatch::Dispatch;
 use crate::real::{Mat3, Real, Vec3};
-use constraint::{Compliance, Constraint, Coupled, inverse_mass};
+use constraint::{Compliance, Constraint, Coupled, movable_mass};
 
 /// Rounds in which only what met is solved.
 const IMPACT_ROUNDS: u32 = 4;
@@ -40,8 +40,11 @@ pub enum Outcome {
     Free,
     /// A vertex was moved out of the box that its candidates were found for: sweep again, wider.
     Left,
-    /// So many pairs still meet.
-    Meets(u32),
+    /// These vertices of two features still meet, and perhaps others: those that nothing can move, if
+    /// there are any.
+    Meets([u32; 4]),
+    /// The host gave it up.
+    Stopped,
     /// There is no room for so many constraints.
     Short {
         /// At least so many are needed.
@@ -109,19 +112,19 @@ pub fn press(
     settings: Settings,
     inverse_diagonal: &[Mat3],
 ) -> Result<usize, Outcome> {
-    let count = find_near(model, scratch, 0)?;
+    let count = find_near(model, scratch, settings.step, 0)?;
     let ContactScratch { start, end, moves, rounds, constraints, .. } = scratch;
     let near = &mut constraints[..count];
     let coupled = Coupled { mobility: model.mobility, blocks: inverse_diagonal };
     for constraint in &mut *near {
-        constraint.inverse_mass = inverse_mass(&constraint.contact, constraint.contact.normal, coupled);
+        constraint.inverse_mass = movable_mass(&constraint.contact, coupled);
     }
-    let mut motion = Motion { start, end, moves, rounds };
-    repulsion::keep(&Context { model, settings, round: 1 }, near, coupled, &[], &mut motion);
+    let mut motion = Motion { start, end, moves, rounds, step: settings.step };
+    repulsion::keep(&Context { model, round: 1 }, near, coupled, false, &mut motion);
     let mut held = 0;
     for (index, constraint) in (0..).zip(&*near) {
         if constraint.normal_impulse > 0.0 && constraint.inverse_mass > 0.0 {
-            scratch.holds[held] = coupled::hold(model, constraint, index, scratch.start, scratch.end);
+            scratch.holds[held] = coupled::hold(constraint, index, scratch.start, scratch.end);
             held += 1;
         }
     }
@@ -130,7 +133,12 @@ pub fn press(
 }
 
 /// Adds what is near to the constraints that there are; returns how many there are then.
-fn find_near(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, before: usize) -> Result<usize, Outcome> {
+fn find_near(
+    model: &ContactModel<'_>,
+    scratch: &mut ContactScratch<'_>,
+    step: Real,
+    before: usize,
+) -> Result<usize, Outcome> {
     let ContactScratch { start, predicted, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
     end.copy_from_slice(predicted);
     for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
@@ -141,7 +149,7 @@ fn find_near(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, before:
     let mut list = List { all: constraints, count: before, touching: 0 };
     let known = repulsion::Known::sort(&list.all[..list.count], order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];
-    let motion = Motion { start, end, moves, rounds };
+    let motion = Motion { start, end, moves, rounds, step };
     repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &known, &mut list);
     list.short().map_or(Ok(list.count), Err)
 }
@@ -157,17 +165,17 @@ pub fn respond<D: Dispatch>(
 ) -> Outcome {
     let [pressed, held] = *scratch.pressed;
     coupled::carry(model, scratch, pressed, held, settings.step);
-    let near = match find_near(model, scratch, pressed) {
+    let near = match find_near(model, scratch, settings.step, pressed) {
         Ok(near) => near,
         Err(outcome) => return outcome,
     };
     let ContactScratch { start, end, moves, parting, rounds, zones, boxes, counts, constraints, order, .. } = scratch;
     let mut list = List { all: constraints, count: near, touching: 0 };
     let pairs = [counts.vertex_triangle, counts.edge_edge];
-    let mut motion = Motion { start, end, moves, rounds };
+    let mut motion = Motion { start, end, moves, rounds, step: settings.step };
     let mut now = Tally { proximity: near as u64, ..Tally::default() };
-    let context = Context { model, settings, round: 1 };
-    repulsion::keep(&context, &mut list.all[..near], model.mobility, model.laws, &mut motion);
+    let context = Context { model, round: 1 };
+    repulsion::keep(&context, &mut list.all[..near], model.mobility, true, &mut motion);
     repulsion::part(&context, &mut list.all[..near], parting, &mut motion);
     let most = if settings.hold { HOLD_ROUNDS } else { MOST_ROUNDS };
     for round in 1..=most {
@@ -186,16 +194,22 @@ pub fn respond<D: Dispatch>(
         if let Some(short) = list.short() {
             return short;
         }
-        let met = list.count - first;
-        if met == 0 {
+        let met = &list.all[first..list.count];
+        let Some(last) = met.last() else {
             now.touching = list.touching;
             tally.add(&now);
             return Outcome::Free;
+        };
+        let stuck = met.iter().find(|met| met.inverse_mass <= 0.0);
+        if stuck.is_some() || round == most {
+            return Outcome::Meets(stuck.unwrap_or(last).contact.vertices);
         }
-        now.impacts += met as u64;
-        if round == most {
-            return Outcome::Meets(met as u32);
+        if dispatch.stopped() {
+            return Outcome::Stopped;
         }
+        now.impacts += met.len() as u64;
+        // What met is tested again, whether or not anything gives way.
+        met.iter().for_each(|met| mark(met, motion.rounds, context.round));
         if settings.hold && round > MOST_ROUNDS {
             now.failsafe = 1;
             if round + 1 == most {
@@ -209,7 +223,7 @@ pub fn respond<D: Dispatch>(
             now.zones += impact_zone::resolve(&context, &mut list.all[..list.count], first, zones, order, &mut motion);
         }
     }
-    Outcome::Meets(0)
+    Outcome::Meets([0; 4])
 }
 
 impl Tally {
@@ -226,7 +240,6 @@ impl Tally {
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
     pub model: &'a ContactModel<'a>,
-    pub settings: Settings,
     /// Vertices moved now are marked with it.
     pub round: u32,
 }
@@ -237,6 +250,7 @@ pub(crate) struct Motion<'a> {
     pub end: &'a mut [Vec3],
     pub moves: &'a mut [Vec3],
     pub rounds: &'a mut [u32],
+    pub step: Real,
 }
 
 impl Motion<'_> {
@@ -266,7 +280,7 @@ pub(crate) fn relax(
     context: &Context<'_>,
     constraints: &mut [Constraint],
     compliance: impl Compliance,
-    laws: &[friction::Law],
+    rubs: bool,
     chosen: Option<&[u32]>,
     motion: &mut Motion<'_>,
     sweeps: u32,
@@ -277,7 +291,7 @@ pub(crate) fn relax(
         let mut worst: Real = 0.0;
         for k in 0..count {
             let constraint = &mut constraints[chosen.map_or(k, |chosen| chosen[k] as usize)];
-            let (missing, moved) = constraint::solve(constraint, compliance, laws, context.settings.step, motion.moves);
+            let (missing, moved) = constraint::solve(constraint, compliance, rubs, motion.moves);
             worst = worst.max(missing.abs());
             if moved {
                 mark(constraint, motion.rounds, context.round);

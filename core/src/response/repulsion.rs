@@ -3,7 +3,7 @@
 //! velocity, so that it adds no energy.
 
 use super::constraint::{self, Compliance, Constraint};
-use super::friction::Law;
+use super::friction::Grip;
 use super::{Context, List, Motion, mark, relax};
 use crate::colliders::Form;
 use crate::contact::{ContactModel, Pairs};
@@ -88,7 +88,8 @@ fn find_pairs<P: Pairing>(
         let least = thickness::<P>(model, vertices);
         let approaches = contact.gap + constraint::weighted(&contact, motion.moves).dot(contact.normal) < least;
         if distance < least || approaches {
-            list.push(Constraint::new(contact, least.min(contact.gap), law(model, vertices), model.mobility));
+            let grip = grip(model, &contact, motion);
+            list.push(Constraint::new(contact, least.min(contact.gap), grip, model.mobility));
         }
     }
 }
@@ -116,18 +117,27 @@ pub(crate) fn find_planes(
                 gap: normal.dot(motion.start[v as usize] - motion.start[plane as usize]),
             };
             let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(normal);
-            let least = if round == 0 { model.thickness } else { (0.1 * contact.gap).min(0.1 * model.thickness) };
+            let least = if round == 0 { model.thickness } else { met(contact.gap, model.thickness) };
             if ends < least && !known.has(list, contact.vertices) {
                 let target = model.thickness.min(contact.gap);
-                list.push(Constraint::new(contact, target, model.law_of[plane as usize], model.mobility));
+                list.push(Constraint::new(contact, target, grip(model, &contact, motion), model.mobility));
             }
         }
     }
 }
 
-/// The law of the collider, where one is met.
-pub(crate) fn law(model: &ContactModel<'_>, vertices: [u32; 4]) -> u32 {
-    gather(vertices, model.law_of).into_iter().fold(0, u32::max)
+/// The gap at which features count as met that began with another, m. What began behind may stay
+/// there.
+pub(crate) fn met(gap: Real, thickness: Real) -> Real {
+    if gap > 0.0 { 0.1 * gap.min(thickness) } else { 1.1 * gap }
+}
+
+/// What a contact bears, by the law of the collider where one is met, as it slides now.
+pub(crate) fn grip(model: &ContactModel<'_>, contact: &Contact, motion: &Motion<'_>) -> Grip {
+    let law = gather(contact.vertices, model.law_of).into_iter().fold(0, u32::max);
+    let relative = constraint::weighted(contact, motion.moves);
+    let sliding = relative - contact.normal * contact.normal.dot(relative);
+    model.laws[law as usize].grip(sqrt(sliding.length_squared()) / motion.step)
 }
 
 /// The thickness that a pair can keep: neighbours on one sheet may be nearer than the thickness by
@@ -142,15 +152,15 @@ pub(crate) fn thickness<P: Pairing>(model: &ContactModel<'_>, vertices: [u32; 4]
     model.thickness.min(0.9 * rest)
 }
 
-/// Solves the contacts, with friction where there are laws.
+/// Solves the contacts, with friction where they `rub`.
 pub(crate) fn keep(
     context: &Context<'_>,
     constraints: &mut [Constraint],
     compliance: impl Compliance,
-    laws: &[Law],
+    rub: bool,
     motion: &mut Motion<'_>,
 ) {
-    relax(context, constraints, compliance, laws, None, motion, SWEEPS, LEFT * context.model.thickness);
+    relax(context, constraints, compliance, rub, None, motion, SWEEPS, LEFT * context.model.thickness);
 }
 
 /// Parts what overlaps.

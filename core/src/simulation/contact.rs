@@ -1,7 +1,7 @@
 //! The phases of a step between prediction and commit, over owned columns that grow where a step
 //! needs more room, and the untangling of a start.
 
-use super::{Part, Simulation};
+use super::{Cause, Part, Simulation};
 use crate::audit;
 use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, ContactScratchColumns};
@@ -21,27 +21,49 @@ const MOST_WIDENINGS: u32 = 6;
 /// How often, where it cannot be halved any more.
 const LAST_WIDENINGS: u32 = 20;
 
+/// Candidates of each kind that are looked at in any scene.
+const MOST_PAIRS: usize = 1 << 17;
+
+/// And so many for each vertex: sheets lying flat on themselves have a tenth of it.
+const MOST_PAIRS_PER_VERTEX: usize = 1 << 10;
+
 /// How often what is near is parted after untangling.
 const PARTINGS: u32 = 10;
 
+/// Why a part of a step cannot be taken, and where.
+pub(super) struct Obstacle {
+    pub cause: Cause,
+    pub particle: u32,
+}
+
 impl Simulation {
-    /// The phases between prediction and commit; false where surfaces would still meet.
-    pub(super) fn resolve(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> bool {
+    /// The phases between prediction and commit.
+    pub(super) fn resolve(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Result<(), Obstacle> {
         let most = if hold { LAST_WIDENINGS } else { MOST_WIDENINGS };
         let touching = self.tally.touching;
         let mut widened = 0;
         loop {
             dispatch.enter(Stage::BroadPhase);
             self.sweep(part, widened);
-            self.detect(dispatch);
+            if !self.detect(dispatch) {
+                return Err(Obstacle { cause: Cause::TooMuch, particle: self.farthest() });
+            }
+            if dispatch.stopped() {
+                return Err(Obstacle { cause: Cause::Stopped, particle: 0 });
+            }
             if widened == 0 {
                 self.press(part, dispatch);
             }
             match self.respond(part, hold, dispatch) {
                 // The exact test decides on what was too near for a time of impact.
-                Outcome::Free => return self.tally.touching == touching || !self.crosses(),
+                Outcome::Free if self.tally.touching > touching => return self.test_exactly(),
+                Outcome::Free => return Ok(()),
                 Outcome::Left if widened < most => widened += 1,
-                Outcome::Left | Outcome::Short { .. } | Outcome::Meets(_) => return false,
+                Outcome::Left | Outcome::Short { .. } => {
+                    return Err(Obstacle { cause: Cause::TooMuch, particle: self.farthest() });
+                }
+                Outcome::Meets(vertices) => return Err(self.obstacle(vertices)),
+                Outcome::Stopped => return Err(Obstacle { cause: Cause::Stopped, particle: 0 }),
             }
         }
     }
@@ -56,11 +78,13 @@ impl Simulation {
         step::sweep(&model.view(), sweep, positions, &self.scratch.next_positions, &mut contact.view());
     }
 
-    /// Contact: finds candidates, with more room where there was too little.
-    pub fn detect(&mut self, dispatch: &impl Dispatch) {
-        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return };
-        let counts = detect(&model.view(), contact, dispatch);
+    /// Contact: finds candidates, with more room where there was too little; false, and none found,
+    /// where there are too many to be looked at.
+    pub fn detect(&mut self, dispatch: &impl Dispatch) -> bool {
+        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return true };
+        let Some(counts) = detect(&model.view(), contact, dispatch) else { return false };
         self.tally.candidates += (counts.vertex_triangle + counts.edge_edge) as u64;
+        true
     }
 
     /// Contact: corrects the candidate state, with more room where there was too little for what
@@ -80,7 +104,8 @@ impl Simulation {
     /// touches, it is grown.
     pub fn press(&mut self, part: Part, dispatch: &impl Dispatch) {
         let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
-        let Self { built, scratch, contact, scheme, work, .. } = self;
+        let scheme = &self.scheme_of(part);
+        let Self { built, scratch, contact, work, .. } = self;
         let (Some(touching), Some(contact)) = (&built.contact, contact) else { return };
         if !scheme.method.is_implicit() {
             return;
@@ -98,18 +123,38 @@ impl Simulation {
         let (model, pins) = (&model.view(), &pins.view());
         let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
         let context = Context { model, pins, masses, inverse_masses, time, step, scheme, dispatch };
-        step::couple(&touching.view(), &context, &mut contact.view(), holds, &mut scratch.view(), work);
+        step::couple(&context, &mut contact.view(), holds, &mut scratch.view(), work);
     }
 
-    /// Whether more passes through at the end of the step than at its start.
-    fn crosses(&mut self) -> bool {
-        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return false };
-        let (surface, view) = (model.surface.view(), contact.view());
-        audit::count(&surface, view.end) > audit::count(&surface, view.start)
+    /// Whether no more passes through at the end of the step than at its start.
+    fn test_exactly(&mut self) -> Result<(), Obstacle> {
+        let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return Ok(()) };
+        let (model, view) = (model.view(), contact.view());
+        match audit::count(&model.surface, view.end) > audit::count(&model.surface, view.start) {
+            true => {
+                let cause = Cause::Contact { collider: None, pinned: false };
+                Err(Obstacle { cause, particle: self.farthest() })
+            }
+            false => Ok(()),
+        }
+    }
+
+    /// Who of two features that meet is to be named: the first particle of the cloth, or one that is
+    /// pinned.
+    fn obstacle(&self, vertices: [u32; 4]) -> Obstacle {
+        let cloth = self.built.particles.positions.len();
+        let contact = self.built.contact.as_ref();
+        let (mobility, bodies) = contact.map_or_else(Default::default, |c| (&c.mobility[..], &c.colliders.bodies[..]));
+        let mut particles = vertices.into_iter().filter(|&v| (v as usize) < cloth);
+        let pinned = particles.clone().find(|&v| mobility[v as usize].min_element() == 0.0);
+        let body = |v: usize| bodies.iter().position(|body| body.range().contains(&v)).map(|body| body as u32);
+        let collider = vertices.into_iter().find_map(|v| body((v as usize).checked_sub(cloth)?));
+        let cause = Cause::Contact { collider, pinned: pinned.is_some() };
+        Obstacle { cause, particle: pinned.or_else(|| particles.next()).unwrap_or_default() }
     }
 
     /// The particle whose candidate is farthest from where it is.
-    pub(super) fn fastest(&self) -> u32 {
+    fn farthest(&self) -> u32 {
         let (x, next) = (&self.built.particles.positions, &self.scratch.next_positions);
         let moved = |v: usize| (next[v] - x[v]).length_squared();
         (0..x.len()).max_by(|&a, &b| moved(a).total_cmp(&moved(b))).unwrap_or_default() as u32
@@ -135,7 +180,7 @@ impl Simulation {
                 break;
             }
             let places = self.places();
-            let left = self.built.contact.as_ref().map_or(0, |model| untangle::count(&model.view(), &places));
+            let left = self.built.contact.as_ref().map_or(0, |model| audit::count(&model.surface.view(), &places));
             if left > untangled.after {
                 self.built.particles.positions = kept;
                 break;
@@ -158,7 +203,7 @@ impl Simulation {
             let margin = 0.5 * model.thickness * (1 << widened) as Real;
             let sweep = Sweep { time, step: 0.0, margin, widen: widened > 0 };
             step::sweep(model, sweep, positions, positions, &mut contact.view());
-            let counts = detect(model, contact, dispatch);
+            let Some(counts) = detect(model, contact, dispatch) else { return false };
             let view = contact.view();
             let pairs = [(&view.vertex_triangle, counts.vertex_triangle), (&view.edge_edge, counts.edge_edge)];
             let apart = |&distance: &Real| distance >= SEPARATION * model.thickness;
@@ -179,12 +224,16 @@ impl Simulation {
     }
 }
 
-fn detect(model: &ContactModel<'_>, contact: &mut ContactScratchColumns, dispatch: &impl Dispatch) -> Counts {
+fn detect(model: &ContactModel<'_>, contact: &mut ContactScratchColumns, dispatch: &impl Dispatch) -> Option<Counts> {
     let counts = step::detect(model, &mut contact.view(), dispatch);
-    if contact.grow_pairs(counts) {
-        return step::detect(model, &mut contact.view(), dispatch);
+    let most = MOST_PAIRS.max(MOST_PAIRS_PER_VERTEX * model.radii.len());
+    if counts.vertex_triangle.max(counts.edge_edge) > most {
+        return None;
     }
-    counts
+    if contact.grow_pairs(counts) {
+        return Some(step::detect(model, &mut contact.view(), dispatch));
+    }
+    Some(counts)
 }
 
 fn respond(

@@ -159,25 +159,14 @@ fn is_torn(model: &ContactModel<'_>, start: &[Vec3], places: &[Vec3]) -> bool {
     })
 }
 
-/// How many crossings there are of what can touch.
-pub fn count(model: &ContactModel<'_>, places: &[Vec3]) -> usize {
-    find(model, places).len()
-}
-
 /// Crossings of what can touch.
 fn find(model: &ContactModel<'_>, places: &[Vec3]) -> Vec<Crossing> {
     let surface = &model.surface;
-    let own = |edge: u32, triangle: u32| {
-        let cloth = surface.edges[edge as usize][0] < model.cloth() as u32;
-        cloth && triangle < surface.first_passive
-    };
-    let found = audit::crossings(surface, places).into_iter();
-    let can_touch = found.filter(|&[edge, triangle]| surface.own_contact || !own(edge, triangle));
     let crossing = |features: [u32; 2]| {
         let [edge, triangle] = features;
         Crossing::new(features, surface.edges[edge as usize], surface.triangles[triangle as usize], places)
     };
-    can_touch.map(crossing).collect()
+    audit::crossings(surface, places).into_iter().map(crossing).collect()
 }
 
 /// Asks for what parts the contours. Each `attempt` goes about it in another way, in turn: flaps as

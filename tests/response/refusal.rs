@@ -1,0 +1,174 @@
+//! Steps that are not taken: what nothing can keep apart, what is too much to follow, and what the
+//! host gives up. The state is then that before the step, and nothing has passed through anything.
+//!
+//! Run: `cargo test --release -p muslin-tests --test response refusal`.
+
+use muslin_tests::both_precisions;
+
+const HEAD: &str = r#"
+    name = "refusal"
+    duration = 1.0
+    frame_rate = 100
+    [contact]
+    thickness = 0.004
+    friction = 0.3
+"#;
+
+const SHEET: &str = r#"
+    [[cloth]]
+    grid = { size = [0.4, 0.4], cells = [10, 12] }
+    position = [0.0, 0.2, 0.0]
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 1000.0 }
+    shear = { stiffness = 300.0 }
+    bend = { model = "hinge", rigidity = 1e-5 }
+"#;
+
+/// Corners led down by 0.3 m.
+const LED: &str =
+    "pin = [{ select = { corners = [0, 1] }, motion = { keys = [[0.0, 0, 0, 0], [0.4, 0, -0.3, 0]] } }]\n";
+
+/// What they are led into.
+const BELOW: [(&str, &str); 5] = [
+    ("plane", "shape = \"plane\"\npoint = [0, 0.1, 0]\nnormal = [0, 1, 0]\n"),
+    ("box", "shape = \"box\"\ncenter = [0, 0.05, -0.2]\nhalf = [0.3, 0.05, 0.1]\n"),
+    ("sphere", "shape = \"sphere\"\ncenter = [0.2, 0.0, -0.2]\nradius = 0.1\n"),
+    ("capsule", "shape = \"capsule\"\na = [-1, 0, -0.2]\nb = [1, 0, -0.2]\nradius = 0.1\n"),
+    ("mesh", "shape = \"mesh\"\nfile = \"plate\"\n"),
+];
+
+both_precisions! {
+    use super::{BELOW, HEAD, LED, SHEET};
+    use core::sync::atomic::{AtomicU32, Ordering};
+    use glam::DVec3;
+    use muslin::audit;
+    use muslin::dispatch::{Dispatch, Serial, Split};
+    use muslin::mesh::{SurfaceColumns, TriMesh};
+    use muslin::real::Vec3;
+    use muslin::scene::{Content, Resource};
+    use muslin::simulation::{Cause, Diverged, Simulation};
+
+    fn plate() -> [Resource; 1] {
+        let corners = [[-1.0, 0.1, -1.0], [1.0, 0.1, -1.0], [1.0, 0.1, 1.0], [-1.0, 0.1, 1.0]];
+        let triangles = vec![[0, 2, 1], [0, 3, 2]];
+        [("plate".into(), Content::Mesh(TriMesh { positions: corners.to_vec(), triangles, ..TriMesh::default() }))]
+    }
+
+    fn build(pins: &str, collider: &str, method: &str, step: f64) -> Simulation {
+        let text = format!(
+            "{HEAD}{SHEET}{pins}[[collider]]\n{collider}[integrator]\nmethod = \"{method}\"\nstep = {step:?}\n"
+        );
+        kit::simulation(&text, &plate())
+    }
+
+    fn state(sim: &Simulation) -> Vec<Vec3> {
+        sim.positions().iter().chain(sim.velocities()).copied().collect()
+    }
+
+    /// Steps until one is refused, for a second at most.
+    fn refused(sim: &mut Simulation, what: &str) -> Diverged {
+        while sim.time() < 1.0 {
+            let before = state(sim);
+            let Err(refused) = sim.step(&Serial) else {
+                assert_eq!(sim.crossings(), 0, "{what}: crossings at {} s", sim.time());
+                continue;
+            };
+            println!("{what}: {refused}");
+            assert!(state(sim) == before, "{what}: {refused}, and the state is no more that before");
+            return refused;
+        }
+        panic!("{what}: every step was taken");
+    }
+
+    #[test]
+    fn pins_led_into_anything_are_refused_and_named() {
+        for (name, collider) in BELOW {
+            for (method, step) in [("symplectic-euler", 2e-4), ("backward-euler", 5e-3)] {
+                let what = format!("{} {name}, {method}", muslin::real::NAME);
+                let mut sim = build(LED, collider, method, step);
+                let refused = refused(&mut sim, &what);
+                assert_eq!(refused.cause, Cause::Contact { collider: Some(0), pinned: true }, "{what}: {refused}");
+                assert_eq!(sim.penetration(), Some(0.0), "{what}: something is inside");
+            }
+        }
+    }
+
+    /// An explicit method beyond its limit: with contact it would boil for hours.
+    #[test]
+    fn an_explosion_is_refused_before_all_is_near_all() {
+        let mut sim = build("", BELOW[1].1, "symplectic-euler", 2e-3);
+        let what = format!("{} explosion", muslin::real::NAME);
+        let refused = refused(&mut sim, &what);
+        assert!(matches!(refused.cause, Cause::TooMuch | Cause::NotFinite), "{what}: {refused}");
+    }
+
+    /// Gives up when asked for the so manieth time.
+    struct Impatient(AtomicU32);
+
+    impl Dispatch for Impatient {
+        fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K) {
+            Serial.run(out, kernel);
+        }
+        fn stopped(&self) -> bool {
+            self.0.fetch_sub(1, Ordering::Relaxed) == 1
+        }
+    }
+
+    #[test]
+    fn a_step_that_is_given_up_can_be_taken_again() {
+        for method in ["symplectic-euler", "backward-euler", "bdf2"] {
+            let falling = SHEET.replace("0.2, 0.0]", "0.105, 0.0]");
+            let fast = [1, 2, 3].map(|asked| {
+                let text = format!(
+                    "{HEAD}{falling}[[collider]]\n{}[integrator]\nmethod = \"{method}\"\nstep = 0.0002\n", BELOW[1].1
+                );
+                let mut sim = kit::simulation(&text, &[]);
+                kit::throw(&mut sim, 0, DVec3::Y * -20.0);
+                let impatient = Impatient(AtomicU32::new(asked));
+                let mut given_up = 0;
+                for _ in 0..20 {
+                    let before = state(&sim);
+                    while let Err(refused) = sim.step(&impatient) {
+                        assert_eq!(refused.cause, Cause::Stopped, "{method}: {refused}");
+                        assert!(state(&sim) == before, "{method}: given up, and the state is no more that before");
+                        given_up += 1;
+                    }
+                }
+                assert_eq!(given_up, 1, "{method}: given up {given_up} times");
+                state(&sim)
+            });
+            assert!(fast[0] == fast[1] && fast[1] == fast[2], "{method}: what was given up left a trace");
+        }
+    }
+
+    /// What is switched off does not count: a sheet that passes through itself, while elsewhere
+    /// something touches.
+    #[test]
+    fn without_self_contact_a_sheet_may_pass_through_itself() {
+        let flopping = r#"
+            [[cloth]]
+            grid = { size = [0.4, 0.1], cells = [24, 6] }
+            position = [2.0, 0.5, 0.0]
+            density = 0.2
+            stretch = { model = "membrane", stiffness = 1000.0 }
+            shear = { stiffness = 300.0 }
+            pin = [
+                { select = { edge = "left" }, motion = { keys = [[0.0, 0, 0, 0], [0.3, 0.6, 0, 0]] } },
+                { select = { edge = "right" } },
+            ]
+        "#;
+        let resting = SHEET.replace("0.2, 0.0]", "0.1000001, 0.0]").replace("[10, 12]", "[2, 2]");
+        let head = HEAD.replace("thickness", "self = false\nthickness");
+        let text = format!("{head}{flopping}{resting}[[collider]]\n{}[integrator]\nstep = 0.005\n", BELOW[1].1);
+        let mut sim = kit::simulation(&text, &[]);
+        let all = SurfaceColumns::build(sim.positions().len(), sim.triangles(), &[]);
+        let mut most = 0;
+        kit::run(&mut sim, 0.3, |sim| {
+            most = most.max(audit::count(&all.view(), sim.positions()));
+            assert_eq!(sim.crossings(), 0, "{}: what is switched off counts", muslin::real::NAME);
+        });
+        println!("{}: {most} crossings, {:?}", muslin::real::NAME, sim.tally());
+        assert!(most > 0 && sim.tally().touching > 0, "the sheet does not cross itself or nothing touches");
+        assert_eq!(sim.tally().rejected, 0, "a step was refused for what is switched off");
+    }
+}
