@@ -105,7 +105,7 @@ fn a_step_with_contact_allocates_nothing_once_there_is_room() {
         };
         run(&mut cloth);
         assert!(cloth.tally().proximity > 1000, "{}: hardly anything touches", method.name());
-        assert!(cloth.restore(&start.state(), start.work()), "a simulation restores its own start");
+        assert!(cloth.restore(&start.state(), start.work(), start.tally()), "a simulation restores its own start");
         let counted = allocation_counter::measure(|| run(&mut cloth));
         assert_eq!(
             counted.count_total,

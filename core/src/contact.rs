@@ -205,7 +205,7 @@ mod owned {
     }
 
     impl ContactScratchColumns {
-        /// Columns for a model, with room for `pairs` candidates of each kind and as many
+        /// Columns for a model, with room for `pairs` candidates of each kind and a quarter as many
         /// constraints; they grow where a step needs more.
         pub fn build(model: &ContactModel<'_>, pairs: usize) -> Self {
             let vertices = model.radii.len();
@@ -223,7 +223,7 @@ mod owned {
                 ..Self::default()
             };
             columns.grow_pairs(Counts { vertex_triangle: pairs, edge_edge: pairs });
-            columns.grow_constraints(pairs);
+            columns.grow_constraints(pairs / 4);
             columns
         }
 

@@ -22,11 +22,12 @@ use crate::step::{self, Prediction};
 use crate::traffic::Sizes;
 
 mod contact;
+mod halving;
+mod refusal;
+
+pub use refusal::{Cause, Diverged};
 
 use contact::Obstacle;
-
-/// How often a step is halved before what still meets is held back.
-const MOST_HALVINGS: u32 = 6;
 
 /// Room for so many candidates of each kind a vertex, to begin with.
 const PAIRS_PER_VERTEX: usize = 32;
@@ -45,69 +46,6 @@ pub struct Simulation {
     steps: u64,
     work: Work,
 }
-
-/// A step that was not taken. The state is that before it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Diverged {
-    /// The step that failed, counted from 1.
-    pub step: u64,
-    /// The first particle that is not finite, that meets something, or the one that moves farthest.
-    pub particle: u32,
-    /// The term that pulled hardest on it.
-    pub term: Option<Term>,
-    /// What went wrong.
-    pub cause: Cause,
-}
-
-/// Why a step cannot be taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// Its result is not a number.
-    NotFinite,
-    /// So much moves so far, or is so thick, that contact cannot follow, however short it is taken.
-    TooMuch,
-    /// Surfaces would pass through one another, however short it is taken.
-    Contact {
-        /// Index of the collider that the particle meets; else it meets cloth.
-        collider: Option<u32>,
-        /// Whether the particle is pinned, so that nothing can keep it away.
-        pinned: bool,
-    },
-    /// The host gave it up ([`Dispatch::stopped`]).
-    Stopped,
-}
-
-impl Diverged {
-    /// Whether a shorter step may be taken where this one was not.
-    fn may_help(&self) -> bool {
-        matches!(self.cause, Cause::Contact { .. } | Cause::TooMuch)
-    }
-}
-
-impl core::fmt::Display for Diverged {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { step, particle, .. } = self;
-        let term = self.term.map_or("no term", Term::name);
-        match self.cause {
-            Cause::NotFinite => write!(f, "diverged in step {step} at particle {particle}, pulled hardest by {term}"),
-            Cause::TooMuch => {
-                write!(f, "more comes together in step {step} than contact can follow: ")?;
-                write!(f, "particle {particle} moves farthest, pulled hardest by {term}")
-            }
-            Cause::Contact { collider, pinned } => {
-                write!(f, "surfaces could not be kept apart in step {step}: ")?;
-                write!(f, "{} {particle} meets ", if pinned { "pinned particle" } else { "particle" })?;
-                match collider {
-                    Some(collider) => write!(f, "collider {collider}"),
-                    None => write!(f, "cloth"),
-                }
-            }
-            Cause::Stopped => write!(f, "step {step} was given up"),
-        }
-    }
-}
-
-impl core::error::Error for Diverged {}
 
 /// A part of a step: a step that cannot be made free of intersections is taken in halves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,11 +72,6 @@ pub struct State<'a> {
     pub velocities: &'a [Vec3],
     /// BDF2: the state one step before, empty elsewhere and before the first step.
     pub previous: [&'a [Vec3]; 2],
-}
-
-/// The state before a step that is taken in halves: as in [`State`].
-struct Kept {
-    columns: [Vec<Vec3>; 4],
 }
 
 impl Simulation {
@@ -179,35 +112,8 @@ impl Simulation {
         if !cannot.may_help() {
             return Err(cannot);
         }
-        let kept = self.keep();
-        let taken = self.halves(dispatch);
-        match taken {
-            Ok(()) => self.steps += 1,
-            Err(_) => self.put_back(&kept),
-        }
-        taken
-    }
-
-    /// Takes a step in halves, and those in halves again, as short as they must be.
-    fn halves(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
-        self.tally.rejected += 1;
-        let whole = 1u32 << MOST_HALVINGS;
-        let (mut done, mut halvings) = (0, 1);
-        while done < whole {
-            let length = whole >> halvings;
-            let part = Part { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
-            match self.try_part(part, halvings == MOST_HALVINGS, dispatch) {
-                Ok(()) => {
-                    done += length;
-                    halvings -= u32::from(done % (2 * length) == 0);
-                }
-                Err(cannot) if halvings < MOST_HALVINGS && cannot.may_help() => {
-                    self.tally.rejected += 1;
-                    halvings += 1;
-                }
-                Err(cannot) => return Err(cannot),
-            }
-        }
+        self.step_in_halves(dispatch)?;
+        self.steps += 1;
         Ok(())
     }
 
@@ -438,7 +344,7 @@ impl Simulation {
 
     /// Goes on from a checkpoint of the same scene; false, and nothing done, where the lengths
     /// do not fit.
-    pub fn restore(&mut self, state: &State<'_>, work: Work) -> bool {
+    pub fn restore(&mut self, state: &State<'_>, work: Work, tally: Tally) -> bool {
         let count = self.positions().len();
         let history = state.previous[0].len();
         let fits = state.positions.len() == count
@@ -454,20 +360,9 @@ impl Simulation {
             }
             self.scratch.has_history = history > 0;
             self.steps = state.steps;
-            self.work = work;
+            (self.work, self.tally) = (work, tally);
         }
         fits
-    }
-
-    fn keep(&self) -> Kept {
-        let State { positions, velocities, previous, .. } = self.state();
-        Kept { columns: [positions, velocities, previous[0], previous[1]].map(<[Vec3]>::to_vec) }
-    }
-
-    fn put_back(&mut self, kept: &Kept) {
-        let [positions, velocities, before, rates] = kept.columns.each_ref().map(|column| &column[..]);
-        let state = State { steps: self.steps, positions, velocities, previous: [before, rates] };
-        self.restore(&state, self.work);
     }
 
     /// Triangles of all cloths.

@@ -1,6 +1,7 @@
 //! Checkpoints: the state of a run, to go on from bit for bit.
 //!
-//! Little-endian: magic, version, precision, CRC of the scene, steps, hash chain, work, then each
+//! Little-endian: magic, version, precision, CRC of the scene, steps, hash chain, work, contacts,
+//! the record of the run so far, then each
 //! column with its length, and last the CRC of all before. Written whole or not at all.
 
 use std::io::Write;
@@ -12,10 +13,11 @@ use crate::args::Precision;
 use crate::engine::{Engine, Snapshot};
 use crate::export::whole::{self, WriteError};
 use crate::failure::Failure;
+use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What a checkpoint holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +28,19 @@ pub struct Checkpoint {
     pub scene: u32,
     /// The hash chain over all steps.
     pub chain: u64,
+    /// What has been seen up to there.
+    pub record: Record,
     /// The state.
     pub snapshot: Snapshot,
+}
+
+/// What a run goes on from beside its engine.
+#[derive(Clone, Copy, Debug)]
+pub struct Resumed {
+    /// The hash chain up to there.
+    pub chain: u64,
+    /// What has been seen up to there.
+    pub record: Record,
 }
 
 /// Why a checkpoint cannot be resumed.
@@ -66,15 +79,15 @@ fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
     decode(&std::fs::read(path)?)
 }
 
-/// Puts the engine of a run of `total` steps where a checkpoint left it; returns the hash chain up
-/// to there. Errors say what to do instead; all are of usage, as for any other input.
+/// Puts the engine of a run of `total` steps where a checkpoint left it; returns what else the run
+/// goes on from. Errors say what to do instead; all are of usage, as for any other input.
 pub fn resume(
     path: &Path,
     engine: &mut dyn Engine,
     precision: Precision,
     scene_crc: u32,
     total: u64,
-) -> Result<u64, Failure> {
+) -> Result<Resumed, Failure> {
     let failed = |why: String| Failure::Usage(format!("{}: {why}", path.display()));
     let found = read(path).map_err(|error| failed(error.to_string()))?;
     if found.precision != precision {
@@ -87,7 +100,7 @@ pub fn resume(
     if steps > total {
         return Err(failed(format!("is at step {steps}, the run ends with step {total}; give a longer --duration")));
     }
-    Ok(found.chain)
+    Ok(Resumed { chain: found.chain, record: found.record })
 }
 
 /// Identity of a scene: its keys but for the duration, and the meshes that it names.
@@ -119,12 +132,13 @@ pub fn scene_crc(scene: &SceneFile) -> u32 {
 }
 
 fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
-    let Checkpoint { precision, scene, chain, snapshot } = checkpoint;
+    let Checkpoint { precision, scene, chain, record, snapshot } = checkpoint;
     let mut bytes = MAGIC.to_vec();
     for word in [VERSION, *precision as u32, *scene] {
         bytes.extend(word.to_le_bytes());
     }
-    for word in [snapshot.steps, *chain].iter().chain(&snapshot.work) {
+    for word in [snapshot.steps, *chain].iter().chain(&snapshot.work).chain(&snapshot.contacts).chain(&record.encode())
+    {
         bytes.extend(word.to_le_bytes());
     }
     for column in &snapshot.columns {
@@ -158,7 +172,8 @@ fn fields(mut rest: &[u8]) -> Option<Checkpoint> {
     let mut word = || take(&mut rest).map(u64::from_le_bytes);
     let (steps, chain) = (word()?, word()?);
     let mut snapshot = Snapshot { steps, ..Snapshot::default() };
-    for counter in &mut snapshot.work {
+    let mut record = [0; record::WORDS];
+    for counter in snapshot.work.iter_mut().chain(&mut snapshot.contacts).chain(&mut record) {
         *counter = word()?;
     }
     for column in &mut snapshot.columns {
@@ -167,7 +182,7 @@ fn fields(mut rest: &[u8]) -> Option<Checkpoint> {
         *column = bytes.into();
         rest = after;
     }
-    Some(Checkpoint { precision, scene, chain, snapshot })
+    Some(Checkpoint { precision, scene, chain, record: Record::decode(record), snapshot })
 }
 
 fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
@@ -179,11 +194,15 @@ fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::Start;
 
     fn example() -> Checkpoint {
         let columns = [vec![1, 2, 3, 4], vec![5; 24], vec![], vec![9; 12]];
-        let snapshot = Snapshot { steps: 77, work: [1, 2, 3, 4, 5, 6, 7], columns };
-        Checkpoint { precision: Precision::F64, scene: 0xdead_beef, chain: 42, snapshot }
+        let snapshot = Snapshot { steps: 77, work: [1, 2, 3, 4, 5, 6, 7], contacts: [8, 9, 1, 2, 3, 4, 5], columns };
+        let start = Start { crossings: Some(3), untangled: None };
+        let record =
+            Record { start, size: [1.0, 0.5, 2.0], stretch: 1.25, penetration: Some(1e-3), crossings: Some((4, 17)) };
+        Checkpoint { precision: Precision::F64, scene: 0xdead_beef, chain: 42, record, snapshot }
     }
 
     #[test]

@@ -61,6 +61,8 @@ pub struct Snapshot {
     pub steps: u64,
     /// Counters of work, in the order of the core's `Work`.
     pub work: [u64; 7],
+    /// Counters of contact, in the order of the core's `Tally`.
+    pub contacts: [u64; 7],
     /// Positions, velocities and, for BDF2, the same one step before.
     pub columns: [Vec<u8>; 4],
 }
@@ -137,6 +139,7 @@ macro_rules! engine {
             use $core::integrate::Work;
             use $core::mesh::{Stitch, TriMesh};
             use $core::real::{Real, Vec3};
+            use $core::response::Tally;
             use $core::scene::{Content, PointCache, SceneDesc};
             use $core::simulation::Cause;
             use $core::simulation::{Simulation, State};
@@ -302,7 +305,7 @@ macro_rules! engine {
                 }
 
                 fn snapshot(&self) -> Snapshot {
-                    let (state, w) = (self.state(), self.work());
+                    let (state, w, t) = (self.state(), self.work(), self.tally());
                     Snapshot {
                         steps: state.steps,
                         work: [
@@ -314,6 +317,7 @@ macro_rules! engine {
                             w.unconverged,
                             w.stalled_searches,
                         ],
+                        contacts: [t.candidates, t.proximity, t.impacts, t.zones, t.touching, t.failsafe, t.rejected],
                         columns: [state.positions, state.velocities, state.previous[0], state.previous[1]]
                             .map(to_bytes),
                     }
@@ -331,9 +335,20 @@ macro_rules! engine {
                         unconverged: w[5],
                         stalled_searches: w[6],
                     };
+                    let t = snapshot.contacts;
+                    let tally = Tally {
+                        candidates: t[0],
+                        proximity: t[1],
+                        impacts: t[2],
+                        zones: t[3],
+                        touching: t[4],
+                        failsafe: t[5],
+                        rejected: t[6],
+                    };
                     let [positions, velocities, previous_positions, previous_velocities] = &columns;
                     let previous: [&[Vec3]; 2] = [previous_positions, previous_velocities];
-                    Simulation::restore(self, &State { steps: snapshot.steps, positions, velocities, previous }, work)
+                    let state = State { steps: snapshot.steps, positions, velocities, previous };
+                    Simulation::restore(self, &state, work, tally)
                 }
             }
         }

@@ -13,17 +13,17 @@ use muslin_core::scene::Timing;
 use muslin_core::stage::Stage;
 
 use crate::args::{PreviewKind, RunArguments};
-use crate::checkpoint::{self, Checkpoint};
+use crate::checkpoint::{self, Checkpoint, Resumed};
 use crate::engine::{self, Divergence, Engine, Halt};
 use crate::export::Exporter;
 use crate::failure::{Failure, print_data, print_note};
 use crate::interrupt;
 use crate::pool::Pool;
 use crate::preview::Preview;
+use crate::record::{Record, Start};
 use crate::scene_file::{self, SceneFile};
 use crate::stopwatch::Stopwatch;
 use files::{to_json, write_preview, write_summary};
-use start::Start;
 
 /// Name of the checkpoint in the output directory.
 const CHECKPOINT: &str = "checkpoint.muslin";
@@ -71,15 +71,7 @@ struct Run<'a> {
     positions: Vec<[f32; 3]>,
     /// Where the vertices of colliders are, m.
     solids: Vec<[f32; 3]>,
-    /// Extent of the first frame, m.
-    size: [f64; 3],
-    largest_stretch: f64,
-    /// Crossings of the worst frame, and that frame.
-    worst_crossings: Option<(u64, u64)>,
-    /// Crossings of the start state.
-    start: Start,
-    /// Deepest penetration of any frame, m.
-    penetration: Option<f64>,
+    record: Record,
     stepping: Duration,
     /// In the broad phase, the narrow phase and the response.
     contact: [Duration; 3],
@@ -168,14 +160,14 @@ impl<'a> Run<'a> {
         timing: Timing,
         out: PathBuf,
         scene_crc: u32,
-        resumed: Option<u64>,
+        resumed: Option<Resumed>,
         frame_rate: f64,
         start: Start,
     ) -> Result<Self, Failure> {
         let steps = engine.report().steps;
         let first_frame = if resumed.is_some() { steps / timing.steps_per_frame + 1 } else { 0 };
         let exporter = Exporter::create(&out, &arguments.export, engine.triangles(), frame_rate, first_frame as u32)?;
-        let chain = resumed.unwrap_or_else(|| engine.chain(None));
+        let chain = resumed.map_or_else(|| engine.chain(None), |resumed| resumed.chain);
         let mut run = Self {
             arguments,
             engine,
@@ -189,17 +181,15 @@ impl<'a> Run<'a> {
             preview: None,
             positions: Vec::new(),
             solids: Vec::new(),
-            size: [0.0; 3],
-            largest_stretch: 0.0,
-            worst_crossings: None,
-            start,
-            penetration: None,
+            record: resumed.map_or(Record { start, ..Record::default() }, |resumed| resumed.record),
             stepping: Duration::ZERO,
             contact: [Duration::ZERO; 3],
             output: Duration::ZERO,
         };
         run.engine.write_positions(&mut run.positions);
-        run.size = extent(&run.positions);
+        if resumed.is_none() {
+            run.record.size = extent(&run.positions);
+        }
         if arguments.preview != PreviewKind::None {
             run.engine.write_solids(&mut run.solids);
             let most = PREVIEW_MEMORY / (12 * (run.positions.len() + run.solids.len()));
@@ -259,12 +249,13 @@ impl<'a> Run<'a> {
         let started = Instant::now();
         self.engine.write_positions(&mut self.positions);
         self.exporter.frame(&self.positions)?;
-        self.largest_stretch = self.largest_stretch.max(self.engine.largest_stretch());
-        self.penetration = self.engine.penetration().map(|now| now.max(self.penetration.unwrap_or(0.0)));
+        let record = &mut self.record;
+        record.stretch = record.stretch.max(self.engine.largest_stretch());
+        record.penetration = self.engine.penetration().map(|now| now.max(record.penetration.unwrap_or(0.0)));
         if self.arguments.audit {
             let found = (self.engine.crossings() as u64, self.steps / self.timing.steps_per_frame);
-            if self.worst_crossings.is_none_or(|worst| found.0 > worst.0) {
-                self.worst_crossings = Some(found);
+            if record.crossings.is_none_or(|worst| found.0 > worst.0) {
+                record.crossings = Some(found);
             }
         }
         if let Some(preview) = &mut self.preview {
@@ -283,6 +274,7 @@ impl<'a> Run<'a> {
             precision: self.arguments.precision,
             scene: self.scene_crc,
             chain: self.chain,
+            record: self.record,
             snapshot: self.engine.snapshot(),
         };
         checkpoint::write(&path, &checkpoint).map_err(|error| Failure::Tool(error.to_string()))?;

@@ -42,9 +42,6 @@ pub struct Summary {
     pub penetration_m: Option<f64>,
     pub work: Work,
     pub state_hash: String,
-    /// Steps that this process took; fewer than `steps` of a resumed run.
-    #[serde(skip)]
-    pub steps_here: u64,
 }
 
 /// Means per step, ms.
@@ -167,8 +164,8 @@ impl Summary {
         );
         text += &self.contact_lines();
         if self.stretch.max_of_all_frames > TOO_LONG {
-            text +=
-                "\nthat is more than cloth stretches: check density (kg/m^2), stiffness (N/m) and the mesh's size (m)";
+            text += "\nthat is more than cloth stretches: take a smaller integrator.step, or check density (kg/m^2), \
+                     stiffness (N/m), the mesh's size (m) and how far pins and colliders draw it";
         }
         if self.work.unconverged > 0 {
             text += &format!(
@@ -182,17 +179,18 @@ impl Summary {
     /// What contact came to; nothing where none is modelled and nothing was audited.
     fn contact_lines(&self) -> String {
         let Contacts { candidates, proximity, impacts, zones, failsafe } = self.contacts;
-        let StageMs { broad_phase, narrow_phase, response, .. } = self.stage_ms;
+        let StageMs { predict, broad_phase, narrow_phase, response, .. } = self.stage_ms;
         let mut text = String::new();
         if broad_phase > 0.0 {
-            let a_step = |count: u64| count as f64 / self.steps_here.max(1) as f64;
+            let a_step = |count: u64| count as f64 / self.steps.max(1) as f64;
             let per_contact = match (candidates, proximity) {
                 (_, 0) => String::new(),
                 _ => format!(", {:.0} candidates for each", candidates as f64 / proximity as f64),
             };
             text += &format!(
-                "\ncontact {:.0} candidates and {:.0} contacts a step{per_contact}; \
-                 {broad_phase:.3} ms broad phase, {narrow_phase:.3} narrow phase, {response:.3} response\n\
+                "\ncontact {:.0} candidates and {:.0} contacts a step{per_contact}\n\
+                 ms a step: {predict:.3} forces and solve, {broad_phase:.3} broad phase, {narrow_phase:.3} narrow phase, \
+                 {response:.3} response\n\
                  impacts {impacts} in all, {zones} zones, {} steps rejected, {failsafe} held back",
                 a_step(candidates),
                 a_step(proximity),

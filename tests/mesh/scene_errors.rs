@@ -199,7 +199,7 @@ const PINS: &[Case] = &[
 
 const COLLIDERS: &[Case] = &[
     ("thickness = 0.002", "thickness = 0.0", "contact.thickness = 0: must be greater than zero and finite"),
-    ("static = 0.4", "static = -0.4", "friction = -0.4: must not be negative, and must be finite"),
+    ("static = 0.4", "static = -0.4", "contact.friction = -0.4: must not be negative, and must be finite"),
     ("static = 0.4", "static = 0.2", "friction: static = 0.2 is below kinetic = 0.3"),
     ("stribeck = 0.1", "stribeck = 0.0", "friction.stribeck = 0: must be greater than zero and finite"),
     ("viscous = 0.0", "viscous = -1.0", "friction.viscous = -1: must not be negative, and must be finite"),

@@ -49,8 +49,8 @@ impl FrictionDesc {
         Self { at_rest: mu, kinetic: mu, ..Self::default() }
     }
 
-    pub(super) fn law(&self) -> Result<Law, SceneError> {
-        let key = "friction";
+    /// `key` is where in the scene it stands.
+    pub(super) fn law(&self, key: &'static str) -> Result<Law, SceneError> {
         not_negative(key, self.at_rest)?;
         not_negative(key, self.kinetic)?;
         not_negative("friction.viscous", self.viscous)?;
@@ -81,13 +81,13 @@ pub(super) fn columns(
     let mut columns = ContactColumns {
         thickness: positive("contact.thickness", contact.thickness)? as Real,
         continuous: contact.continuous,
-        laws: vec![contact.friction.law()?],
+        laws: vec![contact.friction.law("contact.friction")?],
         ..ContactColumns::default()
     };
     for (index, desc) in scene.collider.iter().enumerate() {
         let law = match &desc.friction {
             Some(friction) => {
-                columns.laws.push(friction.law()?);
+                columns.laws.push(friction.law("collider.friction")?);
                 columns.laws.len() as u32 - 1
             }
             None => 0,

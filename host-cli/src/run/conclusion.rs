@@ -10,9 +10,9 @@ use crate::summary::{StageMs, Stretch, Summary};
 impl Run<'_> {
     /// What to say of surfaces that pass through one another, if the audit found any.
     pub(super) fn intersecting(&self, scene: &SceneFile) -> Option<String> {
-        let (count, frame) = self.worst_crossings.filter(|&(count, _)| count > 0)?;
-        let untangled = self.start.untangled.unwrap_or(0);
-        let start = self.start.crossings.filter(|&count| count > untangled);
+        let (count, frame) = self.record.crossings.filter(|&(count, _)| count > 0)?;
+        let untangled = self.record.start.untangled.unwrap_or(0);
+        let start = self.record.start.crossings.filter(|&count| count > untangled);
         let advice = match (start, &scene.desc.contact) {
             (Some(start), None) => format!("the scene starts with {start} intersections: part them before the start"),
             (Some(start), Some(_)) => {
@@ -48,7 +48,7 @@ impl Run<'_> {
             backend: self.arguments.backend.name(),
             adapter: None,
             threads,
-            size_m: self.size,
+            size_m: self.record.size,
             mass_kg: self.engine.mass(),
             pinned: self.engine.pins().len(),
             vertices: self.positions.len(),
@@ -60,7 +60,7 @@ impl Run<'_> {
             rejected_steps: report.contacts[5],
             simulated_s: report.time,
             wall_s: wall.as_secs_f64(),
-            verdict: match (&divergence, self.worst_crossings) {
+            verdict: match (&divergence, self.record.crossings) {
                 (Some(_), _) => "diverged",
                 (None, Some((1.., _))) => "intersecting",
                 (None, _) => "ok",
@@ -70,19 +70,18 @@ impl Run<'_> {
             stretch: Stretch {
                 max: report.stretch[0],
                 mean: report.stretch[1],
-                max_of_all_frames: self.largest_stretch.max(report.stretch[0]),
+                max_of_all_frames: self.record.stretch.max(report.stretch[0]),
             },
             energy: (&report).into(),
             momentum: report.momentum,
             contacts: (&report).into(),
-            intersections: self.worst_crossings.map(|(count, _)| count),
-            intersections_frame: self.worst_crossings.filter(|&(count, _)| count > 0).map(|(_, frame)| frame),
-            intersections_at_start: self.start.crossings,
-            intersections_untangled: self.start.untangled,
-            penetration_m: self.penetration,
+            intersections: self.record.crossings.map(|(count, _)| count),
+            intersections_frame: self.record.crossings.filter(|&(count, _)| count > 0).map(|(_, frame)| frame),
+            intersections_at_start: self.record.start.crossings,
+            intersections_untangled: self.record.start.untangled,
+            penetration_m: self.record.penetration,
             work: (&report).into(),
             state_hash: format!("fnv1a:{:016x}", self.chain),
-            steps_here: steps,
         }
     }
 }

@@ -4,16 +4,11 @@ use crate::args::RunArguments;
 use crate::engine::{Engine, Untangled};
 use crate::failure::print_note;
 use crate::pool::Pool;
+use crate::record::Start;
 use crate::stopwatch::Stopwatch;
 
-/// What is known of a start state.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Start {
-    /// Crossings as the scene has it; none where nothing was counted.
-    pub crossings: Option<u64>,
-    /// How many of them were untangled; none without contact.
-    pub untangled: Option<u64>,
-}
+/// From where on a person is asked to look at what untangling moved, m.
+const FAR: f64 = 0.05;
 
 /// Untangles the start of a scene with contact, and says so where there was something to do.
 pub fn untangle(engine: &mut dyn Engine, arguments: &RunArguments, pool: &Pool) -> Start {
@@ -35,13 +30,15 @@ fn words(found: &Untangled) -> String {
         (before, _) => format!("{before} crossings"),
     };
     let left = match (after, inside[1]) {
-        (0, 0) => format!("untangled in {rounds} rounds"),
+        (0, 0) => format!("untangled in {rounds} round{}", if rounds == 1 { "" } else { "s" }),
         (0, inside) => format!("{inside} vertices left inside (held by pins or colliders)"),
         (after, _) => format!("{after} left (held by pins or colliders)"),
     };
+    let moved_far = moved > FAR;
     let moved = match rounds {
         0 => "nothing was moved".into(),
         _ => format!("vertices moved by up to {:.1} mm", 1e3 * moved),
     };
-    format!("{what} at the start: {left}, {moved}")
+    let advice = if moved_far { "; look at frame 0, and part them yourself if it is not what you meant" } else { "" };
+    format!("{what} at the start: {left}, {moved}{advice}")
 }

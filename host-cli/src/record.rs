@@ -1,0 +1,54 @@
+//! What has been seen of a run so far: a checkpoint keeps it, so that a resumed run tells of the
+//! whole.
+
+/// What is known of a start state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Start {
+    /// Crossings as the scene has it; none where nothing was counted.
+    pub crossings: Option<u64>,
+    /// How many of them were untangled; none without contact.
+    pub untangled: Option<u64>,
+}
+
+/// The start, and the worst of all frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Record {
+    /// Of the start state.
+    pub start: Start,
+    /// Extent of the first frame, m.
+    pub size: [f64; 3],
+    /// Largest stretch.
+    pub stretch: f64,
+    /// Deepest penetration, m.
+    pub penetration: Option<f64>,
+    /// Crossings of the worst frame, and that frame; none where nothing is audited.
+    pub crossings: Option<(u64, u64)>,
+}
+
+/// Words of an encoded record.
+pub const WORDS: usize = 13;
+
+impl Record {
+    /// As bits.
+    pub fn encode(&self) -> [u64; WORDS] {
+        let Self { start, size: [x, y, z], stretch, penetration, crossings } = *self;
+        let known = |value: Option<u64>| [u64::from(value.is_some()), value.unwrap_or(0)];
+        let ([a, b], [c, d]) = (known(start.crossings), known(start.untangled));
+        let [e, f] = known(penetration.map(f64::to_bits));
+        let [g, h] = known(crossings.map(|(count, _)| count));
+        let frame = crossings.map_or(0, |(_, frame)| frame);
+        [a, b, c, d, x.to_bits(), y.to_bits(), z.to_bits(), stretch.to_bits(), e, f, g, h, frame]
+    }
+
+    /// From bits.
+    pub fn decode([a, b, c, d, x, y, z, stretch, e, f, g, h, frame]: [u64; WORDS]) -> Self {
+        let known = |is: u64, value: u64| (is != 0).then_some(value);
+        Self {
+            start: Start { crossings: known(a, b), untangled: known(c, d) },
+            size: [x, y, z].map(f64::from_bits),
+            stretch: f64::from_bits(stretch),
+            penetration: known(e, f).map(f64::from_bits),
+            crossings: known(g, h).map(|count| (count, frame)),
+        }
+    }
+}
