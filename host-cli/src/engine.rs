@@ -98,6 +98,8 @@ pub trait Engine: Send {
     fn largest_stretch(&self) -> f64;
     /// kg.
     fn mass(&self) -> f64;
+    /// Mean rest length of all edges, m.
+    fn mean_edge(&self) -> f64;
     /// Adds the state to a hash chain and returns the chain.
     fn chain(&self, chain: Option<u64>) -> u64;
     /// Pairs of an edge and a triangle that pass through one another, by the exact test.
@@ -265,6 +267,11 @@ macro_rules! engine {
 
                 fn mass(&self) -> f64 {
                     self.scene().particles.masses.iter().map(|&mass| f64::from(mass)).sum()
+                }
+
+                fn mean_edge(&self) -> f64 {
+                    let lengths = &self.scene().rest_lengths;
+                    lengths.iter().map(|&length| f64::from(length)).sum::<f64>() / lengths.len().max(1) as f64
                 }
 
                 fn chain(&self, chain: Option<u64>) -> u64 {

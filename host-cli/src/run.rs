@@ -95,6 +95,9 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
     let out = out(arguments, &scene)?;
     say_what_changed(arguments, &scene, &timing);
+    if !arguments.quiet {
+        start::weigh_thickness(engine.as_ref(), &scene.desc);
+    }
     let stop = interrupt::watch()?;
     let start = match resumed {
         Some(_) => Start::default(),

@@ -291,3 +291,15 @@ fn a_resumed_run_tells_of_the_whole() {
         }
     }
 }
+
+#[test]
+fn a_thickness_that_does_not_fit_the_mesh_is_noted() {
+    let place = Place::new();
+    place.write("drop.toml", DROP);
+    for (thickness, noted) in [("0.004", false), ("0.2", true), ("1e-7", true)] {
+        let words =
+            format!("run drop.toml --out out --preview none --duration 0.05 --set contact.thickness={thickness}");
+        let outcome = place.muslin(&words).expect(0);
+        assert_eq!(outcome.stderr.contains("beside edges of"), noted, "{thickness} m: {}", outcome.stderr);
+    }
+}

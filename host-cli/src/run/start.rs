@@ -1,5 +1,7 @@
 //! A start state in which surfaces pass through one another is untangled before the first step.
 
+use muslin_core::scene::SceneDesc;
+
 use crate::args::RunArguments;
 use crate::engine::{Engine, Untangled};
 use crate::failure::print_note;
@@ -9,6 +11,21 @@ use crate::stopwatch::Stopwatch;
 
 /// From where on a person is asked to look at what untangling moved, m.
 const FAR: f64 = 0.05;
+
+/// Thickness beside the length of edges from which, and up to which, contact works as one expects.
+const THICKNESS: [f64; 2] = [1e-4, 1.0];
+
+/// Says so where the thickness hardly fits the mesh: often it is not in metres.
+pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {
+    let Some(contact) = &scene.contact else { return };
+    let (thickness, edge) = (contact.thickness, engine.mean_edge());
+    let beside = format!("contact.thickness = {thickness:?} m beside edges of {edge:.1e} m in the mean");
+    if thickness > THICKNESS[1] * edge {
+        print_note(&format!("{beside}: each vertex has many neighbours to keep away from, and steps are slow"));
+    } else if thickness < THICKNESS[0] * edge {
+        print_note(&format!("{beside}: so thin a sheet is hard to keep apart, and steps are rejected"));
+    }
+}
 
 /// Untangles the start of a scene with contact, and says so where there was something to do.
 pub fn untangle(engine: &mut dyn Engine, arguments: &RunArguments, pool: &Pool) -> Start {
