@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use muslin_core::audit;
 
 use crate::args::{DetectArguments, DetectStage};
-use crate::failure::{Failure, print_data, print_note};
+use crate::failure::{Failure, print_data};
 use crate::pool::Pool;
 use mesh::Subject;
 use report::{Pairs, Report, StageMs};
@@ -59,9 +59,6 @@ fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Report
         let (count, time) = clocked(|| audit::count(&surface, &subject.positions));
         ms.intersections = Some(milliseconds(time));
         report.intersections = Some(count);
-        if arguments.next.is_none() {
-            print_note("without --next MESH nothing moves: no ccd");
-        }
     }
     report.ms = ms;
     report

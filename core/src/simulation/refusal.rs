@@ -29,7 +29,7 @@ pub enum Cause {
         /// Whether the particle is pinned, so that nothing can keep it away.
         pinned: bool,
     },
-    /// The host gave it up ([`Dispatch::stopped`]).
+    /// The host gave it up ([`Dispatch::stopped`](crate::dispatch::Dispatch::stopped)).
     Stopped,
 }
 

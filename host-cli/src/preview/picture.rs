@@ -14,6 +14,8 @@ const SAMPLES: usize = 2;
 const SOFTNESS: [i32; 2] = [2, 7];
 /// Radius of a pin's dot, pixels.
 const PIN_RADIUS: f32 = 2.0;
+/// Cosine between a solid's triangle and the mean around a corner, below which it has an edge there.
+const CREASED: f32 = 0.8;
 
 /// What there is to draw at one instant.
 pub struct Things<'a> {
@@ -122,13 +124,16 @@ impl<'a> Scenery<'a> {
         let to_eye = (stage.camera.eye - point).normalize_or_zero();
         let flat = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let front = flat.dot(to_eye) > 0.0;
-        let smooth = blend(self.triangles[hit.triangle].map(|v| self.normals[v])).normalize_or_zero();
+        let normals = self.triangles[hit.triangle].map(|v| self.normals[v]);
+        let solid = hit.triangle >= self.fabric;
+        let creased = solid && normals.iter().any(|normal| normal.dot(flat.normalize_or_zero()) < CREASED);
+        let smooth = if creased { flat } else { blend(normals) }.normalize_or_zero();
         let normal = if front { smooth } else { -smooth };
 
-        let side = match (hit.triangle < self.fabric, front) {
-            (true, true) => Side::Front,
-            (true, false) => Side::Back,
-            (false, _) => Side::Solid,
+        let side = match (solid, front) {
+            (false, true) => Side::Front,
+            (false, false) => Side::Back,
+            (true, _) => Side::Solid,
         };
 
         // Off the surface towards the light, so that it does not shade itself.

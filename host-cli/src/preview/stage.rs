@@ -8,8 +8,8 @@ use super::shadow::Light;
 /// How far the cloth is followed from its first place, in diagonals of the box around it. What
 /// leaves this space has diverged, or is too far off to be seen.
 const FOLLOWED: f32 = 2.0;
-/// How much larger than at most instants the cloth may be for the camera to keep all of it in
-/// the picture. Cloth that flies apart does not push the camera away.
+/// How much larger than at most instants, and than at first, the cloth may be for the camera to
+/// keep all of it in the picture. Cloth that flies apart does not push the camera away.
 const FRAMED: f32 = 2.0;
 
 /// The fixed surroundings of the cloth.
@@ -81,12 +81,14 @@ fn corners([low, high]: [Vec3; 2]) -> impl Iterator<Item = Vec3> + Clone {
     (0..8).map(move |k| Vec3::new(side(k, 0), side(k, 1), side(k, 2)))
 }
 
-/// The snapshots, each with the box around it, in which the cloth is not much larger than in most.
+/// The snapshots, each with the box around it, in which the cloth is not much larger than in most
+/// or in the first.
 fn framed(snapshots: Vec<([Vec3; 2], &[Vec3])>) -> Vec<&[Vec3]> {
     let size = |[low, high]: [Vec3; 2]| low.distance(high);
     let mut sizes: Vec<f32> = snapshots.iter().map(|&(around, _)| size(around)).collect();
+    let first = sizes.first().copied().unwrap_or(0.0);
     sizes.sort_unstable_by(f32::total_cmp);
-    let most = sizes.get(sizes.len() / 2).map_or(0.0, |median| FRAMED * median);
+    let most = sizes.get(sizes.len() / 2).map_or(0.0, |&median| FRAMED * median.max(first));
     snapshots.into_iter().filter(|&(around, _)| size(around) <= most).map(|(_, points)| points).collect()
 }
 
