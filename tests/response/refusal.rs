@@ -93,6 +93,22 @@ both_precisions! {
         }
     }
 
+    /// Within the thickness, and on the surface itself.
+    #[test]
+    fn pins_that_only_rest_near_a_plane_are_not_refused() {
+        for height in [0.1, 0.1 + 1e-6, 0.102, 0.1039, 0.099] {
+            let resting = SHEET.replace("0.2, 0.0]", &format!("{height:?}, 0.0]"));
+            let pins = "pin = [{ select = { edge = \"left\" } }]\n";
+            let integrator = "[integrator]\nmethod = \"backward-euler\"\nstep = 0.005\n";
+            let text = format!("{HEAD}{resting}{pins}[[collider]]\n{}{integrator}", BELOW[0].1);
+            let mut sim = kit::simulation(&text, &[]);
+            for _ in 0..20 {
+                let taken = sim.step(&Serial);
+                assert!(taken.is_ok(), "{} at {height} m: {taken:?}", muslin::real::NAME);
+            }
+        }
+    }
+
     /// An explicit method beyond its limit: with contact it would boil for hours.
     #[test]
     fn an_explosion_is_refused_before_all_is_near_all() {

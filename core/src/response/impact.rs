@@ -65,7 +65,8 @@ fn find_pairs<P: Pairing, D: Dispatch>(
             continue;
         };
         let ends = before.gap + constraint::weighted(&before, motion.moves).dot(before.normal);
-        if touch && ends >= repulsion::met(before.gap, model.thickness) {
+        // Rounding alone does not count.
+        if touch && ends >= repulsion::met(before.gap, model.thickness) - 1e-3 * separation {
             continue;
         }
         let target = thickness::<P>(model, vertices).min(before.gap);

@@ -117,7 +117,9 @@ pub(crate) fn find_planes(
                 gap: normal.dot(motion.start[v as usize] - motion.start[plane as usize]),
             };
             let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(normal);
-            let least = if round == 0 { model.thickness } else { met(contact.gap, model.thickness) };
+            // What nothing can move may be within the thickness.
+            let movable = normal.dot(model.mobility[v as usize] * normal) > 0.0;
+            let least = if round == 0 && movable { model.thickness } else { met(contact.gap, model.thickness) };
             if ends < least && !known.has(list, contact.vertices) {
                 let target = model.thickness.min(contact.gap);
                 list.push(Constraint::new(contact, target, grip(model, &contact, motion), model.mobility));
