@@ -91,3 +91,49 @@ fn one_linear_step_of_a_stiff_sheet_can_overshoot() {
     assert!(converged < 1.2, "converged, the sheet is stretched to {converged}");
     assert!(linear > 1.5 * converged, "one linear step stretches to {linear}, converged to {converged}");
 }
+
+/// Pins within the thickness of a box push a sheet along it, with friction: it is drawn out
+/// manyfold, and by half the step it is not.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+fn pins_within_the_thickness_that_push_cloth_draw_it_out() {
+    let text = |step: f64| {
+        format!(
+            r#"
+            name = "pushed"
+            duration = 0.3
+            frame_rate = 30
+            gravity = [0.0, -9.81, 0.0]
+            [[cloth]]
+            grid = {{ size = [0.4, 0.4], cells = [16, 18] }}
+            position = [0.0, 0.103, 0.0]
+            density = 0.2
+            stretch = {{ model = "membrane", stiffness = 1000.0, damping = 0.0005 }}
+            shear = {{ stiffness = 300.0 }}
+            bend = {{ model = "hinge", rigidity = 1e-5, damping = 0.001 }}
+            pin = [{{ select = {{ edge = "left" }}, motion = {{ keys = [[0.0, 0, 0, 0], [0.5, 0.3, 0, 0]] }} }}]
+            [[collider]]
+            shape = "box"
+            center = [0.0, 0.05, 0.0]
+            half = [0.15, 0.05, 0.15]
+            [contact]
+            thickness = 0.004
+            friction = 0.3
+            [integrator]
+            step = {step:?}
+            "#
+        )
+    };
+    let most = |step: f64| {
+        let scene: SceneDesc = toml::from_str(&text(step)).expect("the scene parses");
+        let mut cloth = Simulation::new(&scene, &[]).expect("the scene builds");
+        let mut most = 1.0;
+        while cloth.time() < 0.14 && most < 2.5 && cloth.step(&Serial).is_ok() {
+            most = cloth.stretch().max.max(most);
+        }
+        most
+    };
+    let [coarse, fine] = [5e-3, 2.5e-3].map(most);
+    println!("stretched to {coarse:.2} by steps of 5 ms, to {fine:.3} by steps of 2.5 ms");
+    assert!(coarse > 2.5 && fine < 1.5, "5 ms: {coarse}, 2.5 ms: {fine}: the fault is mended, or another");
+}
