@@ -1,8 +1,8 @@
 //! Checkpoints: the state of a run, to go on from bit for bit.
 //!
 //! Little-endian: magic, version, precision, CRC of the scene, steps, hash chain, work, contacts,
-//! the record of the run so far, then each
-//! column with its length, and last the CRC of all before. Written whole or not at all.
+//! the record of the run so far, then each column with its length, and last the CRC of all before.
+//! Written whole or not at all.
 
 use std::io::Write;
 use std::path::Path;

@@ -143,8 +143,7 @@ macro_rules! engine {
             use $core::real::{Real, Vec3};
             use $core::response::Tally;
             use $core::scene::{Content, PointCache, SceneDesc};
-            use $core::simulation::Cause;
-            use $core::simulation::{Simulation, State};
+            use $core::simulation::{Cause, Simulation, State};
 
             use super::{Divergence, Engine, Halt, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
 

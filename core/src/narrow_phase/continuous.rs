@@ -8,6 +8,9 @@ use crate::real::{Real, Vec3};
 /// In `times`: not in this step.
 pub const NEVER: Real = 2.0;
 
+/// Features nearer than this part of the separation touch: rounding hides what they do.
+pub const TOUCH: Real = 1e-3;
+
 /// In `times`: the features touch already, as far as rounding tells.
 pub const TOUCHING: Real = 3.0;
 
@@ -40,7 +43,7 @@ pub fn times<P: Pairing>(
     times: &mut [Real],
     dispatch: &impl Dispatch,
 ) {
-    let least = 1e-3 * separation;
+    let least = TOUCH * separation;
     dispatch.run(times, |first, part| {
         for ((&candidate, &distance), time) in candidates[first..].iter().zip(&distances[first..]).zip(part) {
             *time = NEVER;

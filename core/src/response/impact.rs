@@ -53,7 +53,6 @@ fn find_pairs<P: Pairing, D: Dispatch>(
         if time > 1.0 && !touch {
             continue;
         }
-        list.touching += u64::from(touch);
         let vertices = P::vertices(&model.surface, candidate);
         let (x, moves) = (gather(vertices, start), gather(vertices, moves));
         let radius = P::radius(gather(vertices, model.radii));
@@ -64,9 +63,10 @@ fn find_pairs<P: Pairing, D: Dispatch>(
             list.touching += 1;
             continue;
         };
+        list.touching += u64::from(touch);
         let ends = before.gap + constraint::weighted(&before, motion.moves).dot(before.normal);
         // Rounding alone does not count.
-        if touch && ends >= repulsion::met(before.gap, model.thickness) - 1e-3 * separation {
+        if touch && ends >= repulsion::met(before.gap, model.thickness) - continuous::TOUCH * separation {
             continue;
         }
         let target = thickness::<P>(model, vertices).min(before.gap);

@@ -118,8 +118,8 @@ pub(crate) fn find_planes(
             };
             let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(normal);
             // What nothing can move may be within the thickness.
-            let movable = normal.dot(model.mobility[v as usize] * normal) > 0.0;
-            let least = if round == 0 && movable { model.thickness } else { met(contact.gap, model.thickness) };
+            let movable = || normal.dot(model.mobility[v as usize] * normal) > 0.0;
+            let least = if round == 0 && movable() { model.thickness } else { met(contact.gap, model.thickness) };
             if ends < least && !known.has(list, contact.vertices) {
                 let target = model.thickness.min(contact.gap);
                 list.push(Constraint::new(contact, target, grip(model, &contact, motion), model.mobility));

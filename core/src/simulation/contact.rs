@@ -129,14 +129,13 @@ impl Simulation {
     /// Whether no more passes through at the end of the step than at its start.
     fn test_exactly(&mut self) -> Result<(), Obstacle> {
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return Ok(()) };
-        let (model, view) = (model.view(), contact.view());
-        match audit::count(&model.surface, view.end) > audit::count(&model.surface, view.start) {
-            true => {
-                let cause = Cause::Contact { collider: None, pinned: false };
-                Err(Obstacle { cause, particle: self.farthest() })
-            }
-            false => Ok(()),
-        }
+        let (surface, view) = (model.surface.view(), contact.view());
+        let before = audit::crossings(&surface, view.start);
+        let after = audit::crossings(&surface, view.end);
+        let new = after.iter().find(|crossing| before.binary_search(crossing).is_err());
+        let Some(&[edge, triangle]) = new.filter(|_| after.len() > before.len()) else { return Ok(()) };
+        let ([a, b], [c, d, _]) = (surface.edges[edge as usize], surface.triangles[triangle as usize]);
+        Err(self.obstacle([a, b, c, d]))
     }
 
     /// Who of two features that meet is to be named: the first particle of the cloth, or one that is
