@@ -92,8 +92,8 @@ fn one_linear_step_of_a_stiff_sheet_can_overshoot() {
     assert!(linear > 1.5 * converged, "one linear step stretches to {linear}, converged to {converged}");
 }
 
-/// Pins within the thickness of a box push a sheet along it, with friction: it is drawn out
-/// manyfold, and by half the step it is not.
+/// Pins within the thickness of a box push a sheet along it, with friction: it catches on the edge
+/// and is drawn out, and by half the step it is not.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
 fn pins_within_the_thickness_that_push_cloth_draw_it_out() {
@@ -128,12 +128,14 @@ fn pins_within_the_thickness_that_push_cloth_draw_it_out() {
         let scene: SceneDesc = toml::from_str(&text(step)).expect("the scene parses");
         let mut cloth = Simulation::new(&scene, &[]).expect("the scene builds");
         let mut most = 1.0;
-        while cloth.time() < 0.14 && most < 2.5 && cloth.step(&Serial).is_ok() {
+        while cloth.time() < 0.3 {
+            cloth.step(&Serial).expect("the step can be taken");
             most = cloth.stretch().max.max(most);
         }
         most
     };
     let [coarse, fine] = [5e-3, 2.5e-3].map(most);
     println!("stretched to {coarse:.2} by steps of 5 ms, to {fine:.3} by steps of 2.5 ms");
-    assert!(coarse > 2.5 && fine < 1.5, "5 ms: {coarse}, 2.5 ms: {fine}: the fault is mended, or another");
+    assert!(coarse < 4.0 && fine < 1.1, "5 ms: {coarse}, 2.5 ms: {fine}: drawn out by more than is known");
+    assert!(coarse > 1.5, "5 ms: {coarse}: the fault is mended");
 }

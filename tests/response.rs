@@ -24,5 +24,7 @@ mod momentum;
 mod refusal;
 #[path = "response/safety.rs"]
 mod safety;
+#[path = "response/stretch.rs"]
+mod stretch;
 #[path = "response/zone.rs"]
 mod zone;

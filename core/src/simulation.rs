@@ -41,6 +41,8 @@ pub struct Simulation {
     tally: Tally,
     /// Whether the response changed the candidate state.
     touched: bool,
+    /// Whether it changed the state.
+    after_contact: bool,
     scheme: Scheme,
     step: Real,
     steps: u64,
@@ -72,6 +74,8 @@ pub struct State<'a> {
     pub velocities: &'a [Vec3],
     /// BDF2: the state one step before, empty elsewhere and before the first step.
     pub previous: [&'a [Vec3]; 2],
+    /// Whether contact changed it, so that a method that rings starts afresh.
+    pub after_contact: bool,
 }
 
 impl Simulation {
@@ -99,22 +103,24 @@ impl Simulation {
         // Only the solver's patches are cut by it.
         built.material = Default::default();
         let (work, tally) = (Work::default(), Tally::default());
-        Self { built, scratch, contact, tally, touched: false, scheme, step, steps: 0, work }
+        Self { built, scratch, contact, tally, touched: false, after_contact: false, scheme, step, steps: 0, work }
     }
 
     /// Takes one step, in halves where surfaces would meet. A step that cannot be taken leaves the
     /// state as it was.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
-        let Err(cannot) = self.try_part(Part::WHOLE, false, dispatch) else {
-            self.steps += 1;
-            return Ok(());
+        let counted = (self.work, self.tally);
+        let taken = match self.try_part(Part::WHOLE, false, dispatch) {
+            Err(cannot) if cannot.may_help() => self.step_in_halves(dispatch),
+            taken => taken,
         };
-        if !cannot.may_help() {
-            return Err(cannot);
+        match taken {
+            Ok(()) => self.steps += 1,
+            // It will be taken again.
+            Err(Diverged { cause: Cause::Stopped, .. }) => (self.work, self.tally) = counted,
+            Err(_) => {}
         }
-        self.step_in_halves(dispatch)?;
-        self.steps += 1;
-        Ok(())
+        taken
     }
 
     /// Takes a part of a step.
@@ -133,16 +139,19 @@ impl Simulation {
             }
         }
         self.commit();
-        self.scratch.has_history &= part == Part::WHOLE && !self.touched;
+        self.after_contact = self.touched;
+        self.scratch.has_history &= part == Part::WHOLE && !self.after_contact;
         Ok(())
     }
 
     /// The scheme of a part of a step. BDF2 cannot look back over an impulse or a step of another
-    /// length, and a method that rings would throw back what it met: such a part is backward Euler.
+    /// length, and the implicit midpoint rings with what an impulse leaves in stiff cloth, the
+    /// louder in every step: such a part is backward Euler.
     fn scheme_of(&self, part: Part) -> Scheme {
         let cut = part != Part::WHOLE || self.steps > 0 && !self.scratch.has_history;
         let method = match self.scheme.method {
             Method::Bdf2 if cut => Method::BackwardEuler,
+            Method::ImplicitMidpoint if self.after_contact => Method::BackwardEuler,
             method => method,
         };
         Scheme { method, ..self.scheme }
@@ -339,6 +348,7 @@ impl Simulation {
             positions: self.positions(),
             velocities: self.velocities(),
             previous: [&self.scratch.previous_positions[..known], &self.scratch.previous_velocities[..known]],
+            after_contact: self.after_contact,
         }
     }
 
@@ -359,6 +369,7 @@ impl Simulation {
                 self.scratch.previous_velocities.copy_from_slice(state.previous[1]);
             }
             self.scratch.has_history = history > 0;
+            self.after_contact = state.after_contact;
             self.steps = state.steps;
             (self.work, self.tally) = (work, tally);
         }

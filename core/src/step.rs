@@ -117,13 +117,14 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
 /// response.
 pub fn couple<D: Dispatch>(
     context: &Context<'_, D>,
+    model: &ContactModel<'_>,
     contact: &mut ContactScratch<'_>,
     holds: usize,
     scratch: &mut Scratch<'_>,
     work: &mut Work,
 ) {
     let ContactScratch { holds: all, constraints, .. } = contact;
-    let release = |holds: &mut [Hold]| coupled::release(constraints, holds, context.step);
+    let release = |holds: &mut [Hold]| coupled::release(model, constraints, holds, context.step);
     coupling::correct(context, &mut all[..holds], scratch, work, release);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
 }

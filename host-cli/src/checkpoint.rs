@@ -1,7 +1,8 @@
 //! Checkpoints: the state of a run, to go on from bit for bit.
 //!
-//! Little-endian: magic, version, precision, CRC of the scene, steps, hash chain, work, contacts,
-//! the record of the run so far, then each column with its length, and last the CRC of all before.
+//! Little-endian: magic, version, precision, CRC of the scene, steps, whether contact changed the
+//! state, hash chain, work, contacts, the record of the run so far, then each column with its length,
+//! and last the CRC of all before.
 //! Written whole or not at all.
 
 use std::io::Write;
@@ -17,7 +18,7 @@ use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// What a checkpoint holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,8 +138,8 @@ fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
     for word in [VERSION, *precision as u32, *scene] {
         bytes.extend(word.to_le_bytes());
     }
-    for word in [snapshot.steps, *chain].iter().chain(&snapshot.work).chain(&snapshot.contacts).chain(&record.encode())
-    {
+    let state = [snapshot.steps, snapshot.after_contact.into(), *chain];
+    for word in state.iter().chain(&snapshot.work).chain(&snapshot.contacts).chain(&record.encode()) {
         bytes.extend(word.to_le_bytes());
     }
     for column in &snapshot.columns {
@@ -170,8 +171,8 @@ fn fields(mut rest: &[u8]) -> Option<Checkpoint> {
     };
     let scene = u32::from_le_bytes(take(&mut rest)?);
     let mut word = || take(&mut rest).map(u64::from_le_bytes);
-    let (steps, chain) = (word()?, word()?);
-    let mut snapshot = Snapshot { steps, ..Snapshot::default() };
+    let (steps, after_contact, chain) = (word()?, word()? != 0, word()?);
+    let mut snapshot = Snapshot { steps, after_contact, ..Snapshot::default() };
     let mut record = [0; record::WORDS];
     for counter in snapshot.work.iter_mut().chain(&mut snapshot.contacts).chain(&mut record) {
         *counter = word()?;
@@ -198,7 +199,8 @@ mod tests {
 
     fn example() -> Checkpoint {
         let columns = [vec![1, 2, 3, 4], vec![5; 24], vec![], vec![9; 12]];
-        let snapshot = Snapshot { steps: 77, work: [1, 2, 3, 4, 5, 6, 7], contacts: [8, 9, 1, 2, 3, 4, 5], columns };
+        let (work, contacts) = ([1, 2, 3, 4, 5, 6, 7], [8, 9, 1, 2, 3, 4, 5]);
+        let snapshot = Snapshot { steps: 77, work, contacts, columns, after_contact: true };
         let start = Start { crossings: Some(3), untangled: None };
         let record =
             Record { start, size: [1.0, 0.5, 2.0], stretch: 1.25, penetration: Some(1e-3), crossings: Some((4, 17)) };

@@ -65,6 +65,8 @@ pub struct Snapshot {
     pub contacts: [u64; 7],
     /// Positions, velocities and, for BDF2, the same one step before.
     pub columns: [Vec<u8>; 4],
+    /// Whether contact changed the state.
+    pub after_contact: bool,
 }
 
 /// What came of a start state in which surfaces pass through one another.
@@ -326,6 +328,7 @@ macro_rules! engine {
                         contacts: [t.candidates, t.proximity, t.impacts, t.zones, t.touching, t.failsafe, t.rejected],
                         columns: [state.positions, state.velocities, state.previous[0], state.previous[1]]
                             .map(to_bytes),
+                        after_contact: state.after_contact,
                     }
                 }
 
@@ -353,7 +356,8 @@ macro_rules! engine {
                     };
                     let [positions, velocities, previous_positions, previous_velocities] = &columns;
                     let previous: [&[Vec3]; 2] = [previous_positions, previous_velocities];
-                    let state = State { steps: snapshot.steps, positions, velocities, previous };
+                    let Snapshot { steps, after_contact, .. } = *snapshot;
+                    let state = State { steps, positions, velocities, previous, after_contact };
                     Simulation::restore(self, &state, work, tally)
                 }
             }

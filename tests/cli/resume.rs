@@ -33,6 +33,26 @@ fn every_method_goes_on_where_it_stopped() {
     }
 }
 
+/// What a method does next may depend on what it touched before.
+#[test]
+fn a_run_goes_on_where_something_touches() {
+    let place = Place::new();
+    let floor =
+        "[contact]\nthickness = 0.004\n[[collider]]\nshape = \"plane\"\npoint = [0, 0.96, 0]\nnormal = [0, 1, 0]\n";
+    place.write("scene.toml", format!("{TINY}{floor}"));
+    for method in &METHODS[4..] {
+        for every in [9, 11, 13, 17, 19] {
+            let words = format!("scene.toml --set integrator.method={method}");
+            let whole = place.run(&format!("{words} --checkpoint {every}"));
+            assert!(whole["contacts"]["proximity"].as_u64() > Some(0), "nothing touches");
+            let parts = place.run(&format!("{words} --resume out/checkpoint.muslin"));
+            let which = format!("{method} from a multiple of step {every}");
+            assert_eq!(whole["state_hash"], parts["state_hash"], "{which}");
+            assert_eq!(whole["contacts"], parts["contacts"], "{which}");
+        }
+    }
+}
+
 #[test]
 fn a_run_can_be_made_longer() {
     let place = Place::new();

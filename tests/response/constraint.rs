@@ -20,6 +20,7 @@ both_precisions! {
     use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
     use muslin::response::constraint::{self, Compliance, Constraint, Coupled};
     use muslin::response::friction::Grip;
+    use muslin::response::impact::MOST_LEVER;
     use muslin_tests::rng::Rng;
     use muslin_tests::worst::Worst;
 
@@ -120,7 +121,7 @@ both_precisions! {
 
         /// Solves once and compares.
         fn check(&self, compliance: impl Compliance, give: impl Fn(usize, DVec3) -> DVec3, mu: [f64; 2], worst: &mut Worst) {
-            let mut constraint = Constraint::new(self.contact, self.target, grip(mu), compliance);
+            let mut constraint = Constraint::new(self.contact, self.target, grip(mu), compliance, MOST_LEVER);
             let mut moves = self.moves.clone();
             constraint::solve(&mut constraint, compliance, true, &mut moves);
             let (pushed, rubbed, want) = self.closed_form(&give, mu);
@@ -144,7 +145,7 @@ both_precisions! {
                 for _ in 0..PAIRS {
                     let meeting = Meeting::random(&mut rng, held);
                     let mobility = column(&meeting.mobility);
-                    if Constraint::new(meeting.contact, 0.0, Grip::default(), &meeting.mobility[..]).inverse_mass == 0.0 {
+                    if Constraint::new(meeting.contact, 0.0, Grip::default(), &meeting.mobility[..], MOST_LEVER).inverse_mass == 0.0 {
                         continue;
                     }
                     // What decides between sticking and sliding must not be rounding.
@@ -173,7 +174,7 @@ both_precisions! {
         let mut pushed = 0;
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.0);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.4]), &meeting.mobility[..]);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.4]), &meeting.mobility[..], MOST_LEVER);
             let mut moves = meeting.moves.clone();
             let mut solve = |moves: &mut [Vec3]| {
                 constraint::solve(&mut constraint, &meeting.mobility[..], true, moves)
@@ -202,7 +203,7 @@ both_precisions! {
         let mut rng = Rng::new(33);
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.0);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.8, 0.3]), &meeting.mobility[..]);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.8, 0.3]), &meeting.mobility[..], MOST_LEVER);
             let mut moves = meeting.moves.clone();
             constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
             let gained = (0..VERTICES).map(|v| (wide(moves[v]) - wide(meeting.moves[v])) / f64::from(meeting.mobility[v].x));
@@ -225,7 +226,7 @@ both_precisions! {
             // Of every other pair everything is held.
             let held = if k % 2 == 0 { 0.5 } else { 1.0 };
             let meeting = Meeting::random(&mut rng, held);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.5, 0.5]), &meeting.mobility[..]);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.5, 0.5]), &meeting.mobility[..], MOST_LEVER);
             let mut moves = meeting.moves.clone();
             let (_, moved) = constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
             let what = format!("{} {:?}, target {}", muslin::real::NAME, meeting.contact, meeting.target);
@@ -254,7 +255,7 @@ both_precisions! {
         let mut pushed = 0;
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.1);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.2]), &meeting.mobility[..]);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.2]), &meeting.mobility[..], MOST_LEVER);
             let mut moves = meeting.moves.clone();
             constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
             if constraint.normal_impulse <= 0.0 {

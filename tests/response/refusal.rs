@@ -132,7 +132,7 @@ both_precisions! {
 
     #[test]
     fn a_step_that_is_given_up_can_be_taken_again() {
-        for method in ["symplectic-euler", "backward-euler", "bdf2"] {
+        for method in ["symplectic-euler", "backward-euler", "implicit-midpoint", "bdf2"] {
             let falling = SHEET.replace("0.2, 0.0]", "0.105, 0.0]");
             let fast = [1, 2, 3].map(|asked| {
                 let text = format!(
@@ -143,10 +143,12 @@ both_precisions! {
                 let impatient = Impatient(AtomicU32::new(asked));
                 let mut given_up = 0;
                 for _ in 0..20 {
-                    let before = state(&sim);
+                    let (before, counted) = (state(&sim), (sim.work(), sim.tally()));
                     while let Err(refused) = sim.step(&impatient) {
                         assert_eq!(refused.cause, Cause::Stopped, "{method}: {refused}");
                         assert!(state(&sim) == before, "{method}: given up, and the state is no more that before");
+                        let counts = (sim.work(), sim.tally());
+                        assert!(counts == counted, "{method}: given up, and its work counts: {counts:?}, {counted:?}");
                         given_up += 1;
                     }
                 }

@@ -7,9 +7,6 @@ use super::friction::Grip;
 use crate::narrow_phase::Contact;
 use crate::real::{Mat3, Real, Vec3, sqrt};
 
-/// How much farther than a contact its vertices may have to move.
-const MOST_LEVER: Real = 100.0;
-
 /// A contact with what it has to keep and the impulses that keep it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Constraint {
@@ -28,9 +25,9 @@ pub struct Constraint {
 }
 
 impl Constraint {
-    /// A constraint without impulses yet.
-    pub fn new(contact: Contact, target: Real, grip: Grip, compliance: impl Compliance) -> Self {
-        let inverse_mass = movable_mass(&contact, compliance);
+    /// A constraint without impulses yet; `lever` as in [`movable_mass`].
+    pub fn new(contact: Contact, target: Real, grip: Grip, compliance: impl Compliance, lever: Real) -> Self {
+        let inverse_mass = movable_mass(&contact, compliance, lever);
         Self { contact, target, inverse_mass, grip, normal_impulse: 0.0, friction_impulse: Vec3::ZERO }
     }
 }
@@ -67,13 +64,13 @@ impl Compliance for Coupled<'_> {
     }
 }
 
-/// The inverse mass along the normal; 0 where what could move would have to go so much farther than
-/// the gap that the contact is as good as at what cannot: beside a pin.
-pub fn movable_mass(contact: &Contact, compliance: impl Compliance) -> Real {
+/// The inverse mass along the normal; 0 where what could move would have to go more than `lever`
+/// times as far as the contact, which is as good as at what cannot: beside a pin.
+pub fn movable_mass(contact: &Contact, compliance: impl Compliance, lever: Real) -> Real {
     let total = inverse_mass(contact, contact.normal, compliance);
     let gives = |(&v, weight): (&u32, Real)| (compliance.give(v, contact.normal) * weight).length_squared();
     let farthest = contact.vertices.iter().zip(contact.weights).map(gives).fold(0.0, Real::max);
-    if farthest <= (MOST_LEVER * total) * (MOST_LEVER * total) { total } else { 0.0 }
+    if farthest <= (lever * total) * (lever * total) { total } else { 0.0 }
 }
 
 /// sum W^2 u . C u along a unit vector u, 1/kg.

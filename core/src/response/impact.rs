@@ -13,6 +13,9 @@ use crate::stage::Stage;
 /// Sweeps in a round.
 const SWEEPS: u32 = 5;
 
+/// How much farther than a contact its vertices may have to move so that nothing passes through.
+pub const MOST_LEVER: Real = 100.0;
+
 /// How near two features count as met, of the thickness.
 pub const SEPARATION: Real = 0.1;
 
@@ -70,8 +73,14 @@ fn find_pairs<P: Pairing, D: Dispatch>(
             continue;
         }
         let target = thickness::<P>(model, vertices).min(before.gap);
-        list.push(Constraint::new(met, target, grip(model, &met, motion), model.mobility));
+        list.push(Constraint::new(met, target, grip(model, &met, motion), model.mobility, MOST_LEVER));
     }
+}
+
+/// Adds a constraint for each vertex that meets a plane, of those moved in `round`; 0: of all.
+pub(crate) fn find_planes(model: &ContactModel<'_>, motion: &Motion<'_>, round: u32, list: &mut List<'_>) {
+    let least = |gap| repulsion::met(gap, model.thickness);
+    repulsion::find_planes(model, motion, round, least, &repulsion::Known::nothing(), list);
 }
 
 /// Solves what met.

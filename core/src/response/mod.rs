@@ -24,7 +24,7 @@ pub mod repulsion;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::dispatch::Dispatch;
 use crate::real::{Mat3, Real, Vec3};
-use constraint::{Compliance, Constraint, Coupled, movable_mass};
+use constraint::{Compliance, Constraint, Coupled};
 
 /// Rounds in which only what met is solved.
 const IMPACT_ROUNDS: u32 = 4;
@@ -116,8 +116,9 @@ pub fn press(
     let ContactScratch { start, end, moves, rounds, constraints, .. } = scratch;
     let near = &mut constraints[..count];
     let coupled = Coupled { mobility: model.mobility, blocks: inverse_diagonal };
-    for constraint in &mut *near {
-        constraint.inverse_mass = movable_mass(&constraint.contact, coupled);
+    for constraint in near.iter_mut().filter(|constraint| constraint.inverse_mass > 0.0) {
+        let contact = &constraint.contact;
+        constraint.inverse_mass = constraint::inverse_mass(contact, contact.normal, coupled);
     }
     let mut motion = Motion { start, end, moves, rounds, step: settings.step };
     repulsion::keep(&Context { model, round: 1 }, near, coupled, false, &mut motion);
@@ -190,7 +191,7 @@ pub fn respond<D: Dispatch>(
             let [vertex_triangle, edge_edge] = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
             impact::find(model, vertex_triangle, edge_edge, pairs, &motion, tested, &mut list, dispatch);
         }
-        repulsion::find_planes(model, &motion, tested, &repulsion::Known::nothing(), &mut list);
+        impact::find_planes(model, &motion, tested, &mut list);
         if let Some(short) = list.short() {
             return short;
         }

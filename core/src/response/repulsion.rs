@@ -19,6 +19,11 @@ const PARTED: Real = 0.1;
 /// Violation that is left, of the thickness.
 const LEFT: Real = 1e-3;
 
+/// How much farther than a contact its vertices may have to move to keep the thickness: less beside
+/// a pin, which would throw what is next to it. That nothing passes through is for
+/// [impacts](super::impact).
+pub const MOST_LEVER: Real = 4.0;
+
 /// How near is looked at, of the thickness: what is further may still meet, but its direction of
 /// now says little.
 pub const REACH: Real = 2.0;
@@ -35,7 +40,7 @@ pub(crate) fn find(
 ) {
     find_pairs::<VertexTriangle>(model, vertex_triangle, counts[0], motion, known, list);
     find_pairs::<EdgeEdge>(model, edge_edge, counts[1], motion, known, list);
-    find_planes(model, motion, 0, known, list);
+    find_planes(model, motion, 0, |_| model.thickness, known, list);
 }
 
 /// The pairs that already have a constraint.
@@ -89,17 +94,18 @@ fn find_pairs<P: Pairing>(
         let approaches = contact.gap + constraint::weighted(&contact, motion.moves).dot(contact.normal) < least;
         if distance < least || approaches {
             let grip = grip(model, &contact, motion);
-            list.push(Constraint::new(contact, least.min(contact.gap), grip, model.mobility));
+            list.push(Constraint::new(contact, least.min(contact.gap), grip, model.mobility, MOST_LEVER));
         }
     }
 }
 
-/// Adds a constraint for each vertex that ends nearer to a plane than it may. In later rounds only
-/// those count that were moved in the round and ended behind it.
+/// Adds a constraint for each vertex that ends nearer to a plane than `least` of the gap at its
+/// start. Only vertices moved in `round` are tested; 0: all.
 pub(crate) fn find_planes(
     model: &ContactModel<'_>,
     motion: &Motion<'_>,
     round: u32,
+    least: impl Fn(Real) -> Real,
     known: &Known<'_>,
     list: &mut List<'_>,
 ) {
@@ -117,12 +123,10 @@ pub(crate) fn find_planes(
                 gap: normal.dot(motion.start[v as usize] - motion.start[plane as usize]),
             };
             let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(normal);
-            // What nothing can move may be within the thickness.
-            let movable = || normal.dot(model.mobility[v as usize] * normal) > 0.0;
-            let least = if round == 0 && movable() { model.thickness } else { met(contact.gap, model.thickness) };
-            if ends < least && !known.has(list, contact.vertices) {
+            if ends < least(contact.gap) && !known.has(list, contact.vertices) {
                 let target = model.thickness.min(contact.gap);
-                list.push(Constraint::new(contact, target, grip(model, &contact, motion), model.mobility));
+                let grip = grip(model, &contact, motion);
+                list.push(Constraint::new(contact, target, grip, model.mobility, MOST_LEVER));
             }
         }
     }

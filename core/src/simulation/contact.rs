@@ -123,7 +123,7 @@ impl Simulation {
         let (model, pins) = (&model.view(), &pins.view());
         let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
         let context = Context { model, pins, masses, inverse_masses, time, step, scheme, dispatch };
-        step::couple(&context, &mut contact.view(), holds, &mut scratch.view(), work);
+        step::couple(&context, &touching.view(), &mut contact.view(), holds, &mut scratch.view(), work);
     }
 
     /// Whether no more passes through at the end of the step than at its start.

@@ -12,6 +12,7 @@ const MOST_HALVINGS: u32 = 6;
 /// The state before a step that is taken in halves: as in [`State`].
 struct Kept {
     columns: [Vec<Vec3>; 4],
+    after_contact: bool,
 }
 
 impl Simulation {
@@ -49,13 +50,14 @@ impl Simulation {
     }
 
     fn keep(&self) -> Kept {
-        let State { positions, velocities, previous, .. } = self.state();
-        Kept { columns: [positions, velocities, previous[0], previous[1]].map(<[Vec3]>::to_vec) }
+        let State { positions, velocities, previous, after_contact, .. } = self.state();
+        Kept { columns: [positions, velocities, previous[0], previous[1]].map(<[Vec3]>::to_vec), after_contact }
     }
 
     fn put_back(&mut self, kept: &Kept) {
         let [positions, velocities, before, rates] = kept.columns.each_ref().map(|column| &column[..]);
-        let state = State { steps: self.steps, positions, velocities, previous: [before, rates] };
+        let previous = [before, rates];
+        let state = State { steps: self.steps, positions, velocities, previous, after_contact: kept.after_contact };
         self.restore(&state, self.work, self.tally);
     }
 }
