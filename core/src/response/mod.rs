@@ -265,11 +265,12 @@ impl Motion<'_> {
         }
     }
 
-    /// Whether a vertex moved in a round has left its box, less what the box is inflated by.
+    /// Whether a vertex moved in a round has left its box, less what the box is inflated by. In the
+    /// first round any may have been, by the implicit system.
     fn left(&self, boxes: &[crate::geometry::aabb::Aabb], model: &ContactModel<'_>, round: u32) -> bool {
         self.end.iter().enumerate().any(|(v, &end)| {
             let around = Vec3::splat(0.5 * model.thickness + model.radii[v]);
-            self.rounds[v] == round
+            (round == 1 || self.rounds[v] == round)
                 && !((end - around).cmpge(boxes[v].min).all() && (end + around).cmple(boxes[v].max).all())
         })
     }
