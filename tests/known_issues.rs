@@ -139,3 +139,52 @@ fn pins_within_the_thickness_that_push_cloth_draw_it_out() {
     assert!(coarse < 4.0 && fine < 1.1, "5 ms: {coarse}, 2.5 ms: {fine}: drawn out by more than is known");
     assert!(coarse > 1.5, "5 ms: {coarse}: the fault is mended");
 }
+
+/// A sheet slides down a slope of 0.5 with friction 0.3: on a plane as far as it should, on a box
+/// less far, since the edge across the box's face has contacts of its own, which lean.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+fn the_edge_across_a_flat_face_holds_what_slides_over_it() {
+    let slide = |collider: &str| {
+        let text = format!(
+            r#"
+            name = "sliding"
+            duration = 0.4
+            frame_rate = 10
+            gravity = [4.38717, -8.77433, 0.0]
+            [[cloth]]
+            grid = {{ size = [0.3, 0.3], cells = [8, 9] }}
+            position = [0.0, 0.0041, 0.0]
+            density = 0.2
+            stretch = {{ model = "membrane", stiffness = 1000.0, damping = 0.0005 }}
+            shear = {{ stiffness = 300.0 }}
+            bend = {{ model = "hinge", rigidity = 1e-5, damping = 0.001 }}
+            [[collider]]
+            {collider}
+            [contact]
+            thickness = 0.004
+            friction = 0.3
+            [integrator]
+            step = 0.0025
+            "#
+        );
+        let scene: SceneDesc = toml::from_str(&text).expect("the scene parses");
+        let mut cloth = Simulation::new(&scene, &[]).expect("the scene builds");
+        let middle = |cloth: &Simulation| {
+            let sum: f64 = cloth.positions().iter().map(|x| x.x).sum();
+            sum / cloth.positions().len() as f64
+        };
+        let start = middle(&cloth);
+        while cloth.time() < 0.4 {
+            cloth.step(&Serial).expect("the step can be taken");
+        }
+        middle(&cloth) - start
+    };
+    let plane = slide("shape = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 1, 0]");
+    let face = slide("shape = \"box\"\ncenter = [0, -0.1, 0]\nhalf = [1, 0.1, 1]");
+    // g (sin - mu cos) t^2 / 2.
+    let expected = 0.5 * (4.38717 - 0.3 * 8.77433) * 0.4 * 0.4;
+    println!("slides {plane:.4} m on a plane, {face:.4} m on a box, expected {expected:.4} m");
+    assert!((plane / expected - 1.0).abs() < 0.05, "on a plane {plane} m, expected {expected} m");
+    assert!(face < 0.95 * expected, "on a box {face} m, expected {expected} m: the fault is mended");
+}
