@@ -2,8 +2,7 @@
 //!
 //! Little-endian: magic, version, precision, CRC of the scene, steps, whether contact changed the
 //! state, hash chain, work, contacts, the record of the run so far, then each column with its length,
-//! and last the CRC of all before.
-//! Written whole or not at all.
+//! and last the CRC of all before. Written whole or not at all.
 
 use std::io::Write;
 use std::path::Path;

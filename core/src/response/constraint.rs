@@ -25,7 +25,8 @@ pub struct Constraint {
 }
 
 impl Constraint {
-    /// A constraint without impulses yet; `lever` as in [`movable_mass`].
+    /// A constraint without impulses yet. Nothing moves what would have to go more than `lever` times as
+    /// far as the contact.
     pub fn new(contact: Contact, target: Real, grip: Grip, compliance: impl Compliance, lever: Real) -> Self {
         let inverse_mass = movable_mass(&contact, compliance, lever);
         Self { contact, target, inverse_mass, grip, normal_impulse: 0.0, friction_impulse: Vec3::ZERO }
@@ -66,7 +67,7 @@ impl Compliance for Coupled<'_> {
 
 /// The inverse mass along the normal; 0 where what could move would have to go more than `lever`
 /// times as far as the contact, which is as good as at what cannot: beside a pin.
-pub fn movable_mass(contact: &Contact, compliance: impl Compliance, lever: Real) -> Real {
+fn movable_mass(contact: &Contact, compliance: impl Compliance, lever: Real) -> Real {
     let total = inverse_mass(contact, contact.normal, compliance);
     let gives = |(&v, weight): (&u32, Real)| (compliance.give(v, contact.normal) * weight).length_squared();
     let farthest = contact.vertices.iter().zip(contact.weights).map(gives).fold(0.0, Real::max);

@@ -28,7 +28,7 @@ pub(crate) fn hold(constraint: &Constraint, index: u32, start: &[Vec3], end: &[V
         weights: contact.weights,
         normal: contact.normal,
         missing: contact.normal * (target - contact.gap) - if rubs { predicted } else { along },
-        slide: sqrt((predicted - along).length_squared()),
+        slide: length(predicted - along),
         sticks: if rubs { 1.0 } else { 0.0 },
         constraint: index,
         ..Hold::default()
@@ -54,7 +54,7 @@ pub(crate) fn release(model: &ContactModel<'_>, constraints: &[Constraint], hold
 /// without friction, then as friction slows it. Friction so made opposes the slide and cannot turn
 /// it round. Returns whether it was another.
 fn soften(model: &ContactModel<'_>, grip: Grip, hold: &mut Hold, along: Real, step: Real) -> bool {
-    let (across, cone) = (across(hold, along), grip.slides * along);
+    let (across, cone) = (length(across(hold, along)), grip.slides * along);
     let free = hold.slide / step;
     let speed = if hold.sticks == 1.0 {
         if across <= grip.sticks * along {
@@ -73,8 +73,12 @@ fn soften(model: &ContactModel<'_>, grip: Grip, hold: &mut Hold, along: Real, st
 }
 
 /// The impulse of friction, kg m/s.
-fn across(hold: &Hold, along: Real) -> Real {
-    sqrt((hold.impulse - hold.normal * along).length_squared())
+fn across(hold: &Hold, along: Real) -> Vec3 {
+    hold.impulse - hold.normal * along
+}
+
+fn length(v: Vec3) -> Real {
+    sqrt(v.length_squared())
 }
 
 /// With which friction of that impulse leaves a contact to slide, m/s.
@@ -106,11 +110,11 @@ pub(crate) fn carry(
             let (Grip { sticks, slides }, across) = (constraint.grip, across(hold, along));
             constraint.grip = Grip::always(match hold.sticks {
                 1.0 => sticks,
-                _ if is_small(model, speed(hold, across) * step) => slides,
-                _ => slides.min((1.0 + SLACK) * across / along),
+                _ if is_small(model, speed(hold, length(across)) * step) => slides,
+                _ => slides.min((1.0 + SLACK) * length(across) / along),
             });
             constraint.normal_impulse = along * step;
-            constraint.friction_impulse = constraint.grip.limit(hold.impulse - hold.normal * along, along) * step;
+            constraint.friction_impulse = constraint.grip.limit(across, along) * step;
         }
     }
 }
