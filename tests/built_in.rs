@@ -55,7 +55,7 @@ scenes!(
     fold 1.2 "slow: run with --release",
     funnel 1.7 "slow: run with --release",
     hanging 1.1,
-    poncho 1.4 "slow: run with --release",
+    poncho 1.3 "slow: run with --release",
     skirt 1.1,
     stack 1.15 "slow: run with --release",
     swing 1.1,

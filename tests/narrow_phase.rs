@@ -11,6 +11,8 @@ mod exact;
 mod fuzz;
 #[path = "narrow_phase/lattice.rs"]
 mod lattice;
+#[path = "narrow_phase/local_minimum.rs"]
+mod local_minimum;
 #[path = "narrow_phase/polynomial.rs"]
 mod polynomial;
 #[path = "narrow_phase/tight_inclusion.rs"]

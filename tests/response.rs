@@ -6,6 +6,8 @@
 
 #![expect(clippy::useless_conversion, reason = "conversions to double, of doubles")]
 
+#[path = "response/belt.rs"]
+mod belt;
 #[path = "response/capacity.rs"]
 mod capacity;
 #[path = "response/cone.rs"]
@@ -24,7 +26,17 @@ mod momentum;
 mod refusal;
 #[path = "response/safety.rs"]
 mod safety;
+#[path = "response/sliding.rs"]
+mod sliding;
 #[path = "response/stretch.rs"]
 mod stretch;
 #[path = "response/zone.rs"]
 mod zone;
+
+/// What most of the sheets here are of.
+const CLOTH: &str = r#"
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 1000.0, damping = 0.0005 }
+    shear = { stiffness = 300.0 }
+    bend = { model = "hinge", rigidity = 1e-5, damping = 0.001 }
+"#;

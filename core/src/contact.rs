@@ -53,7 +53,7 @@ pub struct ContactScratch<'a> {
     pub end: &'a mut [Vec3],
     /// From start to end, m: beside both because differences of positions round.
     pub moves: &'a mut [Vec3],
-    /// The part of `moves` that only parts surfaces and is no velocity, m.
+    /// The part of `moves` that only parts surfaces, or rounds, and is no velocity, m.
     pub parting: &'a mut [Vec3],
     /// The round in which each vertex was last moved by the response; 0: not at all.
     pub rounds: &'a mut [u32],

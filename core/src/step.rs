@@ -130,7 +130,7 @@ pub fn couple<D: Dispatch>(
 }
 
 /// Takes over what the response corrected: positions, and the velocities by as much, less what only
-/// parted surfaces. Returns whether anything was.
+/// parted surfaces or rounded. Returns whether anything was.
 pub fn settle(step: Real, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_>) -> bool {
     let mut any = false;
     for (v, next) in scratch.next_positions.iter_mut().enumerate() {

@@ -65,7 +65,6 @@ impl Lying {
             [integrator]
             method = "{method}"
             step = {step:?}
-            tolerance = 1e-6
             "#,
             -level
         )
@@ -82,8 +81,8 @@ both_precisions! {
     use glam::DVec3;
     use muslin::simulation::Simulation;
 
-    /// Faster than this a sheet slides, m/s: in f32 rounding alone moves it by a tenth of that.
-    const STILL: f64 = kit::bound(1e-4, 1e-6);
+    /// Faster than this a sheet slides, m/s: in f32 rounding alone moves it by a quarter of that.
+    const STILL: f64 = kit::bound(2e-5, 1e-6);
 
     fn laid(lying: &Lying) -> (Simulation, DVec3) {
         let [x, z] = lying.down();
@@ -163,8 +162,8 @@ both_precisions! {
         let (early, late) = (at(0.05), at(0.1));
         let error = (late - early) / 0.1 / expected - 1.0;
         let what = format!("{} {} {} to {}", muslin::real::NAME, lying.method, lying.sheet, lying.heading);
-        println!("{what}: acceleration off by {error:.1e}, bound 5e-3");
-        assert!(error.abs() <= 5e-3, "{what}: acceleration off by {error} of {expected} m/s^2");
+        println!("{what}: acceleration off by {error:.1e}, bound 5e-4");
+        assert!(error.abs() <= 5e-4, "{what}: acceleration off by {error} of {expected} m/s^2");
     }
 
     #[test]
@@ -176,6 +175,13 @@ both_precisions! {
                 slides_by(&lying, lying.acceleration(MU));
             }
         }
+    }
+
+    /// In f32 friction moves it in a step by less than positions round.
+    #[test]
+    fn friction_is_not_lost_in_the_rounding_of_short_steps() {
+        let lying = Lying { step: 2.5e-5, ..Lying::new(SPECK, "symplectic-euler", 0.8) };
+        slides_by(&lying, lying.acceleration(MU));
     }
 
     #[test]
@@ -237,10 +243,8 @@ both_precisions! {
                 kit::throw(&mut sim, 0, down * 0.5);
                 kit::run(&mut sim, 0.1, |_| ());
                 let error = (kit::drift(&sim, 0).dot(down) - 0.5) / 0.1 / lying.acceleration(0.4) - 1.0;
-                // In f32 a step's change of the speed is 15 times the rounding of a position.
-                let bound = kit::bound(1e-2, 5e-3);
-                println!("{} {method}, {sheet}: acceleration off by {error:.1e}, bound {bound:.0e}", muslin::real::NAME);
-                assert!(error.abs() <= bound, "{method}, {sheet}: thrown, its acceleration is off by {error}");
+                println!("{} {method}, {sheet}: acceleration off by {error:.1e}, bound 5e-4", muslin::real::NAME);
+                assert!(error.abs() <= 5e-4, "{method}, {sheet}: thrown, its acceleration is off by {error}");
             }
         }
     }
@@ -255,7 +259,7 @@ both_precisions! {
             worst = worst.max(((before - now) / (GRAVITY * h) - mu(before)).abs());
             before = now;
         });
-        let bound = kit::bound(0.02, 1e-9);
+        let bound = kit::bound(2e-4, 1e-9);
         println!("{} {friction}: coefficient off by {worst:.1e}, bound {bound:.0e}", muslin::real::NAME);
         assert!(worst <= bound, "{friction}: in some step the coefficient is off by {worst}, expected {bound}");
     }

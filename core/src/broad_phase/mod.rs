@@ -38,6 +38,8 @@ pub mod reference_cell;
 pub use grid::GridColumns;
 pub use grid::{Grid, candidates};
 
+use crate::mesh::Incidence;
+
 /// In [`Surface::owned`]: bit k, the triangle stands for its vertex k.
 pub const OWNS_VERTEX: u8 = 1;
 /// In [`Surface::owned`]: shifted by k, the triangle stands for its edge k.
@@ -58,6 +60,8 @@ pub struct Surface<'a> {
     pub owned: &'a [u8],
     /// Ends of each edge.
     pub edges: &'a [[u32; 2]],
+    /// Which corners of triangles meet at each vertex: slot `3 t + k` is corner k of triangle t.
+    pub fans: Incidence<'a>,
     /// What is sewn to what.
     pub sewn: Sewn<'a>,
     /// Triangles from here on are passive: they never pair with one another. They share no vertex

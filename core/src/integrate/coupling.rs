@@ -124,11 +124,12 @@ pub fn correct<D: Dispatch>(
         hold.stiffness = STIFFNESS * stiffness(hold, c.masses, s);
     }
     // Each solve goes on from the one before; the last is as tight as the step itself, since
-    // momentum is kept to what is left.
+    // momentum is kept to what is left. What is to be solved for is so many times larger than what
+    // the cloth bears.
     let mut known = false;
     for trials in 0..=MOST_TRIALS {
         known |= trials == MOST_TRIALS;
-        let reduction = c.scheme.tolerance * if known { 1.0 } else { TRIAL };
+        let reduction = c.scheme.tolerance / STIFFNESS * if known { 1.0 } else { TRIAL };
         solve(c, holds, to_position, Until { reduction: reduction.into(), warm: trials > 0 }, s, work);
         for hold in &mut *holds {
             let relative = gather(hold, s.solution);

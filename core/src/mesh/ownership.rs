@@ -9,6 +9,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::edges::NONE;
+use super::incidence::IncidenceColumns;
 use crate::broad_phase::{IS_FACE, OWNS_EDGE, OWNS_VERTEX, Sewn, Surface};
 
 /// The owned columns of a [`Surface`].
@@ -22,6 +23,8 @@ pub struct SurfaceColumns {
     pub owned: Vec<u8>,
     /// Ends of each edge, the lesser first, in ascending order.
     pub edges: Vec<[u32; 2]>,
+    /// Which corners of triangles meet at each vertex.
+    pub fans: IncidenceColumns,
     /// Start of each vertex's row of `sewn_others`; empty where nothing is sewn.
     pub sewn_offsets: Vec<u32>,
     /// The vertices sewn to each.
@@ -43,6 +46,7 @@ impl SurfaceColumns {
             triangles: triangles.to_vec(),
             triangle_edges,
             edges,
+            fans: IncidenceColumns::build(vertices, triangles),
             sewn_offsets,
             sewn_others,
             first_passive: triangles.len() as u32,
@@ -56,6 +60,7 @@ impl SurfaceColumns {
             + size_of_val(&self.triangle_edges[..])
             + size_of_val(&self.owned[..])
             + size_of_val(&self.edges[..])
+            + self.fans.view().bytes()
             + size_of_val(&self.sewn_offsets[..])
             + size_of_val(&self.sewn_others[..])
     }
@@ -67,6 +72,7 @@ impl SurfaceColumns {
             triangle_edges: &self.triangle_edges,
             owned: &self.owned,
             edges: &self.edges,
+            fans: self.fans.view(),
             sewn: Sewn { offsets: &self.sewn_offsets, others: &self.sewn_others },
             first_passive: self.first_passive,
             own_contact: self.own_contact,

@@ -4,6 +4,7 @@ pub mod advance;
 pub mod continuous;
 pub mod edge_edge;
 pub mod edge_edge_ccd;
+pub mod local_minimum;
 pub mod proximity;
 pub mod vertex_triangle;
 pub mod vertex_triangle_ccd;
@@ -38,6 +39,8 @@ pub struct Nearest {
 
 /// What differs between a vertex with a triangle and an edge with an edge.
 pub trait Pairing: Sync {
+    /// How many vertices the first feature has.
+    const FIRST: usize;
     /// The vertices of a candidate, first feature first.
     fn vertices(surface: &Surface<'_>, candidate: [u32; 2]) -> [u32; 4];
     /// The nearest points of the two features.
@@ -62,6 +65,8 @@ pub struct VertexTriangle;
 pub struct EdgeEdge;
 
 impl Pairing for VertexTriangle {
+    const FIRST: usize = 1;
+
     fn vertices(surface: &Surface<'_>, [vertex, triangle]: [u32; 2]) -> [u32; 4] {
         let [a, b, c] = surface.triangles[triangle as usize];
         [vertex, a, b, c]
@@ -92,6 +97,8 @@ impl Pairing for VertexTriangle {
 }
 
 impl Pairing for EdgeEdge {
+    const FIRST: usize = 2;
+
     fn vertices(surface: &Surface<'_>, [first, second]: [u32; 2]) -> [u32; 4] {
         let ([a, b], [c, d]) = (surface.edges[first as usize], surface.edges[second as usize]);
         [a, b, c, d]

@@ -63,10 +63,12 @@ fn soften(model: &ContactModel<'_>, grip: Grip, hold: &mut Hold, along: Real, st
         free
     } else {
         let speed = speed(hold, across);
-        if is_small(model, speed * step) || (across - cone).abs() <= SLACK * cone {
+        // The response gives a small slide what the cone still allows, but takes nothing back.
+        let least = if is_small(model, speed * step) { 0.0 } else { (1.0 - SLACK) * cone };
+        if (least..=(1.0 + SLACK) * cone).contains(&across) {
             return false;
         }
-        speed + (free - speed).max(0.0) * (1.0 - cone / across)
+        speed + (free - speed).max(0.0) * (1.0 - cone / across).max(0.0)
     };
     hold.sticks = (cone / (speed.max(Real::MIN_POSITIVE) * hold.stiffness)).min(0.999);
     true

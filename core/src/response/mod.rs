@@ -181,7 +181,7 @@ pub fn respond<D: Dispatch>(
     let most = if settings.hold { HOLD_ROUNDS } else { MOST_ROUNDS };
     for round in 1..=most {
         let context = Context { round: round + 1, ..context };
-        motion.land(round);
+        motion.land(round, parting);
         if motion.left(boxes, model, round) {
             return Outcome::Left;
         }
@@ -255,12 +255,15 @@ pub(crate) struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// Rounds the ends of the vertices moved in a round.
-    fn land(&mut self, round: u32) {
+    /// Rounds the ends of the vertices moved in a round. What rounding moves is no velocity: by short
+    /// steps in f32 it is as much as friction.
+    fn land(&mut self, round: u32, parting: &mut [Vec3]) {
         for (v, end) in self.end.iter_mut().enumerate() {
             if self.rounds[v] == round {
                 *end = self.start[v] + self.moves[v];
-                self.moves[v] = *end - self.start[v];
+                let rounded = *end - self.start[v];
+                parting[v] += rounded - self.moves[v];
+                self.moves[v] = rounded;
             }
         }
     }

@@ -7,6 +7,7 @@ use super::friction::Grip;
 use super::{Context, List, Motion, mark, relax};
 use crate::colliders::Form;
 use crate::contact::{ContactModel, Pairs};
+use crate::narrow_phase::local_minimum::is_local_minimum;
 use crate::narrow_phase::{Contact, EdgeEdge, Pairing, VertexTriangle, contact, gather};
 use crate::real::{Real, Vec3, sqrt};
 
@@ -28,7 +29,8 @@ pub const MOST_LEVER: Real = 4.0;
 /// now says little.
 pub const REACH: Real = 2.0;
 
-/// Adds a constraint for each pair that is near and approaches, or overlaps.
+/// Adds a constraint for each pair that is near and approaches, or overlaps, where the surfaces are
+/// nearest.
 pub(crate) fn find(
     model: &ContactModel<'_>,
     vertex_triangle: &Pairs<'_>,
@@ -92,7 +94,7 @@ fn find_pairs<P: Pairing>(
         let Some(contact) = contact::<P>(vertices, &x, &x, P::radius(gather(vertices, model.radii))) else { continue };
         let least = thickness::<P>(model, vertices);
         let approaches = contact.gap + constraint::weighted(&contact, motion.moves).dot(contact.normal) < least;
-        if distance < least || approaches {
+        if (distance < least || approaches) && is_local_minimum::<P>(&model.surface, motion.start, &contact) {
             let grip = grip(model, &contact, motion);
             list.push(Constraint::new(contact, least.min(contact.gap), grip, model.mobility, MOST_LEVER));
         }
