@@ -43,6 +43,8 @@ pub struct Simulation {
     touched: bool,
     /// Whether it changed the state.
     after_contact: bool,
+    /// Candidates found in this step, over all attempts.
+    looked_at: u64,
     scheme: Scheme,
     step: Real,
     steps: u64,
@@ -103,13 +105,26 @@ impl Simulation {
         // Only the solver's patches are cut by it.
         built.material = Default::default();
         let (work, tally) = (Work::default(), Tally::default());
-        Self { built, scratch, contact, tally, touched: false, after_contact: false, scheme, step, steps: 0, work }
+        Self {
+            built,
+            scratch,
+            contact,
+            tally,
+            touched: false,
+            after_contact: false,
+            looked_at: 0,
+            scheme,
+            step,
+            steps: 0,
+            work,
+        }
     }
 
     /// Takes one step, in halves where surfaces would meet. A step that cannot be taken leaves the
     /// state as it was.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
         let counted = (self.work, self.tally);
+        self.looked_at = 0;
         let taken = match self.try_part(Part::WHOLE, false, dispatch) {
             Err(cannot) if cannot.may_help() => self.step_in_halves(dispatch),
             taken => taken,

@@ -27,6 +27,10 @@ const MOST_PAIRS: usize = 1 << 17;
 /// And so many for each vertex: sheets lying flat on themselves have a tenth of it.
 const MOST_PAIRS_PER_VERTEX: usize = 1 << 10;
 
+/// How often as many candidates may be looked at in one step, over all its halves and widenings: what
+/// still boils then does not settle.
+const MOST_LOOKS: u64 = 1 << 7;
+
 /// How often what is near is parted after untangling.
 const PARTINGS: u32 = 10;
 
@@ -78,13 +82,15 @@ impl Simulation {
         step::sweep(&model.view(), sweep, positions, &self.scratch.next_positions, &mut contact.view());
     }
 
-    /// Contact: finds candidates, with more room where there was too little; false, and none found,
-    /// where there are too many to be looked at.
+    /// Contact: finds candidates, with more room where there was too little; false where there are too
+    /// many to be looked at.
     pub fn detect(&mut self, dispatch: &impl Dispatch) -> bool {
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return true };
         let Some(counts) = detect(&model.view(), contact, dispatch) else { return false };
-        self.tally.candidates += (counts.vertex_triangle + counts.edge_edge) as u64;
-        true
+        let found = (counts.vertex_triangle + counts.edge_edge) as u64;
+        self.tally.candidates += found;
+        self.looked_at += found;
+        self.looked_at <= MOST_LOOKS * most_pairs(&model.view()) as u64
     }
 
     /// Contact: corrects the candidate state, with more room where there was too little for what
@@ -223,10 +229,14 @@ impl Simulation {
     }
 }
 
+/// Candidates of each kind that are looked at.
+fn most_pairs(model: &ContactModel<'_>) -> usize {
+    MOST_PAIRS.max(MOST_PAIRS_PER_VERTEX * model.radii.len())
+}
+
 fn detect(model: &ContactModel<'_>, contact: &mut ContactScratchColumns, dispatch: &impl Dispatch) -> Option<Counts> {
     let counts = step::detect(model, &mut contact.view(), dispatch);
-    let most = MOST_PAIRS.max(MOST_PAIRS_PER_VERTEX * model.radii.len());
-    if counts.vertex_triangle.max(counts.edge_edge) > most {
+    if counts.vertex_triangle.max(counts.edge_edge) > most_pairs(model) {
         return None;
     }
     if contact.grow_pairs(counts) {
