@@ -33,6 +33,19 @@ const PUSHED: &str = r#"
     friction = 0.3
 "#;
 
+/// A sheet whose sides are led together in its own plane, which nothing makes it leave.
+const SQUEEZED: &str = r#"
+    grid = { size = [0.3, 0.3], cells = [12, 14] }
+    position = [0.0, 0.2, 0.0]
+    pin = [
+        { select = { edge = "left" }, motion = { keys = [[0.0, 0, 0, 0], [0.3, 0.12, 0, 0]] } },
+        { select = { edge = "right" }, motion = { keys = [[0.0, 0, 0, 0], [0.3, -0.12, 0, 0]] } },
+    ]
+    [contact]
+    thickness = 0.004
+    friction = 0.3
+"#;
+
 fn text(scene: &str, integrator: &str) -> String {
     let head = "name = \"drawn\"\nduration = 0.3\nframe_rate = 100\ngravity = [0.0, -9.81, 0.0]\n";
     format!("{head}[[cloth]]\n{CLOTH}{scene}[integrator]\n{integrator}")
@@ -42,7 +55,7 @@ fn text(scene: &str, integrator: &str) -> String {
 const MOST: f64 = 1.2;
 
 both_precisions! {
-    use super::{MOST, NAPKIN, PUSHED, text};
+    use super::{MOST, NAPKIN, PUSHED, SQUEEZED, text};
 
     fn most(text: &str) -> f64 {
         let mut most: f64 = 1.0;
@@ -70,5 +83,18 @@ both_precisions! {
             println!("{} h {step}: stretched by at most {most:.3}", muslin::real::NAME);
             assert!(most < 1.1, "{} h {step}: stretched {most}fold, bound 1.1", muslin::real::NAME);
         }
+    }
+
+    /// What lies in one plane has no contact that stands for another.
+    #[test]
+    #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+    fn a_sheet_pressed_together_in_its_plane_keeps_its_thickness_by_contacts() {
+        let text = text(SQUEEZED, "step = 0.005\n").replace("-9.81", "0.0");
+        let mut sim = kit::simulation(&text, &[]);
+        kit::run(&mut sim, 0.3, |_| ());
+        let tally = sim.tally();
+        println!("{}: {tally:?}", muslin::real::NAME);
+        assert!(tally.proximity > 10_000, "{}: the sheet does not touch itself", muslin::real::NAME);
+        assert!(tally.impacts * 100 < tally.proximity, "{}: left to impacts, {tally:?}", muslin::real::NAME);
     }
 }

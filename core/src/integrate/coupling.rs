@@ -23,8 +23,9 @@ const STIFFNESS: Real = 30.0;
 /// slides.
 const MOST_TRIALS: u32 = 3;
 
-/// How much less tight than the last solve a trial is.
-const TRIAL: Real = 10.0;
+/// How much tighter a solve is than the step's own: what the holds ask for is thirty times larger than
+/// what the cloth bears, and friction is judged by the latter.
+const TIGHTER: Real = 0.3;
 
 /// A contact that pushes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -123,22 +124,17 @@ pub fn correct<D: Dispatch>(
     for hold in &mut *holds {
         hold.stiffness = STIFFNESS * stiffness(hold, c.masses, s);
     }
-    // Each solve goes on from the one before; the last is as tight as the step itself, since
-    // momentum is kept to what is left. What is to be solved for is so many times larger than what
-    // the cloth bears.
-    let mut known = false;
-    for trials in 0..=MOST_TRIALS {
-        known |= trials == MOST_TRIALS;
-        let reduction = c.scheme.tolerance / STIFFNESS * if known { 1.0 } else { TRIAL };
-        solve(c, holds, to_position, Until { reduction: reduction.into(), warm: trials > 0 }, s, work);
+    let reduction = (c.scheme.tolerance * TIGHTER).into();
+    for trial in 0..=MOST_TRIALS {
+        // Each solve goes on from the one before.
+        solve(c, holds, to_position, Until { reduction, warm: trial > 0 }, s, work);
         for hold in &mut *holds {
             let relative = gather(hold, s.solution);
             hold.impulse = hold.along(hold.missing / to_position - relative);
         }
-        if known {
+        if trial == MOST_TRIALS || !release(holds) {
             break;
         }
-        known = !release(holds);
     }
     c.dispatch.enter(Stage::Integrate);
     let y = &*s.solution;

@@ -10,26 +10,57 @@ use crate::real::{Real, Vec3, sqrt};
 /// little to be felt.
 const RISE: Real = 1e-2;
 
+/// Sine of the angle between a line and a plane that it counts as lying in.
+const ALONG: Real = 0.1;
+
 /// Whether no neighbour of the features that meet is nearer to the other surface. Before a face
 /// any vertex will do: the line between is the face's own normal.
 pub fn is_local_minimum<P: Pairing>(surface: &Surface<'_>, x: &[Vec3], contact: &Contact) -> bool {
     let Contact { vertices, weights, normal, .. } = contact;
-    let [first, second] = [0..P::FIRST, P::FIRST..4].map(|k| (&vertices[k.clone()], &weights[k]));
-    let on_face = second.1.iter().filter(|&&weight| weight != 0.0).count() == 3;
-    on_face || is_lowest(surface, x, first, -*normal) && is_lowest(surface, x, second, *normal)
+    let [first, second] =
+        [0..P::FIRST, P::FIRST..4].map(|k| Feature { vertices: &vertices[k.clone()], weights: &weights[k] });
+    let on_face = second.touched() == 3;
+    on_face || is_lowest(surface, x, first, second, -*normal) && is_lowest(surface, x, second, first, *normal)
+}
+
+#[derive(Clone, Copy)]
+struct Feature<'a> {
+    vertices: &'a [u32],
+    weights: &'a [Real],
+}
+
+impl Feature<'_> {
+    /// Of how many of its vertices the point that meets is.
+    fn touched(self) -> usize {
+        self.weights.iter().filter(|&&weight| weight != 0.0).count()
+    }
+
+    fn touches(self, v: u32) -> bool {
+        self.vertices.iter().zip(self.weights).any(|(&of, &weight)| of == v && weight != 0.0)
+    }
 }
 
 /// Whether none of the triangles around what touches of a feature, an edge or a vertex, rises
-/// along `out`.
-fn is_lowest(surface: &Surface<'_>, x: &[Vec3], (vertices, weights): (&[u32], &[Real]), out: Vec3) -> bool {
-    let touches = |v: u32| vertices.iter().zip(weights).any(|(&of, &weight)| of == v && weight != 0.0);
-    let count = weights.iter().filter(|&&weight| weight != 0.0).count();
-    let Some(foot) = vertices.iter().copied().find(|&v| touches(v)) else { return true };
+/// along `out`. Two kinds do not count, since no contact of theirs would stand for this one: those at
+/// the `other` feature, which are its neighbours, and those that lie along the line, which is a sheet
+/// pressed together in its own plane.
+fn is_lowest(surface: &Surface<'_>, x: &[Vec3], feature: Feature<'_>, other: Feature<'_>, out: Vec3) -> bool {
+    let Some(foot) = feature.vertices.iter().copied().find(|&v| feature.touches(v)) else { return true };
+    let foot_at = x[foot as usize];
     let rises = |&v: &u32| {
-        let arm = x[v as usize] - x[foot as usize];
-        !touches(v) && out.dot(arm) > RISE * sqrt(arm.length_squared())
+        let arm = x[v as usize] - foot_at;
+        !feature.touches(v) && out.dot(arm) > RISE * sqrt(arm.length_squared())
     };
-    let around = surface.fans.at(foot as usize).iter().map(|&slot| surface.triangles[slot as usize / 3]);
-    let mut around = around.filter(|corners| corners.iter().filter(|&&v| touches(v)).count() >= count);
-    !around.any(|corners| corners.iter().any(rises))
+    let joins = |v: &u32| other.vertices.iter().any(|of| of == v || surface.sewn.joins(*of, *v));
+    let lies_along = |[a, b, c]: [Vec3; 3]| {
+        let normal = (b - a).cross(c - a);
+        out.dot(normal).abs() <= ALONG * sqrt(normal.length_squared())
+    };
+    surface.fans.at(foot as usize).iter().all(|&slot| {
+        let corners = surface.triangles[slot as usize / 3];
+        let is_around = corners.iter().filter(|&&v| feature.touches(v)).count() >= feature.touched();
+        !(is_around && corners.iter().any(rises))
+            || corners.iter().any(joins)
+            || lies_along(corners.map(|v| x[v as usize]))
+    })
 }
