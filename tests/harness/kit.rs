@@ -323,6 +323,16 @@ macro_rules! kit {
 
             /// The response to pieces that move for 1 s, each a cloth by itself.
             pub fn respond(pieces: &[Piece], thickness: f64, friction: f64) -> Response {
+                respond_after(pieces, thickness, friction, |_| ())
+            }
+
+            /// The same, after something else changed where the vertices go.
+            pub fn respond_after(
+                pieces: &[Piece],
+                thickness: f64,
+                friction: f64,
+                change: impl FnOnce(&mut [Vec3]),
+            ) -> Response {
                 let mut contact = ContactColumns {
                     thickness: thickness as Real,
                     continuous: true,
@@ -353,6 +363,7 @@ macro_rules! kit {
                 let (mut scratch, mut tally) = (columns.view(), Tally::default());
                 step::sweep(&model, sweep, &from, &to, &mut scratch);
                 step::detect(&model, &mut scratch, &Serial);
+                change(scratch.predicted);
                 let outcome = step::respond(&model, &mut scratch, settings, &mut tally, &Serial);
                 let wide = |column: &[Vec3]| column.iter().map(|&x| to_f64(x).into()).collect();
                 let kept = scratch.constraints.iter().filter(|c| c.contact.normal != Vec3::ZERO).map(|c| Kept {

@@ -60,10 +60,10 @@ impl Grip {
     /// The tangential impulse of a contact: as wanted while it sticks, else on the cone.
     pub fn limit(self, wanted: Vec3, normal: Real) -> Vec3 {
         let size = sqrt(wanted.length_squared());
-        // What is too small to be squared does not stick to nothing.
-        if normal > 0.0 && size <= self.sticks * normal {
-            return wanted;
+        if size > self.sticks * normal {
+            return wanted * ((self.slides * normal).min(size) / size);
         }
-        if size > 0.0 { wanted * ((self.slides * normal).min(size) / size) } else { Vec3::ZERO }
+        // What is too small to be squared does not stick to nothing.
+        if normal > 0.0 { wanted } else { Vec3::ZERO }
     }
 }
