@@ -12,6 +12,8 @@ use muslin_core_f64::forces::hinge::HingeColumns;
 use muslin_core_f64::forces::seam::SeamColumns;
 use muslin_core_f64::scene::SceneDesc;
 use muslin_core_f64::simulation::Simulation;
+use muslin_tests::belt::{belt, drum, hanging, holding_end};
+use muslin_tests::kit::double as kit;
 
 /// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
 fn hinge() -> HingeColumns {
@@ -90,4 +92,22 @@ fn one_linear_step_of_a_stiff_sheet_can_overshoot() {
     let (linear, converged) = (stretch(1), stretch(50));
     assert!(converged < 1.2, "converged, the sheet is stretched to {converged}");
     assert!(linear > 1.5 * converged, "one linear step stretches to {linear}, converged to {converged}");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+fn by_long_steps_a_belt_holds_on_a_drum_of_edges_where_it_should_slip() {
+    let resources = [kit::resource("belt", belt(0.5 * holding_end(0.3))), kit::resource("drum", drum(24))];
+    let collider = "shape = \"mesh\"\nfile = \"drum\"";
+    let falls = |method: &str, step: f64| {
+        let integrator = format!("[integrator]\nmethod = \"{method}\"\nstep = {step:?}");
+        kit::falls(&hanging(0.3, &integrator, collider), &resources, 0.4)
+    };
+    let (long, short, explicit) =
+        (falls("backward-euler", 0.01), falls("backward-euler", 0.001), falls("symplectic-euler", 1e-4));
+    assert!(
+        (short / explicit - 1.0).abs() < 0.05,
+        "by 1 ms the belt goes {short} m, by an explicit method {explicit} m"
+    );
+    assert!(long < 0.5 * explicit, "by 10 ms the belt goes {long} m, by an explicit method {explicit} m");
 }

@@ -35,13 +35,13 @@ macro_rules! kit {
             use $muslin::forces::{self, Energy, Model, TangentScale};
             use $muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
             use $muslin::mesh::rest::RestTriangle;
-            use $muslin::mesh::{Incidence, IncidenceColumns, SurfaceColumns};
+            use $muslin::mesh::{Incidence, IncidenceColumns, SurfaceColumns, TriMesh};
             use $muslin::narrow_phase::advance::{ROUNDING, advance};
             use $muslin::narrow_phase::{edge_edge_ccd, vertex_triangle_ccd};
             use $muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
             use $muslin::response::friction::Law;
             use $muslin::response::{Settings, Tally};
-            use $muslin::scene::{BuiltScene, Resource, SceneDesc};
+            use $muslin::scene::{BuiltScene, Content, Resource, SceneDesc};
             use $muslin::scratch::{Scratch, ScratchColumns};
             use $muslin::simulation::Simulation;
             use $muslin::step::{self, Sweep};
@@ -420,6 +420,22 @@ macro_rules! kit {
                     sim.step(&Serial).unwrap_or_else(|diverged| panic!("{diverged}"));
                     see(sim);
                 }
+            }
+
+            /// A mesh under the name by which a scene asks for it.
+            pub fn resource(name: &str, mesh: crate::belt::Mesh) -> Resource {
+                let (positions, uvs, triangles) = (mesh.positions, mesh.uvs, mesh.triangles);
+                let uv_triangles = if uvs.is_empty() { Vec::new() } else { triangles.clone() };
+                (name.into(), Content::Mesh(TriMesh { positions, uvs, triangles, uv_triangles, ..TriMesh::default() }))
+            }
+
+            /// How far the last vertex of the first cloth goes down in a time, m.
+            pub fn falls(text: &str, resources: &[Resource], seconds: f64) -> f64 {
+                let mut sim = simulation(text, resources);
+                let end = |sim: &Simulation| places(sim, 0).last().expect("the cloth has vertices").y;
+                let start = end(&sim);
+                run(&mut sim, seconds, |_| ());
+                start - end(&sim)
             }
 
             /// Throws a cloth of a scene, m/s.

@@ -1,5 +1,6 @@
 //! What the tests share.
 
+pub mod belt;
 pub mod cloth_ball;
 #[path = "../../host-cli/src/bench/crumpled.rs"]
 pub mod crumpled;
