@@ -168,13 +168,14 @@ both_precisions! {
             masses: &masses,
             inverse_masses: &inverse_masses,
         };
-        let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 8], [Block::default(); BLOCKS]);
+        let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 9], [Block::default(); BLOCKS]);
         let (mut inverse_diagonal, mut partials) = ([Mat3::ZERO; VERTICES], [0.0; 1]);
-        let [forces, next_positions, next_velocities, solution, residual, direction, products, preconditioned] =
+        let [forces, next_positions, next_velocities, stage_positions, solution, residual, direction, products, preconditioned] =
             &mut work_columns;
         let mut scratch = Scratch {
             forces,
             next_positions,
+            stage_positions,
             next_velocities,
             solution,
             residual,
@@ -203,6 +204,7 @@ both_precisions! {
                 time: Sum::from(n) * Sum::from(STEP as Real),
                 step: STEP as Real,
                 scheme: &scheme,
+                leads: true,
                 dispatch: &Serial,
             };
             assert_eq!(step::predict(&context, &particles, &mut scratch, &mut work), Prediction::Fine);

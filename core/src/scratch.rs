@@ -17,7 +17,7 @@ pub struct Scratch<'a> {
     /// Candidate velocities, m/s.
     pub next_velocities: &'a mut [Vec3],
 
-    /// Positions inside the step: RK4 and Newton's method.
+    /// Positions inside the step: RK4 and implicit methods.
     pub stage_positions: &'a mut [Vec3],
     /// Velocities inside the step: RK4.
     pub stage_velocities: &'a mut [Vec3],
@@ -44,7 +44,7 @@ pub struct Scratch<'a> {
     pub solution: &'a mut [Vec3],
     /// Implicit.
     pub residual: &'a mut [Vec3],
-    /// Newton's method: the residual that a solve started from.
+    /// Newton's method with line search: the residual that a solve started from.
     pub base_residual: &'a mut [Vec3],
     /// Implicit.
     pub direction: &'a mut [Vec3],
@@ -133,7 +133,7 @@ mod owned {
             let (vertices, model) = (scene.particles.positions.len(), &scene.model.view());
             let column = |used: bool| vec![Vec3::ZERO; if used { vertices } else { 0 }];
             let implicit = scheme.method.is_implicit();
-            let iterates = implicit && scheme.newton > 1;
+            let searches = implicit && scheme.newton > 1;
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
             let pattern = if implicit { Pattern::build(vertices, model) } else { Pattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
@@ -147,7 +147,7 @@ mod owned {
                 elements: vec![Vec3::ZERO; model.force_scratch()],
                 next_positions: column(true),
                 next_velocities: column(true),
-                stage_positions: column(rk4 || iterates),
+                stage_positions: column(rk4 || implicit),
                 stage_velocities: column(rk4),
                 previous_positions: column(bdf2),
                 previous_velocities: column(bdf2),
@@ -159,7 +159,7 @@ mod owned {
                 tangents: vec![0.0; if implicit { model.tangent_scratch() } else { 0 }],
                 solution: column(implicit),
                 residual: column(implicit),
-                base_residual: column(iterates),
+                base_residual: column(searches),
                 direction: column(implicit),
                 products: column(implicit),
                 preconditioned: column(implicit),

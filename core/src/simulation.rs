@@ -174,7 +174,7 @@ impl Simulation {
 
     /// The first phase of a step: writes the candidate state.
     pub fn predict(&mut self, part: Part, dispatch: &impl Dispatch) -> Prediction {
-        let (time, scheme) = (self.time_at(part.from), &self.scheme_of(part));
+        let (time, scheme, leads) = (self.time_at(part.from), &self.scheme_of(part), !self.after_contact);
         let Self { built, scratch, step, work, .. } = self;
         let BuiltScene { particles, model, pins, .. } = built;
         if part != Part::WHOLE {
@@ -188,6 +188,7 @@ impl Simulation {
             time,
             step: *step * part.length as Real,
             scheme,
+            leads,
             dispatch,
         };
         let particles = Particles {

@@ -147,6 +147,7 @@ both_precisions! {
             time: 0.0,
             step: STEP as Real,
             scheme: &scheme,
+                leads: true,
             dispatch: &Serial,
         };
         let particles = Particles {

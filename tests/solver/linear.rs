@@ -1,11 +1,13 @@
 //! The constrained solve against dense LU of the same system, assembled from the core's forces,
-//! matrix, masses and pins: a backward Euler or implicit midpoint stage of length g from (x, v) is
-//! `(M + S) y = M v + g f(x, 0)` with `S = -(g^2 Kx + g Kv)` and the held axes of y given.
+//! matrix, masses and pins: a backward Euler or implicit midpoint stage of length g from (x, v),
+//! linearised at (x + g w, w), is `(M + S) y = M v + g f(x + g w, w) + S w` with
+//! `S = -(g^2 Kx + g Kv)` there and the held axes of y given.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use glam::DVec3;
 use muslin_core_f64::dispatch::Serial;
+use muslin_core_f64::forces::strain_rate;
 use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
 use muslin_core_f64::simulation::Simulation;
 use muslin_tests::kit::double as kit;
@@ -87,11 +89,35 @@ fn simulation(cells: u32, sheet: &str, pins: &str, scheme: Scheme, step: f64) ->
     Simulation::from_columns(built, scheme, step)
 }
 
+/// The rate at which each pin moves, m/s, with its axes.
+fn rates(sim: &Simulation) -> Vec<(usize, DVec3, u8)> {
+    let (pins, step) = (sim.pins(), sim.step_length());
+    let rate = |pin: usize, vertex: u32| {
+        let vertex = vertex as usize;
+        (vertex, (pins.target(pin, sim.time() + step).0 - sim.positions()[vertex]) / step, pins.axes[pin])
+    };
+    pins.vertices.iter().enumerate().map(|(pin, &vertex)| rate(pin, vertex)).collect()
+}
+
+/// The velocities by which forces are gone ahead of: as they are, where pins do not say otherwise,
+/// or so much of them that nothing is deformed by more than half.
+fn ahead(sim: &Simulation, stage: f64) -> Vec<DVec3> {
+    let mut v = sim.velocities().to_vec();
+    for (vertex, rate, axes) in rates(sim) {
+        (0..3).filter(|axis| axes >> axis & 1 == 1).for_each(|axis| v[vertex][axis] = rate[axis]);
+    }
+    let part = (0.5 / (stage * strain_rate(&sim.model(), &v))).min(1.0);
+    v.iter().map(|&v| v * part).collect()
+}
+
 /// The stage's velocities by LU, each coordinate in its own row.
 fn dense(sim: &Simulation, stage: f64) -> Vec<DVec3> {
     let (x, v, masses) = (sim.positions(), sim.velocities(), &sim.scene().particles.masses);
-    let (size, step) = (3 * x.len(), sim.step_length());
-    let mut tangent = Tangent::of(sim.scene(), stage * stage, stage, sim.scheme().jacobian);
+    let size = 3 * x.len();
+    let ahead = ahead(sim, stage);
+    let mut there = sim.scene().clone();
+    there.particles.positions.iter_mut().zip(&ahead).for_each(|(x, &v)| *x += v * stage);
+    let mut tangent = Tangent::of(&there, stage * stage, stage, sim.scheme().jacobian);
     let (mut unit, mut column) = (vec![DVec3::ZERO; x.len()], vec![DVec3::ZERO; x.len()]);
     let mut matrix = Mat::<f64>::zeros(size, size);
     for k in 0..size {
@@ -100,14 +126,14 @@ fn dense(sim: &Simulation, stage: f64) -> Vec<DVec3> {
         unit[k / 3][k % 3] = 0.0;
         (0..size).for_each(|i| matrix[(i, k)] = column[i / 3][i % 3]);
     }
-    let f = kit::forces(&sim.model(), masses, x, &vec![DVec3::ZERO; x.len()]);
-    let mut right = Mat::<f64>::from_fn(size, 1, |i, _| (v[i / 3] * masses[i / 3] + f[i / 3] * stage)[i % 3]);
+    let f = kit::forces(&sim.model(), masses, &there.particles.positions, &ahead);
+    tangent.multiply(0.0, &ahead, &mut column);
+    let force = |i: usize| v[i] * masses[i] + f[i] * stage + column[i];
+    let mut right = Mat::<f64>::from_fn(size, 1, |i, _| force(i / 3)[i % 3]);
     // A held axis moves by its whole way at a steady rate.
-    let pins = sim.pins();
-    for (pin, &vertex) in pins.vertices.iter().enumerate() {
-        let rate = (pins.target(pin, sim.time() + step).0 - x[vertex as usize]) / step;
-        for axis in (0..3).filter(|axis| pins.axes[pin] >> axis & 1 == 1) {
-            let row = 3 * vertex as usize + axis;
+    for (vertex, rate, axes) in rates(sim) {
+        for axis in (0..3).filter(|axis| axes >> axis & 1 == 1) {
+            let row = 3 * vertex + axis;
             (0..size).for_each(|k| matrix[(row, k)] = f64::from(u8::from(k == row)));
             right[(row, 0)] = rate[axis];
         }

@@ -131,16 +131,17 @@ fn converged_step_leaves_no_residual() {
     }
 }
 
-/// One Newton step leaves out f'' (h v)^2 / 2, which the exact Jacobian makes O(h^3) in v; where
-/// the projected one differs, or with damping, whose df/dx is left out, O(h^2).
+/// One Newton step adds what the forces ask for beyond the velocities, which is O(h). It leaves out
+/// h f'' (h h)^2 / 2 with the exact Jacobian; where the projected one differs, or with damping, whose
+/// df/dx is left out, h^2 times that h.
 #[test]
 fn one_newton_step_differs_from_the_converged_one_as_theory_says() {
     for (what, material, size, jacobian, h, order) in [
-        ("springs", SPRINGS, 1.0, Jacobian::Exact, 1e-4, 3.0),
-        ("membrane", MEMBRANE, 1.0, Jacobian::Exact, 1e-4, 3.0),
-        ("compressed springs", SPRINGS, 0.9, Jacobian::Projected, 1e-4, 2.0),
-        ("compressed membrane", MEMBRANE, 0.9, Jacobian::Projected, 1e-4, 2.0),
-        ("damped membrane", DAMPED, 1.0, Jacobian::Exact, 5e-6, 2.0),
+        ("springs", SPRINGS, 1.0, Jacobian::Exact, 1e-4, 5.0),
+        ("membrane", MEMBRANE, 1.0, Jacobian::Exact, 1e-4, 5.0),
+        ("compressed springs", SPRINGS, 0.9, Jacobian::Projected, 1e-4, 3.0),
+        ("compressed membrane", MEMBRANE, 0.9, Jacobian::Projected, 1e-4, 3.0),
+        ("damped membrane", DAMPED, 1.0, Jacobian::Exact, 5e-6, 3.0),
     ] {
         let built = crumpled(material, "", size, 0.002);
         let difference = |h: f64| {
@@ -184,13 +185,16 @@ fn released(newton: u32, h: f64) -> (f64, bool) {
     (stretch, grew)
 }
 
-/// Its weight stretches the sheet by 1 to 2 %.
+/// Its weight stretches the sheet by 1 to 2 %. One linear solve does as well while nothing turns by
+/// much in a step; by 0.1 s see `known_issues.rs`.
 #[test]
 fn newtons_method_keeps_large_steps_from_stretching() {
-    for (h, least) in [(1.0 / 30.0, 1.03), (0.1, 2.0)] {
+    for (h, one_solve) in [(1.0 / 30.0, Some(1.02)), (0.1, None)] {
         let (one, all) = (released(1, h), released(50, h));
         println!("h {h:.4}: stretch {:.4} with newton = 1, {:.4} converged", one.0, all.0);
         assert!(all.0 < 1.02 && !all.1, "backward-euler converged, h {h}: stretch {}, gained energy: {}", all.0, all.1);
-        assert!(one.0 > least, "backward-euler with newton = 1, h {h}: stretch {}, known to be above {least}", one.0);
+        if let Some(most) = one_solve {
+            assert!(one.0 < most, "backward-euler with newton = 1, h {h}: stretch {}, bound {most}", one.0);
+        }
     }
 }

@@ -117,6 +117,15 @@ impl Membrane<'_> {
             + self.incidence.bytes()
     }
 
+    /// The fastest change of warp or weft, 1/s.
+    pub fn strain_rate(&self, v: &[Vec3]) -> Real {
+        let squares = self.vertices.iter().zip(self.weights).map(|(triangle, w)| {
+            let (u, v) = gradient(w, &triangle.map(|i| v[i as usize]));
+            u.length_squared().max(v.length_squared())
+        });
+        sqrt(squares.fold(0.0, Real::max))
+    }
+
     #[inline]
     fn material(&self, triangle: usize) -> &MembraneMaterial {
         &self.table[self.materials[triangle] as usize]

@@ -131,6 +131,13 @@ pub fn evaluate(
     dispatch.enter(Stage::Integrate);
 }
 
+/// The fastest deformation in the plane of the sheet at some velocities, 1/s: of a spring its ends'
+/// relative velocity over its rest length, of a triangle the rate of its warp or weft. Turning counts.
+pub fn strain_rate(model: &Model<'_>, v: &[Vec3]) -> Real {
+    let springs = model.stretch_springs.iter().chain(&model.bend_springs).map(|springs| springs.strain_rate(v));
+    springs.chain(model.membrane.map(|membrane| membrane.strain_rate(v))).fold(0.0, Real::max)
+}
+
 /// The stored energies; kinetic is left zero.
 pub fn energy(model: &Model<'_>, masses: &[Real], x: &[Vec3]) -> Energy {
     let mut sum = Energy::default();

@@ -47,6 +47,17 @@ impl Springs<'_> {
         self.others.len() / 2
     }
 
+    /// The fastest change of the way between two ends over its rest length, 1/s.
+    pub fn strain_rate(&self, v: &[Vec3]) -> Real {
+        let squares = (0..self.offsets.len().saturating_sub(1)).flat_map(|vertex| {
+            self.range(vertex).map(move |at| {
+                let apart = v[self.others[at] as usize] - v[vertex];
+                apart.length_squared() / (self.rest[at] * self.rest[at])
+            })
+        });
+        sqrt(squares.fold(0.0, Real::max))
+    }
+
     #[inline]
     fn range(&self, vertex: usize) -> core::ops::Range<usize> {
         self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize

@@ -92,7 +92,7 @@ pub enum Preconditioner {
 pub struct Scheme {
     /// The method.
     pub method: Method,
-    /// Newton iterations per step; 1: one linearised step without line search.
+    /// Newton iterations per step; 1: one linear solve without line search.
     pub newton: u32,
     /// Relative residual at which conjugate gradients and Newton stop.
     pub tolerance: Real,
@@ -138,6 +138,8 @@ pub struct Context<'a, D> {
     pub step: Real,
     /// The method and its settings.
     pub scheme: &'a Scheme,
+    /// Whether the velocities say where the step leads: not after contact, which stops and turns them.
+    pub leads: bool,
     /// Runs the kernels.
     pub dispatch: &'a D,
 }

@@ -1,10 +1,14 @@
 //! The implicit stage that all implicit methods share: find v with
 //! `M (v - vh) = g f(xh + g v, v)`.
 //!
-//! With one iteration f is linearised at (xh, 0): forces are affine in the velocities, so that is
-//! the classical linearised step [Baraff 1998, eq. 3.25] for backward Euler and its equivalents
-//! for the others. With more, Newton's method from the inertial guess, each step along a descent
-//! direction of
+//! One iteration is one linear solve: forces linearised where the velocities vh lead, so that the
+//! solve only adds what those forces ask for beyond them. That keeps the order of the method by any
+//! Jacobian, projected or without the damping's dependence on positions [Steihaug 1979], and does not
+//! stretch what turns; linearised where the step starts [Baraff 1998, eq. 3.25], as is usual, it would
+//! be of first order. Where vh would deform elements by much in the step, only a part of the way is
+//! gone before, and nothing after contact: that leaves the classical one.
+//!
+//! More iterations are Newton's method from the inertial guess, each along a descent direction of
 //!
 //! `G(v) = |v - vh|^2_M / 2 + E(xh + g v) + g R(v)`
 //!
@@ -32,6 +36,10 @@ pub struct Stage<'a> {
     pub velocities: &'a [Vec3],
 }
 
+/// The most by which an element may be deformed before forces are linearised, of its rest length:
+/// much farther on they are not those of the way there.
+const MOST_STRAIN: Real = 0.5;
+
 /// Least relative residual that conjugate gradients are asked for inside Newton's method: a
 /// better direction would not be a better step.
 const INNER_TOLERANCE: Real = 1e-3;
@@ -45,19 +53,30 @@ const MOST_HALVINGS: u32 = 24;
 /// Solves the stage for `s.next_velocities`, which holds the guess, with pins already led.
 pub fn solve<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
     if c.scheme.newton <= 1 {
-        linearised(c, stage, s, work);
+        once(c, stage, s, work);
     } else {
         converged(c, stage, s, work);
     }
 }
 
-fn linearised<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
-    s.products.fill(Vec3::ZERO);
-    c.forces(stage.positions, s.products, s.elements, s.forces, work);
-    write_matrix(c, stage, false, s);
-    // b = g f - S v + M (vh - v) at the guess v.
-    matrix::multiply(&s.matrix, c.masses, 0.0, s.next_velocities, s.products, c.dispatch);
-    write_residual(c, stage, s, true);
+fn once<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
+    let strain = stage.length * forces::strain_rate(c.model, s.next_velocities);
+    let most = if c.leads { MOST_STRAIN } else { 0.0 };
+    let part = if strain > most { most / strain } else { 1.0 };
+    write_scaled(c, s.next_velocities, part, s.products);
+    write_positions(c, stage, s.products, s.stage_positions);
+    c.forces(s.stage_positions, s.products, s.elements, s.forces, work);
+    write_matrix(c, stage, s);
+    if part < 1.0 {
+        write_scaled(c, s.next_velocities, 1.0 - part, s.direction);
+        matrix::multiply(&s.matrix, c.masses, 0.0, s.direction, s.products, c.dispatch);
+    } else {
+        s.products.fill(Vec3::ZERO);
+    }
+    write_residual(c, stage, s);
+    let products = &*s.products;
+    c.dispatch.run(&mut *s.residual, |start, part| part.iter_mut().zip(&products[start..]).for_each(|(r, p)| *r -= p));
+    c.pins.filter(s.residual);
     work.newton_iterations += 1;
     let norm = residual_norm(c, s.residual).max(Sum::MIN_POSITIVE);
     let reduction = Sum::from(c.scheme.tolerance) * (weight_impulse(c, stage) / norm).max(1.0);
@@ -69,9 +88,10 @@ fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch
     let weight = weight_impulse(c, stage);
     let (mut target, mut rounding, mut previous): (Sum, Sum, Sum) = (0.0, 0.0, Sum::INFINITY);
     for iteration in 0..c.scheme.newton {
-        write_stage_positions(c, stage, 0.0, s);
+        write_positions(c, stage, s.next_velocities, s.stage_positions);
         c.forces(s.stage_positions, s.next_velocities, s.elements, s.forces, work);
-        write_residual(c, stage, s, false);
+        write_residual(c, stage, s);
+        c.pins.filter(s.residual);
         let norm = residual_norm(c, s.residual);
         if iteration == 0 {
             target = Sum::from(c.scheme.tolerance) * norm.max(weight);
@@ -85,7 +105,7 @@ fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch
         if !norm.is_finite() {
             return s.next_velocities.fill(Vec3::NAN);
         }
-        write_matrix(c, stage, true, s);
+        write_matrix(c, stage, s);
         rounding = rounding_norm(c, stage, s);
         work.newton_iterations += 1;
         // Conjugate gradients consume the residual, which is minus the slope of the objective.
@@ -104,25 +124,30 @@ fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch
     work.unconverged += 1;
 }
 
-/// `S = -(g^2 Kx + g Kv)` at the start of the stage or at the iterate in `stage_positions`.
-fn write_matrix<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, at_iterate: bool, s: &mut Scratch<'_>) {
+/// `S = -(g^2 Kx + g Kv)` at the iterate in `stage_positions`.
+fn write_matrix<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>) {
     let scale = TangentScale { position: stage.length * stage.length, velocity: stage.length };
-    let x = if at_iterate { &*s.stage_positions } else { stage.positions };
-    forces::write_tangents(c.model, x, scale, c.scheme.jacobian, &s.targets, s.tangents, &mut s.matrix, c.dispatch);
+    let jacobian = c.scheme.jacobian;
+    forces::write_tangents(
+        c.model,
+        s.stage_positions,
+        scale,
+        jacobian,
+        &s.targets,
+        s.tangents,
+        &mut s.matrix,
+        c.dispatch,
+    );
 }
 
-/// `residual = M (vh - v) + g f`, less `products` when linearised, with held axes cleared.
-fn write_residual<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, linearised: bool) {
-    let (v, f, products) = (&*s.next_velocities, &*s.forces, &*s.products);
+/// `residual = M (vh - v) + g f`.
+fn write_residual<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>) {
+    let (v, f) = (&*s.next_velocities, &*s.forces);
     c.dispatch.run(&mut *s.residual, |start, part| {
         for (i, r) in (start..).zip(part) {
             *r = (stage.velocities[i] - v[i]) * c.masses[i] + f[i] * stage.length;
-            if linearised {
-                *r -= products[i];
-            }
         }
     });
-    c.pins.filter(s.residual);
 }
 
 /// Solves `(M + S' + holds) y = s.residual` for `s.solution`.
@@ -176,6 +201,24 @@ fn rounding_norm<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &Scratch
         error * error * Sum::from(c.inverse_masses[vertex])
     };
     libm::sqrt((0..c.masses.len()).map(at_vertex).sum())
+}
+
+/// `out = xh + g v`.
+fn write_positions<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, v: &[Vec3], out: &mut [Vec3]) {
+    c.dispatch.run(out, |start, part| {
+        for (i, x) in (start..).zip(part) {
+            *x = stage.positions[i] + v[i] * stage.length;
+        }
+    });
+}
+
+/// `out = from * scale`.
+fn write_scaled<D: Dispatch>(c: &Context<'_, D>, from: &[Vec3], scale: Real, out: &mut [Vec3]) {
+    c.dispatch.run(out, |start, part| {
+        for (to, &from) in part.iter_mut().zip(&from[start..]) {
+            *to = from * scale;
+        }
+    });
 }
 
 /// `stage_positions = xh + g (v + scale y)`.

@@ -257,7 +257,7 @@ pub struct IntegratorDesc {
     pub method: Method,
     /// The largest time step, s.
     pub step: f64,
-    /// Newton iterations per step; 1: linearised, with line search when more.
+    /// Newton iterations per step; 1: one linear solve, with line search when more.
     pub newton: u32,
     /// Relative residual at which conjugate gradients stop, and Newton's iterations.
     pub tolerance: f64,

@@ -110,7 +110,7 @@ impl Simulation {
     /// touches, it is grown.
     pub fn press(&mut self, part: Part, dispatch: &impl Dispatch) {
         let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
-        let scheme = &self.scheme_of(part);
+        let (scheme, leads) = (&self.scheme_of(part), !self.after_contact);
         let Self { built, scratch, contact, work, .. } = self;
         let (Some(touching), Some(contact)) = (&built.contact, contact) else { return };
         if !scheme.method.is_implicit() {
@@ -128,7 +128,7 @@ impl Simulation {
         let BuiltScene { particles, model, pins, .. } = built;
         let (model, pins) = (&model.view(), &pins.view());
         let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
-        let context = Context { model, pins, masses, inverse_masses, time, step, scheme, dispatch };
+        let context = Context { model, pins, masses, inverse_masses, time, step, scheme, leads, dispatch };
         step::couple(&context, &touching.view(), &mut contact.view(), holds, &mut scratch.view(), work);
     }
 
