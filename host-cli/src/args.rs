@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use muslin_core::integrate;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::export::Format;
@@ -33,6 +35,8 @@ pub enum Command {
     Run(RunArguments),
     /// Count what is near, meets or passes through itself in a mesh
     Detect(DetectArguments),
+    /// Chart error against cost: every method, both precisions, on a scene
+    Chart(ChartArguments),
     /// List the built-in scenes, or print one
     Scenes(ScenesArguments),
     /// Measure what each stage costs on this machine
@@ -55,6 +59,12 @@ fn seconds(text: &str) -> Result<f64, String> {
 fn thickness(text: &str) -> Result<f32, String> {
     let metres = text.parse().ok().filter(|&metres: &f32| metres >= 0.0 && metres.is_finite());
     metres.ok_or_else(|| "must be a length in metres, zero or more".into())
+}
+
+fn method(text: &str) -> Result<integrate::Method, String> {
+    let names = || integrate::Method::ALL.map(integrate::Method::name).join(", ");
+    let method = integrate::Method::ALL.into_iter().find(|method| method.name() == text);
+    method.ok_or_else(|| format!("is none of {}", names()))
 }
 
 /// What computes.
@@ -117,6 +127,16 @@ pub enum Precision {
     F32,
     /// Double: as reference.
     F64,
+}
+
+impl Precision {
+    /// As the command line spells it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
 }
 
 /// Which preview picture to leave.
@@ -226,6 +246,55 @@ pub struct DetectArguments {
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,
+}
+
+/// What every study takes.
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// A scene file, or the name of a built-in scene
+    pub scene: String,
+    /// Where to write [default: a folder of the scene's name in out]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Override a key of the scene, such as cloth.stretch.stiffness=500
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Simulated seconds, instead of the scene's
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub duration: Option<f64>,
+    /// Seconds that the study may take, about
+    #[arg(long, value_name = "S", default_value = "600", value_parser = seconds, allow_negative_numbers = true)]
+    pub budget: f64,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+    /// No progress, no table; errors only
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// `muslin chart`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  muslin chart skirt --duration 0.5
+  muslin chart my.toml --methods backward-euler,bdf2,rk4 --budget 120
+
+Every method runs the scene by steps in factors of two, in both precisions, on one thread. Errors
+are RMS over 20 moments, as a part of the cloth's diagonal, against a reference whose steps are
+halved until they no longer matter: positions against RK4 in double precision, or with contact, which
+leaves no vertex a place of its own, the outline of the drape against backward Euler. Solvers are
+asked for more as steps shrink. Writes chart.svg, chart.json, chart.txt and study.html.
+
+Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 no reference within the budget, 130
+interrupted; the last three write nothing.")]
+pub struct ChartArguments {
+    /// The scene and the limits
+    #[command(flatten)]
+    pub study: StudyArguments,
+    /// Methods, separated by commas [default: all]
+    #[arg(long, value_delimiter = ',', value_parser = method)]
+    pub methods: Vec<integrate::Method>,
 }
 
 /// `muslin scenes`.

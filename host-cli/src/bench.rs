@@ -174,7 +174,8 @@ fn stage_name(stage: Stage) -> String {
     }
 }
 
-fn cpu_name() -> String {
+/// What the processor calls itself.
+pub fn cpu_name() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split(": ").nth(1));
     model.unwrap_or(std::env::consts::ARCH).into()

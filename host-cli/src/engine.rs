@@ -46,6 +46,8 @@ pub struct Report {
     pub cg_iterations: u64,
     /// Newton iterations.
     pub newton_iterations: u64,
+    /// Products of the system matrix with a vector.
+    pub matrix_products: u64,
     /// Solves ended by negative curvature.
     pub negative_curvature: u64,
     /// Solves ended by their limit of iterations.
@@ -90,6 +92,10 @@ pub trait Engine: Send {
     fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Halt>;
     /// Positions as exporters take them, m.
     fn write_positions(&self, out: &mut Vec<[f32; 3]>);
+    /// Positions in double, m.
+    fn write_state(&self, out: &mut Vec<[f64; 3]>);
+    /// Of each vertex, kg.
+    fn masses(&self) -> Vec<f64>;
     /// Triangles of all cloths.
     fn triangles(&self) -> &[[u32; 3]];
     /// Held vertices.
@@ -142,7 +148,7 @@ macro_rules! engine {
             use $core::diagnostics::StateHash;
             use $core::integrate::Work;
             use $core::mesh::{Stitch, TriMesh};
-            use $core::real::{Real, Vec3};
+            use $core::real::{Real, Vec3, to_f64};
             use $core::response::Tally;
             use $core::scene::{Content, PointCache, SceneDesc};
             use $core::simulation::{Cause, Simulation, State};
@@ -230,6 +236,15 @@ macro_rules! engine {
                     out.extend(self.positions().iter().map(to_single));
                 }
 
+                fn write_state(&self, out: &mut Vec<[f64; 3]>) {
+                    out.clear();
+                    out.extend(self.positions().iter().map(|&x| to_f64(x)));
+                }
+
+                fn masses(&self) -> Vec<f64> {
+                    self.scene().particles.masses.iter().map(|&mass| mass.into()).collect()
+                }
+
                 fn triangles(&self) -> &[[u32; 3]] {
                     Simulation::triangles(self)
                 }
@@ -249,6 +264,7 @@ macro_rules! engine {
                         force_evaluations: work.force_evaluations,
                         cg_iterations: work.cg_iterations,
                         newton_iterations: work.newton_iterations,
+                        matrix_products: work.matrix_products,
                         negative_curvature: work.negative_curvature,
                         unconverged: work.unconverged,
                         contacts: [
@@ -267,7 +283,7 @@ macro_rules! engine {
                 }
 
                 fn mass(&self) -> f64 {
-                    self.scene().particles.masses.iter().map(|&mass| f64::from(mass)).sum()
+                    Engine::masses(self).iter().sum()
                 }
 
                 fn mean_edge(&self) -> f64 {

@@ -18,6 +18,7 @@ mod run;
 mod scene_file;
 mod scenes;
 mod stopwatch;
+mod study;
 mod summary;
 
 use std::process::ExitCode;
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Detect(arguments) => detect::detect(&arguments),
+        Command::Chart(arguments) => study::chart(&arguments),
         Command::Scenes(arguments) => scenes::print(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };

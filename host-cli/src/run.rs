@@ -4,7 +4,7 @@ mod conclusion;
 mod files;
 mod start;
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -117,15 +117,7 @@ fn out(arguments: &RunArguments, scene: &SceneFile) -> Result<PathBuf, Failure> 
         // The files that the run goes on with lie beside its checkpoint.
         return Ok(checkpoint.parent().unwrap_or(Path::new("")).into());
     }
-    // A file's own name: a copy of a built-in scene must not write over the original's results.
-    let file = Path::new(&arguments.scene);
-    let stem = file.file_stem().filter(|_| file.is_file());
-    let name = stem.map_or(Path::new(&scene.desc.name), Path::new);
-    match (&arguments.out, name.components().collect::<Vec<_>>().as_slice()) {
-        (Some(out), _) => Ok(out.clone()),
-        (None, [Component::Normal(_)]) => Ok(Path::new("out").join(name)),
-        _ => Err(Failure::Usage(format!("the scene's name {name:?} is no name for a folder; say --out DIR"))),
-    }
+    scene_file::folder(arguments.out.as_deref(), &arguments.scene, scene)
 }
 
 fn load(arguments: &RunArguments) -> Result<SceneFile, Failure> {

@@ -1,6 +1,6 @@
 //! A scene from a file or from the built-in table, with overrides and the mesh files it names.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use muslin_core::scene::{BUILT_IN, ColliderMotionDesc, Content, Resource, SceneDesc};
 use toml::{Table, Value};
@@ -16,6 +16,33 @@ pub struct SceneFile {
     pub text: String,
     /// Files by the names that the scene gives them.
     pub resources: Vec<Resource>,
+}
+
+impl SceneFile {
+    /// The same scene with other values at some keys, such as `integrator.step`.
+    pub fn changed(&self, changes: &[(&str, Value)]) -> Result<Self, Failure> {
+        let failed = |why: String| Failure::Tool(format!("{}: {why}", self.desc.name));
+        let mut scene: Value = toml::from_str(&self.text).map_err(|error| failed(explain(&error)))?;
+        for (key, value) in changes {
+            set(&mut scene, &key.split('.').collect::<Vec<_>>(), value).map_err(failed)?;
+        }
+        let desc = scene.clone().try_into().map_err(|error| failed(explain(&error)))?;
+        let text = toml::to_string(&scene).map_err(|error| failed(error.to_string()))?;
+        Ok(Self { desc, text, resources: self.resources.clone() })
+    }
+}
+
+/// Where to write: as asked, or a folder in `out` named after the scene.
+pub fn folder(asked: Option<&Path>, label: &str, scene: &SceneFile) -> Result<PathBuf, Failure> {
+    // A file's own name: a copy of a built-in scene must not write over the original's results.
+    let file = Path::new(label);
+    let stem = file.file_stem().filter(|_| file.is_file());
+    let name = stem.map_or(Path::new(&scene.desc.name), Path::new);
+    match (asked, name.components().collect::<Vec<_>>().as_slice()) {
+        (Some(out), _) => Ok(out.into()),
+        (None, [Component::Normal(_)]) => Ok(Path::new("out").join(name)),
+        _ => Err(Failure::Usage(format!("the scene's name {name:?} is no name for a folder; say --out DIR"))),
+    }
 }
 
 /// Loads `scene`, a path or a built-in name, with `key=value` overrides.

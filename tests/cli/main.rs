@@ -10,6 +10,7 @@ mod bad_scene;
 mod bad_usage;
 mod bits;
 mod built_in;
+mod chart;
 mod contact;
 mod damage;
 mod detect;

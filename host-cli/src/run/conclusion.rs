@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use super::{Ending, Run};
-use crate::args::Precision;
 use crate::scene_file::SceneFile;
 use crate::summary::{StageMs, Stretch, Summary};
 
@@ -41,10 +40,7 @@ impl Run<'_> {
             tool: "muslin",
             version: env!("CARGO_PKG_VERSION"),
             scene: scene.desc.name.clone(),
-            precision: match self.arguments.precision {
-                Precision::F32 => "f32",
-                Precision::F64 => "f64",
-            },
+            precision: self.arguments.precision.name(),
             backend: self.arguments.backend.name(),
             adapter: None,
             threads,

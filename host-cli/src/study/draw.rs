@@ -1,0 +1,85 @@
+//! Pictures of studies.
+
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::scatter::MarkerShape;
+use kuva::plot::{LinePlot, ScatterPlot};
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+
+use super::work_precision::{Chart, Row};
+
+/// Colours that the colour-blind tell apart [Wong 2011], and shapes for those who print.
+pub const LOOKS: [(&str, &str, MarkerShape); 7] = [
+    ("explicit-euler", "#cc79a7", MarkerShape::TriangleDown),
+    ("symplectic-euler", "#e69f00", MarkerShape::Triangle),
+    ("midpoint", "#56b4e9", MarkerShape::Diamond),
+    ("rk4", "#0072b2", MarkerShape::Square),
+    ("backward-euler", "#000000", MarkerShape::Circle),
+    ("implicit-midpoint", "#009e73", MarkerShape::Pentagon),
+    ("bdf2", "#d55e00", MarkerShape::Star),
+];
+
+/// px of one panel.
+const PANEL: [f64; 2] = [430.0, 400.0];
+
+/// Error against step beside error against time.
+pub fn work_precision(chart: &Chart) -> String {
+    let floor = chart.reference.least_charted;
+    let least = chart.rows.iter().filter_map(|row| row.error_at_most(floor)).fold(1.0, f64::min);
+    let panel = |title: &str, label: &str, across: fn(&Row) -> f64| {
+        let plots = curves(chart, across);
+        let layout = Layout::auto_from_plots(&plots)
+            .with_log_scale()
+            .with_title(title)
+            .with_x_label(label)
+            .with_y_label(format!("RMS error of {} / {:.2} m", chart.measure.name(), chart.diagonal_m))
+            .with_y_axis_min(least / 3.0);
+        (plots, layout)
+    };
+    let (by_step, by_step_layout) = panel("by step", "step, s", |row| row.step);
+    let (by_time, by_time_layout) = panel("by cost", "computing time, s", |row| row.wall_s);
+    let figure = Figure::new(1, 2)
+        .with_title(format!("{}, {} s: full f64, dashed f32, crosses failed", chart.scene, chart.duration_s))
+        .with_plots(vec![by_step, by_time])
+        .with_layouts(vec![by_step_layout, by_time_layout])
+        .with_cell_size(PANEL[0], PANEL[1])
+        .with_shared_legend_right_middle();
+    SvgBackend.render_scene(&figure.render())
+}
+
+/// A line and marks for each method and precision, and crosses for what failed.
+fn curves(chart: &Chart, across: fn(&Row) -> f64) -> Vec<Plot> {
+    let top = chart.rows.iter().filter_map(|row| row.error_rms).fold(0.0, f64::max).max(1e-3) * 3.0;
+    let mut plots = Vec::new();
+    for (method, color, marker) in LOOKS {
+        let mut name = Some(method);
+        for precision in ["f64", "f32"] {
+            let rows = || chart.rows.iter().filter(|row| row.method == method && row.precision == precision);
+            let good: Vec<_> = rows()
+                .filter_map(|row| Some((across(row), row.error_at_most(chart.reference.least_charted)?)))
+                .collect();
+            let bad: Vec<_> = rows().filter(|row| !row.stable).map(|row| (across(row), top)).collect();
+            let double = precision == "f64";
+            if !good.is_empty() {
+                let line = LinePlot::new().with_data(good.clone()).with_color(color).with_stroke_width(1.5);
+                plots.push(Plot::Line(if double { line } else { line.with_dashed() }));
+                let marks = ScatterPlot::new().with_data(good).with_color(color).with_marker(marker);
+                plots.push(Plot::Scatter(named(marks.with_size(if double { 4.5 } else { 2.5 }), &mut name)));
+            }
+            if !bad.is_empty() {
+                let marks = ScatterPlot::new().with_data(bad).with_color(color).with_marker(MarkerShape::Cross);
+                plots.push(Plot::Scatter(named(marks.with_size(5.0), &mut name)));
+            }
+        }
+    }
+    plots
+}
+
+/// The first marks of a method carry its name.
+fn named(marks: ScatterPlot, name: &mut Option<&str>) -> ScatterPlot {
+    match name.take() {
+        Some(name) => marks.with_legend(name),
+        None => marks,
+    }
+}

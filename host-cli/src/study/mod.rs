@@ -1,0 +1,108 @@
+//! Studies: a scene run many times under other settings, and what the runs say together.
+
+mod distance;
+mod draw;
+mod page;
+mod reference;
+mod trajectory;
+mod units;
+mod variant;
+mod work_precision;
+
+pub use work_precision::chart;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+
+use crate::args::StudyArguments;
+use crate::export::whole;
+use crate::failure::{Failure, print_data, print_note};
+use crate::interrupt;
+use crate::pool::Pool;
+use crate::scene_file::{self, SceneFile};
+
+/// A study under way: the scene, the time that is left, and where the results go.
+pub struct Study<'a> {
+    /// What was asked for.
+    pub arguments: &'a StudyArguments,
+    /// The scene as it was given.
+    pub scene: SceneFile,
+    /// Where to write.
+    pub out: PathBuf,
+    /// Runs kernels on one thread: costs are compared.
+    pub pool: Pool,
+    /// Raised by an interrupt.
+    pub stop: Arc<AtomicBool>,
+    bar: ProgressBar,
+    started: Instant,
+}
+
+impl<'a> Study<'a> {
+    /// Loads the scene and begins to count the time.
+    pub fn begin(arguments: &'a StudyArguments) -> Result<Self, Failure> {
+        let scene = scene_file::load(&arguments.scene, &overrides(arguments))?;
+        if scene.desc.duration <= 0.0 {
+            return Err(Failure::Usage("a study needs a duration above 0".into()));
+        }
+        let out = scene_file::folder(arguments.out.as_deref(), &arguments.scene, &scene)?;
+        let pool = Pool::new(Some(1)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
+        let stop = interrupt::watch()?;
+        // Draws on a terminal only.
+        let target = if arguments.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(arguments.budget.ceil() as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} of {len} s {wide_bar} {msg}") {
+            bar.set_style(style);
+        }
+        Ok(Self { arguments, scene, out, pool, stop, bar, started: Instant::now() })
+    }
+
+    /// Says what is being run.
+    pub fn say(&self, what: &str) {
+        self.bar.set_position(self.started.elapsed().as_secs());
+        self.bar.set_message(what.to_owned());
+    }
+
+    /// What is left of the budget.
+    pub fn left(&self) -> Duration {
+        Duration::from_secs_f64(self.arguments.budget).saturating_sub(self.started.elapsed())
+    }
+
+    /// Seconds since it began.
+    pub fn seconds(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
+    }
+
+    /// Writes the picture, the numbers and the page, and prints the numbers or `lines`.
+    pub fn finish(&self, name: &str, svg: &str, numbers: &impl Serialize, lines: &str) -> Result<(), Failure> {
+        self.bar.finish_and_clear();
+        let json = serde_json::to_string_pretty(numbers).map_err(|error| Failure::Tool(error.to_string()))?;
+        let write = |file: &str, text: &str| {
+            use std::io::Write;
+            whole::write(self.out.join(file), |out| writeln!(out, "{text}"))
+                .map_err(|error| Failure::Tool(error.to_string()))
+        };
+        let mut written = vec![write(&format!("{name}.svg"), svg)?, write(&format!("{name}.json"), &json)?];
+        write(&format!("{name}.txt"), lines)?;
+        written.push(write(page::NAME, &page::of(&self.out, &self.scene.desc.name))?);
+        if self.arguments.json {
+            print_data(&json)?;
+        } else if !self.arguments.quiet {
+            print_data(lines)?;
+        }
+        if !self.arguments.quiet {
+            let names: Vec<_> = written.iter().map(|path| path.display().to_string()).collect();
+            print_note(&format!("wrote {}", names.join(", ")));
+        }
+        Ok(())
+    }
+}
+
+fn overrides(arguments: &StudyArguments) -> Vec<String> {
+    let duration = arguments.duration.map(|duration| format!("duration={duration:?}"));
+    arguments.set.iter().cloned().chain(duration).collect()
+}

@@ -1,0 +1,130 @@
+//! A variant run from start to end, kept at samples.
+
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use crate::engine::{self, Engine, Halt, Report};
+use crate::failure::Failure;
+use crate::stopwatch::Stopwatch;
+
+use super::Study;
+use super::variant::{SAMPLES, Variant};
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// At its time.
+    Complete,
+    /// A step could not be taken.
+    Diverged(String),
+    /// More energy than the scene can have.
+    Grown,
+    /// It would have taken longer than it was given.
+    OutOfTime,
+}
+
+/// What a run went through.
+#[derive(Clone, Debug)]
+pub struct Trajectory {
+    /// Positions at each sample, m.
+    pub samples: Vec<Vec<[f64; 3]>>,
+    /// kinetic, stretch, shear, bend, seam, gravity at each sample, J.
+    pub energies: Vec<[f64; 6]>,
+    /// The largest length over rest length of an edge at a sample.
+    pub stretch: f64,
+    /// The deepest that a vertex lies in a collider at a sample, m; none without colliders.
+    pub penetration: Option<f64>,
+    /// At the end.
+    pub report: Report,
+    /// In steps, s.
+    pub wall: f64,
+    /// How it ended.
+    pub ending: Ending,
+}
+
+impl Trajectory {
+    /// Kinetic and elastic energy at a sample, J.
+    pub fn lively(&self, sample: usize) -> f64 {
+        self.energies[sample][..5].iter().sum()
+    }
+
+    /// The most that it has at any sample, J.
+    pub fn liveliest(&self) -> f64 {
+        (0..self.energies.len()).map(|sample| self.lively(sample)).fold(0.0, f64::max)
+    }
+
+    /// All energies together at a sample, J.
+    pub fn energy(&self, sample: usize) -> f64 {
+        self.energies[sample].iter().sum()
+    }
+}
+
+/// What stops a run before its end.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Time in steps.
+    pub wall: Duration,
+    /// Kinetic and elastic energy, J.
+    pub energy: f64,
+}
+
+/// Runs a variant of the study's scene.
+pub fn fly(study: &Study<'_>, variant: &Variant, limits: Limits) -> Result<Trajectory, Failure> {
+    study.say(&variant.name(&study.scene));
+    let scene = variant.scene(&study.scene)?;
+    let (mut engine, _) = engine::build(&scene, variant.precision)
+        .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.scene)))?;
+    let mut flight = Trajectory {
+        samples: Vec::new(),
+        energies: Vec::new(),
+        stretch: 0.0,
+        penetration: None,
+        report: Report::default(),
+        wall: 0.0,
+        ending: Ending::Complete,
+    };
+    for _ in 0..SAMPLES {
+        flight.ending = study.pool.install(|| sample(study, engine.as_mut(), variant.steps, limits, &mut flight))?;
+        if flight.ending != Ending::Complete {
+            break;
+        }
+    }
+    flight.report = engine.report();
+    Ok(flight)
+}
+
+/// Steps to the next sample and keeps it.
+fn sample(
+    study: &Study<'_>,
+    engine: &mut dyn Engine,
+    steps: u64,
+    limits: Limits,
+    flight: &mut Trajectory,
+) -> Result<Ending, Failure> {
+    let stopwatch = Stopwatch::new(&study.pool).until(&study.stop);
+    let started = Instant::now();
+    let before = flight.wall;
+    for _ in 0..steps {
+        let stepped = engine.step(&stopwatch);
+        flight.wall = before + started.elapsed().as_secs_f64();
+        match stepped {
+            Ok(()) if study.stop.load(Ordering::Relaxed) => return Err(interrupted()),
+            Ok(()) if flight.wall > limits.wall.as_secs_f64() => return Ok(Ending::OutOfTime),
+            Ok(()) => {}
+            Err(Halt::Diverged(divergence)) => return Ok(Ending::Diverged(divergence.what)),
+            Err(Halt::Stopped) => return Err(interrupted()),
+        }
+    }
+    let mut positions = Vec::new();
+    engine.write_state(&mut positions);
+    flight.samples.push(positions);
+    flight.energies.push(engine.report().energy);
+    flight.stretch = flight.stretch.max(engine.largest_stretch());
+    flight.penetration = engine.penetration().map(|now| now.max(flight.penetration.unwrap_or(0.0)));
+    let lively = flight.lively(flight.energies.len() - 1);
+    Ok(if lively > limits.energy || lively.is_nan() { Ending::Grown } else { Ending::Complete })
+}
+
+fn interrupted() -> Failure {
+    Failure::Interrupted("interrupted; a study writes its results at the end, so there are none".into())
+}

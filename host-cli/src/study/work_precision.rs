@@ -1,0 +1,107 @@
+//! `muslin chart`: error against cost, every method, both precisions.
+
+mod ladder;
+mod report;
+mod winners;
+
+use muslin_core::integrate::Method;
+
+use crate::args::{ChartArguments, Precision};
+use crate::bench::cpu_name;
+use crate::engine;
+use crate::failure::Failure;
+
+use super::distance::Measure;
+use super::draw;
+use super::reference::{self, Rule};
+use super::{Study, variant};
+use ladder::{Ladder, Yardstick};
+pub use report::{Chart, Row};
+use report::{Omitted, Order, ReferenceReport};
+
+/// Charts a scene.
+pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
+    let study = Study::begin(&arguments.study)?;
+    let (engine, _) = engine::build(&study.scene, Precision::F64)
+        .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.scene)))?;
+    let masses = engine.masses();
+    let mut start = Vec::new();
+    engine.write_state(&mut start);
+    let diagonal = diagonal(&start);
+    let too_short = || {
+        Failure::Diverged(format!(
+            "no reference for {} within {} s: it needs steps too short for that; take a shorter --duration, a coarser \
+             or softer cloth by --set, or a larger --budget",
+            study.scene.desc.name, arguments.study.budget
+        ))
+    };
+    let rule = Rule::of(study.scene.desc.contact.is_some());
+    let reference = reference::find(&study, rule, &masses, diagonal)?.ok_or_else(too_short)?;
+    let yardstick = Yardstick { reference: &reference, masses: &masses, diagonal };
+    let methods = if arguments.methods.is_empty() { Method::ALL.to_vec() } else { arguments.methods.clone() };
+    let ladders = climb(&study, &yardstick, &methods)?;
+    let chart = summarise(&study, &yardstick, &ladders);
+    let svg = draw::work_precision(&chart);
+    study.finish("chart", &svg, &chart, &chart.lines())
+}
+
+/// Of the box around the cloth at its start, m.
+fn diagonal(positions: &[[f64; 3]]) -> f64 {
+    let along = |axis: usize| {
+        let along = positions.iter().map(|p| p[axis]);
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    };
+    (0..3).map(|axis| along(axis).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Every method in both precisions, the double one first: the single one ends where it leaves it.
+fn climb(study: &Study<'_>, yardstick: &Yardstick<'_>, methods: &[Method]) -> Result<Vec<Ladder>, Failure> {
+    let mut ladders: Vec<Ladder> = Vec::new();
+    for (place, &method) in methods.iter().enumerate() {
+        for (half, precision) in [Precision::F64, Precision::F32].into_iter().enumerate() {
+            let to_come = 2 * (methods.len() - place) - half;
+            let share = study.left() / to_come as u32;
+            let twin = ladders.last().filter(|_| precision == Precision::F32);
+            let ladder = ladder::climb(study, yardstick, method, precision, share, twin)?;
+            ladders.push(ladder);
+        }
+    }
+    Ok(ladders)
+}
+
+fn summarise(study: &Study<'_>, yardstick: &Yardstick<'_>, ladders: &[Ladder]) -> Chart {
+    let (variant, best) = yardstick.reference.best();
+    let measure = yardstick.reference.rule.measure;
+    let omitted = ladders.iter().filter(|ladder| !ladder.rows.iter().any(|row| row.stable)).map(|ladder| Omitted {
+        method: ladder.method.name(),
+        precision: ladder.precision.name(),
+        why: ladder.why_nothing(),
+    });
+    let orders = ladders.iter().filter(|ladder| ladder.precision == Precision::F64).filter_map(|ladder| {
+        let measured = ladder.order()?;
+        Some(Order { method: ladder.method.name(), measured, theory: variant::order(ladder.method).into() })
+    });
+    let rows: Vec<_> = ladders.iter().flat_map(|ladder| ladder.rows.iter().cloned()).collect();
+    let least = yardstick.reference.least() / yardstick.diagonal;
+    Chart {
+        scene: study.scene.desc.name.clone(),
+        duration_s: study.scene.desc.duration,
+        vertices: best.samples.first().map_or(0, Vec::len),
+        diagonal_m: yardstick.diagonal,
+        measure,
+        reference: ReferenceReport {
+            method: variant.method.name(),
+            step: variant.step(&study.scene),
+            self_error: yardstick.reference.self_error / yardstick.diagonal,
+            least_charted: least,
+            agreement: (measure == Measure::Positions).then(|| ladder::agreement(ladders)).flatten(),
+        },
+        machine: cpu_name(),
+        winners: winners::of(&rows, least),
+        rows,
+        orders: orders.collect(),
+        omitted: omitted.collect(),
+        study_s: study.seconds(),
+    }
+}

@@ -1,0 +1,204 @@
+//! What a chart says in numbers and words.
+
+use serde::Serialize;
+
+use crate::study::distance::Measure;
+use crate::study::draw::LOOKS;
+use crate::study::units::{length, time};
+
+/// One run. Errors are parts of the cloth's diagonal.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// As scenes spell it.
+    pub method: &'static str,
+    /// f32 or f64.
+    pub precision: &'static str,
+    /// s.
+    pub step: f64,
+    /// Of the solver; none of explicit methods.
+    pub tolerance: Option<f64>,
+    /// Root of the mean square over all samples; of positions by mass, or of the outline. None where
+    /// it failed or is nearer than the reference can tell.
+    pub error_rms: Option<f64>,
+    /// The largest.
+    pub error_max: Option<f64>,
+    /// The largest difference of total energy from the reference's, over the most kinetic and
+    /// elastic energy that has.
+    pub energy_drift: Option<f64>,
+    /// The largest length over rest length of an edge, at any sample.
+    pub stretch: f64,
+    /// The deepest that a vertex lay in a collider at any sample, m; none without colliders.
+    pub penetration_m: Option<f64>,
+    /// In steps; the median of the repeats.
+    pub wall_s: f64,
+    /// Runs that were timed.
+    pub repeats: usize,
+    /// Evaluations of all forces.
+    pub force_evaluations: u64,
+    /// Iterations of conjugate gradients.
+    pub cg_iterations: u64,
+    /// Products of the system matrix with a vector.
+    pub matrix_products: u64,
+    /// Whether it stayed near the reference at all.
+    pub stable: bool,
+    /// What went wrong, or why there is no error to tell.
+    pub why: Option<String>,
+}
+
+impl Row {
+    /// Whether it is nearer than the reference can tell.
+    pub fn is_nearest(&self) -> bool {
+        self.stable && self.error_rms.is_none()
+    }
+
+    /// Its error, or what that is less than; none where it failed.
+    pub fn error_at_most(&self, least: f64) -> Option<f64> {
+        self.error_rms.or(self.stable.then_some(least))
+    }
+}
+
+/// What errors are measured against.
+#[derive(Clone, Debug, Serialize)]
+pub struct ReferenceReport {
+    /// As scenes spell it; in double precision.
+    pub method: &'static str,
+    /// s.
+    pub step: f64,
+    /// Its distance from the run with twice its step, of the diagonal.
+    pub self_error: f64,
+    /// Errors below this are left out, of the diagonal.
+    pub least_charted: f64,
+    /// How an implicit method agrees.
+    pub agreement: Option<Agreement>,
+}
+
+/// An implicit method that approaches the reference.
+#[derive(Clone, Debug, Serialize)]
+pub struct Agreement {
+    /// As scenes spell it.
+    pub method: &'static str,
+    /// By which power of the step.
+    pub order: f64,
+    /// How near it came, of the diagonal.
+    pub error_rms: f64,
+}
+
+/// The cheapest method for an error.
+#[derive(Clone, Debug, Serialize)]
+pub struct Winner {
+    /// At most, of the diagonal.
+    pub error: f64,
+    /// As scenes spell it.
+    pub method: &'static str,
+    /// f32 or f64.
+    pub precision: &'static str,
+    /// s.
+    pub step: f64,
+    /// s.
+    pub wall_s: f64,
+    /// The second, and how many times as long it takes.
+    pub next: Option<(&'static str, f64)>,
+}
+
+/// The slope of a method's error.
+#[derive(Clone, Debug, Serialize)]
+pub struct Order {
+    /// As scenes spell it.
+    pub method: &'static str,
+    /// Over its last three steps in double precision.
+    pub measured: f64,
+    /// Where forces are smooth and steps small.
+    pub theory: f64,
+}
+
+/// A method without a single good run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Omitted {
+    /// As scenes spell it.
+    pub method: &'static str,
+    /// f32 or f64.
+    pub precision: &'static str,
+    /// The reason.
+    pub why: String,
+}
+
+/// `chart --json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Chart {
+    /// Its name.
+    pub scene: String,
+    /// Simulated, s.
+    pub duration_s: f64,
+    /// Of all cloths.
+    pub vertices: usize,
+    /// Of the box around the cloth at its start, m.
+    pub diagonal_m: f64,
+    /// What an error is of: positions, or with contact the outline.
+    pub measure: Measure,
+    /// What errors are measured against.
+    pub reference: ReferenceReport,
+    /// The processor; one thread of it.
+    pub machine: String,
+    /// All runs.
+    pub rows: Vec<Row>,
+    /// Slopes.
+    pub orders: Vec<Order>,
+    /// Cheapest methods.
+    pub winners: Vec<Winner>,
+    /// What could not be charted.
+    pub omitted: Vec<Omitted>,
+    /// What the study took, s.
+    pub study_s: f64,
+}
+
+impl Chart {
+    /// For people.
+    pub fn lines(&self) -> String {
+        let r = &self.reference;
+        let contact = self.measure == Measure::Outline;
+        let mut lines = vec![
+            format!(
+                "{}: {} s of {} vertices; errors are RMS over 20 moments of the {}, of the diagonal of {:.3} m",
+                self.scene,
+                self.duration_s,
+                self.vertices,
+                self.measure.name(),
+                self.diagonal_m
+            ),
+            format!(
+                "reference: {} f64, step {:.2e} s, differs from twice its step by {:.1e}; charted down to {:.1e}",
+                r.method, r.step, r.self_error, r.least_charted
+            ),
+            match &r.agreement {
+                Some(a) => format!(
+                    "{} comes as near as {:.1e} to it, by order {:.2}: both ways agree",
+                    a.method, a.error_rms, a.order
+                ),
+                None if contact => {
+                    "with contact velocities jump: the order of every method collapses to one or less, and smaller \
+                     steps change what touches first, not only how exactly"
+                        .into()
+                }
+                None => "no implicit method was run far enough to confirm it".into(),
+            },
+            String::new(),
+            "error          cheapest                      step       wall       next".into(),
+        ];
+        lines.extend(self.winners.iter().map(|w| {
+            let next = w.next.map_or_else(String::new, |(method, ratio)| format!("{method} ({ratio:.1}x)"));
+            let metres = length(w.error * self.diagonal_m);
+            let name = format!("{} {}", w.method, w.precision);
+            format!("{:<5.0e} {metres:<8} {name:<23} {:>10} {:>10}       {next}", w.error, time(w.step), time(w.wall_s))
+        }));
+        lines.extend([String::new(), "method             order (theory)   largest step that works".into()]);
+        lines.extend(LOOKS.iter().filter_map(|(method, ..)| {
+            let largest = self.rows.iter().find(|row| row.method == *method && row.precision == "f64" && row.stable)?;
+            let order = self.orders.iter().find(|order| order.method == *method);
+            let order =
+                order.map_or_else(|| "-".into(), |order| format!("{:.2} ({:.0})", order.measured, order.theory));
+            Some(format!("{method:<18} {order:<10}       {:>10}", time(largest.step)))
+        }));
+        lines.extend(self.omitted.iter().map(|o| format!("not charted: {} {}: {}", o.method, o.precision, o.why)));
+        lines.join("\n")
+    }
+}

@@ -1,0 +1,33 @@
+//! Which method is cheapest for an error: read off the chart between its points.
+
+use super::report::{Row, Winner};
+
+/// For each power of ten that some run reaches: the cheapest run, in single precision where that
+/// does, that is as near.
+/// `least` is what the reference can tell.
+pub fn of(rows: &[Row], least: f64) -> Vec<Winner> {
+    (1..=12).map_while(|digits| at(rows, least, 10f64.powi(-digits))).collect()
+}
+
+fn at(rows: &[Row], least: f64, error: f64) -> Option<Winner> {
+    let near_enough = rows.iter().filter(|row| row.error_at_most(least).is_some_and(|rms| rms <= error));
+    let mut best: Vec<&Row> = Vec::new();
+    for row in near_enough {
+        // The cheapest of each method, in whichever precision.
+        match best.iter_mut().find(|other| other.method == row.method) {
+            Some(other) if row.wall_s < other.wall_s => *other = row,
+            Some(_) => {}
+            None => best.push(row),
+        }
+    }
+    best.sort_by(|a, b| a.wall_s.total_cmp(&b.wall_s));
+    let winner = *best.first()?;
+    Some(Winner {
+        error,
+        method: winner.method,
+        precision: winner.precision,
+        step: winner.step,
+        wall_s: winner.wall_s,
+        next: best.get(1).map(|row| (row.method, row.wall_s / winner.wall_s)),
+    })
+}

@@ -1,0 +1,147 @@
+//! `muslin chart`: orders, floors, counts and what cannot be charted. Times are never asserted.
+
+use serde_json::Value;
+
+use crate::kit::{Place, TINY};
+
+/// A soft, damped sheet: its fastest mode is as slow as any step that is tried is short.
+const SOFT: &str = r#"name = "soft"
+duration = 0.4
+frame_rate = 20
+gravity = [0.0, -9.81, 0.0]
+
+[[cloth]]
+grid = { size = [0.4, 0.35], cells = [4, 4] }
+density = 0.2
+stretch = { model = "membrane", stiffness = 5.0, damping = 0.01 }
+shear = { stiffness = 2.0 }
+bend = { model = "hinge", rigidity = 1e-4 }
+pin = [{ select = { corners = [0, 1] } }]
+
+[drag]
+linear = 0.1
+
+[integrator]
+step = 0.005
+"#;
+
+const METHODS: [(&str, f64); 7] = [
+    ("explicit-euler", 1.0),
+    ("symplectic-euler", 1.0),
+    ("midpoint", 2.0),
+    ("rk4", 4.0),
+    ("backward-euler", 1.0),
+    ("implicit-midpoint", 2.0),
+    ("bdf2", 2.0),
+];
+
+/// Rows of a method in a precision, from large steps to small.
+fn rows<'a>(chart: &'a Value, method: &str, precision: &str) -> Vec<&'a Value> {
+    let rows = chart["rows"].as_array().unwrap().iter();
+    rows.filter(|row| row["method"] == method && row["precision"] == precision).collect()
+}
+
+/// The force evaluations of the cheapest run that is as near as `error`.
+fn evaluations(chart: &Value, method: &str, error: f64) -> u64 {
+    let near =
+        rows(chart, method, "f64").into_iter().filter(|row| row["error_rms"].as_f64().is_some_and(|e| e <= error));
+    near.map(|row| row["force_evaluations"].as_u64().unwrap()).min().unwrap_or_else(|| panic!("{method} at {error}"))
+}
+
+#[test]
+fn a_soft_sheet_is_charted_by_every_method() {
+    let place = Place::new();
+    place.write("soft.toml", SOFT);
+    let chart = place.muslin("chart soft.toml --budget 12 --json").expect(0).json();
+
+    for (method, theory) in METHODS {
+        let order = chart["orders"].as_array().unwrap().iter().find(|order| order["method"] == method).unwrap();
+        let measured = order["measured"].as_f64().unwrap();
+        println!("{method}: order {measured:.3}, theory {theory}");
+        assert_eq!(order["theory"], theory);
+        assert!((measured - theory).abs() <= 0.1, "{method}: order {measured}, theory {theory}");
+    }
+    assert_eq!(chart["omitted"], Value::Array(Vec::new()));
+
+    let (least, own) = (&chart["reference"]["least_charted"], &chart["reference"]["self_error"]);
+    assert!((least.as_f64().unwrap() / own.as_f64().unwrap() / 1e3 - 1.0).abs() < 1e-12, "{least} of {own}");
+    for row in chart["rows"].as_array().unwrap() {
+        // None is told of what failed and of what is nearer than the reference can tell.
+        assert_eq!(row["error_rms"].is_null(), !row["why"].is_null(), "{row}");
+        assert!(row["stable"] == true || row["error_rms"].is_null(), "{row}");
+        assert!(row["error_rms"].as_f64().is_none_or(|error| error >= least.as_f64().unwrap()), "{row}");
+        assert!(row["error_max"].as_f64() >= row["error_rms"].as_f64(), "{row}");
+    }
+    let agreement = &chart["reference"]["agreement"];
+    assert!(agreement["error_rms"].as_f64().unwrap() < 1e-6, "an implicit method agrees by {agreement}");
+
+    for method in ["symplectic-euler", "midpoint", "rk4"] {
+        let steps = rows(&chart, method, "f64");
+        assert!(steps[0]["stable"] == false && steps[1]["stable"] == true, "{method} does not begin beyond its limit");
+        let halved = steps[0]["step"].as_f64().unwrap() / steps[1]["step"].as_f64().unwrap();
+        assert!((halved - 2.0).abs() < 1e-12, "{method}: {halved}");
+    }
+    // What takes more orders takes fewer evaluations the nearer it must be.
+    let [rk4, midpoint, euler] = ["rk4", "midpoint", "symplectic-euler"].map(|m| evaluations(&chart, m, 1e-4));
+    assert!(2 * rk4 < midpoint && 2 * midpoint < euler, "evaluations for 1e-4: {rk4}, {midpoint}, {euler}");
+
+    // In single precision the best of RK4 is rounding.
+    let least = |precision| {
+        rows(&chart, "rk4", precision).iter().filter_map(|row| row["error_rms"].as_f64()).fold(1.0, f64::min)
+    };
+    let (single, double) = (least("f32"), least("f64"));
+    assert!(single > 1e-8 && single > 10.0 * double, "floors: f32 {single}, f64 {double}");
+
+    assert_eq!(place.files("out/soft"), ["chart.json", "chart.svg", "chart.txt", "study.html"]);
+    let svg = String::from_utf8(place.read("out/soft/chart.svg")).unwrap();
+    let page = String::from_utf8(place.read("out/soft/study.html")).unwrap();
+    assert!(svg.starts_with("<svg") && page.contains(svg.trim()), "the page shows the picture");
+    for (method, _) in METHODS {
+        assert!(svg.contains(method), "{method} is not in the picture");
+    }
+}
+
+#[test]
+fn with_contact_the_outline_is_charted() {
+    let place = Place::new();
+    let ball = "\n[[collider]]\nshape = \"sphere\"\ncenter = [0.0, 0.8, 0.0]\nradius = 0.15\n\
+                [contact]\nthickness = 0.004\n";
+    place.write("drop.toml", format!("{}{ball}", TINY.replace("[[cloth.pin]]\nselect = { corners = [0, 1] }\n", "")));
+    let outcome = place.muslin("chart drop.toml --budget 6 --methods backward-euler,bdf2 --json").expect(0);
+    let chart = outcome.json();
+    assert_eq!(chart["measure"], "outline");
+    assert!(chart["reference"]["agreement"].is_null());
+    let good: Vec<_> = rows(&chart, "backward-euler", "f64").into_iter().filter(|row| row["stable"] == true).collect();
+    assert!(good.len() > 2, "{chart}");
+    for row in good {
+        assert_eq!(row["penetration_m"], 0.0, "{row}");
+        assert!(row["stretch"].as_f64().unwrap() >= 1.0, "{row}");
+    }
+    let words = String::from_utf8(place.read("out/drop/chart.txt")).unwrap();
+    assert!(words.contains("the order of every method collapses"), "{words}");
+}
+
+#[test]
+fn what_cannot_be_charted_says_so() {
+    let place = Place::new();
+    let short = place.muslin("chart tiny.toml --set cloth.stretch.stiffness=1e9 --budget 1").expect(3);
+    assert!(short.stderr.contains("no reference for tiny") && short.stderr.contains("--duration"), "{}", short.stderr);
+    let still = place.muslin("chart tiny.toml --duration 0").expect(2);
+    assert!(still.stderr.contains("duration"), "{}", still.stderr);
+    let unknown = place.muslin("chart tiny.toml --methods euler").expect(2);
+    assert!(unknown.stderr.contains("symplectic-euler"), "{}", unknown.stderr);
+    assert!(!place.path("out").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_study_leaves_nothing() {
+    use std::process::{Command, Stdio};
+    let place = Place::new();
+    let mut command = place.command("chart tiny.toml --duration 1000 --set frame_rate=1");
+    let mut study = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    assert!(Command::new("kill").args(["-INT", &study.id().to_string()]).status().unwrap().success());
+    assert_eq!(study.wait().unwrap().code(), Some(130));
+    assert!(!place.path("out").exists());
+}
