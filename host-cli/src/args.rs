@@ -286,8 +286,8 @@ halved until they no longer matter: positions against RK4 in double precision, o
 leaves no vertex a place of its own, the outline of the drape against backward Euler. Solvers are
 asked for more as steps shrink. Writes chart.svg, chart.json, chart.txt and study.html.
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 no reference within the budget, 130
-interrupted; the last three write nothing.")]
+Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 no reference within the budget, or one
+that no implicit method confirms (that is written), 130 interrupted.")]
 pub struct ChartArguments {
     /// The scene and the limits
     #[command(flatten)]

@@ -6,7 +6,7 @@
 //! Jacobian, projected or without the damping's dependence on positions [Steihaug 1979], and does not
 //! stretch what turns; linearised where the step starts [Baraff 1998, eq. 3.25], as is usual, it would
 //! be of first order. Where vh would deform elements by much in the step, only a part of the way is
-//! gone before, and nothing after contact: that leaves the classical one.
+//! gone before, and after contact nothing of what deforms: that leaves the classical one.
 //!
 //! More iterations are Newton's method from the inertial guess, each along a descent direction of
 //!

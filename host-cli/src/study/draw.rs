@@ -26,19 +26,20 @@ const PANEL: [f64; 2] = [430.0, 400.0];
 /// Error against step beside error against time.
 pub fn work_precision(chart: &Chart) -> String {
     let floor = chart.reference.least_charted;
-    let least = chart.rows.iter().filter_map(|row| row.error_at_most(floor)).fold(1.0, f64::min);
-    let panel = |title: &str, label: &str, across: fn(&Row) -> f64| {
-        let plots = curves(chart, across);
-        let layout = Layout::auto_from_plots(&plots)
+    let errors = range(chart.rows.iter().filter_map(|row| row.error_at_most(floor)));
+    // Crosses for what failed stand above all that did not.
+    let top = 3.0 * errors.1;
+    let panel = |title: &str, label: &str, failures: bool, across: fn(&Row) -> f64| {
+        let shown = chart.rows.iter().filter(|row| row.stable || failures);
+        let layout = Layout::new(range(shown.map(across)), (errors.0, top))
             .with_log_scale()
             .with_title(title)
             .with_x_label(label)
-            .with_y_label(format!("RMS error of {} / {:.2} m", chart.measure.name(), chart.diagonal_m))
-            .with_y_axis_min(least / 3.0);
-        (plots, layout)
+            .with_y_label(format!("RMS error of {} / {:.2} m", chart.measure.name(), chart.diagonal_m));
+        (curves(chart, across, failures.then_some(top)), layout)
     };
-    let (by_step, by_step_layout) = panel("by step", "step, s", |row| row.step);
-    let (by_time, by_time_layout) = panel("by cost", "computing time, s", |row| row.wall_s);
+    let (by_step, by_step_layout) = panel("by step", "step, s", true, |row| row.step);
+    let (by_time, by_time_layout) = panel("by cost", "computing time, s", false, |row| row.wall_s);
     let figure = Figure::new(1, 2)
         .with_title(format!("{}, {} s: full f64, dashed f32, crosses failed", chart.scene, chart.duration_s))
         .with_plots(vec![by_step, by_time])
@@ -48,9 +49,15 @@ pub fn work_precision(chart: &Chart) -> String {
     SvgBackend.render_scene(&figure.render())
 }
 
-/// A line and marks for each method and precision, and crosses for what failed.
-fn curves(chart: &Chart, across: fn(&Row) -> f64) -> Vec<Plot> {
-    let top = chart.rows.iter().filter_map(|row| row.error_rms).fold(0.0, f64::max).max(1e-3) * 3.0;
+/// The least and the largest.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, 0.0), |(low, high), value| (low.min(value), high.max(value)))
+}
+
+/// A line and marks for each method and precision, and crosses at `top` for what failed: what that
+/// took is no cost of anything. What is nearer than the reference can tell stands at the least that it
+/// can.
+fn curves(chart: &Chart, across: fn(&Row) -> f64, top: Option<f64>) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (method, color, marker) in LOOKS {
         let mut name = Some(method);
@@ -59,7 +66,7 @@ fn curves(chart: &Chart, across: fn(&Row) -> f64) -> Vec<Plot> {
             let good: Vec<_> = rows()
                 .filter_map(|row| Some((across(row), row.error_at_most(chart.reference.least_charted)?)))
                 .collect();
-            let bad: Vec<_> = rows().filter(|row| !row.stable).map(|row| (across(row), top)).collect();
+            let bad: Vec<_> = rows().filter(|row| !row.stable).filter_map(|row| Some((across(row), top?))).collect();
             let double = precision == "f64";
             if !good.is_empty() {
                 let line = LinePlot::new().with_data(good.clone()).with_color(color).with_stroke_width(1.5);

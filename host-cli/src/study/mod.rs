@@ -11,7 +11,8 @@ mod work_precision;
 
 pub use work_precision::chart;
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -26,6 +27,9 @@ use crate::interrupt;
 use crate::pool::Pool;
 use crate::scene_file::{self, SceneFile};
 
+/// More than a life.
+const MOST_SECONDS: f64 = 1e10;
+
 /// A study under way: the scene, the time that is left, and where the results go.
 pub struct Study<'a> {
     /// What was asked for.
@@ -38,8 +42,28 @@ pub struct Study<'a> {
     pub pool: Pool,
     /// Raised by an interrupt.
     pub stop: Arc<AtomicBool>,
+    /// Folders that were not there, the innermost first.
+    made: Vec<PathBuf>,
     bar: ProgressBar,
     started: Instant,
+}
+
+impl Drop for Study<'_> {
+    /// A study without results leaves no folder: only empty ones can be removed.
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+        self.made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
+}
+
+/// Makes a folder before the time is spent that ends in it; returns what was not there, the innermost
+/// first.
+fn make_folder(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let missing = folder.ancestors().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+    let missing = missing.map(Path::to_path_buf).collect();
+    fs::create_dir_all(folder)
+        .map_err(|error| Failure::Tool(format!("cannot make the folder {}: {error}", folder.display())))?;
+    Ok(missing)
 }
 
 impl<'a> Study<'a> {
@@ -51,6 +75,7 @@ impl<'a> Study<'a> {
         }
         let out = scene_file::folder(arguments.out.as_deref(), &arguments.scene, &scene)?;
         let pool = Pool::new(Some(1)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
+        let made = make_folder(&out)?;
         let stop = interrupt::watch()?;
         // Draws on a terminal only.
         let target = if arguments.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
@@ -58,7 +83,7 @@ impl<'a> Study<'a> {
         if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} of {len} s {wide_bar} {msg}") {
             bar.set_style(style);
         }
-        Ok(Self { arguments, scene, out, pool, stop, bar, started: Instant::now() })
+        Ok(Self { arguments, scene, out, made, pool, stop, bar, started: Instant::now() })
     }
 
     /// Says what is being run.
@@ -69,7 +94,7 @@ impl<'a> Study<'a> {
 
     /// What is left of the budget.
     pub fn left(&self) -> Duration {
-        Duration::from_secs_f64(self.arguments.budget).saturating_sub(self.started.elapsed())
+        Duration::from_secs_f64(self.arguments.budget.min(MOST_SECONDS)).saturating_sub(self.started.elapsed())
     }
 
     /// Seconds since it began.
@@ -87,7 +112,7 @@ impl<'a> Study<'a> {
                 .map_err(|error| Failure::Tool(error.to_string()))
         };
         let mut written = vec![write(&format!("{name}.svg"), svg)?, write(&format!("{name}.json"), &json)?];
-        write(&format!("{name}.txt"), lines)?;
+        written.push(write(&format!("{name}.txt"), lines)?);
         written.push(write(page::NAME, &page::of(&self.out, &self.scene.desc.name))?);
         if self.arguments.json {
             print_data(&json)?;

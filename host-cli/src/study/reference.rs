@@ -38,8 +38,11 @@ impl Rule {
 /// Steps from sample to sample beyond which nothing is tried.
 pub const MOST_STEPS: u64 = 1 << 24;
 
-/// Its own error at which halving ends, of the diagonal: what rounding leaves.
+/// Its own error at which halving ends, of the diagonal.
 const ENOUGH: f64 = 1e-12;
+
+/// What rounding leaves at least, of the diagonal.
+const ROUNDING: f64 = 1e-15;
 
 /// The part of the budget that it may take.
 const SHARE: f64 = 0.4;
@@ -60,6 +63,11 @@ impl Reference {
     /// The least error that it can tell, m.
     pub fn least(&self) -> f64 {
         self.rule.trusted * self.self_error
+    }
+
+    /// The least error of which the order can be told, m: beside smaller ones its own counts.
+    pub fn least_in_order(&self) -> f64 {
+        self.least().max(8.0 * self.self_error)
     }
 
     /// The reference itself.
@@ -94,7 +102,7 @@ pub fn find(study: &Study<'_>, rule: Rule, masses: &[f64], diagonal: f64) -> Res
             }
         }
         if let [.., (_, coarse), (_, fine)] = reference.runs.as_slice() {
-            reference.self_error = rule.measure.between(coarse, fine, masses).rms;
+            reference.self_error = rule.measure.between(coarse, fine, masses).rms.max(ROUNDING * diagonal);
             if reference.self_error <= ENOUGH * diagonal {
                 break;
             }

@@ -68,6 +68,16 @@ pub struct Limits {
     pub energy: f64,
 }
 
+impl Limits {
+    /// The run, or that it has grown too much where that was not looked at on the way.
+    pub fn judge(&self, mut run: Trajectory) -> Trajectory {
+        if run.ending == Ending::Complete && run.liveliest() > self.energy {
+            run.ending = Ending::Grown;
+        }
+        run
+    }
+}
+
 /// Runs a variant of the study's scene.
 pub fn fly(study: &Study<'_>, variant: &Variant, limits: Limits) -> Result<Trajectory, Failure> {
     study.say(&variant.name(&study.scene));

@@ -6,7 +6,8 @@ pub fn length(metres: f64) -> String {
         m if m >= 1e-1 => format!("{m:.2} m"),
         m if m >= 1e-3 => format!("{:.1} mm", 1e3 * m),
         m if m >= 1e-6 => format!("{:.1} um", 1e6 * m),
-        m => format!("{:.1} nm", 1e9 * m),
+        m if m >= 1e-9 => format!("{:.1} nm", 1e9 * m),
+        m => format!("{m:.0e} m"),
     }
 }
 

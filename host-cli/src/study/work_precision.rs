@@ -38,11 +38,27 @@ pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
     let rule = Rule::of(study.scene.desc.contact.is_some());
     let reference = reference::find(&study, rule, &masses, diagonal)?.ok_or_else(too_short)?;
     let yardstick = Yardstick { reference: &reference, masses: &masses, diagonal };
-    let methods = if arguments.methods.is_empty() { Method::ALL.to_vec() } else { arguments.methods.clone() };
-    let ladders = climb(&study, &yardstick, &methods)?;
+    let ladders = climb(&study, &yardstick, &methods(&arguments.methods, rule.measure))?;
     let chart = summarise(&study, &yardstick, &ladders);
     let svg = draw::work_precision(&chart);
-    study.finish("chart", &svg, &chart, &chart.lines())
+    study.finish("chart", &svg, &chart, &chart.lines())?;
+    match rule.measure == Measure::Positions && chart.reference.agreement.is_none() {
+        true => Err(Failure::Diverged(format!(
+            "no implicit method confirms the reference for {}: the errors are what it says alone; take a shorter \
+             --duration or a larger --budget",
+            chart.scene
+        ))),
+        false => Ok(()),
+    }
+}
+
+/// What to run: as asked, each once, and where positions are compared one that can confirm the
+/// reference.
+fn methods(asked: &[Method], measure: Measure) -> Vec<Method> {
+    let confirms = Method::ImplicitMidpoint;
+    let added = measure == Measure::Positions && !asked.iter().any(|method| method.is_implicit());
+    let wanted = |method: &Method| asked.is_empty() || asked.contains(method) || added && *method == confirms;
+    Method::ALL.into_iter().filter(wanted).collect()
 }
 
 /// Of the box around the cloth at its start, m.
@@ -79,7 +95,7 @@ fn summarise(study: &Study<'_>, yardstick: &Yardstick<'_>, ladders: &[Ladder]) -
         why: ladder.why_nothing(),
     });
     let orders = ladders.iter().filter(|ladder| ladder.precision == Precision::F64).filter_map(|ladder| {
-        let measured = ladder.order()?;
+        let measured = ladder.order(yardstick.reference.least_in_order() / yardstick.diagonal)?;
         Some(Order { method: ladder.method.name(), measured, theory: variant::order(ladder.method).into() })
     });
     let rows: Vec<_> = ladders.iter().flat_map(|ladder| ladder.rows.iter().cloned()).collect();
@@ -95,7 +111,7 @@ fn summarise(study: &Study<'_>, yardstick: &Yardstick<'_>, ladders: &[Ladder]) -
             step: variant.step(&study.scene),
             self_error: yardstick.reference.self_error / yardstick.diagonal,
             least_charted: least,
-            agreement: (measure == Measure::Positions).then(|| ladder::agreement(ladders)).flatten(),
+            agreement: (measure == Measure::Positions).then(|| ladder::agreement(ladders, least)).flatten(),
         },
         machine: cpu_name(),
         winners: winners::of(&rows, least),

@@ -11,7 +11,7 @@ use crate::study::Study;
 use crate::study::distance;
 use crate::study::reference::{MOST_STEPS, Reference};
 use crate::study::trajectory::{Ending, Limits, Trajectory, fly};
-use crate::study::variant::Variant;
+use crate::study::variant::{self, Variant};
 
 use super::report::{Agreement, Row};
 
@@ -22,8 +22,16 @@ const REPEATS: usize = 3;
 /// Times the most energy of the reference: beyond that a run has blown up.
 const BLOWN_UP: f64 = 10.0;
 
+/// J/kg; less is rounding where nothing moves.
+const REST: f64 = 1e-6;
+
 /// Part of the diagonal: what is farther off, on an average, has nothing of the reference any more.
 const LOST: f64 = 0.5;
+
+/// How near an implicit method must come, of the diagonal, and how near its order must be to theory,
+/// to confirm the reference.
+const NEAR: f64 = 1e-2;
+const APPROACH: f64 = 0.3;
 
 /// Times the error in double precision: there it is rounding.
 const ROUNDING: f64 = 2.0;
@@ -36,6 +44,13 @@ pub struct Yardstick<'a> {
     pub masses: &'a [f64],
     /// m.
     pub diagonal: f64,
+}
+
+impl Yardstick<'_> {
+    /// The most kinetic and elastic energy of the reference, J.
+    fn liveliest(&self) -> f64 {
+        self.reference.best().1.liveliest().max(REST * self.masses.iter().sum::<f64>())
+    }
 }
 
 /// Why there are no smaller steps.
@@ -64,34 +79,34 @@ pub struct Ladder {
 impl Ladder {
     /// Why no step works.
     pub fn why_nothing(&self) -> String {
-        let last = self.rows.last().and_then(|row| row.why.as_deref()).unwrap_or("not run");
-        let step = self.rows.last().map_or(0.0, |row| row.step);
-        match self.end {
-            End::Time => format!("no step down to {step:.1e} s works, shorter ones take too long: {last}"),
-            _ => last.into(),
-        }
+        let Some(last) = self.rows.last() else { return "even its longest step takes too long".into() };
+        let why = last.why.as_deref().unwrap_or_default();
+        format!("no step down to {:.1e} s works, shorter ones take too long: {why}", last.step)
     }
 
-    /// Errors of complete runs, steps falling by two, without those on the floor.
-    fn errors(&self) -> Vec<f64> {
-        self.rows.iter().filter_map(|row| row.error_rms).collect()
+    /// Errors above `least` of the last runs one after the other.
+    fn errors(&self, least: f64) -> Vec<f64> {
+        let errors = self.rows.iter().map(|row| row.error_rms.filter(|&error| error >= least));
+        let kept: Vec<_> = errors.rev().skip_while(Option::is_none).map_while(|error| error).collect();
+        kept.into_iter().rev().collect()
     }
 
-    /// The slope of the error by the last three steps, if there are so many.
-    pub fn order(&self) -> Option<f64> {
-        let errors = self.errors();
+    /// The slope of the error by the last three steps with errors above `least`, if there are so many.
+    pub fn order(&self, least: f64) -> Option<f64> {
+        let errors = self.errors(least);
         let [.., first, _, last] = errors.as_slice() else { return None };
         Some(0.5 * (first / last).log2())
     }
 }
 
-/// That an implicit method approaches the same motion: without this, a reference by explicit steps
-/// alone could be converged to what is common to all such.
-pub fn agreement(ladders: &[Ladder]) -> Option<Agreement> {
+/// An implicit method that approaches the same motion by its own order, the one that comes nearest:
+/// without any, a reference by explicit steps alone could be converged to what is common to all such.
+pub fn agreement(ladders: &[Ladder], least: f64) -> Option<Agreement> {
     let implicit = ladders.iter().filter(|l| l.method.is_implicit() && l.precision == Precision::F64);
     let agreements = implicit.filter_map(|ladder| {
-        let (order, error_rms) = (ladder.order()?, *ladder.errors().last()?);
-        Some(Agreement { method: ladder.method.name(), order, error_rms })
+        let (order, error_rms) = (ladder.order(least)?, *ladder.errors(least).last()?);
+        let agrees = error_rms < NEAR && (order - f64::from(variant::order(ladder.method))).abs() < APPROACH;
+        agrees.then_some(Agreement { method: ladder.method.name(), order, error_rms })
     });
     agreements.min_by(|a, b| a.error_rms.total_cmp(&b.error_rms))
 }
@@ -111,10 +126,7 @@ pub fn climb(
     let mut last_wall = 0.0;
     while variant.steps <= MOST_STEPS {
         let left = end - study.seconds();
-        if left <= 2.0 * last_wall {
-            break;
-        }
-        let Some((run, walls)) = fly_or_find(study, yardstick, &variant, left)? else { break };
+        let Some((run, walls)) = fly_or_find(study, yardstick, &variant, left, 2.0 * last_wall)? else { break };
         last_wall = if run.ending == Ending::Complete { run.wall } else { 0.0 };
         let row = measure(study, yardstick, &variant, &run, walls);
         // Of those that fail before any works only the last is told.
@@ -146,21 +158,24 @@ fn is_rounding(row: &Row, twin: &Ladder) -> bool {
     }
 }
 
-/// Runs a variant, short ones several times, unless the reference was made by it; none where it
-/// takes too long.
+/// Runs a variant, short ones several times, unless it led to the reference; none where it takes
+/// longer than what is left, as is `expected`, s.
 fn fly_or_find(
     study: &Study<'_>,
     yardstick: &Yardstick<'_>,
     variant: &Variant,
     left: f64,
+    expected: f64,
 ) -> Result<Option<(Trajectory, Vec<f64>)>, Failure> {
     let known = yardstick.reference.runs.iter().chain(&yardstick.reference.failed).find(|(known, _)| known == variant);
-    if let Some((_, run)) = known {
-        return Ok(Some((run.clone(), vec![run.wall])));
+    if known.is_none() && left <= expected {
+        return Ok(None);
     }
-    let energy = BLOWN_UP * yardstick.reference.best().1.liveliest();
-    let limits = Limits { wall: Duration::from_secs_f64(left), energy };
-    let run = fly(study, variant, limits)?;
+    let limits = Limits { wall: Duration::from_secs_f64(left.max(0.0)), energy: BLOWN_UP * yardstick.liveliest() };
+    let run = match known {
+        Some((_, run)) => limits.judge(run.clone()),
+        None => fly(study, variant, limits)?,
+    };
     if run.ending == Ending::OutOfTime {
         return Ok(None);
     }
@@ -196,7 +211,7 @@ fn measure(study: &Study<'_>, yardstick: &Yardstick<'_>, variant: &Variant, run:
         tolerance: variant.method.is_implicit().then(|| variant.tolerance(&study.scene)),
         error_rms: told.map(|[rms, _]| rms),
         error_max: told.map(|[_, max]| max),
-        energy_drift: stable.then(|| distance::energy_drift(run, reference) / reference.liveliest()),
+        energy_drift: stable.then(|| distance::energy_drift(run, reference) / yardstick.liveliest()),
         stretch: run.stretch,
         penetration_m: run.penetration,
         wall_s: walls[walls.len() / 2],

@@ -179,7 +179,7 @@ impl Chart {
                      steps change what touches first, not only how exactly"
                         .into()
                 }
-                None => "no implicit method was run far enough to confirm it".into(),
+                None => "no implicit method confirms it".into(),
             },
             String::new(),
             "error          cheapest                      step       wall       next".into(),
