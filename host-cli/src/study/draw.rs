@@ -1,10 +1,12 @@
 //! Pictures of studies.
 
+use std::sync::Arc;
+
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
+use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
 use super::work_precision::{Chart, Row};
@@ -20,6 +22,9 @@ pub const LOOKS: [(&str, &str, MarkerShape); 7] = [
     ("bdf2", "#d55e00", MarkerShape::Star),
 ];
 
+/// Errors are drawn in these units of the diagonal: the library draws nothing below 1e-10.
+const DRAWN: f64 = 1e6;
+
 /// px of one panel.
 const PANEL: [f64; 2] = [430.0, 400.0];
 
@@ -31,8 +36,10 @@ pub fn work_precision(chart: &Chart) -> String {
     let top = 3.0 * errors.1;
     let panel = |title: &str, label: &str, failures: bool, across: fn(&Row) -> f64| {
         let shown = chart.rows.iter().filter(|row| row.stable || failures);
-        let layout = Layout::new(range(shown.map(across)), (errors.0, top))
+        let layout = Layout::new(range(shown.map(across)), (DRAWN * errors.0, DRAWN * top))
             .with_log_scale()
+            .with_x_tick_format(TickFormat::Sci)
+            .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| format!("{:.0e}", drawn / DRAWN))))
             .with_title(title)
             .with_x_label(label)
             .with_y_label(format!("RMS error of {} / {:.2} m", chart.measure.name(), chart.diagonal_m));
@@ -64,9 +71,10 @@ fn curves(chart: &Chart, across: fn(&Row) -> f64, top: Option<f64>) -> Vec<Plot>
         for precision in ["f64", "f32"] {
             let rows = || chart.rows.iter().filter(|row| row.method == method && row.precision == precision);
             let good: Vec<_> = rows()
-                .filter_map(|row| Some((across(row), row.error_at_most(chart.reference.least_charted)?)))
+                .filter_map(|row| Some((across(row), DRAWN * row.error_at_most(chart.reference.least_charted)?)))
                 .collect();
-            let bad: Vec<_> = rows().filter(|row| !row.stable).filter_map(|row| Some((across(row), top?))).collect();
+            let bad: Vec<_> =
+                rows().filter(|row| !row.stable).filter_map(|row| Some((across(row), DRAWN * top?))).collect();
             let double = precision == "f64";
             if !good.is_empty() {
                 let line = LinePlot::new().with_data(good.clone()).with_color(color).with_stroke_width(1.5);
