@@ -105,7 +105,9 @@ pub trait Engine: Send {
     /// The largest length over rest length of an edge.
     fn largest_stretch(&self) -> f64;
     /// kg.
-    fn mass(&self) -> f64;
+    fn mass(&self) -> f64 {
+        self.masses().iter().sum()
+    }
     /// Mean rest length of all edges, m.
     fn mean_edge(&self) -> f64;
     /// Adds the state to a hash chain and returns the chain.
@@ -280,10 +282,6 @@ macro_rules! engine {
 
                 fn largest_stretch(&self) -> f64 {
                     self.stretch().max
-                }
-
-                fn mass(&self) -> f64 {
-                    Engine::masses(self).iter().sum()
                 }
 
                 fn mean_edge(&self) -> f64 {

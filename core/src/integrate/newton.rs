@@ -6,7 +6,7 @@
 //! Jacobian, projected or without the damping's dependence on positions [Steihaug 1979], and does not
 //! stretch what turns; linearised where the step starts [Baraff 1998, eq. 3.25], as is usual, it would
 //! be of first order. Where vh would deform elements by much in the step, only a part of the way is
-//! gone before, and after contact nothing of what deforms: that leaves the classical one.
+//! gone before, and after contact none of it: that leaves the classical one.
 //!
 //! More iterations are Newton's method from the inertial guess, each along a descent direction of
 //!
@@ -60,22 +60,21 @@ pub fn solve<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch
 }
 
 fn once<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
-    let strain = stage.length * forces::strain_rate(c.model, s.next_velocities);
-    let most = if c.leads { MOST_STRAIN } else { 0.0 };
-    let part = if strain > most { most / strain } else { 1.0 };
+    let part = if c.leads {
+        (MOST_STRAIN / (stage.length * forces::strain_rate(c.model, s.next_velocities))).min(1.0)
+    } else {
+        0.0
+    };
     write_scaled(c, s.next_velocities, part, s.products);
     write_positions(c, stage, s.products, s.stage_positions);
     c.forces(s.stage_positions, s.products, s.elements, s.forces, work);
     write_matrix(c, stage, s);
+    write_residual(c, stage, s);
     if part < 1.0 {
         write_scaled(c, s.next_velocities, 1.0 - part, s.direction);
         matrix::multiply(&s.matrix, c.masses, 0.0, s.direction, s.products, c.dispatch);
-    } else {
-        s.products.fill(Vec3::ZERO);
+        add_scaled(c, s.products, -1.0, s.residual);
     }
-    write_residual(c, stage, s);
-    let products = &*s.products;
-    c.dispatch.run(&mut *s.residual, |start, part| part.iter_mut().zip(&products[start..]).for_each(|(r, p)| *r -= p));
     c.pins.filter(s.residual);
     work.newton_iterations += 1;
     let norm = residual_norm(c, s.residual).max(Sum::MIN_POSITIVE);

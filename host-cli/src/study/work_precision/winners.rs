@@ -3,7 +3,7 @@
 use super::report::{Row, Winner};
 
 /// For each power of ten that some run reaches: the cheapest run that is as near, in whichever
-/// precision, and the next by another method.
+/// precision, and the next by another method;
 /// `least` is what the reference can tell.
 pub fn of(rows: &[Row], least: f64) -> Vec<Winner> {
     (1..=12).map_while(|digits| at(rows, least, 10f64.powi(-digits))).collect()
