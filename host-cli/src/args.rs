@@ -150,6 +150,23 @@ pub enum PreviewKind {
     None,
 }
 
+/// A scene, changed as asked, and where its results go.
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    /// A scene file, or the name of a built-in scene
+    pub scene: String,
+    /// Where to write [default: a folder of the scene's name in out]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Override a key of the scene, such as integrator.step=0.001; cloth.KEY means every cloth,
+    /// cloth.0.KEY the first
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Simulated seconds, instead of the scene's
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub duration: Option<f64>,
+}
+
 /// `muslin run`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -164,18 +181,9 @@ Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 diverged, or --au
 that pass through one another (outputs up to then are valid), 130 interrupted (a checkpoint is
 written).")]
 pub struct RunArguments {
-    /// A scene file, or the name of a built-in scene
-    pub scene: String,
-    /// Where to write [default: a folder of the scene's name in out]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Override a key of the scene, such as integrator.step=0.001; cloth.KEY means every cloth,
-    /// cloth.0.KEY the first
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Simulated seconds, instead of the scene's
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub duration: Option<f64>,
+    /// The scene
+    #[command(flatten)]
+    pub of: SceneArguments,
     /// What computes
     #[arg(long, value_enum, default_value = "cpu")]
     pub backend: Backend,
@@ -251,17 +259,9 @@ pub struct DetectArguments {
 /// What every study takes.
 #[derive(Debug, Args)]
 pub struct StudyArguments {
-    /// A scene file, or the name of a built-in scene
-    pub scene: String,
-    /// Where to write [default: a folder of the scene's name in out]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Override a key of the scene, such as cloth.stretch.stiffness=500
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Simulated seconds, instead of the scene's
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub duration: Option<f64>,
+    /// The scene
+    #[command(flatten)]
+    pub of: SceneArguments,
     /// Seconds that the study may take, about
     #[arg(long, value_name = "S", default_value = "600", value_parser = seconds, allow_negative_numbers = true)]
     pub budget: f64,

@@ -81,10 +81,10 @@ struct Run<'a> {
 /// Runs a scene.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     arguments.backend.check()?;
-    let scene = load(arguments)?;
+    let scene = scene_file::asked(&arguments.of)?;
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
     let built = engine::build(&scene, arguments.precision);
-    let (mut engine, timing) = built.map_err(|why| Failure::Usage(format!("{}: {why}", arguments.scene)))?;
+    let (mut engine, timing) = built.map_err(|why| Failure::Usage(format!("{}: {why}", arguments.of.scene)))?;
     let scene_crc = checkpoint::scene_crc(&scene);
     let resumed = match &arguments.resume {
         Some(path) => {
@@ -113,19 +113,11 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
 
 /// Where to write: as asked, beside the checkpoint, or a folder named after the scene file.
 fn out(arguments: &RunArguments, scene: &SceneFile) -> Result<PathBuf, Failure> {
-    if let (None, Some(checkpoint)) = (&arguments.out, &arguments.resume) {
+    if let (None, Some(checkpoint)) = (&arguments.of.out, &arguments.resume) {
         // The files that the run goes on with lie beside its checkpoint.
         return Ok(checkpoint.parent().unwrap_or(Path::new("")).into());
     }
-    scene_file::folder(arguments.out.as_deref(), &arguments.scene, scene)
-}
-
-fn load(arguments: &RunArguments) -> Result<SceneFile, Failure> {
-    let mut overrides = arguments.set.clone();
-    if let Some(duration) = arguments.duration {
-        overrides.push(format!("duration={duration:?}"));
-    }
-    scene_file::load(&arguments.scene, &overrides)
+    scene_file::folder(&arguments.of, scene)
 }
 
 fn say_what_changed(arguments: &RunArguments, scene: &SceneFile, timing: &Timing) {

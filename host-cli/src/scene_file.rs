@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use muslin_core::scene::{BUILT_IN, ColliderMotionDesc, Content, Resource, SceneDesc};
 use toml::{Table, Value};
 
+use crate::args::SceneArguments;
 use crate::failure::Failure;
 use crate::mesh_io;
 
@@ -33,16 +34,23 @@ impl SceneFile {
 }
 
 /// Where to write: as asked, or a folder in `out` named after the scene.
-pub fn folder(asked: Option<&Path>, label: &str, scene: &SceneFile) -> Result<PathBuf, Failure> {
+pub fn folder(arguments: &SceneArguments, scene: &SceneFile) -> Result<PathBuf, Failure> {
     // A file's own name: a copy of a built-in scene must not write over the original's results.
-    let file = Path::new(label);
+    let file = Path::new(&arguments.scene);
     let stem = file.file_stem().filter(|_| file.is_file());
     let name = stem.map_or(Path::new(&scene.desc.name), Path::new);
-    match (asked, name.components().collect::<Vec<_>>().as_slice()) {
+    match (&arguments.out, name.components().collect::<Vec<_>>().as_slice()) {
         (Some(out), _) => Ok(out.into()),
         (None, [Component::Normal(_)]) => Ok(Path::new("out").join(name)),
         _ => Err(Failure::Usage(format!("the scene's name {name:?} is no name for a folder; say --out DIR"))),
     }
+}
+
+/// Loads what the command line asks for.
+pub fn asked(arguments: &SceneArguments) -> Result<SceneFile, Failure> {
+    let duration = arguments.duration.map(|duration| format!("duration={duration:?}"));
+    let overrides: Vec<_> = arguments.set.iter().cloned().chain(duration).collect();
+    load(&arguments.scene, &overrides)
 }
 
 /// Loads `scene`, a path or a built-in name, with `key=value` overrides.

@@ -69,11 +69,11 @@ fn make_folder(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 impl<'a> Study<'a> {
     /// Loads the scene and begins to count the time.
     pub fn begin(arguments: &'a StudyArguments) -> Result<Self, Failure> {
-        let scene = scene_file::load(&arguments.scene, &overrides(arguments))?;
+        let scene = scene_file::asked(&arguments.of)?;
         if scene.desc.duration <= 0.0 {
             return Err(Failure::Usage("a study needs a duration above 0".into()));
         }
-        let out = scene_file::folder(arguments.out.as_deref(), &arguments.scene, &scene)?;
+        let out = scene_file::folder(&arguments.of, &scene)?;
         let pool = Pool::new(Some(1)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
         let made = make_folder(&out)?;
         let stop = interrupt::watch()?;
@@ -125,9 +125,4 @@ impl<'a> Study<'a> {
         }
         Ok(())
     }
-}
-
-fn overrides(arguments: &StudyArguments) -> Vec<String> {
-    let duration = arguments.duration.map(|duration| format!("duration={duration:?}"));
-    arguments.set.iter().cloned().chain(duration).collect()
 }

@@ -83,7 +83,7 @@ pub fn fly(study: &Study<'_>, variant: &Variant, limits: Limits) -> Result<Traje
     study.say(&variant.name(&study.scene));
     let scene = variant.scene(&study.scene)?;
     let (mut engine, _) = engine::build(&scene, variant.precision)
-        .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.scene)))?;
+        .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
     let mut flight = Trajectory {
         samples: Vec::new(),
         energies: Vec::new(),

@@ -23,7 +23,7 @@ use report::{Omitted, Order, ReferenceReport};
 pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
     let study = Study::begin(&arguments.study)?;
     let (engine, _) = engine::build(&study.scene, Precision::F64)
-        .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.scene)))?;
+        .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.of.scene)))?;
     let masses = engine.masses();
     let mut start = Vec::new();
     engine.write_state(&mut start);
