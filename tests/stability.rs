@@ -6,13 +6,14 @@
 
 use glam::DVec3;
 use muslin_core_f64::dispatch::Serial;
+use muslin_core_f64::integrate::stability::{self, Mode};
 use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
 use muslin_core_f64::simulation::Simulation;
+use muslin_core_f64::spectrum::{Tangent, fastest_modes};
 use muslin_tests::kit::double as kit;
 use muslin_tests::net::{Net, XYZ, linearised};
 use muslin_tests::oscillator::{spectral_radius, stable_limit, update};
 use muslin_tests::rng::Rng;
-use muslin_tests::spectrum::Tangent;
 
 const EXPLICIT: [Method; 4] = [Method::ExplicitEuler, Method::SymplecticEuler, Method::Midpoint, Method::Rk4];
 
@@ -44,6 +45,58 @@ fn limits_of_one_oscillator_are_the_published_table() {
     }
 }
 
+/// The core finds the limits in the eigenvalue's plane, the harness by the step's matrix.
+#[test]
+fn longest_steps_are_the_limits_of_one_oscillator() {
+    let omega = 40.0;
+    for (method, zeta) in EXPLICIT.into_iter().flat_map(|m| RATIOS.map(|zeta| (m, zeta))) {
+        let mode = Mode { stiffness: omega * omega, damping: 2.0 * zeta * omega };
+        let (step, want) = (mode.longest_step(method), stable_limit(method, zeta) / omega);
+        let never = zeta == 0.0 && matches!(method, Method::ExplicitEuler | Method::Midpoint);
+        let want = if never { 0.0 } else { want };
+        let near = step.is_some_and(|step| (step - want).abs() <= 1e-6 * want);
+        assert!(near, "{} at zeta {zeta}: longest step {step:?}, of the oscillator {want}", method.name());
+    }
+    for method in [Method::BackwardEuler, Method::ImplicitMidpoint, Method::Bdf2] {
+        assert_eq!(Mode { stiffness: 1e9, damping: 0.0 }.longest_step(method), None, "{}", method.name());
+    }
+    let still = Mode { stiffness: 0.0, damping: 0.0 };
+    assert!(EXPLICIT.iter().all(|&method| still.longest_step(method).is_none()), "nothing limits a mode at rest");
+    let drag = Mode { stiffness: 0.0, damping: 50.0 };
+    let longest = stability::longest_step(&[still, drag], Method::Rk4).expect("limited by drag");
+    assert!((longest * 50.0 - 2.785_293_563_405).abs() < 1e-9, "RK4 reaches to -2.7853 on the real axis: {longest}");
+}
+
+/// Two masses on a spring: omega^2 = 2 k / m, and k / m with one of them held; dampers likewise.
+#[test]
+fn fastest_modes_leave_out_what_is_held() {
+    let (mass, stiffness, damper) = (0.3, 40.0, 0.8);
+    let mut net = Net::chain(2, DVec3::X, mass, stiffness, damper);
+    for (held, factor) in [(vec![], 2.0 / mass), (vec![(0, XYZ)], 1.0 / mass)] {
+        net.held = held;
+        for mode in fastest_modes(&net.build(), 1e-12, 10_000) {
+            let near = |got: f64, want: f64| (got / want - 1.0).abs() < 1e-9;
+            let right = near(mode.stiffness, factor * stiffness) && near(mode.damping, factor * damper);
+            assert!(right, "{mode:?}, expected {factor} of {stiffness} N/m and {damper} N s/m");
+        }
+    }
+}
+
+/// A stiff spring without a damper and, past a held mass, a soft one with a strong damper: the damper
+/// limits the step.
+#[test]
+fn the_most_damped_mode_limits_steps_too() {
+    let mut net = Net::chain(3, DVec3::X, 1.0, 100.0, 0.0);
+    net.held = vec![(1, XYZ)];
+    net.springs[1].1.stiffness = 1e-6;
+    net.springs[1].1.damping = 500.0;
+    let modes = fastest_modes(&net.build(), 1e-12, 10_000);
+    assert!((modes[0].stiffness - 100.0).abs() < 1e-9 && modes[0].damping == 0.0, "the stiff one: {:?}", modes[0]);
+    assert!((modes[1].damping - 500.0).abs() < 1e-9, "the damped one: {:?}", modes[1]);
+    let longest = stability::longest_step(&modes, Method::SymplecticEuler).expect("limited");
+    assert!((longest - 2.0 / 500.0).abs() < 1e-9, "2 / 500 s, got {longest} s");
+}
+
 /// Vertices along a side of the cloth.
 const SIDE: u32 = 16;
 /// Structural, shear and bending springs, N/m, on masses of 1 kg.
@@ -54,8 +107,8 @@ fn fastest_modes_of_the_spring_lattice() {
     let published =
         [([1.0, 0.0, 0.0], 3.962), ([1.0, 1.0, 0.0], 7.886), ([1.0, 0.5, 0.1], 5.936), ([1.0, 1.0, 1.0], 9.913)];
     for (springs, want) in published {
-        let (lambda, _) =
-            Tangent::of(&Net::lattice(SIDE, springs, 0.0).build(), 1.0, 0.0, Jacobian::Exact).fastest_mode();
+        let (lambda, _) = Tangent::of(&Net::lattice(SIDE, springs, 0.0).build(), 1.0, 0.0, Jacobian::Exact)
+            .fastest_mode(1e-12, 100_000);
         println!("lattice {springs:?}: lambda_max {lambda:.4}, published {want}");
         assert!((lambda - want).abs() <= 5e-4, "lattice {springs:?}: lambda_max {lambda}, published {want}");
     }
@@ -90,7 +143,7 @@ fn blows_up(method: Method, omega: f64, mode: &[DVec3], damping: f64, step: f64)
 #[test]
 fn critical_steps_are_those_of_theory() {
     let undamped = Net::lattice(SIDE, SPRINGS, 0.0).build();
-    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode();
+    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode(1e-12, 100_000);
     let omega = lambda.sqrt();
     for method in EXPLICIT {
         for zeta in [0.0, 0.3, 0.5, 0.7] {
@@ -120,7 +173,7 @@ fn critical_steps_are_those_of_theory() {
 #[test]
 fn undamped_growth_is_exact() {
     let undamped = Net::lattice(SIDE, SPRINGS, 0.0).build();
-    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode();
+    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode(1e-12, 100_000);
     let spans = [0.05, 0.5, 1.0];
     for (method, z) in [Method::ExplicitEuler, Method::Midpoint].into_iter().flat_map(|m| spans.map(|z| (m, z))) {
         let want = spectral_radius(update(method, z, 0.0)).powi(2);
@@ -153,7 +206,7 @@ fn refined(material: &str, cells: u32) -> f64 {
         density = 0.2
         {material}"#
     ));
-    Tangent::of(&built, 1.0, 0.0, Jacobian::Projected).fastest_mode().0
+    Tangent::of(&built, 1.0, 0.0, Jacobian::Projected).fastest_mode(1e-12, 100_000).0
 }
 
 #[test]

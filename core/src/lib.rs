@@ -11,7 +11,7 @@
 //! 6. [`step`]: the phases of a step in their order, in [`scratch`] columns sized once.
 //! 7. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash;
 //!    [`audit`]: whether anything passes through anything, exactly; [`untangle`]: start states that
-//!    do, made free of it.
+//!    do, made free of it; [`spectrum`]: its fastest modes, which limit the steps of explicit methods.
 //! 8. [`simulation`]: all of it owned, for hosts that allocate.
 //!
 //! The crate is `no_std`. With the feature `alloc` (default) it builds scenes and owns columns;
@@ -61,6 +61,9 @@ pub mod audit;
 
 #[cfg(feature = "alloc")]
 pub mod untangle;
+
+#[cfg(feature = "alloc")]
+pub mod spectrum;
 
 #[cfg(feature = "alloc")]
 pub mod simulation;

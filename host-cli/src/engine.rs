@@ -1,6 +1,7 @@
 //! A simulation in either precision behind one trait: the two crates are the same sources, so
 //! one macro serves both.
 
+use muslin_core::integrate::stability::Mode;
 use muslin_core::scene::Timing;
 
 use crate::args::Precision;
@@ -110,6 +111,8 @@ pub trait Engine: Send {
     }
     /// Mean rest length of all edges, m.
     fn mean_edge(&self) -> f64;
+    /// The stiffest and the most damped mode as it stands, by so many iterations at most.
+    fn fastest_modes(&self, tolerance: f64, most: u32) -> [Mode; 2];
     /// Adds the state to a hash chain and returns the chain.
     fn chain(&self, chain: Option<u64>) -> u64;
     /// Pairs of an edge and a triangle that pass through one another, by the exact test.
@@ -154,8 +157,9 @@ macro_rules! engine {
             use $core::response::Tally;
             use $core::scene::{Content, PointCache, SceneDesc};
             use $core::simulation::{Cause, Simulation, State};
+            use $core::spectrum;
 
-            use super::{Divergence, Engine, Halt, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
+            use super::{Divergence, Engine, Halt, Mode, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
 
             pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
@@ -287,6 +291,11 @@ macro_rules! engine {
                 fn mean_edge(&self) -> f64 {
                     let lengths = &self.scene().rest_lengths;
                     lengths.iter().map(|&length| f64::from(length)).sum::<f64>() / lengths.len().max(1) as f64
+                }
+
+                fn fastest_modes(&self, tolerance: f64, most: u32) -> [Mode; 2] {
+                    let modes = spectrum::fastest_modes(self.scene(), tolerance, most);
+                    modes.map(|mode| Mode { stiffness: mode.stiffness, damping: mode.damping })
                 }
 
                 fn chain(&self, chain: Option<u64>) -> u64 {

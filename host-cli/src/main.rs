@@ -20,6 +20,7 @@ mod scenes;
 mod stopwatch;
 mod study;
 mod summary;
+mod units;
 
 use std::process::ExitCode;
 

@@ -13,7 +13,6 @@ pub mod oscillator;
 pub mod pieces;
 pub mod query;
 pub mod rng;
-pub mod spectrum;
 pub mod states;
 pub mod threads;
 pub mod topology;

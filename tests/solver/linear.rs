@@ -10,10 +10,10 @@ use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::forces::strain_rate;
 use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
 use muslin_core_f64::simulation::Simulation;
+use muslin_core_f64::spectrum::Tangent;
 use muslin_tests::kit::double as kit;
 use muslin_tests::net::linearised;
 use muslin_tests::rng::Rng;
-use muslin_tests::spectrum::Tangent;
 use muslin_tests::worst::Worst;
 
 /// Relative to the fastest vertex; the solver is asked for 1e-14.

@@ -4,9 +4,9 @@
 use glam::DVec3;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::{Jacobian, Method};
+use muslin_core_f64::spectrum::Tangent;
 use muslin_tests::both_precisions;
 use muslin_tests::kit::double as kit;
-use muslin_tests::spectrum::Tangent;
 
 both_precisions! {
     use glam::DVec3;

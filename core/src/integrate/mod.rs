@@ -14,6 +14,7 @@ pub mod midpoint;
 pub mod newton;
 pub mod pins;
 pub mod rk4;
+pub mod stability;
 pub mod symplectic_euler;
 
 pub use crate::forces::Jacobian;

@@ -1,6 +1,10 @@
-//! A start state in which surfaces pass through one another is untangled before the first step.
+//! Before the first step: what hardly fits is said, and a start state in which surfaces pass through
+//! one another is untangled.
 
-use muslin_core::scene::SceneDesc;
+use std::f64::consts::TAU;
+
+use muslin_core::integrate::stability::longest_step;
+use muslin_core::scene::{SceneDesc, Timing};
 
 use crate::args::RunArguments;
 use crate::engine::{Engine, Untangled};
@@ -8,12 +12,44 @@ use crate::failure::print_note;
 use crate::pool::Pool;
 use crate::record::Start;
 use crate::stopwatch::Stopwatch;
+use crate::units::time;
 
 /// From where on a person is asked to look at what untangling moved, m.
 const FAR: f64 = 0.05;
 
 /// Thickness beside the length of edges from which, and up to which, contact works as one expects.
 const THICKNESS: [f64; 2] = [1e-4, 1.0];
+
+/// Iterations after which the fastest mode's frequency is known to a per cent or so; less than steps
+/// cost.
+const ITERATIONS: u32 = 100;
+
+/// Says so where the step is longer than an explicit method bears.
+pub fn weigh_step(engine: &dyn Engine, scene: &SceneDesc, timing: &Timing) {
+    let method = scene.integrator.method;
+    if method.is_implicit() {
+        return;
+    }
+    let modes = engine.fastest_modes(0.0, ITERATIONS);
+    let Some(longest) = longest_step(&modes, method).filter(|&longest| timing.step > longest) else { return };
+    let (name, hertz) = (method.name(), modes[0].stiffness.sqrt() / TAU);
+    if longest == 0.0 {
+        print_note(&format!(
+            "{name} gains energy in every step where nothing damps; say --set integrator.method=symplectic-euler, or \
+             give the cloth damping"
+        ));
+        return;
+    }
+    // Cut, not rounded, to two digits: what is named must be within the limit.
+    let digit = 10f64.powf(longest.log10().floor() - 1.0);
+    let safe = (longest / digit).floor() * digit;
+    print_note(&format!(
+        "step {} is longer than {name} bears in this scene, {} (its fastest mode: {hertz:.0} Hz): the cloth will fly \
+         apart; say --set integrator.step={safe:.1e}, or --set integrator.method=backward-euler",
+        time(timing.step),
+        time(longest)
+    ));
+}
 
 /// Says so where the thickness hardly fits the mesh: often it is not in metres.
 pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {

@@ -5,7 +5,6 @@ mod draw;
 mod page;
 mod reference;
 mod trajectory;
-mod units;
 mod variant;
 mod work_precision;
 

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::study::distance::Measure;
 use crate::study::draw::LOOKS;
-use crate::study::units::{length, time};
+use crate::units::{length, time};
 
 /// One run. Errors are parts of the cloth's diagonal.
 #[derive(Clone, Debug, Serialize)]

@@ -1,0 +1,50 @@
+//! A run says before it starts that its step is longer than its method bears, and names one that is not.
+
+use crate::kit::Place;
+
+/// What the words after `said` name, up to a comma.
+fn named(note: &str, said: &str) -> f64 {
+    let rest = note.split(said).nth(1).unwrap_or_else(|| panic!("{said:?} is not in {note:?}"));
+    rest.split([',', '\n']).next().unwrap().parse().unwrap_or_else(|error| panic!("{error} in {note:?}"))
+}
+
+const STIFF: &str = "--preview none --out out --set cloth.stretch.stiffness=1e4 --set integrator.method=";
+
+#[test]
+fn the_step_that_is_named_is_borne_and_a_little_more_is_not() {
+    let place = Place::new();
+    for method in ["symplectic-euler", "rk4"] {
+        let run = |step: f64, code: i32| {
+            let words = format!("run tiny.toml {STIFF}{method} --set integrator.step={step}");
+            place.muslin(&words).expect(code).stderr
+        };
+        let note = run(0.01, 3);
+        assert!(note.contains("step 10.00 ms is longer than"), "{note:?}");
+        let safe = named(&note, "--set integrator.step=");
+        assert!(!run(safe, 0).contains("longer than"), "{method} at {safe} s");
+        // Two digits, and the frequency known to a per cent.
+        assert!(run(1.2 * safe, 3).contains("longer than"), "{method} at {safe} s and a fifth");
+    }
+}
+
+#[test]
+fn methods_that_never_bear_it_are_said_to_be_so() {
+    let place = Place::new();
+    for method in ["explicit-euler", "midpoint"] {
+        let words = "run tiny.toml --preview none --out out --duration 0.05 --set integrator.step=1e-6";
+        let words = format!("{words} --set integrator.method={method}");
+        let note = place.muslin(&words).expect(0).stderr;
+        assert!(note.contains(&format!("{method} gains energy in every step where nothing damps")), "{note:?}");
+        let damped = place.muslin(&format!("{words} --set cloth.stretch.damping=1e-4")).expect(0).stderr;
+        assert!(!damped.contains("gains energy"), "{damped:?}");
+    }
+}
+
+#[test]
+fn nothing_is_said_where_nothing_limits_or_nobody_listens() {
+    let place = Place::new();
+    for words in ["backward-euler", "rk4 --quiet"] {
+        let outcome = place.muslin(&format!("run tiny.toml {STIFF}{words}"));
+        assert!(!outcome.stderr.contains("longer than"), "{outcome:?}");
+    }
+}
