@@ -37,6 +37,8 @@ pub enum Command {
     Detect(DetectArguments),
     /// Chart error against cost: every method, both precisions, on a scene
     Chart(ChartArguments),
+    /// Map where each method fails: its step against the scene's stiffness and damping
+    Stability(StabilityArguments),
     /// List the built-in scenes, or print one
     Scenes(ScenesArguments),
     /// Measure what each stage costs on this machine
@@ -289,6 +291,27 @@ asked for more as steps shrink. Writes chart.svg, chart.json, chart.txt and stud
 Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 no reference within the budget, or one
 that no implicit method confirms (that is written), 130 interrupted.")]
 pub struct ChartArguments {
+    /// The scene and the limits
+    #[command(flatten)]
+    pub study: StudyArguments,
+    /// Methods, separated by commas [default: all]
+    #[arg(long, value_delimiter = ',', value_parser = method)]
+    pub methods: Vec<integrate::Method>,
+}
+
+/// `muslin stability`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  muslin stability skirt --methods symplectic-euler,rk4,backward-euler
+  muslin stability my.toml --budget 120
+
+Runs the scene in single precision, on one thread, by steps around each method's limit and with its
+stiffness (and damping, if it has any) times 1/16 to 16: 1000 steps of explicit methods, 200 of
+implicit ones, or to its end. A run is fine, or its energy grew to 10 times what backward Euler has,
+or a step could not be taken, or a solver gave up. The limit of theory is that of the fastest mode at
+the scene's start. Writes stability.svg, stability.json, stability.txt and study.html.")]
+pub struct StabilityArguments {
     /// The scene and the limits
     #[command(flatten)]
     pub study: StudyArguments,

@@ -22,11 +22,23 @@ pub struct SceneFile {
 impl SceneFile {
     /// The same scene with other values at some keys, such as `integrator.step`.
     pub fn changed(&self, changes: &[(&str, Value)]) -> Result<Self, Failure> {
+        self.edited(|scene| {
+            changes.iter().try_for_each(|(key, value)| set(scene, &key.split('.').collect::<Vec<_>>(), value))
+        })
+    }
+
+    /// The same scene with the numbers at some keys multiplied, where they are.
+    pub fn scaled(&self, keys: &[&str], factor: f64) -> Result<Self, Failure> {
+        self.edited(|scene| {
+            keys.iter().for_each(|key| scale(scene, &key.split('.').collect::<Vec<_>>(), factor));
+            Ok(())
+        })
+    }
+
+    fn edited(&self, edit: impl FnOnce(&mut Value) -> Result<(), String>) -> Result<Self, Failure> {
         let failed = |why: String| Failure::Tool(format!("{}: {why}", self.desc.name));
         let mut scene: Value = toml::from_str(&self.text).map_err(|error| failed(explain(&error)))?;
-        for (key, value) in changes {
-            set(&mut scene, &key.split('.').collect::<Vec<_>>(), value).map_err(failed)?;
-        }
+        edit(&mut scene).map_err(failed)?;
         let desc = scene.clone().try_into().map_err(|error| failed(explain(&error)))?;
         let text = toml::to_string(&scene).map_err(|error| failed(error.to_string()))?;
         Ok(Self { desc, text, resources: self.resources.clone() })
@@ -144,6 +156,24 @@ fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> {
             (Err(_), _) => items.iter_mut().try_for_each(|item| set(item, path, new)),
         },
         _ => Err(format!("{first} is inside a value that is no section")),
+    }
+}
+
+/// Multiplies the number at `path` inside `value`, in each item of an array; what is not there stays
+/// away.
+fn scale(value: &mut Value, path: &[&str], factor: f64) {
+    match (value, path) {
+        (Value::Array(items), _) => items.iter_mut().for_each(|item| scale(item, path, factor)),
+        (Value::Table(table), [first, rest @ ..]) => {
+            if let Some(inner) = table.get_mut(*first) {
+                scale(inner, rest, factor);
+            }
+        }
+        (Value::Float(number), []) => *number *= factor,
+        (value @ Value::Integer(_), []) => {
+            *value = Value::Float(factor * value.as_integer().unwrap_or_default() as f64);
+        }
+        _ => {}
     }
 }
 

@@ -22,4 +22,5 @@ mod options;
 mod outputs;
 mod picture;
 mod resume;
+mod stability;
 mod streams;

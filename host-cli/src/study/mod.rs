@@ -4,10 +4,12 @@ mod distance;
 mod draw;
 mod page;
 mod reference;
+mod stability;
 mod trajectory;
 mod variant;
 mod work_precision;
 
+pub use stability::stability;
 pub use work_precision::chart;
 
 use std::fs;

@@ -3,8 +3,10 @@
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use crate::args::Precision;
 use crate::engine::{self, Engine, Halt, Report};
 use crate::failure::Failure;
+use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
 
 use super::Study;
@@ -81,8 +83,18 @@ impl Limits {
 /// Runs a variant of the study's scene.
 pub fn fly(study: &Study<'_>, variant: &Variant, limits: Limits) -> Result<Trajectory, Failure> {
     study.say(&variant.name(&study.scene));
-    let scene = variant.scene(&study.scene)?;
-    let (mut engine, _) = engine::build(&scene, variant.precision)
+    fly_scene(study, &variant.scene(&study.scene)?, variant.precision, variant.steps, limits)
+}
+
+/// Runs a scene by so many steps from sample to sample.
+pub fn fly_scene(
+    study: &Study<'_>,
+    scene: &SceneFile,
+    precision: Precision,
+    steps: u64,
+    limits: Limits,
+) -> Result<Trajectory, Failure> {
+    let (mut engine, _) = engine::build(scene, precision)
         .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
     let mut flight = Trajectory {
         samples: Vec::new(),
@@ -94,7 +106,7 @@ pub fn fly(study: &Study<'_>, variant: &Variant, limits: Limits) -> Result<Traje
         ending: Ending::Complete,
     };
     for _ in 0..SAMPLES {
-        flight.ending = study.pool.install(|| sample(study, engine.as_mut(), variant.steps, limits, &mut flight))?;
+        flight.ending = study.pool.install(|| sample(study, engine.as_mut(), steps, limits, &mut flight))?;
         if flight.ending != Ending::Complete {
             break;
         }

@@ -1,0 +1,84 @@
+//! Maps of step against stiffness and damping.
+
+use std::sync::Arc;
+
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::scatter::MarkerShape;
+use kuva::plot::{LinePlot, ScatterPlot};
+use kuva::render::figure::Figure;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+
+use crate::study::stability::{Axis, Map, Row, Verdict};
+
+use super::range;
+
+/// Colours that the colour-blind tell apart [Wong 2011], and shapes for those who print.
+const LOOKS: [(Verdict, &str, &str, MarkerShape); 4] = [
+    (Verdict::Fine, "fine", "#009e73", MarkerShape::Circle),
+    (Verdict::Growth, "energy growth", "#e69f00", MarkerShape::Triangle),
+    (Verdict::Diverged, "diverged", "#d55e00", MarkerShape::Cross),
+    (Verdict::GaveUp, "solver gave up", "#000000", MarkerShape::Square),
+];
+
+/// The limit of theory.
+const THEORY: &str = "#0072b2";
+
+/// px of one panel.
+const PANEL: [f64; 2] = [410.0, 230.0];
+
+/// A panel for each method and axis.
+pub fn stability(map: &Map) -> String {
+    let axes = map.axes();
+    let panels = map.limits.iter().flat_map(|limit| axes.iter().map(move |&axis| (limit.name.as_str(), axis)));
+    let (plots, layouts): (Vec<_>, Vec<_>) =
+        panels.enumerate().map(|(place, (name, axis))| panel(map, name, axis, place == 0)).unzip();
+    let rows = plots.len().div_ceil(2);
+    let figure = Figure::new(rows, 2)
+        .with_title(format!("{}: where each method fails; blue: the limit of theory", map.scene))
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(PANEL[0], PANEL[1])
+        .with_shared_legend_bottom();
+    SvgBackend.render_scene(&figure.render())
+}
+
+fn panel(map: &Map, name: &str, axis: Axis, with_legend: bool) -> (Vec<Plot>, Layout) {
+    let cells: Vec<_> =
+        map.rows.iter().filter(|row| row.name == name).filter_map(|row| Some((row, axis.of(row)?))).collect();
+    let steps = range(cells.iter().map(|(row, _)| row.step));
+    let layout = Layout::new((0.8 * steps.0, 1.25 * steps.1), (0.04, 25.0))
+        .with_log_scale()
+        .with_x_tick_format(TickFormat::Custom(Arc::new(decade)))
+        .with_y_tick_format(TickFormat::Custom(Arc::new(|scale| format!("{scale}"))))
+        .with_title(name)
+        .with_x_label("step, s")
+        .with_y_label(format!("times its {}", axis.name()));
+    let mut plots: Vec<_> = LOOKS.iter().map(|look| marks(&cells, look, with_legend)).collect();
+    plots.extend(theory(&cells, steps));
+    (plots, layout)
+}
+
+/// Between powers of ten labels have no room.
+fn decade(step: f64) -> String {
+    let power = step.log10().round();
+    if (step.log10() - power).abs() < 1e-6 { format!("1e{power}") } else { String::new() }
+}
+
+/// What went one way.
+fn marks(cells: &[(&Row, f64)], look: &(Verdict, &str, &str, MarkerShape), with_legend: bool) -> Plot {
+    let &(verdict, name, color, marker) = look;
+    let at: Vec<_> =
+        cells.iter().filter(|(row, _)| row.verdict == verdict).map(|(row, scale)| (row.step, *scale)).collect();
+    let marks = ScatterPlot::new().with_data(at).with_color(color).with_marker(marker).with_size(4.0);
+    Plot::Scatter(if with_legend { marks.with_legend(name) } else { marks })
+}
+
+/// The limit of theory by scale, as far as it lies on the map.
+fn theory(cells: &[(&Row, f64)], steps: (f64, f64)) -> Option<Plot> {
+    let limits = cells.iter().filter_map(|(row, scale)| Some((row.theory?, *scale)));
+    let mut limits: Vec<_> = limits.filter(|(limit, _)| (steps.0..=steps.1).contains(limit)).collect();
+    limits.sort_by(|a, b| a.1.total_cmp(&b.1));
+    limits.dedup();
+    (limits.len() > 1).then(|| Plot::Line(LinePlot::new().with_data(limits).with_color(THEORY).with_stroke_width(2.0)))
+}

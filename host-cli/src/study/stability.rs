@@ -1,0 +1,48 @@
+//! `muslin stability`: where each method fails, on maps of its step against stiffness and damping.
+
+mod cell;
+mod limits;
+mod map;
+mod report;
+
+use muslin_core::integrate::Method;
+
+use crate::args::StabilityArguments;
+use crate::failure::Failure;
+
+use super::{Study, draw};
+use cell::Subject;
+pub use cell::Verdict;
+use map::Ground;
+pub use report::{Axis, Map, Row};
+
+/// Newton iterations of the last subject: what it costs to leave nothing of a step to chance.
+const CONVERGED: u32 = 20;
+
+/// Maps a scene.
+pub fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
+    let study = Study::begin(&arguments.study)?;
+    let subjects = subjects(&arguments.methods);
+    let grounds = map::grounds(&study)?;
+    let mut rows = map::run(&study, &subjects, &grounds, &grounds[..1])?;
+    let limits = limits::measure(&study, &subjects, &grounds[0], &rows)?;
+    rows.extend(map::run(&study, &subjects, &grounds, &grounds[1..])?);
+    let map = report::summarise(&study, &grounds, rows, limits);
+    study.finish("stability", &draw::stability(&map), &map, &map.lines())
+}
+
+/// What to run: the methods as asked, each once, and backward Euler solved to the end.
+fn subjects(asked: &[Method]) -> Vec<Subject> {
+    let wanted = |method: &Method| asked.is_empty() || asked.contains(method);
+    let once = Method::ALL.into_iter().filter(wanted).map(|method| Subject { method, newton: 1 });
+    let converged = Subject { method: Method::BackwardEuler, newton: CONVERGED };
+    once.chain(Some(converged).filter(|subject| wanted(&subject.method))).collect()
+}
+
+impl Ground {
+    /// The longest step that theory allows, s: 0 where every step gains energy, none where every step
+    /// is stable.
+    fn theory(&self, method: Method) -> Option<f64> {
+        muslin_core::integrate::stability::longest_step(&self.modes, method)
+    }
+}

@@ -1,0 +1,99 @@
+//! One run of a map, and what is to be said of it.
+
+use std::time::Duration;
+
+use muslin_core::integrate::Method;
+use serde::Serialize;
+use toml::Value;
+
+use crate::args::Precision;
+use crate::failure::Failure;
+use crate::study::Study;
+use crate::study::trajectory::{Ending, Limits, Trajectory, fly_scene};
+use crate::study::variant::SAMPLES;
+
+use super::map::Ground;
+
+/// A method, solved by so many Newton iterations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Subject {
+    /// The method.
+    pub method: Method,
+    /// 1: one linear solve; of explicit methods always.
+    pub newton: u32,
+}
+
+impl Subject {
+    /// As pictures and tables call it.
+    pub fn name(&self) -> String {
+        match self.newton {
+            1 => self.method.name().into(),
+            newton => format!("{}, newton = {newton}", self.method.name()),
+        }
+    }
+}
+
+/// How a run went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Verdict {
+    /// It stayed within what the scene can have.
+    #[serde(rename = "fine")]
+    Fine,
+    /// It had ten times the energy that the scene can have.
+    #[serde(rename = "energy growth")]
+    Growth,
+    /// A step could not be taken.
+    #[serde(rename = "diverged")]
+    Diverged,
+    /// A solve ended by its limit of iterations.
+    #[serde(rename = "solver gave up")]
+    GaveUp,
+    /// It took longer than what was left.
+    #[serde(rename = "not run")]
+    NotRun,
+}
+
+/// Steps of a run of explicit methods, however long the scene: what is unstable shows within, seeded by
+/// rounding. And of implicit ones at most: within the scene.
+const EXPLICIT_STEPS: u64 = 1000;
+const IMPLICIT_STEPS: u64 = 200;
+
+/// Steps of `step` seconds in a run of a scene of some duration, a multiple of the samples.
+fn steps(duration: f64, step: f64, method: Method) -> u64 {
+    let whole = (duration / step * (1.0 + 1e-9)) as u64;
+    let steps = if method.is_implicit() { whole.min(IMPLICIT_STEPS) } else { EXPLICIT_STEPS };
+    (steps / SAMPLES).max(1) * SAMPLES
+}
+
+/// Runs a subject from the start of a scene by steps of about `step`, s.
+pub fn fly(
+    study: &Study<'_>,
+    subject: Subject,
+    ground: &Ground,
+    step: f64,
+    energy: f64,
+) -> Result<Trajectory, Failure> {
+    let steps = steps(study.scene.desc.duration, step, subject.method);
+    let duration = steps as f64 * step;
+    let scene = ground.scene.changed(&[
+        ("duration", Value::Float(duration)),
+        ("frame_rate", Value::Float(SAMPLES as f64 / duration)),
+        ("integrator.method", Value::String(subject.method.name().into())),
+        ("integrator.newton", Value::Integer(subject.newton.into())),
+        ("integrator.step", Value::Float(step)),
+    ])?;
+    let limits = Limits { wall: study.left().max(Duration::from_millis(1)), energy };
+    fly_scene(study, &scene, Precision::F32, steps / SAMPLES, limits)
+}
+
+/// What is to be said of a run, and why.
+pub fn judge(run: &Trajectory) -> (Verdict, Option<String>) {
+    let solves = run.report.unconverged;
+    match &run.ending {
+        Ending::Diverged(what) => (Verdict::Diverged, Some(what.clone())),
+        Ending::Grown => (Verdict::Growth, Some("its energy grew to 10 times what backward Euler has".into())),
+        Ending::OutOfTime => (Verdict::NotRun, Some("it took longer than what was left of the budget".into())),
+        Ending::Complete if solves > 0 => (Verdict::GaveUp, Some(format!("{solves} solves did not converge"))),
+        Ending::Complete => (Verdict::Fine, None),
+    }
+}

@@ -1,0 +1,99 @@
+//! `muslin stability`: limits beside theory, verdicts, and what is said of them. Times are never
+//! asserted.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use crate::kit::Place;
+
+/// A free sheet at rest: what moves it is rounding, and what lets it grow is the step alone.
+const FREE: &str = r#"name = "free"
+duration = 0.4
+
+[[cloth]]
+grid = { size = [0.4, 0.35], cells = [4, 4] }
+density = 0.2
+stretch = { model = "membrane", stiffness = 5.0 }
+shear = { stiffness = 2.0 }
+bend = { model = "hinge", rigidity = 1e-4 }
+
+[integrator]
+step = 0.005
+"#;
+
+const SCALES: [f64; 5] = [0.0625, 0.25, 1.0, 4.0, 16.0];
+
+fn map(words: &str) -> (Place, Value) {
+    let place = Place::new();
+    place.write("free.toml", FREE);
+    let map = place.muslin(&format!("stability free.toml --json {words}")).expect(0).json();
+    (place, map)
+}
+
+fn limit<'a>(map: &'a Value, method: &str, newton: u64) -> &'a Value {
+    let mut limits = map["limits"].as_array().unwrap().iter();
+    limits.find(|limit| limit["method"] == method && limit["newton"] == newton).unwrap()
+}
+
+fn rows<'a>(map: &'a Value, method: &str) -> impl Iterator<Item = &'a Value> {
+    map["rows"].as_array().unwrap().iter().filter(move |row| row["method"] == method)
+}
+
+#[test]
+fn limits_are_those_of_the_fastest_mode() {
+    let (place, map) = map("");
+    for method in ["symplectic-euler", "rk4"] {
+        let limit = limit(&map, method, 1);
+        let ratio = limit["ratio"].as_f64().unwrap();
+        println!("{method}: {limit}");
+        // The flat sheet is linear until it has grown.
+        assert!((ratio - 1.0).abs() <= 0.005, "{method}: measured over theory {ratio}, expected 1 within 0.5 %");
+        for row in rows(&map, method) {
+            let (step, theory) = (row["step"].as_f64().unwrap(), row["theory"].as_f64().unwrap());
+            assert_eq!(row["verdict"] == "fine", step <= theory, "{row}");
+            assert_eq!(row["why"].is_null(), row["verdict"] == "fine", "{row}");
+        }
+        let scales: BTreeSet<_> = rows(&map, method).map(|row| row["stiffness_scale"].to_string()).collect();
+        assert_eq!(scales, SCALES.map(|scale| Value::from(scale).to_string()).into(), "{method}");
+    }
+    for method in ["explicit-euler", "midpoint"] {
+        assert_eq!(limit(&map, method, 1)["theory"], 0.0, "{method} is never stable without damping");
+        assert!(limit(&map, method, 1)["ratio"].is_null());
+    }
+    for (method, newton) in [("backward-euler", 1), ("backward-euler", 20), ("implicit-midpoint", 1), ("bdf2", 1)] {
+        let limit = limit(&map, method, newton);
+        assert!(limit["theory"].is_null() && limit["failed"].is_null(), "{limit}");
+        assert_eq!(limit["measured"], 0.02, "the longest step of twenty in the scene: {limit}");
+    }
+    let undamped = map["rows"].as_array().unwrap().iter().all(|row| row["damping_scale"] == 1.0);
+    assert!(undamped && map["damping_ratio"] == 0.0, "there is nothing to scale");
+
+    let files = ["stability.json", "stability.svg", "stability.txt", "study.html"];
+    assert_eq!(place.files("out/free"), files);
+    let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
+    for words in ["measured/theory", "fine up to, by stiffness", "went as it says"] {
+        assert!(text.contains(words), "{words:?} is not in {text}");
+    }
+}
+
+#[test]
+fn damping_is_mapped_where_there_is_some() {
+    let (_, map) = map("--methods symplectic-euler --set cloth.stretch.damping=0.001");
+    assert!(map["damping_ratio"].as_f64().unwrap() > 0.0);
+    let by_damping: Vec<_> = rows(&map, "symplectic-euler").filter(|row| row["damping_scale"] != 1.0).collect();
+    let scales: BTreeSet<_> = by_damping.iter().map(|row| row["damping_scale"].to_string()).collect();
+    assert_eq!(scales.len(), 4, "{scales:?}");
+    // More of it, with the velocity of the step before, is borne for shorter.
+    let theory = |scale: f64| by_damping.iter().find(|row| row["damping_scale"] == scale).unwrap()["theory"].as_f64();
+    assert!(theory(16.0) < theory(4.0) && theory(4.0) < theory(0.25), "{by_damping:?}");
+    assert!(map["rows"].as_array().unwrap().iter().all(|row| row["method"] == "symplectic-euler"));
+}
+
+#[test]
+fn what_the_budget_leaves_out_is_said() {
+    let (place, map) = map("--budget 0");
+    assert!(map["rows"].as_array().unwrap().iter().all(|row| row["verdict"] == "not run"), "{}", map["rows"]);
+    let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
+    assert!(text.contains("runs are missing"), "{text}");
+}
