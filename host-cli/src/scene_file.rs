@@ -20,12 +20,16 @@ pub struct SceneFile {
 }
 
 impl SceneFile {
-    /// The same scene with other values at some keys, such as `integrator.step`.
-    pub fn changed(&self, changes: &[(&str, Value)]) -> Result<Self, Failure> {
+    /// The same scene with other values at some keys, such as `integrator.step`, or without them.
+    pub fn changed<Key: AsRef<str>>(&self, changes: &[(Key, Option<Value>)]) -> Result<Self, Failure> {
         let failed = |why: String| Failure::Tool(format!("{}: {why}", self.desc.name));
         let mut scene: Value = toml::from_str(&self.text).map_err(|error| failed(explain(&error)))?;
         for (key, value) in changes {
-            set(&mut scene, &key.split('.').collect::<Vec<_>>(), value).map_err(failed)?;
+            let path: Vec<_> = key.as_ref().split('.').collect();
+            match value {
+                Some(value) => set(&mut scene, &path, value).map_err(failed)?,
+                None => remove(&mut scene, &path),
+            }
         }
         let desc = scene.clone().try_into().map_err(|error| failed(explain(&error)))?;
         let text = toml::to_string(&scene).map_err(|error| failed(error.to_string()))?;
@@ -144,6 +148,16 @@ fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> {
             (Err(_), _) => items.iter_mut().try_for_each(|item| set(item, path, new)),
         },
         _ => Err(format!("{first} is inside a value that is no section")),
+    }
+}
+
+/// Removes the key at `path` inside `value` where there is one; of an array, in each of its items.
+fn remove(value: &mut Value, path: &[&str]) {
+    match (value, path) {
+        (Value::Table(table), [key]) => drop(table.remove(*key)),
+        (Value::Table(table), [first, rest @ ..]) => table.get_mut(*first).into_iter().for_each(|v| remove(v, rest)),
+        (Value::Array(items), _) => items.iter_mut().for_each(|item| remove(item, path)),
+        _ => {}
     }
 }
 

@@ -17,6 +17,7 @@ mod detect;
 mod divergence;
 mod interrupt;
 mod kit;
+mod needs;
 mod options;
 mod outputs;
 mod picture;

@@ -2,6 +2,7 @@
 
 mod distance;
 mod draw;
+mod needs;
 mod page;
 mod reference;
 mod trajectory;
@@ -9,6 +10,7 @@ mod units;
 mod variant;
 mod work_precision;
 
+pub use needs::needs;
 pub use work_precision::chart;
 
 use std::fs;

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::engine::{self, Engine, Halt, Report};
 use crate::failure::Failure;
+use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
 
 use super::Study;
@@ -81,7 +82,12 @@ impl Limits {
 /// Runs a variant of the study's scene.
 pub fn fly(study: &Study<'_>, variant: &Variant, limits: Limits) -> Result<Trajectory, Failure> {
     study.say(&variant.name(&study.scene));
-    let scene = variant.scene(&study.scene)?;
+    fly_of(study, &study.scene, variant, limits)
+}
+
+/// Runs a variant of a scene, as a rule the study's with something changed.
+pub fn fly_of(study: &Study<'_>, scene: &SceneFile, variant: &Variant, limits: Limits) -> Result<Trajectory, Failure> {
+    let scene = variant.scene(scene)?;
     let (mut engine, _) = engine::build(&scene, variant.precision)
         .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
     let mut flight = Trajectory {
