@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::annotations::ReferenceLine;
+use kuva::render::annotations::{ReferenceLine, TextAnnotation};
 use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
@@ -28,7 +28,7 @@ const PITCH: f64 = 24.0;
 
 /// What each term changes beside what it costs.
 pub fn needs(needs: &Needs) -> String {
-    let height = MARGIN + PITCH * (needs.rows.len() + 1) as f64;
+    let height = MARGIN + PITCH * needs.rows.len() as f64;
     let figure = Figure::new(1, 2)
         .with_title(format!("{}, {} s: what each term is worth", needs.scene, needs.duration_s))
         .with_plots(vec![changes(needs), costs(needs)])
@@ -46,8 +46,8 @@ fn places(needs: &Needs) -> impl Iterator<Item = (f64, &Row)> {
     needs.rows.iter().enumerate().map(move |(row, what)| ((count - row) as f64, what))
 }
 
-fn bar(from: f64, to: f64, height: f64, color: &str, width: f64) -> Plot {
-    Plot::Line(LinePlot::new().with_data(vec![(from, height), (to, height)]).with_color(color).with_stroke_width(width))
+fn bar([from, to]: [f64; 2], height: f64, color: &str, width: f64) -> LinePlot {
+    LinePlot::new().with_data(vec![(from, height), (to, height)]).with_color(color).with_stroke_width(width)
 }
 
 fn marks(data: Vec<(f64, f64)>, marker: MarkerShape, name: &str) -> Option<Plot> {
@@ -59,14 +59,14 @@ fn marks(data: Vec<(f64, f64)>, marker: MarkerShape, name: &str) -> Option<Plot>
 fn bars(needs: &Needs, ends: impl Fn(&Row) -> Option<[f64; 2]>) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (deed, name, color) in DEEDS {
+        let mut name = Some(name);
         let rows = places(needs).filter(|(_, row)| row.deed == deed);
-        let mut drawn: Vec<_> = rows.filter_map(|(at, row)| Some((at, ends(row)?))).collect();
-        let first = drawn.pop().map(|(at, [from, to])| {
-            let line = LinePlot::new().with_data(vec![(from, at), (to, at)]).with_color(color);
-            Plot::Line(line.with_stroke_width(BAR).with_legend(name))
-        });
-        plots.extend(first);
-        plots.extend(drawn.into_iter().map(|(at, [from, to])| bar(from, to, at, color, BAR)));
+        for bar in rows.filter_map(|(at, row)| Some(bar(ends(row)?, at, color, BAR))) {
+            plots.push(Plot::Line(match name.take() {
+                Some(name) => bar.with_legend(name),
+                None => bar,
+            }));
+        }
     }
     plots
 }
@@ -85,49 +85,74 @@ fn span(needs: &Needs) -> (f64, f64) {
     }
 }
 
-/// Bars of the RMS, dots at the largest, crosses at the far end for what diverges.
+/// Bars of the RMS, dots at the largest, crosses at the far end for what fails.
 fn changes(needs: &Needs) -> Vec<Plot> {
     let (from, to) = span(needs);
     let mut plots = bars(needs, |row| row.change_rms.filter(|rms| *rms > 0.0).map(|rms| [from, 1e3 * rms]));
     let most = places(needs).filter_map(|(at, row)| Some((1e3 * row.change_max.filter(|max| *max > 0.0)?, at)));
     plots.extend(marks(most.collect(), MarkerShape::Circle, "largest"));
-    let diverged = places(needs).filter(|(_, row)| row.verdict == Verdict::Diverged).map(|(at, _)| (to / 1.5, at));
-    plots.extend(marks(diverged.collect(), MarkerShape::Cross, "diverges"));
+    let failed = places(needs).filter(|(_, row)| row.verdict == Verdict::Diverged).map(|(at, _)| (to / 1.5, at));
+    plots.extend(marks(failed.collect(), MarkerShape::Cross, "fails"));
     plots
 }
 
 fn layout(needs: &Needs, across: (f64, f64), title: &str, label: &str) -> Layout {
-    Layout::new(across, (0.4, needs.rows.len() as f64 + 1.4)).with_title(title).with_x_label(label)
+    Layout::new(across, (0.4, needs.rows.len() as f64 + 0.6)).with_title(title).with_x_label(label)
 }
 
 fn change_layout(needs: &Needs) -> Layout {
     let format = TickFormat::Custom(Arc::new(|mm| if mm < 0.01 { format!("{mm:.0e}") } else { format!("{mm}") }));
     let names = needs.rows.iter().rev().map(|row| row.run.clone());
-    let layout = layout(needs, span(needs), "change", &format!("RMS change of {}, mm", needs.measure.name()))
-        .with_log_x()
-        .with_x_tick_format(format)
-        .with_y_categories(names.collect());
+    let layout = layout(
+        needs,
+        span(needs),
+        "change; dashed: by half the step",
+        &format!("RMS change of {}, mm", needs.measure.name()),
+    )
+    .with_log_x()
+    .with_x_tick_format(format)
+    .with_y_categories(names.collect());
     match needs.step_error {
-        Some(own) if own.rms > 0.0 => {
-            layout.with_reference_line(ReferenceLine::vertical(1e3 * own.rms).with_label("half the step"))
-        }
+        Some(own) if own.rms > 0.0 => layout.with_reference_line(ReferenceLine::vertical(1e3 * own.rms)),
         _ => layout,
     }
 }
 
-/// Bars of the median and lines from the least to the most, %.
+/// Bars are cut here, %, and say how long they are: else one of them hides all others.
+const CUT: f64 = 100.0;
+
+/// %, cut.
+fn cut(cost: f64) -> f64 {
+    (100.0 * cost).clamp(-CUT, CUT)
+}
+
+/// Where bars are cut, and how long they are, %.
+fn long_bars(needs: &Needs) -> impl Iterator<Item = (f64, f64)> {
+    let all = places(needs).filter_map(|(at, row)| Some((at, 100.0 * row.cost_fraction?)));
+    all.filter(|(_, cost)| cost.abs() > CUT)
+}
+
+/// Bars of the median and lines over the middle half of the pairs, %.
 fn costs(needs: &Needs) -> Vec<Plot> {
-    let mut plots = bars(needs, |row| row.cost_fraction.map(|cost| [0.0, 100.0 * cost]));
-    let ranges = places(needs).filter_map(|(at, row)| Some((at, row.cost_range.filter(|_| row.repeats > 1)?)));
-    plots.extend(ranges.map(|(at, [least, most])| bar(100.0 * least, 100.0 * most, at, "#000000", 1.5)));
+    let mut plots = bars(needs, |row| row.cost_fraction.map(|cost| [0.0, cut(cost)]));
+    let ranges = places(needs).filter_map(|(at, row)| Some((at, row.cost_range?.map(cut))));
+    let wide = ranges.filter(|(_, [least, most])| least < most);
+    plots.extend(wide.map(|(at, ends)| Plot::Line(bar(ends, at, "#000000", 1.5))));
     plots
 }
 
 fn cost_layout(needs: &Needs) -> Layout {
-    let ends = || needs.rows.iter().filter_map(|row| row.cost_range).flatten().map(|cost| 100.0 * cost);
-    let (least, most) = (ends().fold(-10.0, f64::min), ends().fold(10.0, f64::max));
+    let ends = needs.rows.iter().filter_map(|row| row.cost_range).flatten().map(cut);
+    let room = long_bars(needs).map(|(_, cost)| 1.5 * CUT.copysign(cost));
+    let (least, most) =
+        ends.chain(room).fold((-10.0, 10.0), |(least, most): (f64, f64), cost| (least.min(cost), most.max(cost)));
     let names = needs.rows.iter().map(|_| String::new()).collect();
-    layout(needs, (1.1 * least, 1.1 * most), "cost", "part of the time as it is, %")
+    let layout = layout(needs, (1.1 * least, 1.1 * most), "cost", "part of the time as it is, %")
         .with_y_categories(names)
-        .with_reference_line(ReferenceLine::vertical(0.0).with_color("#666666").with_dasharray("none"))
+        .with_reference_line(ReferenceLine::vertical(0.0).with_color("#666666").with_dasharray("none"));
+    long_bars(needs).fold(layout, |layout, (at, cost)| {
+        // The library writes above a place: lower, it is beside the bar's end.
+        let text = TextAnnotation::new(format!("{cost:.0} %"), 1.25 * CUT.copysign(cost), at - 0.4);
+        layout.with_annotation(text.with_font_size(10))
+    })
 }

@@ -34,6 +34,8 @@ mod tests {
             0.5 * stiffness(rigidity, edge) * (span(0.0) - span(angle)).powi(2) / hinge
         };
         assert!((ratio(AGREE_AT) - 1.0).abs() < 1e-12, "{}", ratio(AGREE_AT));
-        assert!((ratio(AGREE_AT / 10.0) - 0.01).abs() < 1e-4, "{}", ratio(AGREE_AT / 10.0));
+        // A tenth of the angle: a hundredth of the energy, and 1.2 % of that by the cosine's next term.
+        let less = ratio(AGREE_AT / 10.0);
+        assert!((less / 0.01 - 1.0).abs() < 0.013, "{less}");
     }
 }

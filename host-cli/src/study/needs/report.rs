@@ -116,7 +116,10 @@ fn without_them(row: &Row, what: &str) -> String {
     let Some(((rms, max), end)) = change else { return row.sentence.clone() };
     let moves = extent(Change { rms, max, end }, row.positions_rms);
     let more = if row.told == Some(true) { ", more than half the step does," } else { "" };
-    let takes = row.cost_fraction.map(|cost| format!(" and the run takes {:.0} % of the time", 100.0 * (1.0 - cost)));
+    let takes = row.cost_range.zip(row.cost_fraction).map(|([least, most], cost)| {
+        let [cost, least, most] = [cost, most, least].map(|cost| 100.0 * (1.0 - cost));
+        format!(" and the run takes {cost:.0} % of the time ({least:.0} to {most:.0} %)")
+    });
     format!("without them all the {what} moves by {moves}{more}{}", takes.unwrap_or_default())
 }
 

@@ -67,7 +67,7 @@ impl Counts {
 pub struct Cost {
     /// Time with the term minus time without it; the median of the pairs.
     pub fraction: f64,
-    /// The least and the most of any pair.
+    /// The least and the most of the middle half of the pairs; of three, of all.
     pub range: [f64; 2],
     /// Pairs.
     pub repeats: usize,
@@ -77,20 +77,35 @@ impl Cost {
     /// Of pairs of times as it is and of the trial; none of none.
     fn of(walls: &[[f64; 2]], deed: Deed) -> Option<Self> {
         let sign = if deed == Deed::Added { -1.0 } else { 1.0 };
-        let fractions: Vec<_> = walls.iter().map(|[as_is, trial]| sign * (as_is - trial) / as_is).collect();
-        let (least, most) = (fractions.iter().copied().reduce(f64::min)?, fractions.iter().copied().reduce(f64::max)?);
-        Some(Self { fraction: median(fractions), range: [least, most], repeats: walls.len() })
+        let fractions = sorted(walls.iter().map(|[as_is, trial]| sign * (as_is - trial) / as_is).collect());
+        let outer = walls.len() / 4;
+        let range = [*fractions.get(outer)?, *fractions.iter().rev().nth(outer)?];
+        Some(Self { fraction: median(fractions), range, repeats: walls.len() })
     }
 
-    /// Whether the clock can tell it from nothing: several pairs, all on one side.
+    /// Whether the clock can tell it from nothing: these pairs are on one side.
     pub fn is_clear(&self) -> bool {
-        self.repeats == 1 || self.range[0] > 0.0 || self.range[1] < 0.0
+        self.range[0] > 0.0 || self.range[1] < 0.0
+    }
+
+    /// The sizes to tell, from the lesser: the median, or the range where pairs differ by more.
+    pub fn told(&self) -> Vec<f64> {
+        let [least, most] = self.range;
+        if most - least <= self.fraction.abs() {
+            return vec![self.fraction.abs()];
+        }
+        vec![least.abs().min(most.abs()), least.abs().max(most.abs())]
     }
 }
 
-/// Of numbers, at least one.
-pub fn median(mut numbers: Vec<f64>) -> f64 {
+fn sorted(mut numbers: Vec<f64>) -> Vec<f64> {
     numbers.sort_by(f64::total_cmp);
+    numbers
+}
+
+/// Of numbers, at least one.
+pub fn median(numbers: Vec<f64>) -> f64 {
+    let numbers = sorted(numbers);
     0.5 * (numbers[(numbers.len() - 1) / 2] + numbers[numbers.len() / 2])
 }
 
@@ -141,7 +156,7 @@ pub struct Row {
     pub told: Option<bool>,
     /// Time with the term minus time without it, over the time of the scene as it is.
     pub cost_fraction: Option<f64>,
-    /// The same of each pair of runs: the least and the most.
+    /// The same of the middle half of the pairs of runs: the least and the most.
     pub cost_range: Option<[f64; 2]>,
     /// Pairs of runs that were timed.
     pub repeats: usize,
@@ -193,4 +208,20 @@ impl Row {
 /// What half the step changes; none where that run did not come to its end.
 pub fn own_error(baseline: &Baseline) -> Option<Change> {
     why_not(&baseline.half).is_none().then(|| Change::of(baseline, &baseline.half, baseline.measure))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cost_is_the_median_of_pairs_and_what_is_added_costs_the_more() {
+        let walls = [[1.0, 0.5], [2.0, 1.2], [4.0, 2.8], [1.0, 9.0], [1.0, 0.1]];
+        let cost = Cost::of(&walls, Deed::Off).unwrap();
+        assert!((cost.fraction - 0.4).abs() < 1e-12, "{cost:?}");
+        assert!((cost.range[0] - 0.3).abs() < 1e-12 && (cost.range[1] - 0.5).abs() < 1e-12, "{cost:?}");
+        let added = Cost::of(&walls, Deed::Added).unwrap();
+        assert!((added.fraction + 0.4).abs() < 1e-12 && (added.range[0] + 0.5).abs() < 1e-12, "{added:?}");
+        assert!(Cost::of(&[], Deed::Off).is_none());
+    }
 }

@@ -3,6 +3,8 @@
 
 use std::time::Duration;
 
+use muslin_core::scene::SceneDesc;
+
 use crate::args::Precision;
 use crate::engine;
 use crate::failure::Failure;
@@ -14,8 +16,8 @@ use crate::study::variant::{SAMPLES, Variant};
 
 use super::terms::Term;
 
-/// Pairs: what runs for less than a second in three is repeated more often.
-const REPEATS: [usize; 2] = [3, 5];
+/// Pairs; the more while they took less than so long, s.
+const REPEATS: [usize; 2] = [3, 9];
 const SHORT: f64 = 1.0;
 
 /// Times the time of the scene as it is, kept for the last run: that without several terms.
@@ -43,9 +45,8 @@ impl Baseline {
         let (engine, _) = engine::build(&study.scene, Precision::F32)
             .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
         let desc = &study.scene.desc;
-        let sample = desc.duration / SAMPLES as f64;
-        // Whole steps, none longer than the scene's; a hair of slack for rounding.
-        let steps = (sample / desc.integrator.step - 1e-9).ceil().max(1.0) as u64;
+        let sampled = SceneDesc { frame_rate: SAMPLES as f64 / desc.duration, ..desc.clone() };
+        let steps = sampled.timing().steps_per_frame;
         let variant = Variant { method: desc.integrator.method, precision: Precision::F32, steps };
         let half = Variant { steps: 2 * steps, ..variant };
         Ok(Self {
@@ -119,14 +120,21 @@ impl Trial {
         self.walls.len() >= REPEATS[usize::from(taken < SHORT)]
     }
 
-    /// Runs the trial once, after the scene as it is.
+    /// Runs the trial and the scene as it is once, in turn first, so that neither gains by its place.
     fn pair(&mut self, study: &Study<'_>, baseline: &Baseline) -> Result<(), Failure> {
         let scene = study.scene.changed(&self.term.edits)?;
         let variant = Variant { precision: self.term.precision, ..baseline.variant };
-        let before = fly(study, &study.scene, &baseline.variant, "as it is")?;
-        let run = fly(study, &scene, &variant, &self.term.run)?;
-        if before.ending == Ending::Complete && run.ending == Ending::Complete {
-            self.walls.push([before.wall, run.wall]);
+        let fly_as_it_is = || fly(study, &study.scene, &baseline.variant, "as it is");
+        let fly_trial = || fly(study, &scene, &variant, &self.term.run);
+        let [as_is, run] = match self.walls.len().is_multiple_of(2) {
+            true => [fly_as_it_is()?, fly_trial()?],
+            false => {
+                let run = fly_trial()?;
+                [fly_as_it_is()?, run]
+            }
+        };
+        if as_is.ending == Ending::Complete && run.ending == Ending::Complete {
+            self.walls.push([as_is.wall, run.wall]);
         }
         // A repeat that ran out of time says nothing new.
         self.run.get_or_insert(run);

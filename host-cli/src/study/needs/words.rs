@@ -28,7 +28,8 @@ pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<C
         (false, true) => format!("would not move the {what}"),
         (false, false) => format!("does not move the {what}"),
     };
-    let cost = cost.map_or_else(|| " and is not timed: the budget is used up".into(), |cost| costs(row, cost));
+    let cost =
+        cost.map_or_else(|| " and is not timed: the budget is used up".into(), |cost| costs(row.deed, &row.run, cost));
     // Before a new clause one comma is enough.
     format!("{subject} {moves}{cost}").replace(",;", ";")
 }
@@ -41,32 +42,41 @@ pub fn extent(change: Change, positions: Option<f64>) -> String {
 }
 
 /// What it costs, as the end of a sentence.
-fn costs(row: &Row, cost: Cost) -> String {
-    let Cost { fraction, range: [least, most], .. } = cost;
+fn costs(deed: Deed, run: &str, cost: Cost) -> String {
     let once = if cost.repeats == 1 { " (timed once)" } else { "" };
-    let share = percent(fraction);
-    match row.deed {
+    let (added, dearer) = (deed == Deed::Added, cost.fraction >= 0.0);
+    let sizes = cost.told();
+    match (added, dearer) {
         _ if !cost.is_clear() => {
-            let verb = if row.deed == Deed::Added { "cost" } else { "costs" };
-            let [least, most] = [least, most].map(|fraction| 100.0 * fraction);
+            let [least, most] = cost.range.map(|fraction| 100.0 * fraction);
+            let verb = if added { "cost" } else { "costs" };
             format!(" and {verb} nothing that the clock can tell ({least:.0} to {most:.0} % of the time)")
         }
-        Deed::Added if fraction >= 0.0 => format!(" and take {}{once}", longer(fraction)),
-        Deed::Added => format!(" and save {share} of the time{once}"),
-        _ if fraction >= 0.0 => format!(" and costs {share} of the time{once}"),
-        _ => format!("; {} it takes {}{once}", row.run, longer(-fraction)),
+        (true, true) => format!(" and take {}{once}", longer(&sizes)),
+        (true, false) => format!(" and save {} of the time{once}", percent(&sizes)),
+        (false, true) => format!(" and costs {} of the time{once}", percent(&sizes)),
+        (false, false) => format!("; {run} it takes {}{once}", longer(&sizes)),
     }
 }
 
-/// How much more a run takes than the scene as it is, by a part of its time.
-fn longer(part: f64) -> String {
-    if part < 1.0 { format!("{} longer", percent(part)) } else { format!("{:.1} times as long", 1.0 + part) }
+/// How much more a run takes than the scene as it is, by parts of its time.
+fn longer(parts: &[f64]) -> String {
+    if parts.iter().all(|&part| part < 1.0) {
+        return format!("{} longer", percent(parts));
+    }
+    let times: Vec<_> = parts.iter().map(|part| format!("{:.1}", 1.0 + part)).collect();
+    format!("{} times as long", times.join(" to "))
 }
 
-/// The size of a part.
-fn percent(part: f64) -> String {
-    let percent = 100.0 * part.abs();
-    if percent < 1.0 { "less than 1 %".into() } else { format!("{percent:.0} %") }
+/// A part, or from one to another.
+fn percent(parts: &[f64]) -> String {
+    match parts {
+        [part] if *part < 0.01 => "less than 1 %".into(),
+        _ => {
+            let percents: Vec<_> = parts.iter().map(|part| format!("{:.0}", 100.0 * part)).collect();
+            format!("{} %", percents.join(" to "))
+        }
+    }
 }
 
 /// Words as a list.
@@ -75,5 +85,32 @@ pub fn list(words: &[&str]) -> String {
         [] => String::new(),
         [word] => (*word).into(),
         [before @ .., last] => format!("{} and {last}", before.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cost_is_told_as_far_as_it_is_known() {
+        let said = |deed, [least, fraction, most]: [f64; 3], repeats| {
+            costs(deed, "without drag", Cost { fraction, range: [least, most], repeats })
+        };
+        let cases = [
+            (Deed::Off, [0.29, 0.31, 0.33], 3, " and costs 31 % of the time"),
+            (Deed::Off, [0.31; 3], 1, " and costs 31 % of the time (timed once)"),
+            (Deed::Simpler, [0.07, 0.13, 0.33], 3, " and costs 7 to 33 % of the time"),
+            (Deed::Off, [-0.03, 0.01, 0.02], 5, " and costs nothing that the clock can tell (-3 to 2 % of the time)"),
+            (Deed::Off, [-0.13, -0.12, -0.11], 3, "; without drag it takes 12 % longer"),
+            (Deed::Off, [-0.44, -0.07, -0.05], 3, "; without drag it takes 5 to 44 % longer"),
+            (Deed::Added, [1.9, 2.0, 2.1], 3, " and take 3.0 times as long"),
+            (Deed::Added, [-0.2, -0.2, -0.2], 3, " and save 20 % of the time"),
+            (Deed::Added, [-0.02, 0.0, 0.02], 3, " and cost nothing that the clock can tell (-2 to 2 % of the time)"),
+            (Deed::Off, [0.004, 0.005, 0.006], 3, " and costs less than 1 % of the time"),
+        ];
+        for (deed, fractions, repeats, words) in cases {
+            assert_eq!(said(deed, fractions, repeats), words);
+        }
     }
 }
