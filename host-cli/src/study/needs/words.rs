@@ -48,7 +48,8 @@ fn costs(deed: Deed, run: &str, cost: Cost) -> String {
     let sizes = cost.told();
     match (added, dearer) {
         _ if !cost.is_clear() => {
-            let [least, most] = cost.range.map(|fraction| 100.0 * fraction);
+            // Rounded before it is printed: not to "-0".
+            let [least, most] = cost.range.map(|fraction| (100.0 * fraction).round() + 0.0);
             let verb = if added { "cost" } else { "costs" };
             format!(" and {verb} nothing that the clock can tell ({least:.0} to {most:.0} % of the time)")
         }
@@ -101,7 +102,7 @@ mod tests {
             (Deed::Off, [0.29, 0.31, 0.33], 3, " and costs 31 % of the time"),
             (Deed::Off, [0.31; 3], 1, " and costs 31 % of the time (timed once)"),
             (Deed::Simpler, [0.07, 0.13, 0.33], 3, " and costs 7 to 33 % of the time"),
-            (Deed::Off, [-0.03, 0.01, 0.02], 5, " and costs nothing that the clock can tell (-3 to 2 % of the time)"),
+            (Deed::Off, [-0.003, 0.01, 0.02], 5, " and costs nothing that the clock can tell (0 to 2 % of the time)"),
             (Deed::Off, [-0.13, -0.12, -0.11], 3, "; without drag it takes 12 % longer"),
             (Deed::Off, [-0.44, -0.07, -0.05], 3, "; without drag it takes 5 to 44 % longer"),
             (Deed::Added, [1.9, 2.0, 2.1], 3, " and take 3.0 times as long"),
