@@ -20,10 +20,19 @@ pub struct SceneFile {
 }
 
 impl SceneFile {
-    /// The same scene with other values at some keys, such as `integrator.step`.
-    pub fn changed(&self, changes: &[(&str, Value)]) -> Result<Self, Failure> {
+    /// The same scene with other values at some keys, such as `integrator.step`, or without them.
+    pub fn changed<Key: AsRef<str>>(&self, changes: &[(Key, Option<Value>)]) -> Result<Self, Failure> {
         self.edited(|scene| {
-            changes.iter().try_for_each(|(key, value)| set(scene, &key.split('.').collect::<Vec<_>>(), value))
+            changes.iter().try_for_each(|(key, value)| {
+                let path: Vec<_> = key.as_ref().split('.').collect();
+                match value {
+                    Some(value) => set(scene, &path, value),
+                    None => {
+                        remove(scene, &path);
+                        Ok(())
+                    }
+                }
+            })
         })
     }
 
@@ -173,6 +182,16 @@ fn scale(value: &mut Value, path: &[&str], factor: f64) {
         (value @ Value::Integer(_), []) => {
             *value = Value::Float(factor * value.as_integer().unwrap_or_default() as f64);
         }
+        _ => {}
+    }
+}
+
+/// Removes the key at `path` inside `value` where there is one; of an array, in each of its items.
+fn remove(value: &mut Value, path: &[&str]) {
+    match (value, path) {
+        (Value::Table(table), [key]) => drop(table.remove(*key)),
+        (Value::Table(table), [first, rest @ ..]) => table.get_mut(*first).into_iter().for_each(|v| remove(v, rest)),
+        (Value::Array(items), _) => items.iter_mut().for_each(|item| remove(item, path)),
         _ => {}
     }
 }

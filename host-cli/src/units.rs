@@ -7,7 +7,8 @@ pub fn length(metres: f64) -> String {
         m if m >= 1e-3 => format!("{:.1} mm", 1e3 * m),
         m if m >= 1e-6 => format!("{:.1} um", 1e6 * m),
         m if m >= 1e-9 => format!("{:.1} nm", 1e9 * m),
-        m => format!("{m:.0e} m"),
+        m if m > 0.0 => format!("{m:.0e} m"),
+        _ => "0 m".into(),
     }
 }
 

@@ -18,6 +18,7 @@ mod divergence;
 mod interrupt;
 mod kit;
 mod limit;
+mod needs;
 mod options;
 mod outputs;
 mod picture;

@@ -35,6 +35,16 @@ impl Measure {
 
     /// Compares two complete runs of vertices of given masses, kg.
     pub fn between(self, a: &Trajectory, b: &Trajectory, masses: &[f64]) -> Distance {
+        self.of_samples(&a.samples, &b.samples, masses)
+    }
+
+    /// The same of their last samples.
+    pub fn at_end(self, a: &Trajectory, b: &Trajectory, masses: &[f64]) -> Distance {
+        let last = |run: &Trajectory| run.samples.len().saturating_sub(1)..;
+        self.of_samples(&a.samples[last(a)], &b.samples[last(b)], masses)
+    }
+
+    fn of_samples(self, a: &[Sample], b: &[Sample], masses: &[f64]) -> Distance {
         match self {
             Self::Positions => positions(a, b, masses),
             Self::Outline => outlines(a, b),
@@ -42,24 +52,27 @@ impl Measure {
     }
 }
 
-fn positions(a: &Trajectory, b: &Trajectory, masses: &[f64]) -> Distance {
+/// Positions of all vertices, m.
+type Sample = Vec<[f64; 3]>;
+
+fn positions(a: &[Sample], b: &[Sample], masses: &[f64]) -> Distance {
     let (mut sum, mut max) = (0.0, 0.0_f64);
-    for (a, b) in a.samples.iter().zip(&b.samples) {
+    for (a, b) in a.iter().zip(b) {
         for ((a, b), mass) in a.iter().zip(b).zip(masses) {
             let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
             sum += mass * square;
             max = max.max(square);
         }
     }
-    let weight = a.samples.len() as f64 * masses.iter().sum::<f64>();
+    let weight = a.len() as f64 * masses.iter().sum::<f64>();
     Distance { rms: (sum / weight).sqrt(), max: max.sqrt() }
 }
 
 /// Horizontal directions in which an outline is taken; up and down come to them.
 const AROUND: u32 = 16;
 
-fn outlines(a: &Trajectory, b: &Trajectory) -> Distance {
-    let off = a.samples.iter().zip(&b.samples).flat_map(|(a, b)| {
+fn outlines(a: &[Sample], b: &[Sample]) -> Distance {
+    let off = a.iter().zip(b).flat_map(|(a, b)| {
         let (a, b) = (outline(a), outline(b));
         a.into_iter().zip(b).map(|(a, b)| (a - b).abs()).collect::<Vec<_>>()
     });

@@ -2,6 +2,7 @@
 
 mod distance;
 mod draw;
+mod needs;
 mod page;
 mod reference;
 mod stability;
@@ -9,6 +10,7 @@ mod trajectory;
 mod variant;
 mod work_precision;
 
+pub use needs::needs;
 pub use stability::stability;
 pub use work_precision::chart;
 

@@ -83,7 +83,12 @@ impl Limits {
 /// Runs a variant of the study's scene.
 pub fn fly(study: &Study<'_>, variant: &Variant, limits: Limits) -> Result<Trajectory, Failure> {
     study.say(&variant.name(&study.scene));
-    fly_scene(study, &variant.scene(&study.scene)?, variant.precision, variant.steps, limits)
+    fly_of(study, &study.scene, variant, limits)
+}
+
+/// Runs a variant of a scene, as a rule the study's with something changed.
+pub fn fly_of(study: &Study<'_>, scene: &SceneFile, variant: &Variant, limits: Limits) -> Result<Trajectory, Failure> {
+    fly_scene(study, &variant.scene(scene)?, variant.precision, variant.steps, limits)
 }
 
 /// Runs a scene by so many steps from sample to sample.

@@ -51,10 +51,10 @@ impl Variant {
     /// The scene that is run.
     pub fn scene(&self, scene: &SceneFile) -> Result<SceneFile, Failure> {
         scene.changed(&[
-            ("frame_rate", Value::Float(SAMPLES as f64 / scene.desc.duration)),
-            ("integrator.method", Value::String(self.method.name().into())),
-            ("integrator.step", Value::Float(self.step(scene))),
-            ("integrator.tolerance", Value::Float(self.tolerance(scene))),
+            ("frame_rate", Some(Value::Float(SAMPLES as f64 / scene.desc.duration))),
+            ("integrator.method", Some(Value::String(self.method.name().into()))),
+            ("integrator.step", Some(Value::Float(self.step(scene)))),
+            ("integrator.tolerance", Some(Value::Float(self.tolerance(scene)))),
         ])
     }
 

@@ -1,8 +1,10 @@
 //! Pictures of studies.
 
+mod needs;
 mod stability;
 mod work_precision;
 
+pub use needs::needs;
 pub use stability::stability;
 pub use work_precision::work_precision;
 

@@ -76,11 +76,11 @@ pub fn fly(
     let steps = steps(study.scene.desc.duration, step, subject.method);
     let duration = steps as f64 * step;
     let scene = ground.scene.changed(&[
-        ("duration", Value::Float(duration)),
-        ("frame_rate", Value::Float(SAMPLES as f64 / duration)),
-        ("integrator.method", Value::String(subject.method.name().into())),
-        ("integrator.newton", Value::Integer(subject.newton.into())),
-        ("integrator.step", Value::Float(step)),
+        ("duration", Some(Value::Float(duration))),
+        ("frame_rate", Some(Value::Float(SAMPLES as f64 / duration))),
+        ("integrator.method", Some(Value::String(subject.method.name().into()))),
+        ("integrator.newton", Some(Value::Integer(subject.newton.into()))),
+        ("integrator.step", Some(Value::Float(step))),
     ])?;
     let limits = Limits { wall: study.left().max(Duration::from_millis(1)), energy };
     fly_scene(study, &scene, Precision::F32, steps / SAMPLES, limits)

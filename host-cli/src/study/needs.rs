@@ -1,0 +1,53 @@
+//! `muslin needs`: what each modelled term of a scene changes and what it costs.
+
+mod bending_spring;
+mod report;
+mod row;
+mod terms;
+mod trial;
+mod words;
+
+use crate::args::NeedsArguments;
+use crate::bench::cpu_name;
+use crate::failure::Failure;
+
+use super::{Study, draw};
+use report::Hidden;
+pub use report::Needs;
+pub use row::{Row, Verdict};
+pub use terms::Deed;
+use terms::Term;
+use trial::{Baseline, Trial};
+
+/// Measures a scene's terms.
+pub fn needs(arguments: &NeedsArguments) -> Result<(), Failure> {
+    let study = Study::begin(&arguments.study)?;
+    let baseline = Baseline::fly(&study)?;
+    let terms = terms::of(&study.scene.desc, baseline.mean_edge);
+    let mut trials: Vec<_> = terms.into_iter().map(Trial::new).collect();
+    trial::run(&study, &baseline, &mut trials)?;
+    let hidden = hidden(&study, &baseline, &trials)?;
+    let needs = report::of(&study, &baseline, &trials, hidden);
+    study.finish("needs", &draw::needs(&needs), &needs, &needs.lines())
+}
+
+/// Which terms the step cannot tell, run without all of them where there are several.
+fn hidden(study: &Study<'_>, baseline: &Baseline, trials: &[Trial]) -> Result<Hidden, Failure> {
+    let is_hidden = |trial: &&Trial| {
+        let row = Row::of(baseline, trial);
+        row.told == Some(false) && row.deed != Deed::Added
+    };
+    let hidden: Vec<&Trial> = trials.iter().filter(is_hidden).collect();
+    let is_part = |trial: &Trial| hidden.iter().any(|other| trial.term.part_of.contains(&other.term.name));
+    let whole: Vec<&Trial> = hidden.iter().copied().filter(|trial| !is_part(trial)).collect();
+    let without_them = match whole.as_slice() {
+        [] => None,
+        [only] => Some(Row::of(baseline, only)),
+        several => {
+            let mut trial = Trial::new(Term::together(several.iter().map(|trial| &trial.term)));
+            trial::run(study, baseline, std::slice::from_mut(&mut trial))?;
+            Some(Row::of(baseline, &trial))
+        }
+    };
+    Ok(Hidden { terms: whole.iter().map(|trial| trial.term.name).collect(), without_them })
+}

@@ -1,0 +1,190 @@
+//! What the terms of a scene are worth, in numbers and words.
+
+use serde::Serialize;
+
+use crate::study::Study;
+use crate::study::distance::Measure;
+use crate::units::{length, time};
+
+use super::cpu_name;
+use super::row::{Change, Counts, Row, Verdict, median, own_error};
+use super::trial::{Baseline, Trial, why_not};
+use super::words::{extent, list, moved};
+
+/// Terms that the step cannot tell: the scene models them, and each by itself changes less than half
+/// the step does.
+#[derive(Clone, Debug, Serialize)]
+pub struct Hidden {
+    /// Which they are; what is a part of one of them is not named.
+    pub terms: Vec<&'static str>,
+    /// What came of switching them off together; none of none.
+    pub without_them: Option<Row>,
+}
+
+/// `needs --json`. Lengths are metres.
+#[derive(Clone, Debug, Serialize)]
+pub struct Needs {
+    /// Its name.
+    pub scene: String,
+    /// Simulated, s.
+    pub duration_s: f64,
+    /// Of all cloths.
+    pub vertices: usize,
+    /// As scenes spell it; in single precision.
+    pub method: &'static str,
+    /// As taken, s.
+    pub step: f64,
+    /// What a change is of: positions, or with contact the outline.
+    pub measure: Measure,
+    /// What half the step changes; none where that could not be run.
+    pub step_error: Option<Change>,
+    /// Why it could not.
+    pub step_error_why: Option<String>,
+    /// Of the scene as it is, in steps, s; the median.
+    pub wall_s: f64,
+    /// Its work.
+    pub counts: Counts,
+    /// The processor; one thread of it.
+    pub machine: String,
+    /// First terms without which the scene diverges, then by what they change, last what there was no
+    /// time for.
+    pub rows: Vec<Row>,
+    /// Terms that the step cannot tell.
+    pub hidden: Hidden,
+    /// Which terms the step cannot tell, and what they cost.
+    pub conclusion: String,
+    /// What the study took, s.
+    pub study_s: f64,
+}
+
+/// Puts together what came of the trials.
+pub fn of(study: &Study<'_>, baseline: &Baseline, trials: &[Trial], hidden: Hidden) -> Needs {
+    let mut rows: Vec<_> = trials.iter().map(|trial| Row::of(baseline, trial)).collect();
+    rows.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
+    Needs {
+        scene: study.scene.desc.name.clone(),
+        duration_s: study.scene.desc.duration,
+        vertices: baseline.masses.len(),
+        method: baseline.variant.method.name(),
+        step: baseline.variant.step(&study.scene),
+        measure: baseline.measure,
+        step_error: own_error(baseline),
+        step_error_why: why_not(&baseline.half),
+        wall_s: wall_as_it_is(baseline, trials),
+        counts: Counts::of(&baseline.run.report),
+        machine: cpu_name(),
+        conclusion: conclusion(&hidden, baseline),
+        rows,
+        hidden,
+        study_s: study.seconds(),
+    }
+}
+
+/// What comes first is worth more.
+fn rank(row: &Row) -> f64 {
+    match row.verdict {
+        Verdict::Diverged => f64::INFINITY,
+        Verdict::Ok => row.change_rms.unwrap_or(0.0),
+        Verdict::Unfinished => -1.0,
+    }
+}
+
+/// Of all runs of the scene as it is, s.
+fn wall_as_it_is(baseline: &Baseline, trials: &[Trial]) -> f64 {
+    let repeats = trials.iter().flat_map(|trial| &trial.walls).map(|[as_is, _]| *as_is);
+    median(repeats.chain([baseline.run.wall]).collect())
+}
+
+/// Which of the modelled terms the step cannot tell, and what they cost together.
+fn conclusion(hidden: &Hidden, baseline: &Baseline) -> String {
+    let what = moved(baseline.measure);
+    match (hidden.terms.as_slice(), &hidden.without_them) {
+        ([], _) if own_error(baseline).is_none() => {
+            format!("How far half the step moves the {what} is not known, so no term can be called too small")
+        }
+        ([only], _) => format!("Hidden by the step's own error: {only} alone"),
+        (several, Some(row)) => {
+            format!("Hidden by the step's own error: {}; {}", list(several), without_them(row, what))
+        }
+        _ => format!("No term that was run to the end moves the {what} by less than half the step does"),
+    }
+}
+
+/// The run without all of them.
+fn without_them(row: &Row, what: &str) -> String {
+    let change = row.change_rms.zip(row.change_max).zip(row.change_end);
+    let Some(((rms, max), end)) = change else { return row.sentence.clone() };
+    let moves = extent(Change { rms, max, end }, row.positions_rms);
+    let more = if row.told == Some(true) { ", more than half the step does," } else { "" };
+    let takes = row.cost_range.zip(row.cost_fraction).map(|([least, most], cost)| {
+        let [cost, least, most] = [cost, most, least].map(|cost| 100.0 * (1.0 - cost));
+        format!(" and the run takes {cost:.0} % of the time ({least:.0} to {most:.0} %)")
+    });
+    format!("without them all the {what} moves by {moves}{more}{}", takes.unwrap_or_default())
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Of what half the step changes: where rounding changes more, a motion is no longer determined.
+const UNSTABLE: f64 = 0.1;
+
+impl Needs {
+    /// A warning where rounding alone changes much.
+    fn chance(&self) -> Option<String> {
+        let rounding = self.rows.iter().find(|row| row.precision == "f64")?.change_rms?;
+        let own = self.step_error?.rms;
+        (rounding > UNSTABLE * own).then(|| {
+            let (rounding, what) = (length(rounding), moved(self.measure));
+            format!("Rounding alone moves the {what} by {rounding}: a change of that size may be chance")
+        })
+    }
+
+    /// For people.
+    pub fn lines(&self) -> String {
+        let what = moved(self.measure);
+        let mut lines = vec![format!(
+            "{}: {} s of {} vertices, {} f32 by steps of {}, {} of computing",
+            self.scene,
+            self.duration_s,
+            self.vertices,
+            self.method,
+            time(self.step),
+            time(self.wall_s)
+        )];
+        lines.push(match (&self.step_error, &self.step_error_why) {
+            (Some(own), _) => format!(
+                "Half the step moves the {what} by {}: a term that moves it by less cannot be told at this step",
+                extent(*own, None)
+            ),
+            (None, why) => format!("Half the step {}", why.as_deref().unwrap_or("is not known")),
+        });
+        lines.extend(self.chance());
+        lines.push(String::new());
+        lines.extend(self.rows.iter().map(|row| capital(&row.sentence)));
+        lines.extend([String::new(), self.conclusion.clone(), String::new()]);
+        lines.push(format!(
+            "{:<30}{:>12}{:>15}{:>14}{:>12}",
+            "run", "evaluations", "CG iterations", "candidates", "time"
+        ));
+        lines.push(counted("as it is", Some(self.counts), Some(self.wall_s)));
+        // A row of one term stands there already.
+        let together = self.hidden.without_them.iter().filter(|_| self.hidden.terms.len() > 1);
+        lines.extend(self.rows.iter().chain(together).map(|row| counted(&row.run, row.counts, row.wall_s)));
+        lines.join("\n")
+    }
+}
+
+/// A line of the table: evaluations of forces, iterations, candidates, time.
+fn counted(run: &str, counts: Option<Counts>, wall: Option<f64>) -> String {
+    let column = |count: fn(&Counts) -> u64| counts.as_ref().map_or_else(|| "-".into(), |c| count(c).to_string());
+    format!(
+        "{run:<30}{:>12}{:>15}{:>14}{:>12}",
+        column(|c| c.force_evaluations),
+        column(|c| c.cg_iterations),
+        column(|c| c.candidates),
+        wall.map_or_else(|| "-".into(), time)
+    )
+}

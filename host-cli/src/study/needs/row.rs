@@ -1,0 +1,227 @@
+//! What came of a trial, in numbers.
+
+use serde::Serialize;
+
+use crate::engine::Report;
+use crate::study::distance::Measure;
+use crate::study::trajectory::{Ending, Trajectory};
+
+use super::terms::Deed;
+use super::trial::{Baseline, Trial, why_not};
+use super::words;
+
+/// How far a run is from the scene as it is, m.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Change {
+    /// Root of the mean square over all samples; of positions by mass, or of the outline.
+    pub rms: f64,
+    /// The largest.
+    pub max: f64,
+    /// The root of the mean square at the end.
+    pub end: f64,
+}
+
+impl Change {
+    /// Of a run that came to its end.
+    pub fn of(baseline: &Baseline, run: &Trajectory, measure: Measure) -> Self {
+        let all = measure.between(run, &baseline.run, &baseline.masses);
+        let end = measure.at_end(run, &baseline.run, &baseline.masses);
+        Self { rms: all.rms, max: all.max, end: end.rms }
+    }
+}
+
+/// Work that does not depend on the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Counts {
+    /// Evaluations of all forces.
+    pub force_evaluations: u64,
+    /// Iterations of conjugate gradients.
+    pub cg_iterations: u64,
+    /// Products of the system matrix with a vector.
+    pub matrix_products: u64,
+    /// Pairs of features whose boxes overlapped.
+    pub candidates: u64,
+    /// Pairs that were within the thickness.
+    pub contacts: u64,
+    /// Steps and halves of steps that were taken back.
+    pub rejected_steps: u64,
+}
+
+impl Counts {
+    /// Of a whole run.
+    pub fn of(report: &Report) -> Self {
+        let [candidates, contacts, .., rejected_steps] = report.contacts;
+        Self {
+            force_evaluations: report.force_evaluations,
+            cg_iterations: report.cg_iterations,
+            matrix_products: report.matrix_products,
+            candidates,
+            contacts,
+            rejected_steps,
+        }
+    }
+}
+
+/// What a term costs, over the time of the scene as it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Cost {
+    /// Time with the term minus time without it; the median of the pairs.
+    pub fraction: f64,
+    /// The least and the most of the middle half of the pairs; of three, of all.
+    pub range: [f64; 2],
+    /// Pairs.
+    pub repeats: usize,
+}
+
+impl Cost {
+    /// Of pairs of times as it is and of the trial; none of none.
+    fn of(walls: &[[f64; 2]], deed: Deed) -> Option<Self> {
+        let sign = if deed == Deed::Added { -1.0 } else { 1.0 };
+        let fractions = sorted(walls.iter().map(|[as_is, trial]| sign * (as_is - trial) / as_is).collect());
+        let outer = walls.len() / 4;
+        let range = [*fractions.get(outer)?, *fractions.iter().rev().nth(outer)?];
+        Some(Self { fraction: median(fractions), range, repeats: walls.len() })
+    }
+
+    /// Whether the clock can tell it from nothing: these pairs are on one side.
+    pub fn is_clear(&self) -> bool {
+        self.range[0] > 0.0 || self.range[1] < 0.0
+    }
+
+    /// The sizes to tell, from the lesser: the median, or the range where pairs differ by more.
+    pub fn told(&self) -> Vec<f64> {
+        let [least, most] = self.range;
+        if most - least <= self.fraction.abs() {
+            return vec![self.fraction.abs()];
+        }
+        vec![least.abs().min(most.abs()), least.abs().max(most.abs())]
+    }
+}
+
+fn sorted(mut numbers: Vec<f64>) -> Vec<f64> {
+    numbers.sort_by(f64::total_cmp);
+    numbers
+}
+
+/// Of numbers, at least one.
+pub fn median(numbers: Vec<f64>) -> f64 {
+    let numbers = sorted(numbers);
+    0.5 * (numbers[(numbers.len() - 1) / 2] + numbers[numbers.len() / 2])
+}
+
+/// How a trial ended.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// At its time.
+    Ok,
+    /// The scene does not run so.
+    Diverged,
+    /// There was no time for it.
+    Unfinished,
+}
+
+impl Verdict {
+    fn of(run: Option<&Trajectory>) -> Self {
+        match run.map(|run| &run.ending) {
+            Some(Ending::Complete) => Self::Ok,
+            Some(Ending::Diverged(_) | Ending::Grown) => Self::Diverged,
+            Some(Ending::OutOfTime) | None => Self::Unfinished,
+        }
+    }
+}
+
+/// A term and what it is worth.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The term.
+    pub term: &'static str,
+    /// Whether it is switched off, put simpler, or added.
+    pub deed: Deed,
+    /// The scene as it was run, as after a comma.
+    pub run: String,
+    /// f32 or f64.
+    pub precision: &'static str,
+    /// How that ended.
+    pub verdict: Verdict,
+    /// m; none where the run did not come to its end.
+    pub change_rms: Option<f64>,
+    /// m; the largest, of any vertex or in any direction, at any sample.
+    pub change_max: Option<f64>,
+    /// m; at the end.
+    pub change_end: Option<f64>,
+    /// m; of vertices, where the change is of the outline.
+    pub positions_rms: Option<f64>,
+    /// Whether it changes more than half the step does; none where either is not known.
+    pub told: Option<bool>,
+    /// Time with the term minus time without it, over the time of the scene as it is.
+    pub cost_fraction: Option<f64>,
+    /// The same of the middle half of the pairs of runs: the least and the most.
+    pub cost_range: Option<[f64; 2]>,
+    /// Pairs of runs that were timed.
+    pub repeats: usize,
+    /// In steps, s; the median.
+    pub wall_s: Option<f64>,
+    /// Work of the run.
+    pub counts: Option<Counts>,
+    /// All of it in words.
+    pub sentence: String,
+    /// Why there is no change to tell.
+    pub why: Option<String>,
+}
+
+impl Row {
+    /// What a trial tells.
+    pub fn of(baseline: &Baseline, trial: &Trial) -> Self {
+        let term = &trial.term;
+        let change = trial.complete().map(|run| Change::of(baseline, run, baseline.measure));
+        let vertices = trial.complete().filter(|_| baseline.measure == Measure::Outline);
+        let own = own_error(baseline);
+        let told = change.zip(own).map(|(change, own)| change.rms > own.rms);
+        let cost = Cost::of(&trial.walls, term.deed);
+        let walls: Vec<_> = trial.walls.iter().map(|[_, wall]| *wall).collect();
+        let late = || Some("is not run: the budget is used up".into());
+        let mut row = Self {
+            term: term.name,
+            deed: term.deed,
+            run: term.run.clone(),
+            precision: term.precision.name(),
+            verdict: Verdict::of(trial.run.as_ref()),
+            change_rms: change.map(|change| change.rms),
+            change_max: change.map(|change| change.max),
+            change_end: change.map(|change| change.end),
+            positions_rms: vertices.map(|run| Change::of(baseline, run, Measure::Positions).rms),
+            told,
+            cost_fraction: cost.map(|cost| cost.fraction),
+            cost_range: cost.map(|cost| cost.range),
+            repeats: trial.walls.len(),
+            wall_s: (!walls.is_empty()).then(|| median(walls)),
+            counts: trial.complete().map(|run| Counts::of(&run.report)),
+            sentence: String::new(),
+            why: trial.run.as_ref().map_or_else(late, why_not),
+        };
+        row.sentence = words::sentence(&row, &term.subject, change, cost, baseline.measure);
+        row
+    }
+}
+
+/// What half the step changes; none where that run did not come to its end.
+pub fn own_error(baseline: &Baseline) -> Option<Change> {
+    why_not(&baseline.half).is_none().then(|| Change::of(baseline, &baseline.half, baseline.measure))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cost_is_the_median_of_pairs_and_what_is_added_costs_the_more() {
+        let walls = [[1.0, 0.5], [2.0, 1.2], [4.0, 2.8], [1.0, 9.0], [1.0, 0.1]];
+        let cost = Cost::of(&walls, Deed::Off).unwrap();
+        assert!((cost.fraction - 0.4).abs() < 1e-12, "{cost:?}");
+        assert!((cost.range[0] - 0.3).abs() < 1e-12 && (cost.range[1] - 0.5).abs() < 1e-12, "{cost:?}");
+        let added = Cost::of(&walls, Deed::Added).unwrap();
+        assert!((added.fraction + 0.4).abs() < 1e-12 && (added.range[0] + 0.5).abs() < 1e-12, "{added:?}");
+        assert!(Cost::of(&[], Deed::Off).is_none());
+    }
+}

@@ -1,0 +1,205 @@
+//! What a scene models, and how to run it without, or with what could be modelled besides.
+
+use muslin_core::scene::{BendModel, ClothDesc, ContactDesc, FrictionDesc, SceneDesc, StretchModel};
+use serde::Serialize;
+use toml::Value;
+
+use crate::args::Precision;
+
+use super::bending_spring;
+
+/// What is done to a term.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Deed {
+    /// Switched off.
+    Off,
+    /// Put simpler.
+    Simpler,
+    /// Added: the scene does not model it.
+    Added,
+}
+
+/// A value at a key of the scene, or that it is removed.
+pub type Edit = (String, Option<Value>);
+
+/// A term of the model and what is done to it.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// As rows call it.
+    pub name: &'static str,
+    /// What is done to it.
+    pub deed: Deed,
+    /// As the subject of a sentence.
+    pub subject: String,
+    /// The scene as it is run, after a comma: "without bending".
+    pub run: String,
+    /// Larger terms that switch it off too.
+    pub part_of: &'static [&'static str],
+    /// What is changed in the scene; values come before what is removed.
+    pub edits: Vec<Edit>,
+    /// In which it is run.
+    pub precision: Precision,
+}
+
+impl Term {
+    fn new(name: &'static str, deed: Deed, run: String, edits: Vec<Edit>) -> Self {
+        let (part_of, precision): (&[_], _) = (&[], Precision::F32);
+        Self { name, deed, subject: name.into(), run, part_of, edits, precision }
+    }
+
+    fn off(name: &'static str, edits: Vec<Edit>) -> Self {
+        Self::new(name, Deed::Off, format!("without {name}"), edits)
+    }
+
+    fn simpler(name: &'static str, than: &str, edits: Vec<Edit>) -> Self {
+        let term = Self::new(name, Deed::Simpler, format!("with {than}"), edits);
+        Self { subject: format!("{name} instead of {than}"), ..term }
+    }
+
+    /// The same as a part of larger terms.
+    fn within(self, part_of: &'static [&'static str]) -> Self {
+        Self { part_of, ..self }
+    }
+
+    /// Several at once, without parts of one another.
+    pub fn together<'a>(terms: impl Iterator<Item = &'a Self>) -> Self {
+        let mut edits: Vec<_> = terms.flat_map(|term| term.edits.iter().cloned()).collect();
+        // A value inside of a removed section would bring it back.
+        edits.sort_by_key(|(_, value)| value.is_none());
+        let term = Self::new("all of these", Deed::Off, "without them all".into(), edits);
+        Self { subject: "the sum of these".into(), ..term }
+    }
+}
+
+/// Every term that the scene models, in the order of the scene, then what could be added;
+/// `mean_edge` is that of its cloths, m.
+pub fn of(scene: &SceneDesc, mean_edge: f64) -> Vec<Term> {
+    let contact = scene.contact.as_ref();
+    let terms = [
+        membrane(scene),
+        shear(scene),
+        hinges(scene, mean_edge),
+        bending(scene),
+        damping(scene),
+        drag(scene),
+        wind(scene),
+        contact.and_then(self_collision),
+        contact.and_then(continuous),
+        contact.and_then(|contact| friction(scene, contact)),
+        contact.map(|_| whole_contact(scene)),
+        newton(scene),
+        Some(double_precision()),
+    ];
+    terms.into_iter().flatten().collect()
+}
+
+fn removed(key: &str) -> Edit {
+    (key.into(), None)
+}
+
+/// A value in each cloth that gives one.
+fn in_cloths(scene: &SceneDesc, key: &str, value: impl Fn(&ClothDesc) -> Option<Value>) -> Vec<Edit> {
+    let cloths = scene.cloth.iter().enumerate();
+    cloths.filter_map(|(index, cloth)| Some((format!("cloth.{index}.{key}"), Some(value(cloth)?)))).collect()
+}
+
+/// The sheet's membranes as springs of the same Young's modulus, which resist shear by themselves.
+fn membrane(scene: &SceneDesc) -> Option<Term> {
+    let mut edits = in_cloths(scene, "stretch.model", |cloth| {
+        let stretch = cloth.stretch.as_ref().filter(|stretch| stretch.model == StretchModel::Membrane);
+        stretch.map(|_| Value::String("spring".into()))
+    });
+    let modelled = !edits.is_empty();
+    edits.extend(["cloth.stretch.weft", "cloth.shear"].map(removed));
+    modelled.then(|| {
+        let term = Term::simpler("membrane", "springs", edits);
+        Term { subject: format!("the {}", term.subject), ..term }
+    })
+}
+
+fn shear(scene: &SceneDesc) -> Option<Term> {
+    let modelled = scene.cloth.iter().any(|cloth| cloth.shear.is_some());
+    modelled.then(|| Term::off("shear", vec![removed("cloth.shear")]).within(&["membrane"]))
+}
+
+/// Hinges as bending springs of comparable stiffness.
+fn hinges(scene: &SceneDesc, mean_edge: f64) -> Option<Term> {
+    let hinged = |cloth: &ClothDesc| cloth.bend.clone().filter(|bend| bend.model == BendModel::Hinge);
+    let mut edits = in_cloths(scene, "bend.stiffness", |cloth| {
+        Some(Value::Float(bending_spring::stiffness(hinged(cloth)?.rigidity?, mean_edge)))
+    });
+    edits.extend(in_cloths(scene, "bend.model", |cloth| hinged(cloth).map(|_| Value::String("spring".into()))));
+    let modelled = !edits.is_empty();
+    edits.push(removed("cloth.bend.rigidity"));
+    modelled.then(|| Term::simpler("hinge bending", "bending springs", edits).within(&["bending"]))
+}
+
+fn bending(scene: &SceneDesc) -> Option<Term> {
+    let modelled = scene.cloth.iter().any(|cloth| cloth.bend.is_some());
+    modelled.then(|| Term::off("bending", vec![removed("cloth.bend")]))
+}
+
+/// Of the cloth; seams keep theirs.
+fn damping(scene: &SceneDesc) -> Option<Term> {
+    let damped = |cloth: &ClothDesc| {
+        let stretch = cloth.stretch.as_ref().map(|stretch| stretch.damping);
+        let shear = cloth.shear.as_ref().map(|shear| shear.damping);
+        let bend = cloth.bend.as_ref().map(|bend| bend.damping);
+        [stretch, shear, bend].into_iter().flatten().any(|damping| damping > 0.0)
+    };
+    let edits = ["cloth.stretch.damping", "cloth.shear.damping", "cloth.bend.damping"].map(removed);
+    scene.cloth.iter().any(damped).then(|| Term::off("damping", edits.into()))
+}
+
+fn drag(scene: &SceneDesc) -> Option<Term> {
+    let modelled = scene.drag.as_ref().is_some_and(|drag| drag.linear > 0.0);
+    modelled.then(|| Term::off("drag", vec![removed("drag.linear")]))
+}
+
+fn wind(scene: &SceneDesc) -> Option<Term> {
+    let modelled = scene.drag.as_ref().is_some_and(|drag| drag.wind.is_some());
+    modelled.then(|| Term::off("wind", vec![removed("drag.wind")]))
+}
+
+fn self_collision(contact: &ContactDesc) -> Option<Term> {
+    let edits = vec![("contact.self".into(), Some(Value::Boolean(false)))];
+    contact.own.then(|| Term::off("self-collision", edits).within(&["contact"]))
+}
+
+fn continuous(contact: &ContactDesc) -> Option<Term> {
+    let edits = vec![("contact.continuous".into(), Some(Value::Boolean(false)))];
+    contact.continuous.then(|| Term::off("continuous testing", edits).within(&["contact"]))
+}
+
+/// That of the colliders too.
+fn friction(scene: &SceneDesc, contact: &ContactDesc) -> Option<Term> {
+    let own = scene.collider.iter().filter_map(|collider| collider.friction);
+    let acts = |f: FrictionDesc| f.at_rest.max(f.kinetic).max(f.viscous) > 0.0;
+    let edits = vec![("contact.friction".into(), Some(Value::Float(0.0))), removed("collider.friction")];
+    own.chain([contact.friction]).any(acts).then(|| Term::off("friction", edits).within(&["contact"]))
+}
+
+/// Colliders go with it: the core takes none without contact.
+fn whole_contact(scene: &SceneDesc) -> Term {
+    let term = Term::off("contact", ["contact", "collider"].map(removed).into());
+    let with = if scene.collider.is_empty() { "" } else { ", with all colliders," };
+    Term { subject: format!("{}{with}", term.subject), ..term }
+}
+
+/// Iterations in which a step converges as a rule.
+const CONVERGED: u32 = 20;
+
+fn newton(scene: &SceneDesc) -> Option<Term> {
+    let iterations = |n: u32| vec![("integrator.newton".into(), Some(Value::Integer(n.into())))];
+    let name = "Newton's method";
+    scene.integrator.method.is_implicit().then(|| match scene.integrator.newton {
+        1 => Term::new(name, Deed::Added, format!("with {name}"), iterations(CONVERGED)),
+        _ => Term::simpler(name, "one Newton iteration", iterations(1)),
+    })
+}
+
+fn double_precision() -> Term {
+    let term = Term::new("double precision", Deed::Added, "in double precision".into(), Vec::new());
+    Term { precision: Precision::F64, ..term }
+}

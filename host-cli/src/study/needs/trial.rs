@@ -1,0 +1,161 @@
+//! The scene as it stands, and each of its terms tried: runs in pairs, so that both see the same
+//! machine.
+
+use std::time::Duration;
+
+use muslin_core::scene::SceneDesc;
+
+use crate::args::Precision;
+use crate::engine;
+use crate::failure::Failure;
+use crate::scene_file::SceneFile;
+use crate::study::Study;
+use crate::study::distance::Measure;
+use crate::study::trajectory::{Ending, Limits, Trajectory, fly_of};
+use crate::study::variant::{SAMPLES, Variant};
+
+use super::terms::Term;
+
+/// Pairs; the more while they took less than so long, s.
+const REPEATS: [usize; 2] = [3, 9];
+const SHORT: f64 = 1.0;
+
+/// Times the time of the scene as it is, kept for the last run: that without several terms.
+const KEPT: u32 = 10;
+
+/// What everything is compared with.
+pub struct Baseline {
+    /// The scene's own method and step, in single precision.
+    pub variant: Variant,
+    /// What came of it.
+    pub run: Trajectory,
+    /// What came of half its step.
+    pub half: Trajectory,
+    /// What of a run is compared.
+    pub measure: Measure,
+    /// kg.
+    pub masses: Vec<f64>,
+    /// Mean rest length of the edges, m.
+    pub mean_edge: f64,
+}
+
+impl Baseline {
+    /// Runs the scene as it stands, and by half its step.
+    pub fn fly(study: &Study<'_>) -> Result<Self, Failure> {
+        let (engine, _) = engine::build(&study.scene, Precision::F32)
+            .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
+        let desc = &study.scene.desc;
+        let sampled = SceneDesc { frame_rate: SAMPLES as f64 / desc.duration, ..desc.clone() };
+        let steps = sampled.timing().steps_per_frame;
+        let variant = Variant { method: desc.integrator.method, precision: Precision::F32, steps };
+        let half = Variant { steps: 2 * steps, ..variant };
+        Ok(Self {
+            run: complete(study, fly(study, &study.scene, &variant, "as it is")?)?,
+            half: fly(study, &study.scene, &half, "by half the step")?,
+            variant,
+            measure: if desc.contact.is_some() { Measure::Outline } else { Measure::Positions },
+            masses: engine.masses(),
+            mean_edge: engine.mean_edge(),
+        })
+    }
+}
+
+/// A run for as long as there is time.
+fn fly(study: &Study<'_>, scene: &SceneFile, variant: &Variant, what: &str) -> Result<Trajectory, Failure> {
+    study.say(what);
+    fly_of(study, scene, variant, Limits { wall: study.left(), energy: f64::INFINITY })
+}
+
+/// The run, or why there is nothing to compare with.
+fn complete(study: &Study<'_>, run: Trajectory) -> Result<Trajectory, Failure> {
+    let scene = &study.scene.desc.name;
+    match why_not(&run) {
+        None => Ok(run),
+        Some(_) if run.ending == Ending::OutOfTime => Err(Failure::Diverged(format!(
+            "{scene} takes longer than {} s; take a shorter --duration, a coarser cloth by --set, or a larger --budget",
+            study.arguments.budget
+        ))),
+        Some(why) => Err(Failure::Diverged(format!(
+            "{scene} as it is {why}; there is nothing to compare with: take a smaller integrator.step or a shorter \
+             --duration"
+        ))),
+    }
+}
+
+/// How a run ended that is not complete, as the end of a sentence.
+pub fn why_not(run: &Trajectory) -> Option<String> {
+    let time = run.report.time;
+    match &run.ending {
+        Ending::Complete => None,
+        Ending::Diverged(what) => Some(format!("fails at {time:.3} s: {what}")),
+        Ending::Grown => Some(format!("fails before {time:.3} s: its energy is no number")),
+        Ending::OutOfTime => Some("does not end within the budget".into()),
+    }
+}
+
+/// A term and what came of it.
+pub struct Trial {
+    /// The term.
+    pub term: Term,
+    /// The run; none where there was no time to begin it.
+    pub run: Option<Trajectory>,
+    /// Seconds of the scene as it is and of the trial, in pairs.
+    pub walls: Vec<[f64; 2]>,
+}
+
+impl Trial {
+    /// One that is not run yet.
+    pub fn new(term: Term) -> Self {
+        Self { term, run: None, walls: Vec::new() }
+    }
+
+    /// The run, if it came to its end.
+    pub fn complete(&self) -> Option<&Trajectory> {
+        self.run.as_ref().filter(|run| run.ending == Ending::Complete)
+    }
+
+    /// Whether its time is known well enough.
+    fn is_timed(&self) -> bool {
+        let taken: f64 = self.walls.iter().map(|[_, wall]| wall).sum();
+        self.walls.len() >= REPEATS[usize::from(taken < SHORT)]
+    }
+
+    /// Runs the trial and the scene as it is once, in turn first, so that neither gains by its place.
+    fn pair(&mut self, study: &Study<'_>, baseline: &Baseline) -> Result<(), Failure> {
+        let scene = study.scene.changed(&self.term.edits)?;
+        let variant = Variant { precision: self.term.precision, ..baseline.variant };
+        let fly_as_it_is = || fly(study, &study.scene, &baseline.variant, "as it is");
+        let fly_trial = || fly(study, &scene, &variant, &self.term.run);
+        let [as_is, run] = match self.walls.len().is_multiple_of(2) {
+            true => [fly_as_it_is()?, fly_trial()?],
+            false => {
+                let run = fly_trial()?;
+                [fly_as_it_is()?, run]
+            }
+        };
+        if as_is.ending == Ending::Complete && run.ending == Ending::Complete {
+            self.walls.push([as_is.wall, run.wall]);
+        }
+        // A repeat that ran out of time says nothing new.
+        self.run.get_or_insert(run);
+        Ok(())
+    }
+}
+
+/// Runs all trials once, then, round after round while there is time, those that are not timed well
+/// enough.
+pub fn run(study: &Study<'_>, baseline: &Baseline, trials: &mut [Trial]) -> Result<(), Failure> {
+    let kept = Duration::from_secs_f64(baseline.run.wall) * KEPT;
+    for round in 0..REPEATS[1] {
+        for trial in &mut *trials {
+            let wanted = match round {
+                0 => !study.left().is_zero(),
+                _ => trial.complete().is_some() && !trial.is_timed() && study.left() > kept,
+            };
+            if wanted {
+                trial.pair(study, baseline)?;
+            }
+        }
+    }
+    Ok(())
+}

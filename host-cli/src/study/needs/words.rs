@@ -1,0 +1,117 @@
+//! What a term is worth, as a sentence.
+
+use crate::study::distance::Measure;
+use crate::units::length;
+
+use super::row::{Change, Cost, Row};
+use super::terms::Deed;
+
+/// What moves, as people call it.
+pub const fn moved(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Positions => "cloth",
+        Measure::Outline => "outline",
+    }
+}
+
+/// A row in words; `subject` is the term with what it stands beside.
+pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<Cost>, measure: Measure) -> String {
+    let Some(change) = change else {
+        return format!("{} it {}", row.run, row.why.as_deref().unwrap_or("is not known"));
+    };
+    let would = row.deed == Deed::Added;
+    let what = moved(measure);
+    let hidden = if row.told == Some(false) { ", less than half the step does," } else { "" };
+    let moves = match (change.max > 0.0, would) {
+        (true, true) => format!("would move the {what} by {}{hidden}", extent(change, row.positions_rms)),
+        (true, false) => format!("moves the {what} by {}{hidden}", extent(change, row.positions_rms)),
+        (false, true) => format!("would not move the {what}"),
+        (false, false) => format!("does not move the {what}"),
+    };
+    let cost =
+        cost.map_or_else(|| " and is not timed: the budget is used up".into(), |cost| costs(row.deed, &row.run, cost));
+    // Before a new clause one comma is enough.
+    format!("{subject} {moves}{cost}").replace(",;", ";")
+}
+
+/// How far, in its three measures; with contact also the vertices.
+pub fn extent(change: Change, positions: Option<f64>) -> String {
+    let vertices = positions.map_or_else(String::new, |rms| format!("; vertices by {}", length(rms)));
+    let [rms, max, end] = [change.rms, change.max, change.end].map(length);
+    format!("{rms} (RMS; at most {max}, at the end {end}{vertices})")
+}
+
+/// What it costs, as the end of a sentence.
+fn costs(deed: Deed, run: &str, cost: Cost) -> String {
+    let once = if cost.repeats == 1 { " (timed once)" } else { "" };
+    let (added, dearer) = (deed == Deed::Added, cost.fraction >= 0.0);
+    let sizes = cost.told();
+    match (added, dearer) {
+        _ if !cost.is_clear() => {
+            // Rounded before it is printed: not to "-0".
+            let [least, most] = cost.range.map(|fraction| (100.0 * fraction).round() + 0.0);
+            let verb = if added { "cost" } else { "costs" };
+            format!(" and {verb} nothing that the clock can tell ({least:.0} to {most:.0} % of the time)")
+        }
+        (true, true) => format!(" and take {}{once}", longer(&sizes)),
+        (true, false) => format!(" and save {} of the time{once}", percent(&sizes)),
+        (false, true) => format!(" and costs {} of the time{once}", percent(&sizes)),
+        (false, false) => format!("; {run} it takes {}{once}", longer(&sizes)),
+    }
+}
+
+/// How much more a run takes than the scene as it is, by parts of its time.
+fn longer(parts: &[f64]) -> String {
+    if parts.iter().all(|&part| part < 1.0) {
+        return format!("{} longer", percent(parts));
+    }
+    let times: Vec<_> = parts.iter().map(|part| format!("{:.1}", 1.0 + part)).collect();
+    format!("{} times as long", times.join(" to "))
+}
+
+/// A part, or from one to another.
+fn percent(parts: &[f64]) -> String {
+    match parts {
+        [part] if *part < 0.01 => "less than 1 %".into(),
+        _ => {
+            let percents: Vec<_> = parts.iter().map(|part| format!("{:.0}", 100.0 * part)).collect();
+            format!("{} %", percents.join(" to "))
+        }
+    }
+}
+
+/// Words as a list.
+pub fn list(words: &[&str]) -> String {
+    match words {
+        [] => String::new(),
+        [word] => (*word).into(),
+        [before @ .., last] => format!("{} and {last}", before.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cost_is_told_as_far_as_it_is_known() {
+        let said = |deed, [least, fraction, most]: [f64; 3], repeats| {
+            costs(deed, "without drag", Cost { fraction, range: [least, most], repeats })
+        };
+        let cases = [
+            (Deed::Off, [0.29, 0.31, 0.33], 3, " and costs 31 % of the time"),
+            (Deed::Off, [0.31; 3], 1, " and costs 31 % of the time (timed once)"),
+            (Deed::Simpler, [0.07, 0.13, 0.33], 3, " and costs 7 to 33 % of the time"),
+            (Deed::Off, [-0.003, 0.01, 0.02], 5, " and costs nothing that the clock can tell (0 to 2 % of the time)"),
+            (Deed::Off, [-0.13, -0.12, -0.11], 3, "; without drag it takes 12 % longer"),
+            (Deed::Off, [-0.44, -0.07, -0.05], 3, "; without drag it takes 5 to 44 % longer"),
+            (Deed::Added, [1.9, 2.0, 2.1], 3, " and take 3.0 times as long"),
+            (Deed::Added, [-0.2, -0.2, -0.2], 3, " and save 20 % of the time"),
+            (Deed::Added, [-0.02, 0.0, 0.02], 3, " and cost nothing that the clock can tell (-2 to 2 % of the time)"),
+            (Deed::Off, [0.004, 0.005, 0.006], 3, " and costs less than 1 % of the time"),
+        ];
+        for (deed, fractions, repeats, words) in cases {
+            assert_eq!(said(deed, fractions, repeats), words);
+        }
+    }
+}
