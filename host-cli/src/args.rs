@@ -55,6 +55,11 @@ fn threads(text: &str) -> Result<usize, String> {
     threads.ok_or_else(|| format!("must be a whole number from 1 to {MOST_THREADS}"))
 }
 
+fn step(text: &str) -> Result<f64, String> {
+    let step = text.parse().ok().filter(|&step: &f64| step > 0.0 && step.is_finite());
+    step.ok_or_else(|| "must be a time in seconds, above zero".into())
+}
+
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|&seconds: &f64| seconds >= 0.0 && seconds.is_finite());
     seconds.ok_or_else(|| "must be a time in seconds, zero or more".into())
@@ -299,6 +304,9 @@ pub struct ChartArguments {
     /// Methods, separated by commas [default: all]
     #[arg(long, value_delimiter = ',', value_parser = method)]
     pub methods: Vec<integrate::Method>,
+    /// No shorter steps than this, whatever is left of the budget
+    #[arg(long, value_name = "S", value_parser = step, allow_negative_numbers = true)]
+    pub finest: Option<f64>,
 }
 
 /// `muslin stability`.

@@ -52,7 +52,7 @@ fn evaluations(chart: &Value, method: &str, error: f64) -> u64 {
 fn a_soft_sheet_is_charted_by_every_method() {
     let place = Place::new();
     place.write("soft.toml", SOFT);
-    let chart = place.muslin("chart soft.toml --budget 12 --json").expect(0).json();
+    let chart = place.muslin("chart soft.toml --finest 5e-5 --budget 300 --json").expect(0).json();
 
     for (method, theory) in METHODS {
         let order = chart["orders"].as_array().unwrap().iter().find(|order| order["method"] == method).unwrap();
@@ -66,6 +66,7 @@ fn a_soft_sheet_is_charted_by_every_method() {
     let (least, own) = (&chart["reference"]["least_charted"], &chart["reference"]["self_error"]);
     assert!((least.as_f64().unwrap() / own.as_f64().unwrap() / 1e3 - 1.0).abs() < 1e-12, "{least} of {own}");
     for row in chart["rows"].as_array().unwrap() {
+        assert!(row["step"].as_f64().unwrap() >= 5e-5, "{row} is finer than what was asked for");
         // None is told of what failed and of what is nearer than the reference can tell.
         assert_eq!(row["error_rms"].is_null(), !row["why"].is_null(), "{row}");
         assert!(row["stable"] == true || row["error_rms"].is_null(), "{row}");
@@ -128,6 +129,10 @@ fn what_cannot_be_charted_says_so() {
     assert!(short.stderr.contains("no reference for tiny") && short.stderr.contains("--duration"), "{}", short.stderr);
     let still = place.muslin("chart tiny.toml --duration 0").expect(2);
     assert!(still.stderr.contains("duration"), "{}", still.stderr);
+    for finest in ["0", "-1", "1ms"] {
+        let refused = place.muslin(&format!("chart tiny.toml --finest {finest}")).expect(2);
+        assert!(refused.stderr.contains("a time in seconds, above zero"), "{}", refused.stderr);
+    }
     let unknown = place.muslin("chart tiny.toml --methods euler").expect(2);
     assert!(unknown.stderr.contains("symplectic-euler"), "{}", unknown.stderr);
     assert!(!place.path("out").exists());

@@ -37,7 +37,8 @@ pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
     };
     let rule = Rule::of(study.scene.desc.contact.is_some());
     let reference = reference::find(&study, rule, &masses, diagonal)?.ok_or_else(too_short)?;
-    let yardstick = Yardstick { reference: &reference, masses: &masses, diagonal };
+    let finest = arguments.finest.unwrap_or(0.0);
+    let yardstick = Yardstick { reference: &reference, masses: &masses, diagonal, finest };
     let ladders = climb(&study, &yardstick, &methods(&arguments.methods, rule.measure))?;
     let chart = summarise(&study, &yardstick, &ladders);
     let svg = draw::work_precision(&chart);

@@ -44,6 +44,8 @@ pub struct Yardstick<'a> {
     pub masses: &'a [f64],
     /// m.
     pub diagonal: f64,
+    /// The shortest step that is run, s.
+    pub finest: f64,
 }
 
 impl Yardstick<'_> {
@@ -60,7 +62,7 @@ pub enum End {
     Reference,
     /// Their error is rounding.
     Rounding,
-    /// They would take too long.
+    /// They would take too long, or are not asked for.
     Time,
 }
 
@@ -81,7 +83,7 @@ impl Ladder {
     pub fn why_nothing(&self) -> String {
         let Some(last) = self.rows.last() else { return "even its longest step takes too long".into() };
         let why = last.why.as_deref().unwrap_or_default();
-        format!("no step down to {:.1e} s works, shorter ones take too long: {why}", last.step)
+        format!("no step down to {:.1e} s works, shorter ones take too long or are not asked for: {why}", last.step)
     }
 
     /// Errors above `least` of the last runs one after the other.
@@ -125,7 +127,8 @@ pub fn climb(
     let mut variant = Variant { method, precision, steps: 1 };
     let mut last_wall = 0.0;
     // The reference is not compared with itself.
-    while variant.steps <= MOST_STEPS && variant != yardstick.reference.best().0 {
+    let is_wanted = |variant: &Variant| variant.steps <= MOST_STEPS && variant.step(&study.scene) >= yardstick.finest;
+    while is_wanted(&variant) && variant != yardstick.reference.best().0 {
         let left = end - study.seconds();
         let Some((run, walls)) = fly_or_find(study, yardstick, &variant, left, 2.0 * last_wall)? else { break };
         last_wall = if run.ending == Ending::Complete { run.wall } else { 0.0 };
