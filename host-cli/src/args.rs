@@ -340,13 +340,15 @@ Examples:
 
 Runs the scene as it stands, in single precision on one thread, and again without each term that it
 models: shear, bending, damping, drag, wind, self-collision, continuous testing, friction, contact with
-its colliders. Then with something simpler in its place: springs for a membrane, bending springs for
-hinges, one Newton iteration for several; and with what is not modelled but could be: Newton's method
-and double precision. It tells how far each moves the cloth, RMS over 20 moments: of positions, or with
-contact, which leaves no vertex a place of its own, of the outline of the drape. Half the step moves it
-too: a term that moves it by less cannot be told at this step. Times are medians of the scene's own time
-beside that without the term; counts do not depend on the machine. Bending springs store as much energy
-as the hinges where the sheet is bent by 30 degrees from triangle to triangle. Writes needs.svg,
+its colliders. Then with something simpler: springs for a membrane, bending springs for hinges, one
+Newton iteration for several; and with what could be modelled besides: Newton's method, up to 20
+iterations a step, and double precision.
+
+It tells how far each moves the cloth, RMS over 20 moments: positions, or with contact, which leaves no
+vertex a place of its own, the outline of the drape. Half the step moves it too: a term that moves it by
+less cannot be told at this step, and all such are switched off together in a last run. Costs are the
+median of pairs of runs; counts do not depend on the machine. Bending springs are as stiff as stores the
+hinges' energy where the sheet is bent by 30 degrees from triangle to triangle. Writes needs.svg,
 needs.json, needs.txt and study.html.
 
 Exit codes: 0 fine (a term without which the scene diverges is a result), 1 the tool failed, 2 bad usage

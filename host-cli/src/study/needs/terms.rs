@@ -36,7 +36,7 @@ pub struct Term {
     pub run: String,
     /// Larger terms that switch it off too.
     pub part_of: &'static [&'static str],
-    /// What is changed in the scene; values come before what is removed.
+    /// What is changed in the scene.
     pub edits: Vec<Edit>,
     /// In which it is run.
     pub precision: Precision,
@@ -62,11 +62,9 @@ impl Term {
         Self { part_of, ..self }
     }
 
-    /// Several at once, without parts of one another.
+    /// Several at once, none a part of another.
     pub fn together<'a>(terms: impl Iterator<Item = &'a Self>) -> Self {
-        let mut edits: Vec<_> = terms.flat_map(|term| term.edits.iter().cloned()).collect();
-        // A value inside of a removed section would bring it back.
-        edits.sort_by_key(|(_, value)| value.is_none());
+        let edits = terms.flat_map(|term| term.edits.iter().cloned()).collect();
         let term = Self::new("all of these", Deed::Off, "without them all".into(), edits);
         Self { subject: "the sum of these".into(), ..term }
     }
