@@ -57,17 +57,70 @@ pub fn asked(arguments: &SceneArguments) -> Result<SceneFile, Failure> {
 ///
 /// Errors are of usage: they name the line of the file or the override.
 pub fn load(scene: &str, overrides: &[String]) -> Result<SceneFile, Failure> {
-    let (label, text, directory) = read(scene)?;
-    let in_file = |why: String| Failure::Usage(format!("{label}: {why}"));
-    let table: Table = toml::from_str(&text).map_err(|error| in_file(explain(&error)))?;
-    // From the text, because only it knows lines and columns.
-    let mut desc: SceneDesc = toml::from_str(&text).map_err(|error| in_file(explain(&error)))?;
-    let mut text = text;
-    if !overrides.is_empty() {
-        (desc, text) = apply(table, overrides)?;
+    let source = Source::read(scene, Path::new(""))?;
+    let changes = overrides.iter().map(|text| Change::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    source.with(&changes)
+}
+
+/// Another value for a key of a scene.
+#[derive(Clone, Debug)]
+pub struct Change {
+    /// Who asks for it, as messages name it.
+    pub asked: String,
+    /// Such as `integrator.step`.
+    pub key: String,
+    /// The value.
+    pub value: Value,
+}
+
+impl Change {
+    /// From `key=value`.
+    fn parse(text: &str) -> Result<Self, Failure> {
+        let asked = format!("--set {text}");
+        match text.split_once('=').map(|(key, value)| (key.trim(), value)) {
+            Some((key, value)) if key.split('.').all(|part| !part.is_empty()) => {
+                Ok(Self { asked, key: key.into(), value: parse_value(value.trim()) })
+            }
+            _ => Err(Failure::Usage(format!("{asked}: must be KEY=VALUE, such as integrator.step=0.001"))),
+        }
     }
-    let resources = load_resources(&desc, &directory).map_err(in_file)?;
-    Ok(SceneFile { desc, text, resources })
+}
+
+/// A scene as it is given, before any change.
+pub struct Source {
+    label: String,
+    desc: SceneDesc,
+    text: String,
+    table: Table,
+    directory: PathBuf,
+}
+
+impl Source {
+    /// Reads `scene`, a path from `directory` or a built-in name.
+    pub fn read(scene: &str, directory: &Path) -> Result<Self, Failure> {
+        let (label, text, directory) = read(scene, directory)?;
+        let in_file = |error| Failure::Usage(format!("{label}: {}", explain(&error)));
+        let table = toml::from_str(&text).map_err(in_file)?;
+        // From the text, because only it knows lines and columns.
+        let desc = toml::from_str(&text).map_err(in_file)?;
+        Ok(Self { label, desc, text, table, directory })
+    }
+
+    /// The description with these changes, and its text; no file that it names is looked at.
+    pub fn describe(&self, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
+        match changes {
+            [] => Ok((self.desc.clone(), self.text.clone())),
+            _ => apply(self.table.clone(), changes),
+        }
+    }
+
+    /// The scene with these changes, and the files that it names.
+    pub fn with(&self, changes: &[Change]) -> Result<SceneFile, Failure> {
+        let (desc, text) = self.describe(changes)?;
+        let resources =
+            load_resources(&desc, &self.directory).map_err(|why| Failure::Usage(format!("{}: {why}", self.label)))?;
+        Ok(SceneFile { desc, text, resources })
+    }
 }
 
 /// A scene without files from a text made here.
@@ -78,37 +131,34 @@ pub fn from_text(label: &str, text: String) -> Result<SceneFile, Failure> {
 }
 
 /// Label for messages, text, and the directory that names in the scene are relative to.
-fn read(scene: &str) -> Result<(String, String, PathBuf), Failure> {
-    let path = Path::new(scene);
+fn read(scene: &str, directory: &Path) -> Result<(String, String, PathBuf), Failure> {
+    let path = directory.join(scene);
     if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == scene).filter(|_| !path.is_file()) {
         return Ok((format!("built-in scene {name}"), (*text).into(), PathBuf::from(".")));
     }
-    match std::fs::read_to_string(path) {
-        Ok(text) => Ok((scene.into(), text, path.parent().unwrap_or(Path::new(".")).into())),
+    let label = path.display().to_string();
+    match std::fs::read_to_string(&path) {
+        Ok(text) => Ok((label, text, path.parent().unwrap_or(Path::new(".")).into())),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             let names = BUILT_IN.iter().map(|(name, _)| *name);
             let hint = match nearest(scene, names.clone()) {
                 Some(name) => format!("did you mean the built-in scene {name}?"),
                 None => format!("built-in scenes are {}", names.collect::<Vec<_>>().join(", ")),
             };
-            Err(Failure::Usage(format!("there is no file {scene}; {hint}")))
+            Err(Failure::Usage(format!("there is no file {label}; {hint}")))
         }
-        Err(error) => Err(Failure::Usage(format!("cannot read {scene}: {error}"))),
+        Err(error) => Err(Failure::Usage(format!("cannot read {label}: {error}"))),
     }
 }
 
 /// Applies overrides one by one, so that an error names the one that made it. Only the last result
 /// must be a scene: a new section may take several overrides.
-fn apply(table: Table, overrides: &[String]) -> Result<(SceneDesc, String), Failure> {
+fn apply(table: Table, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
     let mut scene = Value::Table(table);
     let mut first_failure = None;
-    for text in overrides {
-        let failed = |why: String| Failure::Usage(format!("--set {text}: {why}"));
-        let assignment = text.split_once('=').map(|(key, value)| (key.trim().split('.').collect::<Vec<_>>(), value));
-        let (path, value) = assignment
-            .filter(|(path, _)| path.iter().all(|key| !key.is_empty()))
-            .ok_or_else(|| failed("must be KEY=VALUE, such as integrator.step=0.001".into()))?;
-        set(&mut scene, &path, &parse_value(value.trim())).map_err(failed)?;
+    for change in changes {
+        let failed = |why: String| Failure::Usage(format!("{}: {why}", change.asked));
+        set(&mut scene, &change.key.split('.').collect::<Vec<_>>(), &change.value).map_err(failed)?;
         if let Err(error) = scene.clone().try_into::<SceneDesc>() {
             first_failure.get_or_insert(failed(explain(&error)));
         }
@@ -148,7 +198,7 @@ fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> {
 }
 
 /// The parser's message, with the nearest known key where one is unknown.
-fn explain(error: &toml::de::Error) -> String {
+pub fn explain(error: &toml::de::Error) -> String {
     let message = error.message();
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let hint = match quoted.split_first() {
