@@ -22,3 +22,6 @@ mod outputs;
 mod picture;
 mod resume;
 mod streams;
+mod sweep;
+mod sweep_files;
+mod sweep_shared;

@@ -4,11 +4,13 @@ mod distance;
 mod draw;
 mod page;
 mod reference;
+mod sweep;
 mod trajectory;
 mod units;
 mod variant;
 mod work_precision;
 
+pub use sweep::sweep;
 pub use work_precision::chart;
 
 use std::fs;
