@@ -1,5 +1,9 @@
 //! A scene from a file or from the built-in table, with overrides and the mesh files it names.
 
+mod change;
+
+pub use change::Change;
+
 use std::path::{Component, Path, PathBuf};
 
 use muslin_core::scene::{BUILT_IN, ColliderMotionDesc, Content, Resource, SceneDesc};
@@ -25,7 +29,7 @@ impl SceneFile {
         let failed = |why: String| Failure::Tool(format!("{}: {why}", self.desc.name));
         let mut scene: Value = toml::from_str(&self.text).map_err(|error| failed(explain(&error)))?;
         for (key, value) in changes {
-            set(&mut scene, &key.split('.').collect::<Vec<_>>(), value).map_err(failed)?;
+            change::set(&mut scene, &key.split('.').collect::<Vec<_>>(), value).map_err(failed)?;
         }
         let desc = scene.clone().try_into().map_err(|error| failed(explain(&error)))?;
         let text = toml::to_string(&scene).map_err(|error| failed(error.to_string()))?;
@@ -62,30 +66,6 @@ pub fn load(scene: &str, overrides: &[String]) -> Result<SceneFile, Failure> {
     source.with(&changes)
 }
 
-/// Another value for a key of a scene.
-#[derive(Clone, Debug)]
-pub struct Change {
-    /// Who asks for it, as messages name it.
-    pub asked: String,
-    /// Such as `integrator.step`.
-    pub key: String,
-    /// The value.
-    pub value: Value,
-}
-
-impl Change {
-    /// From `key=value`.
-    fn parse(text: &str) -> Result<Self, Failure> {
-        let asked = format!("--set {text}");
-        match text.split_once('=').map(|(key, value)| (key.trim(), value)) {
-            Some((key, value)) if key.split('.').all(|part| !part.is_empty()) => {
-                Ok(Self { asked, key: key.into(), value: parse_value(value.trim()) })
-            }
-            _ => Err(Failure::Usage(format!("{asked}: must be KEY=VALUE, such as integrator.step=0.001"))),
-        }
-    }
-}
-
 /// A scene as it is given, before any change.
 pub struct Source {
     label: String,
@@ -110,7 +90,7 @@ impl Source {
     pub fn describe(&self, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
         match changes {
             [] => Ok((self.desc.clone(), self.text.clone())),
-            _ => apply(self.table.clone(), changes),
+            _ => change::apply(self.table.clone(), changes),
         }
     }
 
@@ -148,52 +128,6 @@ fn read(scene: &str, directory: &Path) -> Result<(String, String, PathBuf), Fail
             Err(Failure::Usage(format!("there is no file {label}; {hint}")))
         }
         Err(error) => Err(Failure::Usage(format!("cannot read {label}: {error}"))),
-    }
-}
-
-/// Applies overrides one by one, so that an error names the one that made it. Only the last result
-/// must be a scene: a new section may take several overrides.
-fn apply(table: Table, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
-    let mut scene = Value::Table(table);
-    let mut first_failure = None;
-    for change in changes {
-        let failed = |why: String| Failure::Usage(format!("{}: {why}", change.asked));
-        set(&mut scene, &change.key.split('.').collect::<Vec<_>>(), &change.value).map_err(failed)?;
-        if let Err(error) = scene.clone().try_into::<SceneDesc>() {
-            first_failure.get_or_insert(failed(explain(&error)));
-        }
-    }
-    let desc = scene.clone().try_into();
-    let desc = desc.map_err(|error| first_failure.unwrap_or_else(|| Failure::Usage(explain(&error))))?;
-    let text = toml::to_string(&scene).map_err(|error| Failure::Usage(error.to_string()))?;
-    Ok((desc, text))
-}
-
-/// A TOML value; what is none is a string, so that `integrator.method=rk4` needs no quotes.
-fn parse_value(text: &str) -> Value {
-    toml::from_str::<Table>(&format!("value = {text}"))
-        .ok()
-        .and_then(|mut table| table.remove("value"))
-        .unwrap_or_else(|| Value::String(text.into()))
-}
-
-/// Sets the key at `path` inside `value`. An array takes an index, or the key in each of its items.
-fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> {
-    let Some((first, rest)) = path.split_first() else {
-        *value = new.clone();
-        return Ok(());
-    };
-    match value {
-        Value::Table(table) => set(table.entry(*first).or_insert_with(|| Value::Table(Table::new())), rest, new),
-        Value::Array(items) => match (first.parse::<usize>(), items.len()) {
-            (_, 0) => Err(format!("there is nothing that could have {first}: the array is empty")),
-            (Ok(index), count) => match items.get_mut(index) {
-                Some(item) => set(item, rest, new),
-                None => Err(format!("there is no number {index}; the last is {}, counted from 0", count - 1)),
-            },
-            (Err(_), _) => items.iter_mut().try_for_each(|item| set(item, path, new)),
-        },
-        _ => Err(format!("{first} is inside a value that is no section")),
     }
 }
 

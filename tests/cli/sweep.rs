@@ -95,6 +95,39 @@ fn a_line_is_the_summary_of_the_run() {
     }
 }
 
+/// A second sheet on its edge through the first, and a floor.
+const TANGLED: &str = r#"
+[[cloth]]
+grid = { size = [0.1, 0.1], cells = [2, 2] }
+position = [0.01, 1.0, 0.02]
+rotation = [90.0, 10.0, 0.0]
+density = 0.2
+
+[contact]
+thickness = 0.002
+
+[[collider]]
+shape = "plane"
+point = [0.0, 0.9, 0.0]
+normal = [0.0, 1.0, 0.0]
+"#;
+
+#[test]
+fn a_line_tells_of_contact_and_the_start() {
+    let place = place();
+    place.write("tiny.toml", format!("{TINY}{TANGLED}"));
+    place.write("s.toml", "scene = \"tiny.toml\"\n[grid]\nduration = [0, 0.1]\n");
+    sweep(&place, "s.toml --quiet").expect(0);
+    let all = lines(&place, "out/s.jsonl");
+    for (line, duration) in all.iter().zip([0.0, 0.1]) {
+        let summary = place.run(&format!("tiny.toml --duration {duration}"));
+        assert!(line["intersections_untangled"].as_u64() > Some(0) && line["penetration_m"].is_f64(), "{line}");
+        for key in ["intersections_untangled", "penetration_m", "contacts", "stretch", "state_hash"] {
+            assert_eq!(line[key], summary[key], "{key}");
+        }
+    }
+}
+
 #[test]
 fn what_has_its_line_is_not_run_again() {
     let place = place();
@@ -154,6 +187,7 @@ fn divergence_is_a_result() {
     place.write("s.toml", format!("scene = \"tiny.toml\"\n[set]\ncloth.stretch.stiffness = 1e5\n[grid]\n{methods}\n"));
     let outcome = sweep(&place, "s.toml").expect(0);
     assert!(outcome.stderr.contains("3 runs, 1 of them diverged"), "{}", outcome.stderr);
+    assert!(outcome.stdout.lines().nth(2).unwrap().contains("diverged"), "{}", outcome.stdout);
     let all = lines(&place, "out/s.jsonl");
     let verdicts: Vec<_> = all.iter().map(|line| line["verdict"].as_str().unwrap()).collect();
     assert_eq!(verdicts, ["ok", "diverged", "ok"]);

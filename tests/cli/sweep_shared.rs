@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::kit::{Place, wait};
+use crate::kit::{Place, TINY, wait};
 use crate::sweep::{SWEEP, lines, place, results};
 
 /// The third run has no end.
@@ -123,6 +123,45 @@ fn files_of_others_are_left_alone() {
     assert!(folder.stderr.contains(". is no file"), "{}", folder.stderr);
     let inside = place.muslin("sweep s.toml --out tiny.toml/s.jsonl").expect(1);
     assert!(inside.stderr.contains("tiny.toml/s.jsonl"), "{}", inside.stderr);
+}
+
+#[test]
+fn a_full_disk_leaves_whole_lines() {
+    let place = place();
+    let mut limited = Command::new("sh");
+    // Blocks of 512 or 1024 bytes: some lines fit, not all.
+    let script = "trap '' XFSZ; ulimit -f 10; exec \"$0\" sweep s.toml";
+    limited.args(["-c", script]).arg(place.command("").get_program()).current_dir(place.path(""));
+    let outcome = place.finish(limited).expect(1);
+    assert!(outcome.stderr.contains("cannot write out/s.jsonl") && outcome.stderr.contains("has room"), "{outcome:?}");
+    let written = lines(&place, "out/s.jsonl").len();
+    assert!((1..12).contains(&written), "{written} lines");
+    place.muslin("sweep s.toml").expect(0);
+    same_as_undisturbed(&place, "out/s.jsonl");
+}
+
+/// The mesh is a pipe, so that it is known what each look at it sees.
+#[test]
+fn a_mesh_that_changes_under_way() {
+    let place = Place::new();
+    let mesh = "v 0 1 0\nv 0.1 1 0\nv 0.1 1 0.1\nv 0 1 0.1\nf 1 2 3\nf 1 3 4\n";
+    let scene = TINY.replace("grid = { size = [0.3, 0.3], cells = [4, 4] }", "mesh = \"quad.obj\"");
+    place.write("tiny.toml", scene.replace("corners = [0, 1]", "vertices = [0]"));
+    place.write("s.toml", "scene = \"tiny.toml\"\n");
+    assert!(Command::new("mkfifo").arg(place.path("quad.obj")).status().unwrap().success());
+    let (pipe, meshes) =
+        (place.path("quad.obj"), [mesh, mesh, &mesh.replace("v 0.1 1 0\n", "v 0.2 1 0\n")].map(String::from));
+    let writer = std::thread::spawn(move || {
+        for mesh in meshes {
+            std::fs::write(&pipe, mesh).unwrap();
+            // The next writer must not meet the reader of this one.
+            sleep(Duration::from_millis(100));
+        }
+    });
+    let outcome = place.muslin("sweep s.toml").expect(1);
+    writer.join().unwrap();
+    assert!(outcome.stderr.contains("has changed since the sweep began"), "{}", outcome.stderr);
+    assert_eq!(place.read("out/s.jsonl"), b"");
 }
 
 /// Runs processes side by side on one file and compares it with that of one process.
