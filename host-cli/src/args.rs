@@ -333,16 +333,16 @@ Examples:
   parallel muslin sweep my-sweep.toml --quiet --shard {}/8 ::: 1 2 3 4 5 6 7 8
 
 A sweep is a TOML file:
-  scene = \"skirt\"                  a file, relative to this one, or a built-in scene
-  duration = 0.5                     if other than the scene's
-  precision = [\"f32\", \"f64\"]      or one of them, in quotes; default f32
-  [set]
-  cloth.density = 0.2                for all runs, as --set of muslin run
-  [grid]
+  scene = \"skirt\"                a file, relative to this one, or a built-in scene
+  duration = 0.5                   if other than the scene's
+  precision = [\"f32\", \"f64\"]     or one of them, in quotes; f32 if absent
+  [set]                            for all runs, keys as --set of muslin run takes them
+  cloth.density = 0.2
+  [grid]                           every combination; the last key changes faster, precision fastest
   integrator.method = [\"backward-euler\", \"bdf2\"]
-  integrator.step = [0.01, 0.005]    every combination, the last key changes fastest, then precision
+  integrator.step = [0.01, 0.005]
 
-Each run appends one line to FILE once it has ended, diverged runs too. What FILE holds already is not
+Each run appends one line to FILE.jsonl once it has ended, diverged runs too. What has its line is not
 run again: killed or interrupted, a sweep goes on by the same command. A changed scene, mesh or
 version of muslin is another run. Shards share a file only where it can be locked.
 
