@@ -51,6 +51,7 @@ fn values_that_cannot_be_run() {
     );
     refuses_with("0.005]", "1e-300]", &["integrator.step = 1e-300", "too many steps"]);
     refuses_with(STEPS, "integrator.step = 0.01", &["line 8: integrator.step must be a list", "[0.01, 0.005]"]);
+    refuses_with(STEPS, "integrator.step = {}", &["line 8: integrator.step must be a list"]);
     refuses_with(STEPS, "integrator.step = []", &["line 8: integrator.step lists no value"]);
     refuses_with(STEPS, "integrator.step = [0.01, 0.02, 0.01]", &["line 8: integrator.step lists 0.01 twice"]);
     refuses_with("frame_rate = 50", "\"integrator.step\" = 1", &["line 8: integrator.step is given twice"]);

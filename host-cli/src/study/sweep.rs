@@ -91,7 +91,7 @@ fn progress(arguments: &SweepArguments, total: usize, before: usize) -> Progress
     // Draws on a terminal only.
     let target = if arguments.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(total as u64), target);
-    if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {wide_bar} {pos}/{len} {msg}") {
+    if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {bar:24} {pos}/{len} {wide_msg}") {
         bar.set_style(style);
     }
     bar.set_position(before as u64);

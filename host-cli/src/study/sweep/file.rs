@@ -58,17 +58,45 @@ struct Entry {
     place: usize,
 }
 
+/// What messages name: the file, and in it the line.
+struct Text {
+    label: String,
+    text: String,
+}
+
+impl Text {
+    fn failed(&self, why: &str) -> Failure {
+        Failure::Usage(format!("{}: {why}", self.label))
+    }
+
+    fn line(&self, entry: &Entry) -> String {
+        let line = self.text[..entry.place].matches('\n').count() + 1;
+        format!("line {line}: {}", entry.key)
+    }
+
+    fn change(&self, entry: &Entry, value: &Value) -> Change {
+        let asked = format!("{}: {} = {value}", self.label, self.line(entry));
+        Change { asked, key: entry.key.clone(), value: value.clone() }
+    }
+
+    /// The changes that a key of the grid stands for.
+    fn axis(&self, entry: &Entry) -> Result<Vec<Change>, Failure> {
+        let values = values(entry).map_err(|why| self.failed(&format!("{} {why}", self.line(entry))))?;
+        Ok(values.iter().map(|value| self.change(entry, value)).collect())
+    }
+}
+
 impl Sweep {
     /// Reads a sweep and its scene. Errors are of usage: they name the line.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let label = path.display().to_string();
-        let failed = |why: String| Failure::Usage(format!("{label}: {why}"));
-        let text =
-            std::fs::read_to_string(path).map_err(|error| Failure::Usage(format!("cannot read {label}: {error}")))?;
-        let desc: Desc = toml::from_str(&text).map_err(|error| failed(scene_file::explain(&error)))?;
-        let root = DeTable::parse(&text).map_err(|error| failed(scene_file::explain(&error)))?;
+        let text = std::fs::read_to_string(path);
+        let text = text.map_err(|error| Failure::Usage(format!("cannot read {label}: {error}")))?;
+        let file = Text { label, text };
+        let explained = |error| file.failed(&scene_file::explain(&error));
+        let desc: Desc = toml::from_str(&file.text).map_err(explained)?;
         let mut places = BTreeMap::new();
-        find_places(root.get_ref(), "", &mut places);
+        find_places(DeTable::parse(&file.text).map_err(explained)?.get_ref(), "", &mut places);
 
         let mut set = entries(desc.set, "set", &places);
         set.extend(desc.duration.map(|seconds| Entry {
@@ -77,25 +105,15 @@ impl Sweep {
             place: places.get("duration").copied().unwrap_or(0),
         }));
         let grid = entries(desc.grid, "grid", &places);
-        let line = |entry: &Entry| text[..entry.place].matches('\n').count() + 1;
         if let Some(again) = given_twice(set.iter().chain(&grid)) {
-            return Err(failed(format!("line {}: {} is given twice", line(again), again.key)));
+            return Err(file.failed(&format!("{} is given twice", file.line(again))));
         }
-        let change = |entry: &Entry, value: &Value| Change {
-            asked: format!("{label}: line {}: {} = {value}", line(entry), entry.key),
-            key: entry.key.clone(),
-            value: value.clone(),
-        };
-        let axis = |entry: &Entry| {
-            let values = values(entry).map_err(|why| failed(format!("line {}: {} {why}", line(entry), entry.key)))?;
-            Ok(values.iter().map(|value| change(entry, value)).collect())
-        };
         Ok(Self {
             scene: Source::read(&desc.scene, path.parent().unwrap_or(Path::new("")))?,
-            precisions: precisions(desc.precision).map_err(failed)?,
-            set: set.iter().map(|entry| change(entry, &entry.value)).collect(),
-            grid: grid.iter().map(axis).collect::<Result<_, Failure>>()?,
-            label,
+            precisions: precisions(desc.precision).map_err(|why| file.failed(&why))?,
+            set: set.iter().map(|entry| file.change(entry, &entry.value)).collect(),
+            grid: grid.iter().map(|entry| file.axis(entry)).collect::<Result<_, _>>()?,
+            label: file.label,
         })
     }
 }
@@ -105,7 +123,7 @@ fn find_places(section: &DeTable<'_>, prefix: &str, places: &mut BTreeMap<String
     for (key, value) in section {
         let key = format!("{prefix}{}", key.get_ref());
         match value.get_ref() {
-            DeValue::Table(inner) => find_places(inner, &format!("{key}."), places),
+            DeValue::Table(inner) if !inner.is_empty() => find_places(inner, &format!("{key}."), places),
             _ => drop(places.insert(key, value.span().start)),
         }
     }
@@ -127,7 +145,7 @@ fn flatten(section: Table, prefix: &str, entries: &mut Vec<Entry>) {
     for (key, value) in section {
         let key = format!("{prefix}{key}");
         match value {
-            Value::Table(inner) => flatten(inner, &format!("{key}."), entries),
+            Value::Table(inner) if !inner.is_empty() => flatten(inner, &format!("{key}."), entries),
             value => entries.push(Entry { key, value, place: 0 }),
         }
     }
