@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use muslin_core::integrate;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use serde::Deserialize;
 
 use crate::export::Format;
 use crate::failure::Failure;
@@ -41,6 +42,8 @@ pub enum Command {
     Stability(StabilityArguments),
     /// Measure what each modelled term of a scene changes and costs
     Needs(NeedsArguments),
+    /// Run a scene over a grid of overrides: resumable, one JSON line a run
+    Sweep(SweepArguments),
     /// List the built-in scenes, or print one
     Scenes(ScenesArguments),
     /// Measure what each stage costs on this machine
@@ -74,6 +77,29 @@ fn method(text: &str) -> Result<integrate::Method, String> {
     let names = || integrate::Method::ALL.map(integrate::Method::name).join(", ");
     let method = integrate::Method::ALL.into_iter().find(|method| method.name() == text);
     method.ok_or_else(|| format!("is none of {}", names()))
+}
+
+/// A part of a sweep.
+#[derive(Clone, Copy, Debug)]
+pub struct Shard {
+    /// Which, from 1.
+    pub number: usize,
+    /// Of how many.
+    pub count: usize,
+}
+
+impl Shard {
+    /// Whether the run of that index, from 0, is its own.
+    pub const fn takes(self, index: usize) -> bool {
+        index % self.count == self.number - 1
+    }
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parts = text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
+    let shard = parts.map(|(number, count)| Shard { number, count });
+    let shard = shard.filter(|shard| (1..=shard.count).contains(&shard.number));
+    shard.ok_or_else(|| "must be I/N, such as 1/8 to 8/8".into())
 }
 
 /// What computes.
@@ -130,7 +156,8 @@ pub enum DetectStage {
 }
 
 /// In which precision to compute.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Precision {
     /// Single: to run.
     F32,
@@ -357,6 +384,47 @@ pub struct NeedsArguments {
     /// The scene and the limits
     #[command(flatten)]
     pub study: StudyArguments,
+}
+
+/// `muslin sweep`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  muslin sweep my-sweep.toml
+  muslin sweep my-sweep.toml --shard 1/8
+  parallel muslin sweep my-sweep.toml --quiet --shard {}/8 ::: 1 2 3 4 5 6 7 8
+
+A sweep is a TOML file:
+  scene = \"skirt\"                a file, relative to this one, or a built-in scene
+  duration = 0.5                   if other than the scene's
+  precision = [\"f32\", \"f64\"]     or one of them, in quotes; f32 if absent
+  [set]                            for all runs, keys as --set of muslin run takes them
+  cloth.density = 0.2
+  [grid]                           every combination; the last key changes faster, precision fastest
+  integrator.method = [\"backward-euler\", \"bdf2\"]
+  integrator.step = [0.01, 0.005]
+
+Each run appends one line to FILE.jsonl once it has ended, diverged runs too. What has its line is not
+run again: killed or interrupted, a sweep goes on by the same command. A changed scene, mesh or
+version of muslin is another run. Shards share a file only where it can be locked.
+
+Exit codes: 0 all runs have their line, 1 the tool failed, 2 bad usage or sweep (nothing is run), 130
+interrupted.")]
+pub struct SweepArguments {
+    /// The file of the sweep
+    pub sweep: PathBuf,
+    /// One part of N: the I-th run, the N-th after that, and so on
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<Shard>,
+    /// Where to append lines [default: out/SWEEP.jsonl, or out/SWEEP.I-of-N.jsonl]
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub out: Option<PathBuf>,
+    /// Threads of a run; results do not depend on it
+    #[arg(long, value_name = "N", default_value = "1", value_parser = threads, allow_negative_numbers = true)]
+    pub threads: usize,
+    /// No progress, no table; errors only
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// `muslin scenes`.

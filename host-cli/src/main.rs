@@ -34,6 +34,7 @@ fn main() -> ExitCode {
         Command::Chart(arguments) => study::chart(&arguments),
         Command::Stability(arguments) => study::stability(&arguments),
         Command::Needs(arguments) => study::needs(&arguments),
+        Command::Sweep(arguments) => study::sweep(&arguments),
         Command::Scenes(arguments) => scenes::print(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };

@@ -1,28 +1,27 @@
 //! `muslin run`: a scene from its first to its last frame, and what is left of it on disk.
 
 mod conclusion;
+pub mod course;
 mod files;
-mod start;
+pub mod start;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use muslin_core::scene::Timing;
-use muslin_core::stage::Stage;
 
 use crate::args::{PreviewKind, RunArguments};
-use crate::checkpoint::{self, Checkpoint, Resumed};
-use crate::engine::{self, Divergence, Engine, Halt};
+use crate::checkpoint::{self, Checkpoint};
+use crate::engine::{self, Engine};
 use crate::export::Exporter;
 use crate::failure::{Failure, print_data, print_note};
 use crate::interrupt;
 use crate::pool::Pool;
 use crate::preview::Preview;
-use crate::record::{Record, Start};
+use crate::record::Start;
 use crate::scene_file::{self, SceneFile};
-use crate::stopwatch::Stopwatch;
+use course::{Course, Ending, Witness, total_steps};
 use files::{to_json, write_preview, write_summary};
 
 /// Name of the checkpoint in the output directory.
@@ -34,48 +33,16 @@ const PREVIEW_MEMORY: usize = 200 << 20;
 /// Most pictures in the preview.
 const PREVIEW_FRAMES: usize = 120;
 
-/// How the steps ended.
-enum Ending {
-    Complete,
-    Diverged(Divergence),
-    Interrupted,
-}
-
-/// Extent along the axes, m.
-fn extent(positions: &[[f32; 3]]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        let along = positions.iter().map(|p| f64::from(p[axis]));
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        high - low
-    })
-}
-
-fn total_steps(timing: &Timing) -> u64 {
-    timing.frames * timing.steps_per_frame
-}
-
-/// A run under way.
-struct Run<'a> {
+/// What a run leaves on disk, under way.
+struct Files<'a> {
     arguments: &'a RunArguments,
-    engine: Box<dyn Engine>,
-    timing: Timing,
     out: PathBuf,
     scene_crc: u32,
-    /// The hash chain over the first state and all steps.
-    chain: u64,
-    steps: u64,
-    /// The step at which this process began; above 0 when resumed.
-    begun: u64,
     exporter: Exporter,
     preview: Option<Preview>,
-    positions: Vec<[f32; 3]>,
     /// Where the vertices of colliders are, m.
     solids: Vec<[f32; 3]>,
-    record: Record,
-    stepping: Duration,
-    /// In the broad phase, the narrow phase and the response.
-    contact: [Duration; 3],
-    output: Duration,
+    bar: ProgressBar,
 }
 
 /// Runs a scene.
@@ -102,13 +69,18 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let stop = interrupt::watch()?;
     let start = match resumed {
         Some(_) => Start::default(),
-        None => pool.install(|| start::untangle(engine.as_mut(), arguments, &pool)),
+        None => untangle(engine.as_mut(), arguments, &pool),
     };
-    let mut run = Run::begin(arguments, engine, timing, out, scene_crc, resumed, scene.desc.frame_rate, start)?;
+    let mut course = Course::begin(engine, timing, arguments.precision, arguments.audit, start, resumed);
+    let mut files = Files::begin(arguments, out, scene_crc, &course, resumed.is_some(), scene.desc.frame_rate)?;
+    if resumed.is_none() {
+        course.frame(&mut files)?;
+    }
     pool.install(|| {
         let started = Instant::now();
-        let ending = run.advance(&pool, &stop)?;
-        run.finish(&scene, &ending, pool.threads(), started.elapsed())
+        let ending = course.advance(&pool, &stop, &mut files);
+        files.bar.finish_and_clear();
+        files.finish(&course, &scene, &ending?, pool.threads(), started.elapsed())
     })
 }
 
@@ -119,6 +91,15 @@ fn out(arguments: &RunArguments, scene: &SceneFile) -> Result<PathBuf, Failure> 
         return Ok(checkpoint.parent().unwrap_or(Path::new("")).into());
     }
     scene_file::folder(&arguments.of, scene)
+}
+
+/// Untangles the start, and says so where there was something to do.
+fn untangle(engine: &mut dyn Engine, arguments: &RunArguments, pool: &Pool) -> Start {
+    let (start, note) = pool.install(|| start::untangle(engine, arguments.audit, pool));
+    if let Some(note) = note.filter(|_| !arguments.quiet) {
+        print_note(&note);
+    }
+    start
 }
 
 fn say_what_changed(arguments: &RunArguments, scene: &SceneFile, timing: &Timing) {
@@ -141,148 +122,71 @@ fn say_what_changed(arguments: &RunArguments, scene: &SceneFile, timing: &Timing
     }
 }
 
-impl<'a> Run<'a> {
+impl<'a> Files<'a> {
     fn begin(
         arguments: &'a RunArguments,
-        engine: Box<dyn Engine>,
-        timing: Timing,
         out: PathBuf,
         scene_crc: u32,
-        resumed: Option<Resumed>,
+        course: &Course,
+        resumed: bool,
         frame_rate: f64,
-        start: Start,
     ) -> Result<Self, Failure> {
-        let steps = engine.report().steps;
-        let first_frame = if resumed.is_some() { steps / timing.steps_per_frame + 1 } else { 0 };
+        let Course { engine, timing, positions, steps, .. } = course;
+        let first_frame = if resumed { steps / timing.steps_per_frame + 1 } else { 0 };
         let exporter = Exporter::create(&out, &arguments.export, engine.triangles(), frame_rate, first_frame as u32)?;
-        let chain = resumed.map_or_else(|| engine.chain(None), |resumed| resumed.chain);
-        let mut run = Self {
-            arguments,
-            engine,
-            timing,
-            out,
-            scene_crc,
-            chain,
-            steps,
-            begun: steps,
-            exporter,
-            preview: None,
-            positions: Vec::new(),
-            solids: Vec::new(),
-            record: resumed.map_or(Record { start, ..Record::default() }, |resumed| resumed.record),
-            stepping: Duration::ZERO,
-            contact: [Duration::ZERO; 3],
-            output: Duration::ZERO,
-        };
-        run.engine.write_positions(&mut run.positions);
-        if resumed.is_none() {
-            run.record.size = extent(&run.positions);
-        }
+        let bar = progress(arguments, total_steps(timing), *steps);
+        let mut files = Self { arguments, out, scene_crc, exporter, preview: None, solids: Vec::new(), bar };
         if arguments.preview != PreviewKind::None {
-            run.engine.write_solids(&mut run.solids);
-            let most = PREVIEW_MEMORY / (12 * (run.positions.len() + run.solids.len()));
-            let (triangles, pins, solids) = (run.engine.triangles(), run.engine.pins(), run.engine.solids());
+            engine.write_solids(&mut files.solids);
+            let most = PREVIEW_MEMORY / (12 * (positions.len() + files.solids.len()));
+            let (triangles, pins, solids) = (engine.triangles(), engine.pins(), engine.solids());
             let mut preview = Preview::new(triangles, pins, solids, frame_rate, most.clamp(6, PREVIEW_FRAMES));
             // A resumed run's picture begins here: the frames before are in files, if at all.
-            if resumed.is_some() {
-                preview.frame(&run.positions, &run.solids);
+            if resumed {
+                preview.frame(positions, &files.solids);
             }
-            run.preview = Some(preview);
+            files.preview = Some(preview);
         }
-        if resumed.is_none() {
-            run.frame()?;
-        }
-        Ok(run)
+        Ok(files)
     }
 
-    /// Steps until the end, a divergence or an interrupt.
-    fn advance(&mut self, pool: &Pool, stop: &AtomicBool) -> Result<Ending, Failure> {
-        let bar = progress(self.arguments, total_steps(&self.timing), self.steps);
-        let ending = self.take_steps(pool, stop, &bar);
-        bar.finish_and_clear();
-        ending
-    }
-
-    fn take_steps(&mut self, pool: &Pool, stop: &AtomicBool, bar: &ProgressBar) -> Result<Ending, Failure> {
-        let total = total_steps(&self.timing);
-        let stopwatch = Stopwatch::new(pool).until(stop);
-        while self.steps < total {
-            if stop.load(Ordering::Relaxed) {
-                return Ok(Ending::Interrupted);
-            }
-            let started = Instant::now();
-            let stepped = self.engine.step(&stopwatch);
-            stopwatch.pause();
-            self.stepping += started.elapsed();
-            self.contact = [Stage::BroadPhase, Stage::NarrowPhase, Stage::Response].map(|s| stopwatch.time(s));
-            match stepped {
-                Ok(()) => {}
-                Err(Halt::Diverged(divergence)) => return Ok(Ending::Diverged(divergence)),
-                Err(Halt::Stopped) => return Ok(Ending::Interrupted),
-            }
-            self.steps += 1;
-            self.chain = self.engine.chain(Some(self.chain));
-            if self.steps.is_multiple_of(self.timing.steps_per_frame) {
-                self.frame()?;
-            }
-            if self.arguments.checkpoint.is_some_and(|every| self.steps.is_multiple_of(every)) {
-                self.write_checkpoint()?;
-            }
-            bar.set_position(self.steps);
-        }
-        Ok(Ending::Complete)
-    }
-
-    fn frame(&mut self) -> Result<(), Failure> {
-        let started = Instant::now();
-        self.engine.write_positions(&mut self.positions);
-        self.exporter.frame(&self.positions)?;
-        let record = &mut self.record;
-        record.stretch = record.stretch.max(self.engine.largest_stretch());
-        record.penetration = self.engine.penetration().map(|now| now.max(record.penetration.unwrap_or(0.0)));
-        if self.arguments.audit {
-            let found = (self.engine.crossings() as u64, self.steps / self.timing.steps_per_frame);
-            if record.crossings.is_none_or(|worst| found.0 > worst.0) {
-                record.crossings = Some(found);
-            }
-        }
-        if let Some(preview) = &mut self.preview {
-            self.engine.write_solids(&mut self.solids);
-            preview.frame(&self.positions, &self.solids);
-        }
-        self.output += started.elapsed();
-        Ok(())
-    }
-
-    fn write_checkpoint(&mut self) -> Result<PathBuf, Failure> {
+    fn write_checkpoint(&mut self, course: &Course) -> Result<PathBuf, Failure> {
         let path = self.out.join(CHECKPOINT);
         // First the frames: a checkpoint must never be ahead of them.
         self.exporter.flush()?;
         let checkpoint = Checkpoint {
             precision: self.arguments.precision,
             scene: self.scene_crc,
-            chain: self.chain,
-            record: self.record,
-            snapshot: self.engine.snapshot(),
+            chain: course.chain,
+            record: course.record,
+            snapshot: course.engine.snapshot(),
         };
         checkpoint::write(&path, &checkpoint).map_err(|error| Failure::Tool(error.to_string()))?;
         Ok(path)
     }
 
     /// Completes the files, writes picture and summary, and says how it went.
-    fn finish(mut self, scene: &SceneFile, ending: &Ending, threads: usize, wall: Duration) -> Result<(), Failure> {
+    fn finish(
+        mut self,
+        course: &Course,
+        scene: &SceneFile,
+        ending: &Ending,
+        threads: usize,
+        wall: Duration,
+    ) -> Result<(), Failure> {
         if let Ending::Interrupted = ending {
-            let path = self.write_checkpoint()?;
+            let path = self.write_checkpoint(course)?;
             self.exporter.suspend()?;
             let message = format!(
                 "interrupted at step {}; go on with the same command and --resume {}",
-                self.steps,
+                course.steps,
                 path.display()
             );
             return Err(Failure::Interrupted(message));
         }
-        let summary = self.summary(scene, ending, threads, wall);
-        let intersecting = self.intersecting(scene);
+        let mut summary = course.summary(scene, ending, threads, wall);
+        summary.divergence = summary.divergence.map(|what| format!("{what}. The frames before it are kept"));
+        let intersecting = course.intersecting(scene);
         let Self { arguments, out, exporter, preview, .. } = self;
         let mut written = exporter.finish()?;
         written.extend(write_preview(arguments, preview.as_ref(), &out)?);
@@ -301,6 +205,25 @@ impl<'a> Run<'a> {
             (None, Some(message)) => Err(Failure::Intersecting(message)),
             (None, None) => Ok(()),
         }
+    }
+}
+
+impl Witness for Files<'_> {
+    fn frame(&mut self, course: &Course) -> Result<(), Failure> {
+        self.exporter.frame(&course.positions)?;
+        if let Some(preview) = &mut self.preview {
+            course.engine.write_solids(&mut self.solids);
+            preview.frame(&course.positions, &self.solids);
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, course: &Course) -> Result<(), Failure> {
+        if self.arguments.checkpoint.is_some_and(|every| course.steps.is_multiple_of(every)) {
+            self.write_checkpoint(course)?;
+        }
+        self.bar.set_position(course.steps);
+        Ok(())
     }
 }
 

@@ -1,5 +1,9 @@
 //! A scene from a file or from the built-in table, with overrides and the mesh files it names.
 
+mod change;
+
+pub use change::Change;
+
 use std::path::{Component, Path, PathBuf};
 
 use muslin_core::scene::{BUILT_IN, ColliderMotionDesc, Content, Resource, SceneDesc};
@@ -26,9 +30,9 @@ impl SceneFile {
             changes.iter().try_for_each(|(key, value)| {
                 let path: Vec<_> = key.as_ref().split('.').collect();
                 match value {
-                    Some(value) => set(scene, &path, value),
+                    Some(value) => change::set(scene, &path, value),
                     None => {
-                        remove(scene, &path);
+                        change::remove(scene, &path);
                         Ok(())
                     }
                 }
@@ -39,7 +43,7 @@ impl SceneFile {
     /// The same scene with the numbers at some keys multiplied, where they are.
     pub fn scaled(&self, keys: &[&str], factor: f64) -> Result<Self, Failure> {
         self.edited(|scene| {
-            keys.iter().for_each(|key| scale(scene, &key.split('.').collect::<Vec<_>>(), factor));
+            keys.iter().for_each(|key| change::scale(scene, &key.split('.').collect::<Vec<_>>(), factor));
             Ok(())
         })
     }
@@ -78,17 +82,46 @@ pub fn asked(arguments: &SceneArguments) -> Result<SceneFile, Failure> {
 ///
 /// Errors are of usage: they name the line of the file or the override.
 pub fn load(scene: &str, overrides: &[String]) -> Result<SceneFile, Failure> {
-    let (label, text, directory) = read(scene)?;
-    let in_file = |why: String| Failure::Usage(format!("{label}: {why}"));
-    let table: Table = toml::from_str(&text).map_err(|error| in_file(explain(&error)))?;
-    // From the text, because only it knows lines and columns.
-    let mut desc: SceneDesc = toml::from_str(&text).map_err(|error| in_file(explain(&error)))?;
-    let mut text = text;
-    if !overrides.is_empty() {
-        (desc, text) = apply(table, overrides)?;
+    let source = Source::read(scene, Path::new(""))?;
+    let changes = overrides.iter().map(|text| Change::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    source.with(&changes)
+}
+
+/// A scene as it is given, before any change.
+pub struct Source {
+    label: String,
+    desc: SceneDesc,
+    text: String,
+    table: Table,
+    directory: PathBuf,
+}
+
+impl Source {
+    /// Reads `scene`, a path from `directory` or a built-in name.
+    pub fn read(scene: &str, directory: &Path) -> Result<Self, Failure> {
+        let (label, text, directory) = read(scene, directory)?;
+        let in_file = |error| Failure::Usage(format!("{label}: {}", explain(&error)));
+        let table = toml::from_str(&text).map_err(in_file)?;
+        // From the text, because only it knows lines and columns.
+        let desc = toml::from_str(&text).map_err(in_file)?;
+        Ok(Self { label, desc, text, table, directory })
     }
-    let resources = load_resources(&desc, &directory).map_err(in_file)?;
-    Ok(SceneFile { desc, text, resources })
+
+    /// The description with these changes, and its text; no file that it names is looked at.
+    pub fn describe(&self, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
+        match changes {
+            [] => Ok((self.desc.clone(), self.text.clone())),
+            _ => change::apply(self.table.clone(), changes),
+        }
+    }
+
+    /// The scene with these changes, and the files that it names.
+    pub fn with(&self, changes: &[Change]) -> Result<SceneFile, Failure> {
+        let (desc, text) = self.describe(changes)?;
+        let resources =
+            load_resources(&desc, &self.directory).map_err(|why| Failure::Usage(format!("{}: {why}", self.label)))?;
+        Ok(SceneFile { desc, text, resources })
+    }
 }
 
 /// A scene without files from a text made here.
@@ -99,105 +132,28 @@ pub fn from_text(label: &str, text: String) -> Result<SceneFile, Failure> {
 }
 
 /// Label for messages, text, and the directory that names in the scene are relative to.
-fn read(scene: &str) -> Result<(String, String, PathBuf), Failure> {
-    let path = Path::new(scene);
+fn read(scene: &str, directory: &Path) -> Result<(String, String, PathBuf), Failure> {
+    let path = directory.join(scene);
     if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == scene).filter(|_| !path.is_file()) {
         return Ok((format!("built-in scene {name}"), (*text).into(), PathBuf::from(".")));
     }
-    match std::fs::read_to_string(path) {
-        Ok(text) => Ok((scene.into(), text, path.parent().unwrap_or(Path::new(".")).into())),
+    let label = path.display().to_string();
+    match std::fs::read_to_string(&path) {
+        Ok(text) => Ok((label, text, path.parent().unwrap_or(Path::new(".")).into())),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             let names = BUILT_IN.iter().map(|(name, _)| *name);
             let hint = match nearest(scene, names.clone()) {
                 Some(name) => format!("did you mean the built-in scene {name}?"),
                 None => format!("built-in scenes are {}", names.collect::<Vec<_>>().join(", ")),
             };
-            Err(Failure::Usage(format!("there is no file {scene}; {hint}")))
+            Err(Failure::Usage(format!("there is no file {label}; {hint}")))
         }
-        Err(error) => Err(Failure::Usage(format!("cannot read {scene}: {error}"))),
-    }
-}
-
-/// Applies overrides one by one, so that an error names the one that made it. Only the last result
-/// must be a scene: a new section may take several overrides.
-fn apply(table: Table, overrides: &[String]) -> Result<(SceneDesc, String), Failure> {
-    let mut scene = Value::Table(table);
-    let mut first_failure = None;
-    for text in overrides {
-        let failed = |why: String| Failure::Usage(format!("--set {text}: {why}"));
-        let assignment = text.split_once('=').map(|(key, value)| (key.trim().split('.').collect::<Vec<_>>(), value));
-        let (path, value) = assignment
-            .filter(|(path, _)| path.iter().all(|key| !key.is_empty()))
-            .ok_or_else(|| failed("must be KEY=VALUE, such as integrator.step=0.001".into()))?;
-        set(&mut scene, &path, &parse_value(value.trim())).map_err(failed)?;
-        if let Err(error) = scene.clone().try_into::<SceneDesc>() {
-            first_failure.get_or_insert(failed(explain(&error)));
-        }
-    }
-    let desc = scene.clone().try_into();
-    let desc = desc.map_err(|error| first_failure.unwrap_or_else(|| Failure::Usage(explain(&error))))?;
-    let text = toml::to_string(&scene).map_err(|error| Failure::Usage(error.to_string()))?;
-    Ok((desc, text))
-}
-
-/// A TOML value; what is none is a string, so that `integrator.method=rk4` needs no quotes.
-fn parse_value(text: &str) -> Value {
-    toml::from_str::<Table>(&format!("value = {text}"))
-        .ok()
-        .and_then(|mut table| table.remove("value"))
-        .unwrap_or_else(|| Value::String(text.into()))
-}
-
-/// Sets the key at `path` inside `value`. An array takes an index, or the key in each of its items.
-fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> {
-    let Some((first, rest)) = path.split_first() else {
-        *value = new.clone();
-        return Ok(());
-    };
-    match value {
-        Value::Table(table) => set(table.entry(*first).or_insert_with(|| Value::Table(Table::new())), rest, new),
-        Value::Array(items) => match (first.parse::<usize>(), items.len()) {
-            (_, 0) => Err(format!("there is nothing that could have {first}: the array is empty")),
-            (Ok(index), count) => match items.get_mut(index) {
-                Some(item) => set(item, rest, new),
-                None => Err(format!("there is no number {index}; the last is {}, counted from 0", count - 1)),
-            },
-            (Err(_), _) => items.iter_mut().try_for_each(|item| set(item, path, new)),
-        },
-        _ => Err(format!("{first} is inside a value that is no section")),
-    }
-}
-
-/// Multiplies the number at `path` inside `value`, in each item of an array; what is not there stays
-/// away.
-fn scale(value: &mut Value, path: &[&str], factor: f64) {
-    match (value, path) {
-        (Value::Array(items), _) => items.iter_mut().for_each(|item| scale(item, path, factor)),
-        (Value::Table(table), [first, rest @ ..]) => {
-            if let Some(inner) = table.get_mut(*first) {
-                scale(inner, rest, factor);
-            }
-        }
-        (Value::Float(number), []) => *number *= factor,
-        (value @ Value::Integer(_), []) => {
-            *value = Value::Float(factor * value.as_integer().unwrap_or_default() as f64);
-        }
-        _ => {}
-    }
-}
-
-/// Removes the key at `path` inside `value` where there is one; of an array, in each of its items.
-fn remove(value: &mut Value, path: &[&str]) {
-    match (value, path) {
-        (Value::Table(table), [key]) => drop(table.remove(*key)),
-        (Value::Table(table), [first, rest @ ..]) => table.get_mut(*first).into_iter().for_each(|v| remove(v, rest)),
-        (Value::Array(items), _) => items.iter_mut().for_each(|item| remove(item, path)),
-        _ => {}
+        Err(error) => Err(Failure::Usage(format!("cannot read {label}: {error}"))),
     }
 }
 
 /// The parser's message, with the nearest known key where one is unknown.
-fn explain(error: &toml::de::Error) -> String {
+pub fn explain(error: &toml::de::Error) -> String {
     let message = error.message();
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let hint = match quoted.split_first() {

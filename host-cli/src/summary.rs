@@ -124,7 +124,7 @@ impl From<&Report> for Work {
 const TOO_LONG: f64 = 1.3;
 
 /// A stretch as the part beyond the rest length.
-fn percent(stretch: f64) -> String {
+pub fn percent(stretch: f64) -> String {
     match 1e2 * (stretch - 1.0) {
         percent if percent.abs() < 1e3 => format!("{percent:.2} %"),
         percent => format!("{percent:.1e} %"),

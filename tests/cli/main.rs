@@ -25,3 +25,6 @@ mod picture;
 mod resume;
 mod stability;
 mod streams;
+mod sweep;
+mod sweep_files;
+mod sweep_shared;

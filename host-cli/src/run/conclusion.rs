@@ -2,13 +2,14 @@
 
 use std::time::Duration;
 
-use super::{Ending, Run};
+use super::course::{Course, Ending};
+use crate::args::Backend;
 use crate::scene_file::SceneFile;
 use crate::summary::{StageMs, Stretch, Summary};
 
-impl Run<'_> {
+impl Course {
     /// What to say of surfaces that pass through one another, if the audit found any.
-    pub(super) fn intersecting(&self, scene: &SceneFile) -> Option<String> {
+    pub fn intersecting(&self, scene: &SceneFile) -> Option<String> {
         let (count, frame) = self.record.crossings.filter(|&(count, _)| count > 0)?;
         let untangled = self.record.start.untangled.unwrap_or(0);
         let start = self.record.start.crossings.filter(|&count| count > untangled);
@@ -26,22 +27,22 @@ impl Run<'_> {
     }
 
     /// All that is known of it.
-    pub(super) fn summary(&self, scene: &SceneFile, ending: &Ending, threads: usize, wall: Duration) -> Summary {
+    pub fn summary(&self, scene: &SceneFile, ending: &Ending, threads: usize, wall: Duration) -> Summary {
         let report = self.engine.report();
         let steps = self.steps - self.begun;
         let per_step = |total: Duration| 1e3 * total.as_secs_f64() / (steps.max(1) as f64);
         let [broad_phase, narrow_phase, response] = self.contact.map(per_step);
         let predict = per_step(self.stepping.saturating_sub(self.contact.iter().sum()));
         let divergence = match ending {
-            Ending::Diverged(d) => Some(format!("{}; {}. The frames before it are kept", d.what, d.advice)),
+            Ending::Diverged(d) => Some(format!("{}; {}", d.what, d.advice)),
             _ => None,
         };
         Summary {
             tool: "muslin",
             version: env!("CARGO_PKG_VERSION"),
             scene: scene.desc.name.clone(),
-            precision: self.arguments.precision.name(),
-            backend: self.arguments.backend.name(),
+            precision: self.precision.name(),
+            backend: Backend::Cpu.name(),
             adapter: None,
             threads,
             size_m: self.record.size,

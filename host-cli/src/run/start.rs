@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 use muslin_core::integrate::stability::longest_step;
 use muslin_core::scene::{SceneDesc, Timing};
 
-use crate::args::RunArguments;
 use crate::engine::{Engine, Untangled};
 use crate::failure::print_note;
 use crate::pool::Pool;
@@ -67,17 +66,16 @@ pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {
     }
 }
 
-/// Untangles the start of a scene with contact, and says so where there was something to do.
-pub fn untangle(engine: &mut dyn Engine, arguments: &RunArguments, pool: &Pool) -> Start {
-    let audited = arguments.audit.then(|| engine.crossings() as u64);
+/// Untangles the start of a scene with contact; with it what to tell a person, where there was something
+/// to do.
+pub fn untangle(engine: &mut dyn Engine, audit: bool, pool: &Pool) -> (Start, Option<String>) {
+    let audited = audit.then(|| engine.crossings() as u64);
     let Some(found) = engine.untangle(&Stopwatch::new(pool)) else {
-        return Start { crossings: audited, untangled: None };
+        return (Start { crossings: audited, untangled: None }, None);
     };
-    if !arguments.quiet && (found.before > 0 || found.inside[0] > 0) {
-        print_note(&words(&found));
-    }
+    let note = (found.before > 0 || found.inside[0] > 0).then(|| words(&found));
     let crossings = audited.unwrap_or(found.before as u64);
-    Start { crossings: Some(crossings), untangled: Some((found.before - found.after) as u64) }
+    (Start { crossings: Some(crossings), untangled: Some((found.before - found.after) as u64) }, note)
 }
 
 fn words(found: &Untangled) -> String {

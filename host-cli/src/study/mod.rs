@@ -6,12 +6,14 @@ mod needs;
 mod page;
 mod reference;
 mod stability;
+mod sweep;
 mod trajectory;
 mod variant;
 mod work_precision;
 
 pub use needs::needs;
 pub use stability::stability;
+pub use sweep::sweep;
 pub use work_precision::chart;
 
 use std::fs;

@@ -1,0 +1,161 @@
+//! The steps of a scene from its start to its end, and what is seen of them: a run but for its files.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use muslin_core::scene::Timing;
+use muslin_core::stage::Stage;
+
+use crate::args::Precision;
+use crate::checkpoint::Resumed;
+use crate::engine::{Divergence, Engine, Halt};
+use crate::failure::Failure;
+use crate::pool::Pool;
+use crate::record::{Record, Start};
+use crate::stopwatch::Stopwatch;
+
+/// How the steps ended.
+pub enum Ending {
+    /// At the scene's time.
+    Complete,
+    /// A step could not be taken.
+    Diverged(Divergence),
+    /// The user said so.
+    Interrupted,
+}
+
+/// What keeps something of a run on its way.
+pub trait Witness {
+    /// The start, and the end of each frame.
+    fn frame(&mut self, course: &Course) -> Result<(), Failure>;
+    /// The end of each step, after the frame's.
+    fn step(&mut self, course: &Course) -> Result<(), Failure>;
+}
+
+/// Keeps nothing.
+impl Witness for () {
+    fn frame(&mut self, _: &Course) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn step(&mut self, _: &Course) -> Result<(), Failure> {
+        Ok(())
+    }
+}
+
+/// Steps in all.
+pub fn total_steps(timing: &Timing) -> u64 {
+    timing.frames * timing.steps_per_frame
+}
+
+/// Extent along the axes, m.
+fn extent(positions: &[[f32; 3]]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| {
+        let along = positions.iter().map(|p| f64::from(p[axis]));
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    })
+}
+
+/// A scene on its way.
+pub struct Course {
+    /// What takes the steps.
+    pub engine: Box<dyn Engine>,
+    /// Frames and steps.
+    pub timing: Timing,
+    /// Of the engine.
+    pub precision: Precision,
+    /// The hash chain over the first state and all steps.
+    pub chain: u64,
+    /// Steps taken.
+    pub steps: u64,
+    /// Positions of the last frame, m.
+    pub positions: Vec<[f32; 3]>,
+    /// What has been seen up to there.
+    pub record: Record,
+    /// Whether frames are tested for crossings.
+    audit: bool,
+    /// The step at which this process began; above 0 when resumed.
+    pub(super) begun: u64,
+    pub(super) stepping: Duration,
+    /// In the broad phase, the narrow phase and the response.
+    pub(super) contact: [Duration; 3],
+    pub(super) output: Duration,
+}
+
+impl Course {
+    /// A scene at its start, or where a checkpoint left it.
+    pub fn begin(
+        engine: Box<dyn Engine>,
+        timing: Timing,
+        precision: Precision,
+        audit: bool,
+        start: Start,
+        resumed: Option<Resumed>,
+    ) -> Self {
+        let steps = engine.report().steps;
+        let chain = resumed.map_or_else(|| engine.chain(None), |resumed| resumed.chain);
+        let mut positions = Vec::new();
+        engine.write_positions(&mut positions);
+        let fresh = || Record { start, size: extent(&positions), ..Record::default() };
+        Self {
+            record: resumed.map_or_else(fresh, |resumed| resumed.record),
+            engine,
+            timing,
+            precision,
+            chain,
+            steps,
+            positions,
+            audit,
+            begun: steps,
+            stepping: Duration::ZERO,
+            contact: [Duration::ZERO; 3],
+            output: Duration::ZERO,
+        }
+    }
+
+    /// Looks at the state as a frame: at the start, unless resumed, the caller's to do.
+    pub fn frame(&mut self, witness: &mut impl Witness) -> Result<(), Failure> {
+        let started = Instant::now();
+        self.engine.write_positions(&mut self.positions);
+        let record = &mut self.record;
+        record.stretch = record.stretch.max(self.engine.largest_stretch());
+        record.penetration = self.engine.penetration().map(|now| now.max(record.penetration.unwrap_or(0.0)));
+        if self.audit {
+            let found = (self.engine.crossings() as u64, self.steps / self.timing.steps_per_frame);
+            if record.crossings.is_none_or(|worst| found.0 > worst.0) {
+                record.crossings = Some(found);
+            }
+        }
+        witness.frame(self)?;
+        self.output += started.elapsed();
+        Ok(())
+    }
+
+    /// Steps until the end, a divergence or an interrupt.
+    pub fn advance(&mut self, pool: &Pool, stop: &AtomicBool, witness: &mut impl Witness) -> Result<Ending, Failure> {
+        let stopwatch = Stopwatch::new(pool).until(stop);
+        while self.steps < total_steps(&self.timing) {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(Ending::Interrupted);
+            }
+            let started = Instant::now();
+            let stepped = self.engine.step(&stopwatch);
+            stopwatch.pause();
+            self.stepping += started.elapsed();
+            self.contact = [Stage::BroadPhase, Stage::NarrowPhase, Stage::Response].map(|s| stopwatch.time(s));
+            match stepped {
+                Ok(()) => {}
+                Err(Halt::Diverged(divergence)) => return Ok(Ending::Diverged(divergence)),
+                Err(Halt::Stopped) => return Ok(Ending::Interrupted),
+            }
+            self.steps += 1;
+            self.chain = self.engine.chain(Some(self.chain));
+            if self.steps.is_multiple_of(self.timing.steps_per_frame) {
+                self.frame(witness)?;
+            }
+            witness.step(self)?;
+        }
+        Ok(Ending::Complete)
+    }
+}

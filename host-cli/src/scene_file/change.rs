@@ -1,0 +1,106 @@
+//! Other values for the keys of a scene.
+
+use muslin_core::scene::SceneDesc;
+use toml::{Table, Value};
+
+use crate::failure::Failure;
+
+use super::explain;
+
+/// Another value for a key of a scene.
+#[derive(Clone, Debug)]
+pub struct Change {
+    /// Who asks for it, as messages name it.
+    pub asked: String,
+    /// Such as `integrator.step`.
+    pub key: String,
+    /// The value.
+    pub value: Value,
+}
+
+impl Change {
+    /// From `key=value`.
+    pub fn parse(text: &str) -> Result<Self, Failure> {
+        let asked = format!("--set {text}");
+        match text.split_once('=').map(|(key, value)| (key.trim(), value)) {
+            Some((key, value)) if key.split('.').all(|part| !part.is_empty()) => {
+                Ok(Self { asked, key: key.into(), value: parse_value(value.trim()) })
+            }
+            _ => Err(Failure::Usage(format!("{asked}: must be KEY=VALUE, such as integrator.step=0.001"))),
+        }
+    }
+}
+
+/// Applies overrides one by one, so that an error names the one that made it. Only the last result
+/// must be a scene: a new section may take several overrides.
+pub fn apply(table: Table, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
+    let mut scene = Value::Table(table);
+    let mut first_failure = None;
+    for change in changes {
+        let failed = |why: String| Failure::Usage(format!("{}: {why}", change.asked));
+        set(&mut scene, &change.key.split('.').collect::<Vec<_>>(), &change.value).map_err(failed)?;
+        if let Err(error) = scene.clone().try_into::<SceneDesc>() {
+            first_failure.get_or_insert(failed(explain(&error)));
+        }
+    }
+    let desc = scene.clone().try_into();
+    let desc = desc.map_err(|error| first_failure.unwrap_or_else(|| Failure::Usage(explain(&error))))?;
+    let text = toml::to_string(&scene).map_err(|error| Failure::Usage(error.to_string()))?;
+    Ok((desc, text))
+}
+
+/// A TOML value; what is none is a string, so that `integrator.method=rk4` needs no quotes.
+fn parse_value(text: &str) -> Value {
+    toml::from_str::<Table>(&format!("value = {text}"))
+        .ok()
+        .and_then(|mut table| table.remove("value"))
+        .unwrap_or_else(|| Value::String(text.into()))
+}
+
+/// Sets the key at `path` inside `value`. An array takes an index, or the key in each of its items.
+pub fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> {
+    let Some((first, rest)) = path.split_first() else {
+        *value = new.clone();
+        return Ok(());
+    };
+    match value {
+        Value::Table(table) => set(table.entry(*first).or_insert_with(|| Value::Table(Table::new())), rest, new),
+        Value::Array(items) => match (first.parse::<usize>(), items.len()) {
+            (_, 0) => Err(format!("there is nothing that could have {first}: the array is empty")),
+            (Ok(index), count) => match items.get_mut(index) {
+                Some(item) => set(item, rest, new),
+                None => Err(format!("there is no number {index}; the last is {}, counted from 0", count - 1)),
+            },
+            (Err(_), _) => items.iter_mut().try_for_each(|item| set(item, path, new)),
+        },
+        _ => Err(format!("{first} is inside a value that is no section")),
+    }
+}
+
+/// Multiplies the number at `path` inside `value`, in each item of an array; what is not there stays
+/// away.
+pub fn scale(value: &mut Value, path: &[&str], factor: f64) {
+    match (value, path) {
+        (Value::Array(items), _) => items.iter_mut().for_each(|item| scale(item, path, factor)),
+        (Value::Table(table), [first, rest @ ..]) => {
+            if let Some(inner) = table.get_mut(*first) {
+                scale(inner, rest, factor);
+            }
+        }
+        (Value::Float(number), []) => *number *= factor,
+        (value @ Value::Integer(_), []) => {
+            *value = Value::Float(factor * value.as_integer().unwrap_or_default() as f64);
+        }
+        _ => {}
+    }
+}
+
+/// Removes the key at `path` inside `value` where there is one; of an array, in each of its items.
+pub fn remove(value: &mut Value, path: &[&str]) {
+    match (value, path) {
+        (Value::Table(table), [key]) => drop(table.remove(*key)),
+        (Value::Table(table), [first, rest @ ..]) => table.get_mut(*first).into_iter().for_each(|v| remove(v, rest)),
+        (Value::Array(items), _) => items.iter_mut().for_each(|item| remove(item, path)),
+        _ => {}
+    }
+}

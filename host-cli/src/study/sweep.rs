@@ -1,0 +1,111 @@
+//! `muslin sweep`: a scene over a grid of overrides, one line for each run.
+
+mod file;
+mod grid;
+mod ledger;
+mod line;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::args::SweepArguments;
+use crate::failure::{Failure, print_data, print_note};
+use crate::interrupt;
+use crate::limits;
+use crate::pool::Pool;
+
+use file::Sweep;
+use grid::Point;
+use ledger::{Ledger, Runs};
+
+/// A run and the key of its line.
+struct Task {
+    point: Point,
+    key: String,
+}
+
+/// Runs a sweep, or a shard of it.
+pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
+    let sweep = Sweep::read(&arguments.sweep)?;
+    let tasks = plan(&sweep, arguments)?;
+    let out = out(arguments);
+    let done = ledger::peek(&out)?;
+    let left = || tasks.iter().filter(|task| !done.contains_key(&task.key));
+    // Before anything runs: a scene that cannot be built is found now and not in the night.
+    left().try_for_each(|task| line::build(&sweep, task).map(drop))?;
+    let pool =
+        Pool::new(Some(arguments.threads)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
+    let stop = interrupt::watch()?;
+    let mut ledger = Ledger::open(&out)?;
+    let before = tasks.len() - left().count();
+    if before > 0 && !arguments.quiet {
+        print_note(&format!("{before} of {} done before", tasks.len()));
+    }
+    let bar = progress(arguments, tasks.len(), before);
+    let ran: Result<(), Failure> = left().try_for_each(|task| {
+        bar.set_message(task.point.name());
+        if !ledger.has(&task.key)? {
+            let line = line::of(&sweep, task, &pool, &stop)?;
+            ledger.append(&task.key, &line)?;
+        }
+        bar.inc(1);
+        Ok(())
+    });
+    bar.finish_and_clear();
+    ran?;
+    finish(arguments, &out, &tasks, &ledger.runs)
+}
+
+/// All runs are looked at, those of the shard are kept.
+fn plan(sweep: &Sweep, arguments: &SweepArguments) -> Result<Vec<Task>, Failure> {
+    let mut tasks = Vec::new();
+    for index in 0..sweep.count()? {
+        let point = sweep.point(index);
+        let (desc, _) = sweep.scene.describe(&point.changes)?;
+        limits::check(&desc).map_err(|why| refused(sweep, &point, &why))?;
+        if arguments.shard.is_none_or(|shard| shard.takes(index)) {
+            let key = point.key(&sweep.scene.with(&point.changes)?);
+            tasks.push(Task { point, key });
+        }
+    }
+    Ok(tasks)
+}
+
+fn refused(sweep: &Sweep, point: &Point, why: &str) -> Failure {
+    Failure::Usage(format!("{}: the run with {}: {why}", sweep.label, point.name()))
+}
+
+/// Where to append: as asked, or a file in `out` named after the sweep's and the shard.
+fn out(arguments: &SweepArguments) -> PathBuf {
+    let stem = arguments.sweep.file_stem().unwrap_or_default().to_string_lossy();
+    match (&arguments.out, arguments.shard) {
+        (Some(out), _) => out.clone(),
+        (None, Some(shard)) => format!("out/{stem}.{}-of-{}.jsonl", shard.number, shard.count).into(),
+        (None, None) => format!("out/{stem}.jsonl").into(),
+    }
+}
+
+fn progress(arguments: &SweepArguments, total: usize, before: usize) -> ProgressBar {
+    // Draws on a terminal only.
+    let target = if arguments.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bar = ProgressBar::with_draw_target(Some(total as u64), target);
+    if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {bar:24} {pos}/{len} {wide_msg}") {
+        bar.set_style(style);
+    }
+    bar.set_position(before as u64);
+    bar
+}
+
+/// Says what came of all runs, those done before included.
+fn finish(arguments: &SweepArguments, out: &Path, tasks: &[Task], runs: &Runs) -> Result<(), Failure> {
+    if arguments.quiet {
+        return Ok(());
+    }
+    print_data(&table::lines(tasks, runs))?;
+    let told = tasks.iter().filter_map(|task| runs.get(&task.key));
+    let diverged = told.filter(|told| told.verdict == "diverged").count();
+    print_note(&format!("{}: {} runs, {diverged} of them diverged", out.display(), tasks.len()));
+    Ok(())
+}

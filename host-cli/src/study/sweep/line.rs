@@ -1,0 +1,66 @@
+//! One run of a sweep, from its scene to its line.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use muslin_core::scene::Timing;
+use serde::Serialize;
+use toml::Value;
+
+use crate::engine::{self, Engine};
+use crate::failure::Failure;
+use crate::pool::Pool;
+use crate::run::course::{Course, Ending};
+use crate::run::start;
+use crate::scene_file::SceneFile;
+use crate::summary::Summary;
+
+use super::file::Sweep;
+use super::{Task, refused};
+
+/// A line: what was run, and all that a summary has.
+#[derive(Serialize)]
+struct Line<'a> {
+    key: &'a str,
+    index: usize,
+    overrides: BTreeMap<&'a str, &'a Value>,
+    #[serde(flatten)]
+    summary: Summary,
+}
+
+/// The scene of a run and what takes its steps.
+pub fn build(sweep: &Sweep, task: &Task) -> Result<(SceneFile, Box<dyn Engine>, Timing), Failure> {
+    let scene = sweep.scene.with(&task.point.changes)?;
+    let built = engine::build(&scene, task.point.precision);
+    let (engine, timing) = built.map_err(|why| refused(sweep, &task.point, &why))?;
+    Ok((scene, engine, timing))
+}
+
+/// Runs a scene to its end or to where it diverges; returns its line.
+pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<String, Failure> {
+    let (scene, mut engine, timing) = build(sweep, task)?;
+    if task.point.key(&scene) != task.key {
+        return Err(Failure::Tool(format!(
+            "{}: a file that the scene names has changed since the sweep began; start the same command again",
+            sweep.label
+        )));
+    }
+    let summary = pool.install(|| {
+        let (start, _) = start::untangle(engine.as_mut(), false, pool);
+        let mut course = Course::begin(engine, timing, task.point.precision, false, start, None);
+        course.frame(&mut ())?;
+        let started = Instant::now();
+        match course.advance(pool, stop, &mut ())? {
+            Ending::Interrupted => Err(Failure::Interrupted(format!(
+                "interrupted in the run with {}, which leaves no line; go on with the same command",
+                task.point.name()
+            ))),
+            ending => Ok(course.summary(&scene, &ending, pool.threads(), started.elapsed())),
+        }
+    })?;
+    let Task { point, key } = task;
+    let overrides = point.changes.iter().map(|change| (change.key.as_str(), &change.value)).collect();
+    let line = Line { key, index: point.index, overrides, summary };
+    serde_json::to_string(&line).map_err(|error| Failure::Tool(error.to_string()))
+}
