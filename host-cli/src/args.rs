@@ -365,21 +365,22 @@ Examples:
   muslin needs my.toml --budget 120 --json
   muslin needs ball --duration 0.7 --set integrator.step=0.002
 
-Runs the scene as it stands, in single precision on one thread, and again without each term that it
-models: shear, bending, damping, drag, wind, self-collision, continuous testing, friction, contact with
-its colliders. Then with something simpler: springs for a membrane, bending springs for hinges, one
-Newton iteration for several; and with what could be modelled besides: Newton's method, up to 20
-iterations a step, and double precision.
+Runs the scene as it stands, in single precision on one thread, and again without each term that
+it models: shear, bending, damping, drag, wind, self-collision, continuous testing, friction,
+contact with its colliders. Then with something simpler: springs for a membrane, bending springs for
+hinges, one Newton iteration for several; and with what could be modelled besides: Newton's method,
+up to 20 iterations a step, and double precision.
 
-It tells how far each moves the cloth, RMS over 20 moments: positions, or with contact, which leaves no
-vertex a place of its own, the outline of the drape. Half the step moves it too: a term that moves it by
-less cannot be told at this step, and all such are switched off together in a last run. Costs are the
-median of pairs of runs; counts do not depend on the machine. Bending springs are as stiff as stores the
-hinges' energy where the sheet is bent by 30 degrees from triangle to triangle. Writes needs.svg,
-needs.json, needs.txt and study.html.
+It tells how far each moves the cloth, RMS over 20 moments: positions, or with contact, which leaves
+no vertex a place of its own, the outline of the drape. Half the step moves it too: a term that
+moves it by less cannot be told at this step, and all such are switched off together in a last run.
+Costs are the median of pairs of runs; counts do not depend on the machine. Bending springs store
+the energy of the hinges where the sheet is bent by 30 degrees from triangle to triangle. Writes
+needs.svg, needs.json, needs.txt and study.html.
 
-Exit codes: 0 fine (a term without which the scene diverges is a result), 1 the tool failed, 2 bad usage
-or scene, 3 the scene itself diverges or takes longer than the budget, 130 interrupted.")]
+Exit codes: 0 fine (a term without which the scene fails is a result), 1 the tool failed, 2 bad
+usage or scene, 3 the scene itself fails or the budget does not do for all runs (those that are
+done are written), 130 interrupted.")]
 pub struct NeedsArguments {
     /// The scene and the limits
     #[command(flatten)]

@@ -28,7 +28,16 @@ pub fn needs(arguments: &NeedsArguments) -> Result<(), Failure> {
     trial::run(&study, &baseline, &mut trials)?;
     let hidden = hidden(&study, &baseline, &trials)?;
     let needs = report::of(&study, &baseline, &trials, hidden);
-    study.finish("needs", &draw::needs(&needs), &needs, &needs.lines())
+    study.finish("needs", &draw::needs(&needs), &needs, &needs.lines())?;
+    match needs.rows.iter().filter(|row| row.verdict == Verdict::Unfinished).count() {
+        0 => Ok(()),
+        late => Err(Failure::Diverged(format!(
+            "the budget of {} s is used up: {late} of {} runs are missing; take a larger --budget, a shorter --duration \
+             or a coarser cloth by --set",
+            arguments.study.budget,
+            needs.rows.len()
+        ))),
+    }
 }
 
 /// Which terms the step cannot tell, run without all of them where there are several.
