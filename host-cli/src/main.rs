@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Detect(arguments) => detect::detect(&arguments),
         Command::Chart(arguments) => study::chart(&arguments),
+        Command::Validate(arguments) => study::validate(&arguments),
         Command::Scenes(arguments) => scenes::print(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };

@@ -22,3 +22,4 @@ mod outputs;
 mod picture;
 mod resume;
 mod streams;
+mod validate;

@@ -1,4 +1,4 @@
-//! Pictures of studies.
+//! The picture of `muslin chart`.
 
 use std::sync::Arc;
 
@@ -9,18 +9,8 @@ use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
-use super::work_precision::{Chart, Row};
-
-/// Colours that the colour-blind tell apart [Wong 2011], and shapes for those who print.
-pub const LOOKS: [(&str, &str, MarkerShape); 7] = [
-    ("explicit-euler", "#cc79a7", MarkerShape::TriangleDown),
-    ("symplectic-euler", "#e69f00", MarkerShape::Triangle),
-    ("midpoint", "#56b4e9", MarkerShape::Diamond),
-    ("rk4", "#0072b2", MarkerShape::Square),
-    ("backward-euler", "#000000", MarkerShape::Circle),
-    ("implicit-midpoint", "#009e73", MarkerShape::Pentagon),
-    ("bdf2", "#d55e00", MarkerShape::Star),
-];
+use super::{LOOKS, range};
+use crate::study::work_precision::{Chart, Row};
 
 /// Errors are drawn in these units of the diagonal: the library draws nothing below 1e-10.
 const DRAWN: f64 = 1e6;
@@ -54,11 +44,6 @@ pub fn work_precision(chart: &Chart) -> String {
         .with_cell_size(PANEL[0], PANEL[1])
         .with_shared_legend_right_middle();
     SvgBackend.render_scene(&figure.render())
-}
-
-/// The least and the largest.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, 0.0), |(low, high), value| (low.min(value), high.max(value)))
 }
 
 /// A line and marks for each method and precision, and crosses at `top` for what failed: what that

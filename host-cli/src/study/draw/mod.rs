@@ -1,0 +1,25 @@
+//! Pictures of studies.
+
+mod master_curve;
+mod work_precision;
+
+pub use master_curve::master_curve;
+pub use work_precision::work_precision;
+
+use kuva::plot::scatter::MarkerShape;
+
+/// Colours that the colour-blind tell apart [Wong 2011], and shapes for those who print.
+pub const LOOKS: [(&str, &str, MarkerShape); 7] = [
+    ("explicit-euler", "#cc79a7", MarkerShape::TriangleDown),
+    ("symplectic-euler", "#e69f00", MarkerShape::Triangle),
+    ("midpoint", "#56b4e9", MarkerShape::Diamond),
+    ("rk4", "#0072b2", MarkerShape::Square),
+    ("backward-euler", "#000000", MarkerShape::Circle),
+    ("implicit-midpoint", "#009e73", MarkerShape::Pentagon),
+    ("bdf2", "#d55e00", MarkerShape::Star),
+];
+
+/// The least and the largest.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, 0.0), |(low, high), value| (low.min(value), high.max(value)))
+}
