@@ -44,6 +44,8 @@ pub enum Command {
     Needs(NeedsArguments),
     /// Run a scene over a grid of overrides: resumable, one JSON line a run
     Sweep(SweepArguments),
+    /// Check the simulator against known answers: expected beside measured
+    Validate(ValidateArguments),
     /// List the built-in scenes, or print one
     Scenes(ScenesArguments),
     /// Measure what each stage costs on this machine
@@ -423,6 +425,35 @@ pub struct SweepArguments {
     /// Threads of a run; results do not depend on it
     #[arg(long, value_name = "N", default_value = "1", value_parser = threads, allow_negative_numbers = true)]
     pub threads: usize,
+    /// No progress, no table; errors only
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// `muslin validate`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  muslin validate                       all checks: some minutes, most of them for the cantilever
+  muslin validate --only hinge          one group; the report lists them
+  muslin validate --only \"Gamma 10\" --json
+
+Closed forms and known solutions, measured with the core in double precision: what is expected, what
+came out, how far off that is and how far it may be. Writes validate.svg, the curve of the heavy
+cantilever and what came out beside it, validate.json and validate.txt.
+
+Exit codes: 0 all checks pass, 1 the tool failed, 2 bad usage, 3 a check fails (the results are
+written), 130 interrupted.")]
+pub struct ValidateArguments {
+    /// Only checks with this in their name, the group before it
+    #[arg(long, value_name = "NAME")]
+    pub only: Option<String>,
+    /// Where to write
+    #[arg(long, value_name = "DIR", default_value = "out/validate")]
+    pub out: PathBuf,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
     /// No progress, no table; errors only
     #[arg(long)]
     pub quiet: bool,

@@ -21,6 +21,9 @@ pub enum Failure {
     /// Surfaces pass through one another; the outputs are valid.
     #[error("{0}")]
     Intersecting(String),
+    /// A check missed its tolerance; the outputs are valid.
+    #[error("{0}")]
+    Missed(String),
     /// Interrupted by the user; a checkpoint is written.
     #[error("{0}")]
     Interrupted(String),
@@ -32,12 +35,12 @@ impl Failure {
         print_note(&format!("muslin: {self}"));
     }
 
-    /// 1 the tool, 2 usage or scene, 3 diverged or intersecting, 130 interrupted.
+    /// 1 the tool, 2 usage or scene, 3 diverged, intersecting or off, 130 interrupted.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Tool(_) => 1,
             Self::Usage(_) => 2,
-            Self::Diverged(_) | Self::Intersecting(_) => 3,
+            Self::Diverged(_) | Self::Intersecting(_) | Self::Missed(_) => 3,
             Self::Interrupted(_) => 130,
         })
     }

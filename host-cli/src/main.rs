@@ -35,6 +35,7 @@ fn main() -> ExitCode {
         Command::Stability(arguments) => study::stability(&arguments),
         Command::Needs(arguments) => study::needs(&arguments),
         Command::Sweep(arguments) => study::sweep(&arguments),
+        Command::Validate(arguments) => study::validate(&arguments),
         Command::Scenes(arguments) => scenes::print(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };

@@ -28,3 +28,4 @@ mod streams;
 mod sweep;
 mod sweep_files;
 mod sweep_shared;
+mod validate;

@@ -2,22 +2,23 @@
 
 mod distance;
 mod draw;
+mod folder;
 mod needs;
 mod page;
 mod reference;
 mod stability;
 mod sweep;
 mod trajectory;
+mod validate;
 mod variant;
 mod work_precision;
 
 pub use needs::needs;
 pub use stability::stability;
 pub use sweep::sweep;
+pub use validate::validate;
 pub use work_precision::chart;
 
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -26,11 +27,11 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use crate::args::StudyArguments;
-use crate::export::whole;
-use crate::failure::{Failure, print_data, print_note};
+use crate::failure::Failure;
 use crate::interrupt;
 use crate::pool::Pool;
 use crate::scene_file::{self, SceneFile};
+use folder::{Folder, Results};
 
 /// More than a life.
 const MOST_SECONDS: f64 = 1e10;
@@ -42,33 +43,29 @@ pub struct Study<'a> {
     /// The scene as it was given.
     pub scene: SceneFile,
     /// Where to write.
-    pub out: PathBuf,
+    pub folder: Folder,
     /// Runs kernels on one thread: costs are compared.
     pub pool: Pool,
     /// Raised by an interrupt.
     pub stop: Arc<AtomicBool>,
-    /// Folders that were not there, the innermost first.
-    made: Vec<PathBuf>,
     bar: ProgressBar,
     started: Instant,
 }
 
 impl Drop for Study<'_> {
-    /// A study without results leaves no folder: only empty ones can be removed.
     fn drop(&mut self) {
         self.bar.finish_and_clear();
-        self.made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }
 }
 
-/// Makes a folder before the time is spent that ends in it; returns what was not there, the innermost
-/// first.
-fn make_folder(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let missing = folder.ancestors().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
-    let missing = missing.map(Path::to_path_buf).collect();
-    fs::create_dir_all(folder)
-        .map_err(|error| Failure::Tool(format!("cannot make the folder {}: {error}", folder.display())))?;
-    Ok(missing)
+/// A bar of so many units, on a terminal only.
+fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bar = ProgressBar::with_draw_target(Some(length), target);
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar
 }
 
 impl<'a> Study<'a> {
@@ -80,15 +77,11 @@ impl<'a> Study<'a> {
         }
         let out = scene_file::folder(&arguments.of, &scene)?;
         let pool = Pool::new(Some(1)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
-        let made = make_folder(&out)?;
+        let folder = Folder::make(out)?;
         let stop = interrupt::watch()?;
-        // Draws on a terminal only.
-        let target = if arguments.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(arguments.budget.ceil() as u64), target);
-        if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} of {len} s {wide_bar} {msg}") {
-            bar.set_style(style);
-        }
-        Ok(Self { arguments, scene, out, made, pool, stop, bar, started: Instant::now() })
+        let template = "{elapsed_precise} of {len} s {wide_bar} {msg}";
+        let bar = bar(arguments.budget.ceil() as u64, template, arguments.quiet);
+        Ok(Self { arguments, scene, folder, pool, stop, bar, started: Instant::now() })
     }
 
     /// Says what is being run.
@@ -110,24 +103,10 @@ impl<'a> Study<'a> {
     /// Writes the picture, the numbers and the page, and prints the numbers or `lines`.
     pub fn finish(&self, name: &str, svg: &str, numbers: &impl Serialize, lines: &str) -> Result<(), Failure> {
         self.bar.finish_and_clear();
-        let json = serde_json::to_string_pretty(numbers).map_err(|error| Failure::Tool(error.to_string()))?;
-        let write = |file: &str, text: &str| {
-            use std::io::Write;
-            whole::write(self.out.join(file), |out| writeln!(out, "{text}"))
-                .map_err(|error| Failure::Tool(error.to_string()))
-        };
-        let mut written = vec![write(&format!("{name}.svg"), svg)?, write(&format!("{name}.json"), &json)?];
-        written.push(write(&format!("{name}.txt"), lines)?);
-        written.push(write(page::NAME, &page::of(&self.out, &self.scene.desc.name))?);
-        if self.arguments.json {
-            print_data(&json)?;
-        } else if !self.arguments.quiet {
-            print_data(lines)?;
-        }
-        if !self.arguments.quiet {
-            let names: Vec<_> = written.iter().map(|path| path.display().to_string()).collect();
-            print_note(&format!("wrote {}", names.join(", ")));
-        }
-        Ok(())
+        let results = Results::new(svg.into(), numbers, lines.into())?;
+        let mut written = self.folder.keep(name, &results)?;
+        let page = page::of(self.folder.path(), &self.scene.desc.name);
+        written.push(self.folder.write(page::NAME, &page)?);
+        results.print(self.arguments.json, self.arguments.quiet, &written)
     }
 }

@@ -1,9 +1,11 @@
 //! Pictures of studies.
 
+mod master_curve;
 mod needs;
 mod stability;
 mod work_precision;
 
+pub use master_curve::master_curve;
 pub use needs::needs;
 pub use stability::stability;
 pub use work_precision::work_precision;

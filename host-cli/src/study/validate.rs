@@ -1,0 +1,136 @@
+//! `muslin validate`: known answers, expected beside measured, by the core in double precision.
+
+mod bisect;
+mod cantilever;
+mod catenary;
+mod chains;
+mod check;
+mod critical;
+mod derivatives;
+mod elastica;
+mod energy;
+mod falls;
+mod friction;
+mod hinge;
+mod lab;
+mod lattice;
+mod net;
+mod orders;
+mod oscillator;
+mod patch;
+mod report;
+mod spectrum;
+
+pub use cantilever::{CUTS, GAMMAS, TOLERANCE};
+pub use elastica::drop_over_reach;
+pub use report::{Report, Row};
+
+use std::time::Instant;
+
+use crate::args::ValidateArguments;
+use crate::failure::Failure;
+use crate::interrupt;
+
+use super::draw;
+use super::folder::{Folder, Results};
+use check::Check;
+use lab::{Lab, Miss};
+
+/// Checks of one kind.
+struct Group {
+    name: &'static str,
+    /// What is measured, and against what.
+    about: &'static str,
+    checks: fn() -> Vec<Check>,
+}
+
+/// Every group, in the order of its report.
+const GROUPS: [Group; 11] = [
+    Group { name: "cantilever", about: cantilever::ABOUT, checks: cantilever::checks },
+    Group { name: "hinge", about: hinge::ABOUT, checks: hinge::checks },
+    Group { name: "patch", about: patch::ABOUT, checks: patch::checks },
+    Group { name: "derivatives", about: derivatives::ABOUT, checks: derivatives::checks },
+    Group { name: "chains", about: chains::ABOUT, checks: chains::checks },
+    Group { name: "catenary", about: catenary::ABOUT, checks: catenary::checks },
+    Group { name: "energy", about: energy::ABOUT, checks: energy::checks },
+    Group { name: "falls", about: falls::ABOUT, checks: falls::checks },
+    Group { name: "orders", about: orders::ABOUT, checks: orders::checks },
+    Group { name: "critical", about: critical::ABOUT, checks: critical::checks },
+    Group { name: "friction", about: friction::ABOUT, checks: friction::checks },
+];
+
+/// Runs the checks that are asked for and writes what came of them.
+pub fn validate(arguments: &ValidateArguments) -> Result<(), Failure> {
+    let chosen = choose(arguments.only.as_deref())?;
+    let folder = Folder::make(arguments.out.clone())?;
+    let report = run(&chosen, arguments.quiet)?;
+    let results = Results::new(draw::master_curve(&report.rows), &report, report.lines())?;
+    let written = folder.keep("validate", &results)?;
+    results.print(arguments.json, arguments.quiet, &written)?;
+    match report.verdict() {
+        Some(why) => Err(Failure::Missed(why)),
+        None => Ok(()),
+    }
+}
+
+/// The groups with those of their checks whose name, with the group before it, contains a text.
+fn choose(only: Option<&str>) -> Result<Vec<(&'static Group, Vec<Check>)>, Failure> {
+    let wanted =
+        |group: &Group, check: &Check| only.is_none_or(|only| format!("{} {}", group.name, check.name).contains(only));
+    let chosen: Vec<_> = GROUPS
+        .iter()
+        .map(|group| (group, (group.checks)().into_iter().filter(|check| wanted(group, check)).collect::<Vec<_>>()))
+        .filter(|(_, checks)| !checks.is_empty())
+        .collect();
+    if chosen.is_empty() {
+        let groups: Vec<_> = GROUPS.iter().map(|group| group.name).collect();
+        return Err(Failure::Usage(format!(
+            "--only {}: no check has this in its name; the groups are {}",
+            only.unwrap_or_default(),
+            groups.join(", ")
+        )));
+    }
+    Ok(chosen)
+}
+
+/// Measures one check after the other.
+fn run(chosen: &[(&'static Group, Vec<Check>)], quiet: bool) -> Result<Report, Failure> {
+    let (lab, started) = (Lab::new(interrupt::watch()?), Instant::now());
+    let count: usize = chosen.iter().map(|(_, checks)| checks.len()).sum();
+    let bar = super::bar(count as u64, "{pos} of {len} {wide_bar} {msg}", quiet);
+    let mut rows = Vec::new();
+    for (group, checks) in chosen {
+        for check in checks {
+            bar.set_message(format!("{} {}", group.name, check.name));
+            let measured = match (check.measure)(&lab) {
+                Err(Miss::Stopped) => {
+                    bar.finish_and_clear();
+                    return Err(Failure::Interrupted(
+                        "interrupted; results are written at the end: there are none".into(),
+                    ));
+                }
+                Err(Miss::Why(why)) => Err(why),
+                Ok(measured) => Ok(measured),
+            };
+            rows.push(Row::new(group.name, group.about, check, measured));
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    Ok(Report::new(rows, started.elapsed().as_secs_f64()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_checks_apart() {
+        let mut names: Vec<_> =
+            choose(None).unwrap().into_iter().flat_map(|(_, checks)| checks).map(|c| c.name).collect();
+        let count = names.len();
+        names.sort_unstable();
+        names.dedup();
+        assert!(names.len() == count && count > 200, "{count} checks with {} names", names.len());
+    }
+}

@@ -1,0 +1,195 @@
+//! The heavy cantilever [Romero 2021] on strips cut from the default mesh in three directions.
+//!
+//! A strip hung over a line is two cantilevers: symmetry clamps both at the line, whatever the mesh.
+//! It is to bend as a cylinder, as a part of an endless sheet does: z is held, and vertices a period of
+//! the lattice apart are sewn together in x and y. So only the hinges that its sides lack tell it from
+//! that sheet; how much of the rigidity they hold is counted. Strips whose sides are free are softer by
+//! a part that falls as one over the width.
+
+use muslin_core_f64::scene::Content;
+use muslin_core_f64::simulation::Simulation;
+
+use super::check::Check;
+use super::elastica::drop_over_reach;
+use super::lab::{self, Lab, Miss};
+use super::lattice::{Strip, strip};
+
+/// For the report.
+pub const ABOUT: &str = "a strip clamped level bends under its weight; drop over reach of its tip by Gamma = w L^3 / D; \
+                         strips with free sides in two widths, led on to an endless one";
+
+/// A direction in which strips are cut.
+#[derive(Clone, Copy, Debug)]
+pub struct Cut {
+    /// For people.
+    pub name: &'static str,
+    /// The node of the lattice that a strip runs towards.
+    along: [i32; 2],
+    /// Periods of the lattice that a strip is wide, 4 to 7 edges.
+    periods: u32,
+    /// And one with free sides, 7 to 9 edges.
+    free_periods: u32,
+}
+
+/// Three: the lattice has every other one between them again, by its symmetry.
+pub const CUTS: [Cut; 3] = [
+    Cut { name: "rows along", along: [1, 0], periods: 4, free_periods: 4 },
+    Cut { name: "rows across", along: [1, 1], periods: 4, free_periods: 8 },
+    Cut { name: "rows askew by 19 degrees", along: [2, 1], periods: 1, free_periods: 2 },
+];
+
+/// Where drop over reach is measured.
+pub const GAMMAS: [f64; 12] = [0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
+
+/// How far drop over reach may be off.
+pub const TOLERANCE: f64 = 0.01;
+
+/// Edges in L / sqrt(Gamma), over which the strip turns down, and at least in L.
+const EDGES: f64 = 10.0;
+const LEAST_EDGES: f64 = 20.0;
+
+/// Of the strip, N/m^2.
+const WEIGHT: f64 = 1.0;
+
+/// Stretch stiffness over the weight of a strip's length: its own weight draws it out by less than
+/// 1e-4.
+const STIFFNESS: f64 = 2e4;
+
+/// Of the sewing over the bending stiffness of an edge's square.
+const SEWING: f64 = 1e4;
+
+/// What bends along the strip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sides {
+    /// As those of an endless sheet.
+    Sewn,
+    /// As cut.
+    Free,
+}
+
+impl Cut {
+    /// The name of the check of drop over reach.
+    pub fn check(&self, gamma: f64) -> String {
+        format!("{}, Gamma {gamma}", self.name)
+    }
+}
+
+/// All checks.
+pub fn checks() -> Vec<Check> {
+    let drops = CUTS.iter().flat_map(|cut| {
+        GAMMAS.map(|gamma| {
+            let edges = (EDGES * gamma.sqrt()).ceil().max(LEAST_EDGES);
+            let measure = move |lab: &Lab| Ok(Hung::settle(lab, cut, Sides::Sewn, gamma, edges, 1)?.drop_over_reach());
+            Check::relative(cut.check(gamma), drop_over_reach(gamma), TOLERANCE, measure)
+        })
+    });
+    let free = CUTS.iter().map(|cut| {
+        let name = format!("{}, sides free, Gamma 10", cut.name);
+        Check::relative(name, drop_over_reach(10.0), TOLERANCE, |lab| endless(lab, cut))
+    });
+    let stretch = CUTS.iter().map(|cut| {
+        let measure = |lab: &Lab| Ok(Hung::settle(lab, cut, Sides::Sewn, 100.0, 100.0, 1)?.strain());
+        Check::absolute(format!("{}, stretch at Gamma 100", cut.name), 0.0, 1e-4, measure)
+    });
+    let order = Check::absolute("rows across, order by the edges", 2.0, 0.1, order);
+    drops.chain(free).chain(stretch).chain([order]).collect()
+}
+
+/// Drop over reach of free strips, without the part that falls as one over the width.
+fn endless(lab: &Lab, cut: &Cut) -> Result<f64, Miss> {
+    let [narrow, wide] = [1, 2].map(|times| Hung::settle(lab, cut, Sides::Free, 10.0, 32.0, times));
+    Ok(2.0 * wide?.drop_over_reach() - narrow?.drop_over_reach())
+}
+
+/// The power of the edge by which the error falls, where nothing but the mesh is wrong.
+fn order(lab: &Lab) -> Result<f64, Miss> {
+    let error = |edges: f64| {
+        let hung = Hung::settle(lab, &CUTS[1], Sides::Sewn, 5.0, edges, 1)?;
+        Ok::<_, Miss>(hung.drop_over_reach() - drop_over_reach(5.0))
+    };
+    Ok((error(16.0)? / error(32.0)?).log2())
+}
+
+/// A strip at rest over its line.
+struct Hung {
+    strip: Strip,
+    sim: Simulation,
+    stiffness: f64,
+}
+
+impl Hung {
+    /// `edges` are in its length, `times` how many times as wide it is.
+    fn settle(lab: &Lab, cut: &Cut, sides: Sides, gamma: f64, edges: f64, times: u32) -> Result<Self, Miss> {
+        let periods = if sides == Sides::Sewn { cut.periods } else { cut.free_periods };
+        let strip = strip(cut.along, times * periods, 1.0 / edges)?;
+        let stiffness = STIFFNESS * WEIGHT * strip.length;
+        let text = scene(&strip, sides, gamma, stiffness);
+        let mesh = Content::Mesh(strip.mesh.clone());
+        let mut sim = lab::simulation(&text, &[("strip".into(), mesh)])?;
+        lab.settle(&mut sim, 1e-6, 100)?;
+        Ok(Self { strip, sim, stiffness })
+    }
+
+    /// Of the tip: a line through all that is near it, since the ends are jagged and straight.
+    fn drop_over_reach(&self) -> f64 {
+        let Strip { mesh, length, edge, .. } = &self.strip;
+        let tips = mesh.positions.iter().zip(self.sim.positions());
+        let tips = tips.map(|(rest, x)| [rest[0].abs() - length, x.x * rest[0].signum(), -x.y]);
+        let near: Vec<_> = tips.filter(|[beyond, ..]| *beyond > -2.5 * edge).collect();
+        let mean = [0, 1, 2].map(|k| near.iter().map(|tip| tip[k]).sum::<f64>() / near.len() as f64);
+        let along = |k: usize| near.iter().map(|tip| (tip[0] - mean[0]) * (tip[k] - mean[k])).sum::<f64>();
+        let [reach, drop] = [1, 2].map(|k| mean[k] - mean[0] * along(k) / along(0));
+        drop / reach
+    }
+
+    /// The root of the mean square along the strip, by its stored energy.
+    fn strain(&self) -> f64 {
+        let area: f64 = self.sim.scene().particles.masses.iter().sum::<f64>() / DENSITY;
+        (2.0 * self.sim.energy().stretch / (self.stiffness * area)).sqrt()
+    }
+}
+
+/// kg/m^2.
+const DENSITY: f64 = 0.1;
+
+/// Steps so long that Newton's method finds the state at rest in a few.
+fn scene(strip: &Strip, sides: Sides, gamma: f64, stiffness: f64) -> String {
+    let endless = WEIGHT * strip.length.powi(3) / gamma;
+    let gravity = WEIGHT / DENSITY;
+    let line = &strip.line;
+    let (rigidity, weft, held) = match sides {
+        Sides::Free => (endless, stiffness, format!("pin = [{{ select = {{ vertices = {line:?} }} }}]")),
+        Sides::Sewn => {
+            let rigidity = endless / strip.rigidity;
+            let sewing = SEWING * rigidity / (strip.edge * strip.edge);
+            let (all, alike) = ((0..strip.mesh.positions.len()).collect::<Vec<_>>(), &strip.alike);
+            let pins = format!(
+                "pin = [{{ select = {{ vertices = {line:?} }}, axes = \"xy\" }}, \
+                 {{ select = {{ vertices = {all:?} }}, axes = \"z\" }}]"
+            );
+            let seam = format!("seam = [{{ pairs = {alike:?}, stiffness = {sewing:?} }}]");
+            // A cylinder of triangles is narrower than its sheet by a hair, which z does not allow.
+            (rigidity, 1e-3 * stiffness, format!("{pins}\n{seam}"))
+        }
+    };
+    format!(
+        r#"
+        name = "cantilever"
+        duration = 1.0
+        frame_rate = 0.2
+        gravity = [0.0, -{gravity:?}, 0.0]
+        [[cloth]]
+        mesh = "strip"
+        density = {DENSITY:?}
+        stretch = {{ model = "membrane", stiffness = {stiffness:?}, weft = {weft:?} }}
+        shear = {{ stiffness = {:?} }}
+        bend = {{ model = "hinge", rigidity = {rigidity:?} }}
+        {held}
+        [integrator]
+        step = 5.0
+        newton = 100
+        tolerance = 1e-6
+        "#,
+        0.1 * stiffness
+    )
+}

@@ -1,0 +1,128 @@
+//! `muslin validate`: every group but the whole cantilever passes through the command. Its truths are
+//! held against published digits where they are computed. The cantilever at all twelve values takes
+//! minutes: run `muslin validate --only cantilever`.
+
+use serde_json::Value;
+
+use crate::kit::{Outcome, Place};
+
+fn validate(place: &Place, only: &str) -> Outcome {
+    let mut command = place.command("validate --json --out out --only");
+    command.arg(only);
+    place.finish(command)
+}
+
+/// That all checks whose name contains `only` pass, that there are so many of them, and that what they
+/// say agrees with itself.
+#[track_caller]
+fn all_pass(only: &str, count: usize) -> Vec<Value> {
+    let report = validate(&Place::new(), only).expect(0).json();
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(
+        (rows.len(), report["passed"].as_u64(), report["failed"].as_u64()),
+        (count, Some(count as u64), Some(0))
+    );
+    for row in rows {
+        let number = |key: &str| row[key].as_f64().unwrap_or_else(|| panic!("{key} of {row}"));
+        let off = number("measured") - number("expected");
+        let error = if row["relative"] == true { off / number("expected") } else { off };
+        assert!((error - number("error")).abs() <= 1e-12 * (1.0 + error.abs()), "{row}");
+        assert!(error.abs() <= number("tolerance") && row["pass"] == true, "{row}");
+    }
+    rows.clone()
+}
+
+#[test]
+fn what_sheets_amount_to() {
+    let rows = all_pass("hinge ", 41);
+    let spread = |pattern: &str| {
+        let of =
+            rows.iter().filter(|row| row["name"].as_str().unwrap().starts_with(&format!("{pattern} hinges, bent")));
+        let factors: Vec<_> = of.map(|row| row["measured"].as_f64().unwrap()).collect();
+        factors.iter().copied().fold(0.0, f64::max) / factors.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    // What the other patterns cannot do is said by rows that pass.
+    assert!(spread("equilateral") < 1.001 && spread("alternating") > 1.49 && spread("diagonal") > 3.9);
+    all_pass("patch ", 11);
+    all_pass("derivatives ", 15);
+}
+
+#[test]
+fn chains_and_oscillators() {
+    all_pass("chains ", 14);
+    all_pass("catenary ", 15);
+    all_pass("energy ", 34);
+    all_pass("falls ", 14);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+fn orders() {
+    all_pass("orders ", 21);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+fn critical_steps() {
+    all_pass("critical ", 18);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+fn friction() {
+    all_pass("friction ", 18);
+}
+
+/// On three cuts each: small strips, and one of 142 edges.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+fn some_cantilevers() {
+    let published =
+        [("0.1", 0.01249955), ("0.5", 0.06244446), ("2", 0.24667321), ("20", 1.86393014), ("200", 8.90677073)];
+    let rows = [all_pass(", Gamma 0.", 6), all_pass(", Gamma 2", 9)].concat();
+    for (gamma, want) in published {
+        let of = rows.iter().filter(|row| row["name"].as_str().unwrap().ends_with(&format!(", Gamma {gamma}")));
+        let measured: Vec<_> = of.map(|row| row["measured"].as_f64().unwrap()).collect();
+        println!("Gamma {gamma}: {measured:.6?}, published {want}");
+        assert_eq!(measured.len(), 3);
+        assert!(measured.iter().all(|got| (got / want - 1.0).abs() <= 0.01), "Gamma {gamma}: {measured:?}, not {want}");
+    }
+}
+
+#[test]
+fn results_are_written() {
+    let place = Place::new();
+    let outcome = validate(&place, "rows across, Gamma 0.1").expect(0);
+    assert_eq!(place.files("out"), ["validate.json", "validate.svg", "validate.txt"]);
+    assert_eq!(String::from_utf8(place.read("out/validate.json")).unwrap(), outcome.stdout);
+    let svg = String::from_utf8(place.read("out/validate.svg")).unwrap();
+    for part in ["<svg", "rows across", "tolerated", "Gamma = w L^3 / D", "per cent"] {
+        assert!(svg.contains(part), "{part:?} is not in the picture");
+    }
+    assert!(!svg.contains("rows along"), "what was not measured has no marks");
+    let words = String::from_utf8(place.read("out/validate.txt")).unwrap();
+    assert!(words.contains("rows across, Gamma 0.1") && words.trim().contains("1 of 1 checks pass"), "{words}");
+}
+
+#[test]
+fn what_is_not_there_is_bad_usage() {
+    let place = Place::new();
+    let outcome = validate(&place, "cantilevre").expect(2);
+    for part in ["--only cantilevre", "cantilever", "hinge", "friction"] {
+        assert!(outcome.stderr.contains(part), "{part:?} is not in {}", outcome.stderr);
+    }
+    assert!(outcome.stdout.is_empty() && !place.path("out").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_validation_leaves_nothing() {
+    use std::process::{Command, Stdio};
+    let place = Place::new();
+    let mut command = place.command("validate --out deep/out");
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!place.path("deep").exists());
+}
