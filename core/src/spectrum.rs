@@ -69,7 +69,7 @@ impl<'a> Tangent<'a> {
             pins.filter(&mut product);
             let length = libm::sqrt(product.iter().map(|&q| dot_sum(q, q)).sum());
             // Nothing moves, or nothing answers.
-            if !(length > 0.0) {
+            if length.is_nan() || length <= 0.0 {
                 return (0.0, p);
             }
             p.iter_mut().zip(&product).for_each(|(p, &q)| *p = q / length as Real);

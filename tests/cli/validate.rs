@@ -64,7 +64,7 @@ fn orders() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
 fn critical_steps() {
-    all_pass("critical ", 18);
+    all_pass("critical ", 50);
 }
 
 #[test]

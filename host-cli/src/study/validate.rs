@@ -16,10 +16,8 @@ mod lab;
 mod lattice;
 mod net;
 mod orders;
-mod oscillator;
 mod patch;
 mod report;
-mod spectrum;
 
 pub use cantilever::{CUTS, GAMMAS, TOLERANCE};
 pub use elastica::drop_over_reach;
