@@ -21,6 +21,8 @@ Examples:
   muslin run flag                       run a built-in scene, leave a picture in out/flag
   muslin scenes flag > my.toml          start a scene of your own
   muslin detect a.ply --thickness 0.002 what is near in a mesh, or meets on the way to the next
+  muslin chart skirt --duration 0.5     which method is cheapest for which error
+  muslin validate                       how far off it is where the answer is known
   muslin bench                          what each stage costs on this machine"
 )]
 pub struct Arguments {
