@@ -1,15 +1,20 @@
 //! Studies: a scene run many times under other settings, and what the runs say together.
 
+mod bending_spring;
+mod choose;
 mod distance;
 mod draw;
+mod median;
 mod needs;
 mod page;
 mod reference;
 mod stability;
+mod terms;
 mod trajectory;
 mod variant;
 mod work_precision;
 
+pub use choose::choose;
 pub use needs::needs;
 pub use stability::stability;
 pub use work_precision::chart;
