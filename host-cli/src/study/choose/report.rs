@@ -130,7 +130,10 @@ fn reason(pilot: &Pilot<'_>, row: &Row) -> String {
             next.name(),
             next.wall_s / own.wall_s
         ),
-        None => format!("{} alone meets the tolerance; no other method does in twice its time", row.name()),
+        None => format!(
+            "{} alone meets the tolerance; no other does in twice its time and its share of the budget",
+            row.name()
+        ),
     }
 }
 

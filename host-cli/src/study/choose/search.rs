@@ -35,7 +35,7 @@ const NEAR: f64 = 0.8;
 const BETWEEN: u32 = 3;
 
 /// Times the time of the cheapest: what is nearer is timed again, in so many rounds, if it is short, s.
-const RIVAL: f64 = 1.3;
+const RIVAL: f64 = 1.5;
 const ROUNDS: usize = 4;
 const SHORT: f64 = 2.0;
 
