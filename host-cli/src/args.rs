@@ -366,8 +366,8 @@ Examples:
   muslin choose my.toml --tolerance 0.5cm --budget 120 --write chosen.toml; muslin run chosen.toml
 
 Finds a reference as exact as the tolerance asks, by BDF2 in double precision, its steps halved until
-that moves it by a sixteenth of the tolerance and it converges by its order; with contact, which leaves no
-vertex a place of its own, by backward Euler, the outline of the drape, and a fourth. Then runs the scene
+that moves it by a sixteenth of the tolerance and it converges by its order, or by RK4; with contact, which
+leaves no vertex a place of its own, by backward Euler, the outline of the drape, and a fourth. Then runs the scene
 by every method on one thread, by steps from a frame down, until one is within the tolerance (RMS over 20
 moments) or takes twice as long as the cheapest that is; runs that of least time without each term that it
 models, with something simpler in its place and with a looser solver, and leaves out what is not needed

@@ -42,16 +42,17 @@ impl Rule {
         }
     }
 
-    /// As exact as a tolerance asks, m: by BDF2, which bears long steps, converging nearly by its order,
-    /// so that what is left is less than a sixteenth. With contact a fourth, by backward Euler.
-    pub fn within(contact: bool, tolerance: f64) -> Self {
+    /// As exact as a tolerance asks, m, the first that is found: by BDF2, which bears long steps, or RK4,
+    /// which bears fine tolerances, converging nearly by its order, so that what is left is less than a
+    /// sixteenth. With contact a fourth, by backward Euler.
+    pub fn within(contact: bool, tolerance: f64) -> Vec<Self> {
+        let by = |method| {
+            let fall = 2f64.powf(f64::from(variant::order(method)) - SHORT_OF_ORDER);
+            Self { method, enough: tolerance / 16.0, fall: Some(fall), ..Self::of(false, 0.0) }
+        };
         match contact {
-            false => {
-                let fall = 2f64.powf(f64::from(variant::order(Method::Bdf2)) - SHORT_OF_ORDER);
-                let (method, measure) = (Method::Bdf2, Measure::Positions);
-                Self { method, measure, trusted: 1.0, enough: tolerance / 16.0, fall: Some(fall) }
-            }
-            true => Self { enough: tolerance / 4.0, fall: Some(1.0), ..Self::of(true, 0.0) },
+            false => vec![by(Method::Bdf2), by(Method::Rk4)],
+            true => vec![Self { enough: tolerance / 4.0, fall: Some(1.0), ..Self::of(true, 0.0) }],
         }
     }
 }

@@ -36,14 +36,17 @@ pub struct Pilot<'a> {
 impl<'a> Pilot<'a> {
     /// Finds the reference.
     pub fn begin(study: &'a Study<'a>, masses: Vec<f64>, tolerance: f64) -> Result<Self, Failure> {
-        let rule = Rule::within(study.scene.desc.contact.is_some(), tolerance);
-        let found = reference::find(study, rule, &masses)?;
-        match found {
-            Some(reference) if reference.is_enough() => {
-                Ok(Self { study, tolerance, reference, masses, considered: Vec::new() })
+        let mut nearest: Option<Reference> = None;
+        for rule in Rule::within(study.scene.desc.contact.is_some(), tolerance) {
+            let Some(reference) = reference::find(study, rule, &masses)? else { continue };
+            if reference.is_enough() {
+                return Ok(Self { study, tolerance, reference, masses, considered: Vec::new() });
             }
-            other => Err(no_reference(study, tolerance, other.as_ref())),
+            if nearest.as_ref().is_none_or(|nearest| reference.self_error < nearest.self_error) {
+                nearest = Some(reference);
+            }
         }
+        Err(no_reference(study, tolerance, nearest.as_ref()))
     }
 
     /// Steps from sample to sample of the longest step: a run takes one a frame at least.
