@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         Command::Detect(arguments) => detect::detect(&arguments),
         Command::Chart(arguments) => study::chart(&arguments),
         Command::Stability(arguments) => study::stability(&arguments),
+        Command::Choose(arguments) => study::choose(&arguments),
         Command::Needs(arguments) => study::needs(&arguments),
         Command::Sweep(arguments) => study::sweep(&arguments),
         Command::Validate(arguments) => study::validate(&arguments),

@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use crate::mesh_io;
 
 /// A scene ready to be built.
+#[derive(Clone)]
 pub struct SceneFile {
     /// The description.
     pub desc: SceneDesc,

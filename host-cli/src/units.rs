@@ -20,3 +20,31 @@ pub fn time(seconds: f64) -> String {
         s => format!("{:.2} us", 1e6 * s),
     }
 }
+
+/// Units of a length, the longer names first, m.
+const UNITS: [(&str, f64); 6] = [("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("\u{b5}m", 1e-6), ("nm", 1e-9), ("m", 1.0)];
+
+/// A length as people write it: a number, with a unit or in metres.
+pub fn metres(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let (number, unit) =
+        UNITS.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit))).unwrap_or((text, 1.0));
+    number.trim_end().parse::<f64>().ok().map(|number| number * unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_length_has_a_unit_or_is_in_metres() {
+        let cases = [("1mm", 1e-3), ("0.5 cm", 5e-3), ("200um", 2e-4), ("0.001", 1e-3), ("2m", 2.0), ("3e2nm", 3e-7)];
+        for (text, expected) in cases {
+            let metres = metres(text).unwrap();
+            assert!((metres / expected - 1.0).abs() < 1e-15, "{text}: {metres}");
+        }
+        for text in ["", "mm", "1 inch", "1 m m", "one", "1,5mm"] {
+            assert_eq!(metres(text), None, "{text}");
+        }
+    }
+}

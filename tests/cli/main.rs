@@ -11,6 +11,7 @@ mod bad_usage;
 mod bits;
 mod built_in;
 mod chart;
+mod choose;
 mod contact;
 mod damage;
 mod detect;

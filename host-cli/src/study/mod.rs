@@ -1,18 +1,23 @@
 //! Studies: a scene run many times under other settings, and what the runs say together.
 
+mod bending_spring;
+mod choose;
 mod distance;
 mod draw;
 mod folder;
+mod median;
 mod needs;
 mod page;
 mod reference;
 mod stability;
 mod sweep;
+mod terms;
 mod trajectory;
 mod validate;
 mod variant;
 mod work_precision;
 
+pub use choose::choose;
 pub use needs::needs;
 pub use stability::stability;
 pub use sweep::sweep;

@@ -1,9 +1,7 @@
 //! `muslin needs`: what each modelled term of a scene changes and what it costs.
 
-mod bending_spring;
 mod report;
 mod row;
-mod terms;
 mod trial;
 mod words;
 
@@ -11,12 +9,11 @@ use crate::args::NeedsArguments;
 use crate::bench::cpu_name;
 use crate::failure::Failure;
 
+use super::terms::{self, Deed, Term};
 use super::{Study, draw};
 use report::Hidden;
 pub use report::Needs;
 pub use row::{Row, Verdict};
-pub use terms::Deed;
-use terms::Term;
 use trial::{Baseline, Trial};
 
 /// Measures a scene's terms.

@@ -7,8 +7,12 @@ use std::path::Path;
 pub const NAME: &str = "study.html";
 
 /// The studies in the order in which they are asked: title, and the stem of their files.
-const STUDIES: [(&str, &str); 3] =
-    [("Error against cost", "chart"), ("Where methods fail", "stability"), ("What each term is worth", "needs")];
+const STUDIES: [(&str, &str); 4] = [
+    ("Error against cost", "chart"),
+    ("Where methods fail", "stability"),
+    ("What each term is worth", "needs"),
+    ("What to choose", "choose"),
+];
 
 const STYLE: &str =
     "body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }

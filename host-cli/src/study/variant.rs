@@ -50,8 +50,13 @@ impl Variant {
 
     /// The scene that is run.
     pub fn scene(&self, scene: &SceneFile) -> Result<SceneFile, Failure> {
+        let sampled = [("frame_rate", Some(Value::Float(SAMPLES as f64 / scene.desc.duration)))];
+        self.chosen(scene)?.changed(&sampled)
+    }
+
+    /// The scene with these settings as its own.
+    pub fn chosen(&self, scene: &SceneFile) -> Result<SceneFile, Failure> {
         scene.changed(&[
-            ("frame_rate", Some(Value::Float(SAMPLES as f64 / scene.desc.duration))),
             ("integrator.method", Some(Value::String(self.method.name().into()))),
             ("integrator.step", Some(Value::Float(self.step(scene)))),
             ("integrator.tolerance", Some(Value::Float(self.tolerance(scene)))),

@@ -35,8 +35,8 @@ pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
             study.scene.desc.name, arguments.study.budget
         ))
     };
-    let rule = Rule::of(study.scene.desc.contact.is_some());
-    let reference = reference::find(&study, rule, &masses, diagonal)?.ok_or_else(too_short)?;
+    let rule = Rule::of(study.scene.desc.contact.is_some(), diagonal);
+    let reference = reference::find(&study, rule, &masses)?.ok_or_else(too_short)?;
     let finest = arguments.finest.unwrap_or(0.0);
     let yardstick = Yardstick { reference: &reference, masses: &masses, diagonal, finest };
     let ladders = climb(&study, &yardstick, &methods(&arguments.methods, rule.measure))?;

@@ -1,15 +1,18 @@
 //! Pictures of studies.
 
+mod choose;
 mod master_curve;
 mod needs;
 mod stability;
 mod work_precision;
 
+pub use choose::choose;
 pub use master_curve::master_curve;
 pub use needs::needs;
 pub use stability::stability;
 pub use work_precision::work_precision;
 
+use kuva::plot::ScatterPlot;
 use kuva::plot::scatter::MarkerShape;
 
 /// Colours that the colour-blind tell apart [Wong 2011], and shapes for those who print.
@@ -26,4 +29,12 @@ pub const LOOKS: [(&str, &str, MarkerShape); 7] = [
 /// The least and the largest.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, 0.0), |(low, high), value| (low.min(value), high.max(value)))
+}
+
+/// The first marks of a method carry its name.
+fn named(marks: ScatterPlot, name: &mut Option<&str>) -> ScatterPlot {
+    match name.take() {
+        Some(name) => marks.with_legend(name),
+        None => marks,
+    }
 }

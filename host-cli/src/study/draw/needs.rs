@@ -11,7 +11,8 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
 use super::range;
-use crate::study::needs::{Deed, Needs, Row, Verdict};
+use crate::study::needs::{Needs, Row, Verdict};
+use crate::study::terms::Deed;
 
 /// Colours that the colour-blind tell apart [Wong 2011].
 const DEEDS: [(Deed, &str, &str); 3] = [

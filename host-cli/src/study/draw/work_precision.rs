@@ -11,7 +11,7 @@ use kuva::render::plots::Plot;
 
 use crate::study::work_precision::{Chart, Row};
 
-use super::{LOOKS, range};
+use super::{LOOKS, named, range};
 
 /// Errors are drawn in these units of the diagonal: the library draws nothing below 1e-10.
 const DRAWN: f64 = 1e6;
@@ -75,12 +75,4 @@ fn curves(chart: &Chart, across: fn(&Row) -> f64, top: Option<f64>) -> Vec<Plot>
         }
     }
     plots
-}
-
-/// The first marks of a method carry its name.
-fn named(marks: ScatterPlot, name: &mut Option<&str>) -> ScatterPlot {
-    match name.take() {
-        Some(name) => marks.with_legend(name),
-        None => marks,
-    }
 }

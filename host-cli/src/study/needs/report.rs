@@ -4,10 +4,11 @@ use serde::Serialize;
 
 use crate::study::Study;
 use crate::study::distance::Measure;
+use crate::study::median::median;
 use crate::units::{length, time};
 
 use super::cpu_name;
-use super::row::{Change, Counts, Row, Verdict, median, own_error};
+use super::row::{Change, Counts, Row, Verdict, own_error};
 use super::trial::{Baseline, Trial, why_not};
 use super::words::{extent, list, moved};
 

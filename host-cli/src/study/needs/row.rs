@@ -4,9 +4,10 @@ use serde::Serialize;
 
 use crate::engine::Report;
 use crate::study::distance::Measure;
+use crate::study::median::{median, sorted};
+use crate::study::terms::Deed;
 use crate::study::trajectory::{Ending, Trajectory};
 
-use super::terms::Deed;
 use super::trial::{Baseline, Trial, why_not};
 use super::words;
 
@@ -96,17 +97,6 @@ impl Cost {
         }
         vec![least.abs().min(most.abs()), least.abs().max(most.abs())]
     }
-}
-
-fn sorted(mut numbers: Vec<f64>) -> Vec<f64> {
-    numbers.sort_by(f64::total_cmp);
-    numbers
-}
-
-/// Of numbers, at least one.
-pub fn median(numbers: Vec<f64>) -> f64 {
-    let numbers = sorted(numbers);
-    0.5 * (numbers[(numbers.len() - 1) / 2] + numbers[numbers.len() / 2])
 }
 
 /// How a trial ended.

@@ -11,10 +11,9 @@ use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::study::Study;
 use crate::study::distance::Measure;
+use crate::study::terms::Term;
 use crate::study::trajectory::{Ending, Limits, Trajectory, fly_of};
 use crate::study::variant::{SAMPLES, Variant};
-
-use super::terms::Term;
 
 /// Pairs; the more while they took less than so long, s.
 const REPEATS: [usize; 2] = [3, 9];

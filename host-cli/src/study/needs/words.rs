@@ -1,10 +1,10 @@
 //! What a term is worth, as a sentence.
 
 use crate::study::distance::Measure;
+use crate::study::terms::Deed;
 use crate::units::length;
 
 use super::row::{Change, Cost, Row};
-use super::terms::Deed;
 
 /// What moves, as people call it.
 pub const fn moved(measure: Measure) -> &'static str {

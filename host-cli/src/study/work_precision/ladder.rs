@@ -9,7 +9,7 @@ use crate::args::Precision;
 use crate::failure::Failure;
 use crate::study::Study;
 use crate::study::distance;
-use crate::study::reference::{MOST_STEPS, Reference};
+use crate::study::reference::{BLOWN_UP, MOST_STEPS, Reference};
 use crate::study::trajectory::{Ending, Limits, Trajectory, fly};
 use crate::study::variant::{self, Variant};
 
@@ -18,12 +18,6 @@ use super::report::{Agreement, Row};
 /// Runs shorter than this are repeated, and the median time counts, s.
 const SHORT: f64 = 1.0;
 const REPEATS: usize = 3;
-
-/// Times the most energy of the reference: beyond that a run has blown up.
-const BLOWN_UP: f64 = 10.0;
-
-/// J/kg; less is rounding where nothing moves.
-const REST: f64 = 1e-6;
 
 /// Part of the diagonal: what is farther off, on an average, has nothing of the reference any more.
 const LOST: f64 = 0.5;
@@ -51,7 +45,7 @@ pub struct Yardstick<'a> {
 impl Yardstick<'_> {
     /// The most kinetic and elastic energy of the reference, J.
     fn liveliest(&self) -> f64 {
-        self.reference.best().1.liveliest().max(REST * self.masses.iter().sum::<f64>())
+        self.reference.liveliest(self.masses.iter().sum())
     }
 }
 

@@ -1,0 +1,89 @@
+//! The choice run afresh, against a reference of half the step.
+
+use std::time::Duration;
+
+use crate::failure::Failure;
+use crate::study::median::median;
+use crate::study::trajectory::{Ending, Limits, Trajectory, fly, fly_of};
+use crate::study::variant::Variant;
+use crate::units::length;
+
+use super::pilot::Pilot;
+use super::row::Row;
+use super::saving::Found;
+
+/// Times that a choice which misses by a little is made finer, and by which part of its steps.
+const ROUNDS: u64 = 4;
+const FINER: u64 = 16;
+
+/// Runs of the choice, where they are shorter than this, s.
+const REPEATS: usize = 3;
+const SHORT: f64 = 2.0;
+
+/// A choice that was checked.
+pub struct Checked {
+    /// The choice.
+    pub found: Found,
+    /// RMS, m.
+    pub error: f64,
+    /// s; the median.
+    pub wall: f64,
+    /// The step of the reference of the check, s: that of the pilot where there was no time for less.
+    pub step: f64,
+}
+
+/// Runs the choice; by a little shorter steps where it misses the tolerance after all.
+pub fn check(pilot: &mut Pilot<'_>, mut found: Found) -> Result<Checked, Failure> {
+    let (variant, finer) = finer_reference(pilot)?;
+    let step = variant.step(&pilot.study.scene);
+    for _ in 0..ROUNDS {
+        let (error, wall) = measure(pilot, &found, finer.as_ref())?;
+        if error <= pilot.tolerance {
+            return Ok(Checked { found, error, wall, step });
+        }
+        found.row = shorter(pilot, &found)?;
+    }
+    Err(Failure::Diverged(format!(
+        "the choice for {}, {}, misses {} where it is checked, and a little shorter steps do not change that; allow \
+         more or take a shorter --duration",
+        pilot.study.scene.desc.name,
+        found.row.name(),
+        length(pilot.tolerance)
+    )))
+}
+
+/// A reference of half the step, none where there was no time for it; and the variant that is the
+/// reference then.
+fn finer_reference(pilot: &Pilot<'_>) -> Result<(Variant, Option<Trajectory>), Failure> {
+    let coarse = pilot.reference.best().0;
+    let variant = Variant { steps: 2 * coarse.steps, ..coarse };
+    let wall = pilot.study.left().max(Duration::from_millis(1));
+    let run = fly(pilot.study, &variant, Limits { wall, energy: f64::INFINITY })?;
+    Ok(match run.ending {
+        Ending::Complete => (variant, Some(run)),
+        _ => (coarse, None),
+    })
+}
+
+/// Error and time of fresh runs of a choice.
+fn measure(pilot: &Pilot<'_>, found: &Found, finer: Option<&Trajectory>) -> Result<(f64, f64), Failure> {
+    let reference = finer.unwrap_or(&pilot.reference.best().1);
+    // It has run before: however late it is, this ends.
+    let limits = Limits { wall: Duration::MAX, energy: f64::INFINITY };
+    let scene = &found.scene;
+    let fly = || fly_of(pilot.study, scene, &found.row.variant, limits);
+    let run = fly()?;
+    let mut walls = vec![run.wall];
+    while run.wall < SHORT && walls.len() < REPEATS {
+        walls.push(fly()?.wall);
+    }
+    let complete = run.ending == Ending::Complete;
+    Ok((if complete { pilot.error(&run, reference) } else { f64::INFINITY }, median(walls)))
+}
+
+/// The same by a few more steps.
+fn shorter(pilot: &mut Pilot<'_>, found: &Found) -> Result<Row, Failure> {
+    let steps = found.row.variant.steps;
+    let variant = Variant { steps: steps + steps.div_ceil(FINER), ..found.row.variant };
+    pilot.weigh(&found.scene, variant, &found.row.terms, f64::INFINITY)
+}

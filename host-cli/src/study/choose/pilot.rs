@@ -1,0 +1,115 @@
+//! Pilot runs of the scene, weighed against a reference no better than the tolerance asks.
+
+use std::time::Duration;
+
+use crate::failure::Failure;
+use crate::scene_file::SceneFile;
+use crate::study::Study;
+use crate::study::reference::{self, BLOWN_UP, Reference, Rule};
+use crate::study::trajectory::{Ending, Limits, Trajectory, fly_of};
+use crate::study::variant::{SAMPLES, Variant};
+
+use super::no_reference;
+use super::row::{Row, Verdict};
+
+/// Times the time of the cheapest that meets the tolerance, at which a run is given up: what is nearer
+/// is told as the next.
+const DEAR: f64 = 2.0;
+
+/// Times the time of the last run of the reference, kept for that of half its step and the check.
+const KEPT: f64 = 3.0;
+
+/// What was run so far.
+pub struct Pilot<'a> {
+    /// The study.
+    pub study: &'a Study<'a>,
+    /// RMS, m.
+    pub tolerance: f64,
+    /// What errors are measured against.
+    pub reference: Reference,
+    /// kg.
+    pub masses: Vec<f64>,
+    /// All runs, in their order.
+    pub considered: Vec<Row>,
+}
+
+impl<'a> Pilot<'a> {
+    /// Finds the reference.
+    pub fn begin(study: &'a Study<'a>, masses: Vec<f64>, tolerance: f64) -> Result<Self, Failure> {
+        let mut nearest: Option<Reference> = None;
+        for rule in Rule::within(study.scene.desc.contact.is_some(), tolerance) {
+            let Some(reference) = reference::find(study, rule, &masses)? else { continue };
+            if reference.is_enough() {
+                return Ok(Self { study, tolerance, reference, masses, considered: Vec::new() });
+            }
+            if nearest.as_ref().is_none_or(|nearest| reference.self_error < nearest.self_error) {
+                nearest = Some(reference);
+            }
+        }
+        Err(no_reference(study, tolerance, nearest.as_ref()))
+    }
+
+    /// Steps from sample to sample of the longest step: a run takes one a frame at least.
+    pub fn fewest_steps(&self) -> u64 {
+        let desc = &self.study.scene.desc;
+        let frames = desc.duration * desc.frame_rate / SAMPLES as f64;
+        (frames - 1e-9).ceil().max(1.0) as u64
+    }
+
+    /// The cheapest that meets the tolerance.
+    pub fn cheapest(&self) -> Option<&Row> {
+        self.considered.iter().filter(|row| row.meets()).min_by(|a, b| a.wall_s.total_cmp(&b.wall_s))
+    }
+
+    /// Seconds that are left before the check.
+    pub fn left(&self) -> f64 {
+        (self.study.left().as_secs_f64() - KEPT * self.reference.best().1.wall).max(0.0)
+    }
+
+    /// Runs a variant of a scene and keeps what came of it, given up after `longest` seconds or when it
+    /// costs too much.
+    pub fn weigh(
+        &mut self,
+        scene: &SceneFile,
+        variant: Variant,
+        terms: &[String],
+        longest: f64,
+    ) -> Result<Row, Failure> {
+        self.study.say(&variant.name(scene));
+        let dear = self.cheapest().map_or(f64::INFINITY, |best| DEAR * best.wall_s);
+        let run = self.fly(scene, &variant, longest.min(dear))?;
+        let mut row = Row::new(scene, variant, terms, &run.report, run.wall);
+        (row.verdict, row.error, row.why) = self.judge(&run, dear <= longest);
+        self.considered.push(row.clone());
+        Ok(row)
+    }
+
+    /// Runs a variant of a scene for some seconds at most.
+    pub fn fly(&self, scene: &SceneFile, variant: &Variant, longest: f64) -> Result<Trajectory, Failure> {
+        let energy = BLOWN_UP * self.reference.liveliest(self.masses.iter().sum());
+        fly_of(self.study, scene, variant, Limits { wall: Duration::from_secs_f64(longest.min(self.left())), energy })
+    }
+
+    /// How far a run is from the reference, m; RMS.
+    pub fn error(&self, run: &Trajectory, reference: &Trajectory) -> f64 {
+        self.reference.rule.measure.between(run, reference, &self.masses).rms
+    }
+
+    fn judge(&self, run: &Trajectory, dear: bool) -> (Verdict, Option<f64>, Option<String>) {
+        let failed = |why: String| (Verdict::Failed, None, Some(why));
+        match &run.ending {
+            Ending::Complete => {
+                let error = self.error(run, &self.reference.best().1);
+                let verdict = if error <= self.tolerance { Verdict::Meets } else { Verdict::Misses };
+                (verdict, Some(error), None)
+            }
+            Ending::Diverged(what) => failed(what.clone()),
+            Ending::Grown => failed(format!("its energy grew to {BLOWN_UP} times the most of the reference")),
+            Ending::OutOfTime if dear => {
+                let why = format!("given up: it takes more than {DEAR} times as long as the cheapest until then");
+                (Verdict::Dear, None, Some(why))
+            }
+            Ending::OutOfTime => (Verdict::Dear, None, Some("given up: its part of the budget was used up".into())),
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! What the choice can do without: terms that are not needed to meet the tolerance, and exactness of
+//! the solver.
+
+use toml::Value;
+
+use crate::failure::Failure;
+use crate::scene_file::SceneFile;
+use crate::study::Study;
+use crate::study::median::median;
+use crate::study::terms::{self, Deed, Edit, Term};
+use crate::study::variant::SAMPLES;
+
+use super::pilot::Pilot;
+use super::row::Row;
+
+/// Of the time: what saves less is not worth the error.
+const WORTH: f64 = 0.05;
+
+/// Pairs of runs in which a saving is timed; long ones, s, are timed once more only.
+const PAIRS: usize = 5;
+const LONG: f64 = 2.0;
+
+/// Times the solver's tolerance.
+const LOOSER: f64 = 10.0;
+
+/// A choice: the scene without what it can do without, and how it is run.
+pub struct Found {
+    /// The scene, with its own method and step.
+    pub scene: SceneFile,
+    /// The pilot run of it.
+    pub row: Row,
+}
+
+impl Found {
+    /// The scene as it was given.
+    pub fn new(study: &Study<'_>, row: Row) -> Self {
+        Self { scene: study.scene.clone(), row }
+    }
+}
+
+/// Leaves out one after the other what is not needed, whole terms before their parts.
+pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Found, mean_edge: f64) -> Result<Found, Failure> {
+    if found.row.variant.method.is_implicit() {
+        let looser = LOOSER * found.scene.desc.integrator.tolerance;
+        let edits = [("integrator.tolerance".into(), Some(Value::Float(looser)))];
+        found = attempt(pilot, found, &format!("with a solver {LOOSER} times as loose"), &edits)?;
+    }
+    let modelled = |scene: &SceneFile| terms::of(&scene.desc, mean_edge);
+    let mut names: Vec<Term> = modelled(&found.scene);
+    names.retain(|term| term.deed != Deed::Added);
+    names.sort_by_key(|term| !term.part_of.is_empty());
+    for name in names {
+        // As it is now: what stood in the place of another term may have changed it.
+        let now = modelled(&found.scene).into_iter().find(|term| (term.name, term.deed) == (name.name, name.deed));
+        if let Some(term) = now {
+            found = attempt(pilot, found, &term.run, &term.edits)?;
+        }
+    }
+    Ok(found)
+}
+
+/// The choice with some edits, if it meets the tolerance so and saves time; else as it was.
+fn attempt(pilot: &mut Pilot<'_>, found: Found, words: &str, edits: &[Edit]) -> Result<Found, Failure> {
+    let longest = pilot.left();
+    if longest <= 0.0 {
+        return Ok(found);
+    }
+    let scene = found.scene.changed(edits)?;
+    let mut terms = found.row.terms.clone();
+    terms.push(words.into());
+    let row = pilot.weigh(&scene, found.row.variant, &terms, longest)?;
+    if !row.meets() {
+        return Ok(found);
+    }
+    let place = pilot.considered.len() - 1;
+    let saved = saved(pilot, &found, &scene, place)?;
+    let row = pilot.considered[place].clone();
+    Ok(if saved.is_some_and(|saved| saved > WORTH) { Found { scene, row } } else { found })
+}
+
+/// The part of its time that the choice saves as another scene, the run at `place`; the median of
+/// pairs of runs, none where there was no time for one.
+fn saved(pilot: &mut Pilot<'_>, found: &Found, scene: &SceneFile, place: usize) -> Result<Option<f64>, Failure> {
+    let pairs = if found.row.wall_s > LONG { 1 } else { PAIRS };
+    let mut parts = Vec::new();
+    for _ in 0..pairs {
+        let as_is = pilot.fly(&found.scene, &found.row.variant, f64::INFINITY)?;
+        let without = pilot.fly(scene, &found.row.variant, f64::INFINITY)?;
+        if [&as_is, &without].iter().all(|run| run.samples.len() as u64 == SAMPLES) {
+            pilot.considered[place].timed(without.wall);
+            parts.push(1.0 - without.wall / as_is.wall);
+        }
+    }
+    Ok((!parts.is_empty()).then(|| median(parts)))
+}

@@ -1,0 +1,152 @@
+//! The cheapest method and step: each method by steps halved until one meets the tolerance, then
+//! between the last two.
+
+use muslin_core::integrate::Method;
+use muslin_core::integrate::stability::{Mode, longest_step};
+
+use crate::args::Precision;
+use crate::engine::Engine;
+use crate::failure::Failure;
+use crate::study::reference::MOST_STEPS;
+use crate::study::variant::{SAMPLES, Variant};
+
+use super::methods;
+use super::pilot::Pilot;
+use super::row::{Row, Verdict};
+
+/// Of the theory's limit: the first step of an explicit method.
+const BELOW_LIMIT: f64 = 0.95;
+
+/// How steady the fastest mode must be, and iterations at most.
+const STEADY: f64 = 1e-4;
+const ITERATIONS: u32 = 2000;
+
+/// Runs that are too dear before a method is given up: of an implicit one longer steps may cost more.
+const PATIENCE: [u32; 2] = [1, 2];
+
+/// Of its error at twice the step: what falls by less may be rounding.
+const STALLED: f64 = 0.7;
+
+/// Of the tolerance: the error to aim at, and the least with which a step is long enough.
+const AIM: f64 = 0.9;
+const NEAR: f64 = 0.8;
+
+/// Runs between a step that misses and one that meets.
+const BETWEEN: u32 = 3;
+
+/// Times the time of the cheapest: what is nearer is timed again, in so many rounds, if it is short, s.
+const RIVAL: f64 = 1.5;
+const ROUNDS: usize = 4;
+const SHORT: f64 = 2.0;
+
+/// The cheapest of all methods; none where no step of any meets the tolerance.
+pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>, Failure> {
+    let modes = engine.fastest_modes(STEADY, ITERATIONS);
+    let methods = methods(pilot.reference.rule.measure);
+    for (place, &method) in methods.iter().enumerate() {
+        let share = pilot.left() / (methods.len() - place) as f64;
+        let steps = first(pilot, &modes, method);
+        let variant = Variant { method, precision: Precision::F32, steps };
+        climb(pilot, variant, pilot.study.seconds() + share)?;
+    }
+    time_rivals(pilot)?;
+    Ok(pilot.cheapest().cloned())
+}
+
+/// Steps from sample to sample to begin with: explicit methods below their limit, or where every step
+/// gains energy below that of symplectic Euler.
+fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
+    let symplectic = || longest_step(modes, Method::SymplecticEuler);
+    let limit = match method.is_implicit() {
+        true => None,
+        false => longest_step(modes, method).filter(|&limit| limit > 0.0).or_else(symplectic),
+    };
+    let sample = pilot.study.scene.desc.duration / SAMPLES as f64;
+    let steps = limit.map_or(1, |limit| (sample / (BELOW_LIMIT * limit)).ceil() as u64);
+    steps.max(pilot.fewest_steps())
+}
+
+/// Halves steps until the tolerance is met or it costs too much, until `end`, s of the study.
+fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Failure> {
+    let scene = &pilot.study.scene;
+    let mut patience = PATIENCE[usize::from(variant.method.is_implicit())];
+    let mut before: Option<Row> = None;
+    while variant.steps <= MOST_STEPS {
+        let left = end - pilot.study.seconds();
+        if left <= 0.0 {
+            break;
+        }
+        let mut row = pilot.weigh(scene, variant, &[], left)?;
+        if variant.precision == Precision::F32 && is_stalled(before.as_ref(), &row) {
+            let double = pilot.weigh(scene, Variant { precision: Precision::F64, ..variant }, &[], left)?;
+            // It is rounding where double precision is nearer.
+            if double.error < row.error.map(|error| STALLED * error) && double.error.is_some() {
+                (variant.precision, row) = (Precision::F64, double);
+            }
+        }
+        match row.verdict {
+            Verdict::Meets => return refine(pilot, before, row, end),
+            Verdict::Dear if patience == 1 => break,
+            Verdict::Dear => patience -= 1,
+            Verdict::Misses | Verdict::Failed => {}
+        }
+        before = Some(row);
+        variant.steps *= 2;
+    }
+    Ok(())
+}
+
+/// Whether half the step made the error hardly less, which is still too large.
+fn is_stalled(before: Option<&Row>, row: &Row) -> bool {
+    let before = before.and_then(|before| before.error);
+    row.verdict == Verdict::Misses && before.zip(row.error).is_some_and(|(before, now)| now > STALLED * before)
+}
+
+/// Looks for the longest step between one that does not meet the tolerance and one that does.
+fn refine(pilot: &mut Pilot<'_>, misses: Option<Row>, mut meets: Row, end: f64) -> Result<(), Failure> {
+    let Some(mut misses) = misses else { return Ok(()) };
+    for _ in 0..BETWEEN {
+        let left = end - pilot.study.seconds();
+        let near = meets.error.is_some_and(|error| error >= NEAR * pilot.tolerance) && misses.error.is_some();
+        let steps = between(&misses, &meets, pilot.tolerance);
+        if near || left <= 0.0 || !(misses.variant.steps + 1..meets.variant.steps).contains(&steps) {
+            break;
+        }
+        let scene = &pilot.study.scene;
+        let row = pilot.weigh(scene, Variant { steps, ..meets.variant }, &[], left)?;
+        match row.meets() {
+            true => meets = row,
+            false => misses = row,
+        }
+    }
+    Ok(())
+}
+
+/// Steps by which the error should be a little less than the tolerance, by the order that two runs show;
+/// the middle where one has no error.
+fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
+    let [coarse, fine] = [misses, meets].map(|row| (row.variant.steps as f64).ln());
+    let part = match misses.error.zip(meets.error) {
+        Some((far, near)) if near > 0.0 => (far / (AIM * tolerance)).ln() / (far / near).ln(),
+        _ => 0.5,
+    };
+    (coarse + part * (fine - coarse)).exp().ceil() as u64
+}
+
+/// Times what is nearly as cheap as the cheapest again, in turn: one time alone may be chance.
+fn time_rivals(pilot: &mut Pilot<'_>) -> Result<(), Failure> {
+    let Some(best) = pilot.cheapest().map(|row| row.wall_s).filter(|&wall| wall < SHORT) else { return Ok(()) };
+    let is_rival = |row: &Row| row.meets() && row.wall_s <= RIVAL * best;
+    let rivals: Vec<usize> = (0..pilot.considered.len()).filter(|&at| is_rival(&pilot.considered[at])).collect();
+    for _ in 0..ROUNDS {
+        for &rival in &rivals {
+            let variant = pilot.considered[rival].variant;
+            let run = pilot.fly(&pilot.study.scene, &variant, f64::INFINITY)?;
+            // What ran out of time says nothing new.
+            if run.samples.len() as u64 == SAMPLES {
+                pilot.considered[rival].timed(run.wall);
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! The scene with the choice in it, as a file.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::args::Precision;
+use crate::export::whole;
+use crate::failure::{Failure, print_note};
+use crate::scene_file::SceneFile;
+use crate::study::Study;
+
+use super::saving::Found;
+
+/// Refuses a folder in which the scene would not find the files that it names.
+pub fn allow(study: &Study<'_>, path: &Path) -> Result<(), Failure> {
+    let scene = Path::new(&study.arguments.of.scene);
+    let own = if scene.is_file() { folder(scene) } else { PathBuf::from(".") };
+    let there = |folder: &Path| fs::canonicalize(folder).ok();
+    let relative = study.scene.resources.iter().find(|(name, _)| Path::new(name).is_relative());
+    match relative {
+        Some((name, _)) if there(&folder(path)).is_none_or(|folder| Some(folder) != there(&own)) => {
+            Err(Failure::Usage(format!(
+                "--write {}: the scene names {name}, relative to its own folder; write into {}",
+                path.display(),
+                own.display()
+            )))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Where a file lies.
+fn folder(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    folder.unwrap_or(Path::new(".")).into()
+}
+
+/// Saves the scene.
+pub fn write(study: &Study<'_>, found: &Found, path: &Path) -> Result<(), Failure> {
+    let scene = found.row.variant.chosen(&found.scene)?;
+    whole::write(path.into(), |out| out.write_all(scene.text.as_bytes()))
+        .map_err(|error| Failure::Tool(error.to_string()))?;
+    if !study.arguments.quiet {
+        print_note(&note(&scene, found, path));
+    }
+    Ok(())
+}
+
+/// What was written and how to run it: frames may ask for shorter steps.
+fn note(scene: &SceneFile, found: &Found, path: &Path) -> String {
+    let precision = if found.row.variant.precision == Precision::F64 { " --precision f64" } else { "" };
+    let timing = scene.desc.timing();
+    let steps = match timing.step < 0.95 * scene.desc.integrator.step {
+        true => format!("; that takes {} steps of {:.4} ms a frame", timing.steps_per_frame, 1e3 * timing.step),
+        false => String::new(),
+    };
+    let path = path.display();
+    format!("wrote {path}: muslin run {path}{precision}{steps}")
+}
