@@ -85,7 +85,9 @@ fn says_when_time_does_not_divide_as_asked() {
 #[test]
 fn every_command_has_help_with_an_example() {
     let place = Place::new();
-    for command in ["", "run", "detect", "chart", "stability", "needs", "validate", "sweep", "scenes", "bench"] {
+    for command in
+        ["", "run", "detect", "chart", "stability", "needs", "choose", "validate", "sweep", "scenes", "bench"]
+    {
         let [long, short] = ["--help", "-h"].map(|flag| place.muslin(&format!("{command} {flag}")).expect(0));
         assert_eq!((long.stderr.as_str(), short.stderr.as_str()), ("", ""));
         for help in [long.stdout, short.stdout] {
