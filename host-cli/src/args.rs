@@ -477,17 +477,18 @@ Examples:
   muslin choose swing --duration 0.5 --tolerance 1mm
   muslin choose my.toml --tolerance 0.5cm --budget 120 --write chosen.toml; muslin run chosen.toml
 
-Finds a reference as exact as the tolerance asks, by BDF2 in double precision, its steps halved until
-that moves it by a sixteenth of the tolerance and it converges by its order, or by RK4; with contact, which
-leaves no vertex a place of its own, by backward Euler, the outline of the drape, and a fourth. Then runs the scene
-by every method on one thread, by steps from a frame down, until one is within the tolerance (RMS over 20
-moments) or takes twice as long as the cheapest that is; runs that of least time without each term that it
-models, with something simpler in its place and with a looser solver, and leaves out what is not needed
-and costs more than 5 %. The choice is run afresh and measured against a reference of half the step.
-Writes choose.svg, choose.json, choose.txt and study.html, and with --write the scene as chosen.
+Finds a reference as exact as the tolerance asks, by BDF2 in double precision, its steps halved
+until that moves it by a sixteenth of the tolerance and it converges by its order, or by RK4;
+with contact, which leaves no vertex a place of its own, by backward Euler, the outline of the
+drape, and a fourth. Then runs the scene by every method on one thread, by steps from a frame
+down, until one is within the tolerance (RMS over 20 moments) or takes twice as long as the
+cheapest that is; then the cheapest without each term that it models, with something simpler in
+its place and with a looser solver, and leaves out what is not needed and costs more than 5 %.
+The choice is run afresh and measured against a reference of half the step. Writes choose.svg,
+choose.json, choose.txt and study.html, and with --write the scene as chosen.
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 nothing meets the tolerance within the
-budget (what can be reached is told), 130 interrupted.")]
+Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 nothing meets the tolerance within
+the budget (what can be reached is told), 130 interrupted.")]
 pub struct ChooseArguments {
     /// The scene and the limits
     #[command(flatten)]
