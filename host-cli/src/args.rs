@@ -200,7 +200,7 @@ pub enum PreviewKind {
 }
 
 /// A scene, changed as asked, and where its results go.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct SceneArguments {
     /// A scene file, or the name of a built-in scene
     pub scene: String,
@@ -331,12 +331,12 @@ Examples:
 
 Every method runs the scene by steps in factors of two, in both precisions, on one thread. Errors
 are RMS over 20 moments, as a part of the cloth's diagonal, against a reference whose steps are
-halved until they no longer matter: positions against RK4 in double precision, or with contact, which
-leaves no vertex a place of its own, the outline of the drape against backward Euler. Solvers are
-asked for more as steps shrink. Writes chart.svg, chart.json, chart.txt and study.html.
+halved until they no longer matter: positions against RK4 in double precision, or with contact,
+which leaves no vertex a place of its own, the outline of the drape against backward Euler. Solvers
+are asked for more as steps shrink. Writes chart.svg, chart.json, chart.txt and study.html.
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 no reference within the budget, or one
-that no implicit method confirms (that is written), 130 interrupted.")]
+Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 no reference within the budget, or
+one that no implicit method confirms (that is written), 130 interrupted.")]
 pub struct ChartArguments {
     /// The scene and the limits
     #[command(flatten)]
@@ -359,8 +359,12 @@ Examples:
 Runs the scene in single precision, on one thread, by steps around each method's limit and with its
 stiffness (and damping, if it has any) times 1/16 to 16: 1000 steps of explicit methods, 200 of
 implicit ones, or to its end. A run is fine, or its energy grew to 10 times what backward Euler has,
-or a step could not be taken, or a solver gave up. The limit of theory is that of the fastest mode at
-the scene's start. Writes stability.svg, stability.json, stability.txt and study.html.")]
+or a step could not be taken, or a solver gave up. The limit of theory is that of the fastest mode
+at the scene's start. Backward Euler is also run with newton = 20. Writes stability.svg,
+stability.json, stability.txt and study.html.
+
+Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 the budget does not do for all runs
+(those that are done are written), 130 interrupted.")]
 pub struct StabilityArguments {
     /// The scene and the limits
     #[command(flatten)]
@@ -418,12 +422,12 @@ A sweep is a TOML file:
   integrator.method = [\"backward-euler\", \"bdf2\"]
   integrator.step = [0.01, 0.005]
 
-Each run appends one line to FILE.jsonl once it has ended, diverged runs too. What has its line is not
-run again: killed or interrupted, a sweep goes on by the same command. A changed scene, mesh or
+Each run appends one line to FILE.jsonl once it has ended, diverged runs too. What has its line is
+not run again: killed or interrupted, a sweep goes on by the same command. A changed scene, mesh or
 version of muslin is another run. Shards share a file only where it can be locked.
 
-Exit codes: 0 all runs have their line, 1 the tool failed, 2 bad usage or sweep (nothing is run), 130
-interrupted.")]
+Exit codes: 0 all runs have their line, 1 the tool failed, 2 bad usage or sweep (nothing is run),
+130 interrupted.")]
 pub struct SweepArguments {
     /// The file of the sweep
     pub sweep: PathBuf,

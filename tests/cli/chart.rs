@@ -96,7 +96,10 @@ fn a_soft_sheet_is_charted_by_every_method() {
     assert_eq!(place.files("out/soft"), ["chart.json", "chart.svg", "chart.txt", "study.html"]);
     let svg = String::from_utf8(place.read("out/soft/chart.svg")).unwrap();
     let page = String::from_utf8(place.read("out/soft/study.html")).unwrap();
-    assert!(svg.starts_with("<svg") && page.contains(svg.trim()), "the page shows the picture");
+    let shown = svg.trim().replace(" id=\"", " id=\"chart-").replace("url(#", "url(#chart-");
+    assert!(svg.starts_with("<svg") && page.contains(&shown), "the page shows the picture");
+    let (clips, used) = (page.matches("<clipPath id=\"chart-").count(), page.matches("url(#chart-").count());
+    assert!(clips > 0 && used >= clips, "names in the picture: {clips} clips, {used} used");
     for (method, _) in METHODS {
         assert!(svg.contains(method), "{method} is not in the picture");
     }

@@ -163,14 +163,19 @@ fn what_it_writes_is_the_scene_with_another_integrator() {
     let is_term = |words: &&Value| !words.as_str().unwrap().contains("solver");
     assert_eq!(choice["chosen"]["terms"].as_array().unwrap().iter().find(is_term), None);
     let table = |text: &str| toml::from_str::<Table>(text).unwrap();
-    let (mut before, mut after) = (table(SPRINGS), table(&String::from_utf8(place.read("chosen.toml")).unwrap()));
-    before.insert("duration".into(), 0.2.into());
+    let written = String::from_utf8(place.read("chosen.toml")).unwrap();
+    assert!(written.starts_with("# Chosen by muslin choose by the first 0.2 s."), "{written}");
+    // With the duration of the scene, not of the study.
+    let (mut before, mut after) = (table(SPRINGS), table(&written));
     let integrator = after.remove("integrator").unwrap();
     before.remove("integrator");
     assert_eq!(before, after);
     assert_eq!(integrator["method"].as_str(), choice["chosen"]["method"].as_str());
     assert_eq!(integrator["step"].as_float(), choice["chosen"]["step"].as_f64());
     assert_eq!(integrator["newton"].as_integer(), Some(1));
+    let refused = place.muslin("choose springs.toml --tolerance 1cm --write ./springs.toml").expect(2);
+    assert!(refused.stderr.contains("that is the scene itself"), "{}", refused.stderr);
+    assert_eq!(place.read("springs.toml"), SPRINGS.as_bytes());
     // No step is longer than a frame, which would be cut by a run.
     assert!(number(&choice["chosen"]["step"]) <= 1.0 / 40.0);
 }

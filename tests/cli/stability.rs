@@ -27,7 +27,8 @@ const SCALES: [f64; 5] = [0.0625, 0.25, 1.0, 4.0, 16.0];
 fn map(words: &str) -> (Place, Value) {
     let place = Place::new();
     place.write("free.toml", FREE);
-    let map = place.muslin(&format!("stability free.toml --json {words}")).expect(0).json();
+    let code = if words.contains("--budget") { 3 } else { 0 };
+    let map = place.muslin(&format!("stability free.toml --json {words}")).expect(code).json();
     (place, map)
 }
 
@@ -95,5 +96,16 @@ fn what_the_budget_leaves_out_is_said() {
     let (place, map) = map("--budget 0");
     assert!(map["rows"].as_array().unwrap().iter().all(|row| row["verdict"] == "not run"), "{}", map["rows"]);
     let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
-    assert!(text.contains("runs are missing"), "{text}");
+    assert!(text.contains("runs are missing") && text.matches("not run").count() == 8, "{text}");
+    for limit in map["limits"].as_array().unwrap() {
+        assert!(limit["measured"].is_null() && limit["ratio"].is_null() && limit["runs"] == 0, "{limit}");
+    }
+}
+
+#[test]
+fn where_nothing_pulls_nothing_limits() {
+    let (_, map) = map("--methods rk4,backward-euler --set cloth.pin=[{select={box=[[-9,-9,-9],[9,9,9]]}}]");
+    let rk4 = limit(&map, "rk4", 1);
+    assert!(rk4["theory"].is_null() && rk4["runs"] == 0, "{rk4}");
+    assert_eq!(limit(&map, "backward-euler", 1)["measured"], 0.02);
 }

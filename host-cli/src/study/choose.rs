@@ -67,13 +67,20 @@ fn no_reference(study: &Study<'_>, tolerance: f64, reference: Option<&Reference>
         None => "its longest steps already take too long, or fail".into(),
         Some(reference) => {
             let step = crate::units::time(reference.best().0.step(&study.scene));
-            let (own, before) = (reference.self_error, reference.before.unwrap_or(f64::INFINITY));
+            let own = reference.self_error;
             match own <= reference.rule.enough {
-                true => format!(
-                    "halving the step to {step} moves it by {}, halving it before by {}, which is not how a converging method does",
-                    length(own),
-                    length(before)
-                ),
+                true => {
+                    let before = reference.before.map_or_else(
+                        || "and longer steps fail, so that nothing shows how it converges".into(),
+                        |before| {
+                            format!(
+                                "halving it before by {}, which is not how a converging method does",
+                                length(before)
+                            )
+                        },
+                    );
+                    format!("halving the step to {step} moves it by {}, {before}", length(own))
+                }
                 false => {
                     // The tolerance of which its own error is the part that it may be.
                     let reachable = own * tolerance / reference.rule.enough;

@@ -23,6 +23,7 @@ pub fn of(folder: &Path, scene: &str) -> String {
     let sections = STUDIES.iter().filter_map(|(title, stem)| {
         let svg = fs::read_to_string(folder.join(format!("{stem}.svg"))).ok()?;
         let words = fs::read_to_string(folder.join(format!("{stem}.txt"))).ok()?;
+        let svg = named_apart(&svg, stem);
         Some(format!("<h2>{title}</h2>\n{svg}\n<pre>{}</pre>\n", escape(&words)))
     });
     let sections: String = sections.collect();
@@ -32,6 +33,11 @@ pub fn of(folder: &Path, scene: &str) -> String {
          <meta name=\"viewport\" content=\"width=device-width\">\n<title>{scene}</title>\n\
          <style>{STYLE}</style>\n<h1>{scene}</h1>\n{sections}</html>"
     )
+}
+
+/// Gives the names inside a picture a prefix: in a page they must differ from picture to picture.
+fn named_apart(svg: &str, stem: &str) -> String {
+    svg.replace(" id=\"", &format!(" id=\"{stem}-")).replace("url(#", &format!("url(#{stem}-"))
 }
 
 fn escape(text: &str) -> String {

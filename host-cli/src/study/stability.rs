@@ -28,7 +28,16 @@ pub fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
     let limits = limits::measure(&study, &subjects, &grounds[0], &rows)?;
     rows.extend(map::run(&study, &subjects, &grounds, &grounds[1..])?);
     let map = report::summarise(&study, &grounds, rows, limits);
-    study.finish("stability", &draw::stability(&map), &map, &map.lines())
+    study.finish("stability", &draw::stability(&map), &map, &map.lines())?;
+    match map.missing() {
+        0 => Ok(()),
+        missing => Err(Failure::Diverged(format!(
+            "{} s do not do for {missing} of {} runs; what was done is written: take fewer --methods, a coarser cloth \
+             by --set, or a larger --budget",
+            arguments.study.budget,
+            map.rows.len()
+        ))),
+    }
 }
 
 /// What to run: the methods as asked, each once, and backward Euler solved to the end.

@@ -56,11 +56,14 @@ impl Variant {
 
     /// The scene with these settings as its own.
     pub fn chosen(&self, scene: &SceneFile) -> Result<SceneFile, Failure> {
-        scene.changed(&[
+        let mut own = vec![
             ("integrator.method", Some(Value::String(self.method.name().into()))),
             ("integrator.step", Some(Value::Float(self.step(scene)))),
-            ("integrator.tolerance", Some(Value::Float(self.tolerance(scene)))),
-        ])
+        ];
+        if self.method.is_implicit() {
+            own.push(("integrator.tolerance", Some(Value::Float(self.tolerance(scene)))));
+        }
+        scene.changed(&own)
     }
 
     /// As a line of progress names it.

@@ -36,19 +36,22 @@ pub struct Checked {
 pub fn check(pilot: &mut Pilot<'_>, mut found: Found) -> Result<Checked, Failure> {
     let (variant, finer) = finer_reference(pilot)?;
     let step = variant.step(&pilot.study.scene);
+    let mut nearest = f64::INFINITY;
     for _ in 0..ROUNDS {
         let (error, wall) = measure(pilot, &found, finer.as_ref())?;
         if error <= pilot.tolerance {
             return Ok(Checked { found, error, wall, step });
         }
+        nearest = nearest.min(error);
         found.row = shorter(pilot, &found)?;
     }
     Err(Failure::Diverged(format!(
-        "the choice for {}, {}, misses {} where it is checked, and a little shorter steps do not change that; allow \
-         more or take a shorter --duration",
+        "the choice for {}, {}, misses {} where it is checked: it is {} off, and a little shorter steps do not change \
+         that; allow so much or take a shorter --duration",
         pilot.study.scene.desc.name,
         found.row.name(),
-        length(pilot.tolerance)
+        length(pilot.tolerance),
+        length(nearest)
     )))
 }
 

@@ -4,10 +4,12 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::args::Precision;
+use toml::Value;
+
+use crate::args::{Precision, SceneArguments};
 use crate::export::whole;
 use crate::failure::{Failure, print_note};
-use crate::scene_file::SceneFile;
+use crate::scene_file::{self, SceneFile};
 use crate::study::Study;
 
 use super::saving::Found;
@@ -17,6 +19,12 @@ pub fn allow(study: &Study<'_>, path: &Path) -> Result<(), Failure> {
     let scene = Path::new(&study.arguments.of.scene);
     let own = if scene.is_file() { folder(scene) } else { PathBuf::from(".") };
     let there = |folder: &Path| fs::canonicalize(folder).ok();
+    if scene.is_file() && fs::canonicalize(scene).ok() == fs::canonicalize(path).ok() {
+        return Err(Failure::Usage(format!(
+            "--write {}: that is the scene itself, whose comments would be lost; give another name",
+            path.display()
+        )));
+    }
     let relative = study.scene.resources.iter().find(|(name, _)| Path::new(name).is_relative());
     match relative {
         Some((name, _)) if there(&folder(path)).is_none_or(|folder| Some(folder) != there(&own)) => {
@@ -38,13 +46,22 @@ fn folder(path: &Path) -> PathBuf {
 
 /// Saves the scene.
 pub fn write(study: &Study<'_>, found: &Found, path: &Path) -> Result<(), Failure> {
-    let scene = found.row.variant.chosen(&found.scene)?;
-    whole::write(path.into(), |out| out.write_all(scene.text.as_bytes()))
+    let chosen = found.row.variant.chosen(&found.scene)?;
+    // What was looked at may be less than what is to be run.
+    let scene = chosen.changed(&[("duration", Some(Value::Float(own_duration(study)?)))])?;
+    let head = format!("# Chosen by muslin choose by the first {} s.\n", study.scene.desc.duration);
+    whole::write(path.into(), |out| out.write_all((head + &scene.text).as_bytes()))
         .map_err(|error| Failure::Tool(error.to_string()))?;
     if !study.arguments.quiet {
         print_note(&note(&scene, found, path));
     }
     Ok(())
+}
+
+/// That of the scene, whatever --duration says, s.
+fn own_duration(study: &Study<'_>) -> Result<f64, Failure> {
+    let own = SceneArguments { duration: None, ..study.arguments.of.clone() };
+    Ok(scene_file::asked(&own)?.desc.duration)
 }
 
 /// What was written and how to run it: frames may ask for shorter steps.

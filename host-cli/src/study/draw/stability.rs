@@ -14,11 +14,11 @@ use crate::study::stability::{Axis, Map, Row, Verdict};
 use super::range;
 
 /// Colours that the colour-blind tell apart [Wong 2011], and shapes for those who print.
-const LOOKS: [(Verdict, &str, &str, MarkerShape); 4] = [
-    (Verdict::Fine, "fine", "#009e73", MarkerShape::Circle),
-    (Verdict::Growth, "energy growth", "#e69f00", MarkerShape::Triangle),
-    (Verdict::Diverged, "diverged", "#d55e00", MarkerShape::Cross),
-    (Verdict::GaveUp, "solver gave up", "#000000", MarkerShape::Square),
+const LOOKS: [(Verdict, &str, MarkerShape); 4] = [
+    (Verdict::Fine, "#009e73", MarkerShape::Circle),
+    (Verdict::Growth, "#e69f00", MarkerShape::Triangle),
+    (Verdict::Diverged, "#d55e00", MarkerShape::Cross),
+    (Verdict::GaveUp, "#000000", MarkerShape::Square),
 ];
 
 /// The limit of theory.
@@ -30,7 +30,9 @@ const PANEL: [f64; 2] = [410.0, 230.0];
 /// A panel for each method and axis.
 pub fn stability(map: &Map) -> String {
     let axes = map.axes();
-    let panels = map.limits.iter().flat_map(|limit| axes.iter().map(move |&axis| (limit.name.as_str(), axis)));
+    // Without a run there is nothing to show.
+    let limits = map.limits.iter().filter(|limit| limit.runs > 0);
+    let panels = limits.flat_map(|limit| axes.iter().map(move |&axis| (limit.name.as_str(), axis)));
     let (plots, layouts): (Vec<_>, Vec<_>) =
         panels.enumerate().map(|(place, (name, axis))| panel(map, name, axis, place == 0)).unzip();
     let rows = plots.len().div_ceil(2);
@@ -66,12 +68,12 @@ fn decade(step: f64) -> String {
 }
 
 /// What went one way.
-fn marks(cells: &[(&Row, f64)], look: &(Verdict, &str, &str, MarkerShape), with_legend: bool) -> Plot {
-    let &(verdict, name, color, marker) = look;
+fn marks(cells: &[(&Row, f64)], look: &(Verdict, &str, MarkerShape), with_legend: bool) -> Plot {
+    let &(verdict, color, marker) = look;
     let at: Vec<_> =
         cells.iter().filter(|(row, _)| row.verdict == verdict).map(|(row, scale)| (row.step, *scale)).collect();
     let marks = ScatterPlot::new().with_data(at).with_color(color).with_marker(marker).with_size(4.0);
-    Plot::Scatter(if with_legend { marks.with_legend(name) } else { marks })
+    Plot::Scatter(if with_legend { marks.with_legend(verdict.name()) } else { marks })
 }
 
 /// The limit of theory by scale, as far as it lies on the map.

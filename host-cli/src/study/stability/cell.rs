@@ -53,6 +53,19 @@ pub enum Verdict {
     NotRun,
 }
 
+impl Verdict {
+    /// As pictures and tables call it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fine => "fine",
+            Self::Growth => "energy growth",
+            Self::Diverged => "diverged",
+            Self::GaveUp => "solver gave up",
+            Self::NotRun => "not run",
+        }
+    }
+}
+
 /// Steps of a run of explicit methods, however long the scene: what is unstable shows within, seeded by
 /// rounding. And of implicit ones at most: within the scene.
 const EXPLICIT_STEPS: u64 = 1000;

@@ -17,30 +17,41 @@ pub fn measure(study: &Study<'_>, subjects: &[Subject], ground: &Ground, rows: &
         let own: Vec<_> = own.collect();
         let (mut measured, failed) = bounds(&own);
         let theory = ground.theory(subject.method);
-        if let (Some(fine), Some(failed), Some(_)) = (measured, failed, theory.filter(|&theory| theory > 0.0)) {
-            measured = Some(bisect(study, subject, ground, fine, failed)?);
+        let mut ratio = None;
+        if let (Some(fine), Some(failed), Some(theory)) = (measured, failed, theory.filter(|&theory| theory > 0.0)) {
+            let (low, high) = bisect(study, subject, ground, fine, failed.step)?;
+            measured = Some(low);
+            // Not where the time was up before it was known.
+            ratio = (high <= (1.0 + CLOSE) * low).then_some(low / theory);
         }
-        let ratio = measured.zip(theory).filter(|(_, theory)| *theory > 0.0).map(|(m, theory)| m / theory);
-        let name = subject.name();
-        Ok(Limit { method: subject.method.name(), newton: subject.newton, name, measured, failed, theory, ratio })
+        let (method, newton, name) = (subject.method.name(), subject.newton, subject.name());
+        let (failed, failed_by) = (failed.map(|row| row.step), failed.map(|row| row.verdict));
+        Ok(Limit { method, newton, name, runs: own.len(), measured, failed, failed_by, theory, ratio })
     };
     subjects.iter().map(limit).collect()
 }
 
-/// The longest step below which all are fine, and the next, s.
-fn bounds(rows: &[&Row]) -> (Option<f64>, Option<f64>) {
+/// The longest step below which all are fine, s, and the next.
+fn bounds<'a>(rows: &[&'a Row]) -> (Option<f64>, Option<&'a Row>) {
     let fine = rows.iter().take_while(|row| row.verdict == Verdict::Fine).count();
-    (rows[..fine].last().map(|row| row.step), rows.get(fine).map(|row| row.step))
+    (rows[..fine].last().map(|row| row.step), rows.get(fine).copied())
 }
 
-fn bisect(study: &Study<'_>, subject: Subject, ground: &Ground, fine: f64, failed: f64) -> Result<f64, Failure> {
-    let (mut low, mut high) = (fine, failed);
+/// Narrows the steps between which a subject begins to fail.
+fn bisect(
+    study: &Study<'_>,
+    subject: Subject,
+    ground: &Ground,
+    mut low: f64,
+    mut high: f64,
+) -> Result<(f64, f64), Failure> {
     while high > (1.0 + CLOSE) * low && !study.left().is_zero() {
         let middle = (low * high).sqrt();
         match run_cell(study, subject, ground, middle)?.verdict {
             Verdict::Fine => low = middle,
+            Verdict::NotRun => break,
             _ => high = middle,
         }
     }
-    Ok(low)
+    Ok((low, high))
 }

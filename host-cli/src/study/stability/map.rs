@@ -92,8 +92,9 @@ fn ground(study: &Study<'_>, stiffness: f64, damping: f64) -> Result<Ground, Fai
 fn steps(study: &Study<'_>, subject: Subject, grounds: &[Ground]) -> Vec<f64> {
     if subject.method.is_implicit() {
         let desc = &study.scene.desc;
-        let steps = (-FINER..=COARSER).map(|k| desc.integrator.step * 2f64.powi(k));
-        return steps.filter(|&step| step <= desc.duration / SAMPLES as f64).collect();
+        let longest = desc.duration / SAMPLES as f64;
+        let steps = (-FINER..=COARSER).map(|k| desc.integrator.step.min(longest) * 2f64.powi(k));
+        return steps.filter(|&step| step <= longest).collect();
     }
     // Where every step gains energy: the limits of a method that has some.
     let never = |ground: &Ground| ground.theory(Method::SymplecticEuler);

@@ -64,13 +64,17 @@ pub struct Limit {
     /// The method and, where there are several, its Newton iterations.
     #[serde(skip)]
     pub name: String,
+    /// Runs on the scene itself; none where nothing limits the method or nothing was left of the budget.
+    pub runs: usize,
     /// The longest step below which every run was fine, s; none where none was.
     pub measured: Option<f64>,
     /// The shortest step of the map that was not, s.
     pub failed: Option<f64>,
+    /// How that one went.
+    pub failed_by: Option<Verdict>,
     /// What theory allows, s.
     pub theory: Option<f64>,
-    /// Measured over theory.
+    /// Measured over theory; none where the budget did not do to measure it.
     pub ratio: Option<f64>,
 }
 
@@ -144,6 +148,11 @@ impl Map {
         [Axis::Stiffness].into_iter().chain(damped.then_some(Axis::Damping)).collect()
     }
 
+    /// Runs for which nothing was left of the budget.
+    pub fn missing(&self) -> usize {
+        self.rows.iter().filter(|row| row.verdict == Verdict::NotRun).count()
+    }
+
     /// For people.
     pub fn lines(&self) -> String {
         let [asked, right] = self.foretold;
@@ -152,8 +161,9 @@ impl Map {
                 "{}: the fastest mode at its start has {:.0} Hz and {:.2} of critical damping",
                 self.scene, self.fastest_mode_hz, self.damping_ratio
             ),
+            "explicit methods are watched for 1000 steps, implicit ones for 200 or to the scene's end".into(),
             String::new(),
-            "longest step                     theory     measured   measured/theory".into(),
+            "longest step                     theory     measured   measured/theory   of the map".into(),
         ];
         lines.extend(self.limits.iter().map(limit_line));
         for axis in self.axes() {
@@ -162,9 +172,8 @@ impl Map {
         lines.push(String::new());
         lines.extend(self.limits.iter().filter_map(early));
         lines.push(format!("of {asked} runs near a limit of theory {right} went as it says"));
-        let not_run = self.rows.iter().filter(|row| row.verdict == Verdict::NotRun).count();
-        if not_run > 0 {
-            lines.push(format!("{not_run} runs are missing: the budget was used up"));
+        if self.missing() > 0 {
+            lines.push(format!("{} runs are missing: the budget was used up", self.missing()));
         }
         lines.join("\n")
     }
@@ -210,10 +219,16 @@ fn limit_line(limit: &Limit) -> String {
         None => "any".into(),
     };
     let measured = match (limit.measured, limit.failed) {
-        (Some(measured), Some(_)) => time(measured),
-        (Some(measured), None) => format!("> {}", time(measured)),
-        (None, _) => "none".into(),
+        (Some(measured), Some(_)) if limit.theory.is_none_or(|t| t == 0.0) || limit.ratio.is_some() => time(measured),
+        (Some(measured), _) => format!("> {}", time(measured)),
+        (None, Some(_)) => "none".into(),
+        (None, None) => "not run".into(),
+    };
+    let then = match limit.failed.zip(limit.failed_by) {
+        Some((step, Verdict::GaveUp)) => format!("the solver gave up by {}", time(step)),
+        Some((step, verdict)) => format!("{} by {}", verdict.name(), time(step)),
+        None => String::new(),
     };
     let ratio = limit.ratio.map_or_else(String::new, |ratio| format!("{ratio:.3}"));
-    format!("{:<28}{theory:>11}{measured:>13}   {ratio}", limit.name)
+    format!("{:<28}{theory:>11}{measured:>13}   {ratio:<15}   {then}", limit.name).trim_end().into()
 }
