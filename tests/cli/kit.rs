@@ -169,6 +169,11 @@ impl Place {
     }
 }
 
+/// A picture as the page of its study shows it: names inside are told apart by the study's.
+pub fn in_page(svg: &str, study: &str) -> String {
+    svg.trim().replace(" id=\"", &format!(" id=\"{study}-")).replace("url(#", &format!("url(#{study}-"))
+}
+
 /// Waits for the end of a process.
 pub fn wait(child: &mut Child, what: &Command) -> ExitStatus {
     let started = Instant::now();
