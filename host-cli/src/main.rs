@@ -13,6 +13,7 @@ mod limits;
 mod mesh_io;
 mod pool;
 mod preview;
+mod progress;
 mod record;
 mod run;
 mod scene_file;

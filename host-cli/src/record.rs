@@ -52,3 +52,15 @@ impl Record {
         }
     }
 }
+
+/// Of the box around positions, along the axes, m.
+pub fn extent(positions: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in positions {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(p[axis]);
+            high[axis] = high[axis].max(p[axis]);
+        }
+    }
+    [0, 1, 2].map(|axis| high[axis] - low[axis])
+}

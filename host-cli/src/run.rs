@@ -8,7 +8,7 @@ pub mod start;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use muslin_core::scene::Timing;
 
 use crate::args::{PreviewKind, RunArguments};
@@ -19,6 +19,7 @@ use crate::failure::{Failure, print_data, print_note};
 use crate::interrupt;
 use crate::pool::Pool;
 use crate::preview::Preview;
+use crate::progress;
 use crate::record::Start;
 use crate::scene_file::{self, SceneFile};
 use course::{Course, Ending, Witness, total_steps};
@@ -134,7 +135,7 @@ impl<'a> Files<'a> {
         let Course { engine, timing, positions, steps, .. } = course;
         let first_frame = if resumed { steps / timing.steps_per_frame + 1 } else { 0 };
         let exporter = Exporter::create(&out, &arguments.export, engine.triangles(), frame_rate, first_frame as u32)?;
-        let bar = progress(arguments, total_steps(timing), *steps);
+        let bar = progress_bar(arguments, total_steps(timing), *steps);
         let mut files = Self { arguments, out, scene_crc, exporter, preview: None, solids: Vec::new(), bar };
         if arguments.preview != PreviewKind::None {
             engine.write_solids(&mut files.solids);
@@ -227,13 +228,9 @@ impl Witness for Files<'_> {
     }
 }
 
-fn progress(arguments: &RunArguments, total: u64, done: u64) -> ProgressBar {
-    // Draws on a terminal only.
-    let target = if arguments.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(total), target);
-    if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {wide_bar} step {pos}/{len}, {eta} left") {
-        bar.set_style(style);
-    }
+fn progress_bar(arguments: &RunArguments, total: u64, done: u64) -> ProgressBar {
+    let template = "{elapsed_precise} {wide_bar} step {pos}/{len}, {eta} left";
+    let bar = progress::bar(total, template, arguments.quiet);
     bar.set_position(done);
     bar.reset_eta();
     bar

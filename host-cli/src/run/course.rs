@@ -11,7 +11,7 @@ use crate::checkpoint::Resumed;
 use crate::engine::{Divergence, Engine, Halt};
 use crate::failure::Failure;
 use crate::pool::Pool;
-use crate::record::{Record, Start};
+use crate::record::{Record, Start, extent};
 use crate::stopwatch::Stopwatch;
 
 /// How the steps ended.
@@ -46,15 +46,6 @@ impl Witness for () {
 /// Steps in all.
 pub fn total_steps(timing: &Timing) -> u64 {
     timing.frames * timing.steps_per_frame
-}
-
-/// Extent along the axes, m.
-fn extent(positions: &[[f32; 3]]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        let along = positions.iter().map(|p| f64::from(p[axis]));
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        high - low
-    })
 }
 
 /// A scene on its way.
@@ -97,7 +88,7 @@ impl Course {
         let chain = resumed.map_or_else(|| engine.chain(None), |resumed| resumed.chain);
         let mut positions = Vec::new();
         engine.write_positions(&mut positions);
-        let fresh = || Record { start, size: extent(&positions), ..Record::default() };
+        let fresh = || Record { start, size: extent(positions.iter().map(|p| p.map(f64::from))), ..Record::default() };
         Self {
             record: resumed.map_or_else(fresh, |resumed| resumed.record),
             engine,

@@ -28,13 +28,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use serde::Serialize;
 
 use crate::args::StudyArguments;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::pool::Pool;
+use crate::progress;
 use crate::scene_file::{self, SceneFile};
 use folder::{Folder, Results};
 
@@ -63,16 +64,6 @@ impl Drop for Study<'_> {
     }
 }
 
-/// A bar of so many units, on a terminal only.
-fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(length), target);
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
-    bar
-}
-
 impl<'a> Study<'a> {
     /// Loads the scene and begins to count the time.
     pub fn begin(arguments: &'a StudyArguments) -> Result<Self, Failure> {
@@ -85,7 +76,7 @@ impl<'a> Study<'a> {
         let folder = Folder::make(out)?;
         let stop = interrupt::watch()?;
         let template = "{elapsed_precise} of {len} s {wide_bar} {msg}";
-        let bar = bar(arguments.budget.ceil() as u64, template, arguments.quiet);
+        let bar = progress::bar(arguments.budget.ceil() as u64, template, arguments.quiet);
         Ok(Self { arguments, scene, folder, pool, stop, bar, started: Instant::now() })
     }
 

@@ -8,13 +8,12 @@ mod table;
 
 use std::path::{Path, PathBuf};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
 use crate::args::SweepArguments;
 use crate::failure::{Failure, print_data, print_note};
 use crate::interrupt;
 use crate::limits;
 use crate::pool::Pool;
+use crate::progress;
 
 use file::Sweep;
 use grid::Point;
@@ -43,7 +42,8 @@ pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
     if before > 0 && !arguments.quiet {
         print_note(&format!("{before} of {} done before", tasks.len()));
     }
-    let bar = progress(arguments, tasks.len(), before);
+    let bar = progress::bar(tasks.len() as u64, "{elapsed_precise} {bar:24} {pos}/{len} {wide_msg}", arguments.quiet);
+    bar.set_position(before as u64);
     let ran: Result<(), Failure> = left().try_for_each(|task| {
         bar.set_message(task.point.name());
         if !ledger.has(&task.key)? {
@@ -85,17 +85,6 @@ fn out(arguments: &SweepArguments) -> PathBuf {
         (None, Some(shard)) => format!("out/{stem}.{}-of-{}.jsonl", shard.number, shard.count).into(),
         (None, None) => format!("out/{stem}.jsonl").into(),
     }
-}
-
-fn progress(arguments: &SweepArguments, total: usize, before: usize) -> ProgressBar {
-    // Draws on a terminal only.
-    let target = if arguments.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(total as u64), target);
-    if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {bar:24} {pos}/{len} {wide_msg}") {
-        bar.set_style(style);
-    }
-    bar.set_position(before as u64);
-    bar
 }
 
 /// Says what came of all runs, those done before included.

@@ -95,7 +95,7 @@ fn choose(only: Option<&str>) -> Result<Vec<(&'static Group, Vec<Check>)>, Failu
 fn run(chosen: &[(&'static Group, Vec<Check>)], quiet: bool) -> Result<Report, Failure> {
     let (lab, started) = (Lab::new(interrupt::watch()?), Instant::now());
     let count: usize = chosen.iter().map(|(_, checks)| checks.len()).sum();
-    let bar = super::bar(count as u64, "{pos} of {len} {wide_bar} {msg}", quiet);
+    let bar = crate::progress::bar(count as u64, "{pos} of {len} {wide_bar} {msg}", quiet);
     let mut rows = Vec::new();
     for (group, checks) in chosen {
         for check in checks {

@@ -1,6 +1,7 @@
 //! One way to run the scene of a study.
 
 use muslin_core::integrate::Method;
+use muslin_core::integrate::stability::{Mode, longest_step};
 use toml::Value;
 
 use crate::args::Precision;
@@ -28,6 +29,13 @@ pub const fn order(method: Method) -> i32 {
         Method::Midpoint | Method::ImplicitMidpoint | Method::Bdf2 => 2,
         Method::Rk4 => 4,
     }
+}
+
+/// The longest step of theory, s, of a method; where every step gains energy, of symplectic Euler. None
+/// where nothing limits it.
+pub fn limit(modes: &[Mode], method: Method) -> Option<f64> {
+    let own = longest_step(modes, method);
+    if own == Some(0.0) { longest_step(modes, Method::SymplecticEuler) } else { own }
 }
 
 /// Tolerances below which rounding ends the solver.

@@ -10,6 +10,7 @@ use crate::args::{ChartArguments, Precision};
 use crate::bench::cpu_name;
 use crate::engine;
 use crate::failure::Failure;
+use crate::record::extent;
 
 use super::distance::Measure;
 use super::draw;
@@ -27,7 +28,7 @@ pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
     let masses = engine.masses();
     let mut start = Vec::new();
     engine.write_state(&mut start);
-    let diagonal = diagonal(&start);
+    let diagonal = extent(start.into_iter()).iter().map(|side| side * side).sum::<f64>().sqrt();
     let too_short = || {
         Failure::Diverged(format!(
             "no reference for {} within {} s: it needs steps too short for that; take a shorter --duration, a coarser \
@@ -60,16 +61,6 @@ fn methods(asked: &[Method], measure: Measure) -> Vec<Method> {
     let added = measure == Measure::Positions && !asked.iter().any(|method| method.is_implicit());
     let wanted = |method: &Method| asked.is_empty() || asked.contains(method) || added && *method == confirms;
     Method::ALL.into_iter().filter(wanted).collect()
-}
-
-/// Of the box around the cloth at its start, m.
-fn diagonal(positions: &[[f64; 3]]) -> f64 {
-    let along = |axis: usize| {
-        let along = positions.iter().map(|p| p[axis]);
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        high - low
-    };
-    (0..3).map(|axis| along(axis).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Every method in both precisions, the double one first: the single one ends where it leaves it.

@@ -8,7 +8,7 @@ use crate::scene_file::SceneFile;
 use crate::study::Study;
 use crate::study::median::median;
 use crate::study::terms::{self, Deed, Edit, Term};
-use crate::study::variant::SAMPLES;
+use crate::study::trajectory::Ending;
 
 use super::pilot::Pilot;
 use super::row::Row;
@@ -86,7 +86,7 @@ fn saved(pilot: &mut Pilot<'_>, found: &Found, scene: &SceneFile, place: usize) 
     for _ in 0..pairs {
         let as_is = pilot.fly(&found.scene, &found.row.variant, f64::INFINITY)?;
         let without = pilot.fly(scene, &found.row.variant, f64::INFINITY)?;
-        if [&as_is, &without].iter().all(|run| run.samples.len() as u64 == SAMPLES) {
+        if [&as_is, &without].iter().all(|run| run.ending == Ending::Complete) {
             pilot.considered[place].timed(without.wall);
             parts.push(1.0 - without.wall / as_is.wall);
         }

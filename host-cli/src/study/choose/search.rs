@@ -2,13 +2,14 @@
 //! between the last two.
 
 use muslin_core::integrate::Method;
-use muslin_core::integrate::stability::{Mode, longest_step};
+use muslin_core::integrate::stability::Mode;
 
 use crate::args::Precision;
 use crate::engine::Engine;
 use crate::failure::Failure;
 use crate::study::reference::MOST_STEPS;
-use crate::study::variant::{SAMPLES, Variant};
+use crate::study::trajectory::Ending;
+use crate::study::variant::{self, SAMPLES, Variant};
 
 use super::methods;
 use super::pilot::Pilot;
@@ -56,11 +57,7 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
 /// Steps from sample to sample to begin with: explicit methods below their limit, or where every step
 /// gains energy below that of symplectic Euler.
 fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
-    let symplectic = || longest_step(modes, Method::SymplecticEuler);
-    let limit = match method.is_implicit() {
-        true => None,
-        false => longest_step(modes, method).filter(|&limit| limit > 0.0).or_else(symplectic),
-    };
+    let limit = variant::limit(modes, method);
     let sample = pilot.study.scene.desc.duration / SAMPLES as f64;
     let steps = limit.map_or(1, |limit| (sample / (BELOW_LIMIT * limit)).ceil() as u64);
     steps.max(pilot.fewest_steps())
@@ -143,7 +140,7 @@ fn time_rivals(pilot: &mut Pilot<'_>) -> Result<(), Failure> {
             let variant = pilot.considered[rival].variant;
             let run = pilot.fly(&pilot.study.scene, &variant, f64::INFINITY)?;
             // What ran out of time says nothing new.
-            if run.samples.len() as u64 == SAMPLES {
+            if run.ending == Ending::Complete {
                 pilot.considered[rival].timed(run.wall);
             }
         }

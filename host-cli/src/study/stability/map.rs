@@ -8,7 +8,7 @@ use crate::engine;
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::study::Study;
-use crate::study::variant::SAMPLES;
+use crate::study::variant::{self, SAMPLES};
 use crate::units::time;
 
 use super::cell::{self, Subject, Verdict, judge};
@@ -96,9 +96,7 @@ fn steps(study: &Study<'_>, subject: Subject, grounds: &[Ground]) -> Vec<f64> {
         let steps = (-FINER..=COARSER).map(|k| desc.integrator.step.min(longest) * 2f64.powi(k));
         return steps.filter(|&step| step <= longest).collect();
     }
-    // Where every step gains energy: the limits of a method that has some.
-    let never = |ground: &Ground| ground.theory(Method::SymplecticEuler);
-    let limit = |ground: &Ground| ground.theory(subject.method).filter(|&limit| limit > 0.0).or_else(|| never(ground));
+    let limit = |ground: &Ground| variant::limit(&ground.modes, subject.method);
     let limits = grounds.iter().filter_map(limit);
     let (low, high) = limits.fold((f64::INFINITY, 0.0_f64), |(low, high), limit| (low.min(limit), high.max(limit)));
     // On the limit of the scene itself, so that maps show both sides of it.
