@@ -97,8 +97,9 @@ impl Simulation {
         Ok(Self::from_columns(built, scheme, desc.timing().step as Real))
     }
 
-    /// A simulation over columns made elsewhere.
+    /// A simulation over columns made elsewhere. Pins move from the start.
     pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
+        built.pins.view().set_out(0.0, &mut built.particles.velocities);
         let scratch = ScratchColumns::build(&built, &scheme);
         let room = PAIRS_PER_VERTEX * built.particles.positions.len();
         let contact = built.contact.as_ref().map(|contact| ContactScratchColumns::build(&contact.view(), room));
@@ -159,8 +160,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// The scheme of a part of a step. BDF2 cannot look back over an impulse or a step of another
-    /// length, and the implicit midpoint rings with what an impulse leaves in stiff cloth, the
+    /// The scheme of a part of a step. BDF2 cannot look back over an impulse, a step of another
+    /// length or a pin's jump of velocity, and the implicit midpoint rings with what an impulse leaves in stiff cloth, the
     /// louder in every step: such a part is backward Euler.
     fn scheme_of(&self, part: Part) -> Scheme {
         let cut = part != Part::WHOLE || self.steps > 0 && !self.scratch.has_history;
@@ -174,12 +175,13 @@ impl Simulation {
 
     /// The first phase of a step: writes the candidate state.
     pub fn predict(&mut self, part: Part, dispatch: &impl Dispatch) -> Prediction {
-        let (time, scheme, leads) = (self.time_at(part.from), &self.scheme_of(part), !self.after_contact);
+        let time = self.time_at(part.from);
+        if part != Part::WHOLE || self.pins().jump(time) {
+            self.scratch.has_history = false;
+        }
+        let (scheme, leads) = (&self.scheme_of(part), !self.after_contact);
         let Self { built, scratch, step, work, .. } = self;
         let BuiltScene { particles, model, pins, .. } = built;
-        if part != Part::WHOLE {
-            scratch.has_history = false;
-        }
         let context = Context {
             model: &model.view(),
             pins: &pins.view(),

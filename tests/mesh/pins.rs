@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use glam::DVec3;
-use muslin_core_f64::integrate::pins::AT_REST;
+use muslin_core_f64::integrate::pins::{AT_REST, Side};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_tests::kit::double as kit;
 
@@ -106,7 +106,7 @@ fn pins_follow_keys_and_turn() {
         (2.0 * std::f64::consts::PI, [0.0, 5.0, 8.0], [0.0; 3]),
     ];
     for (time, position, velocity) in cases {
-        let (x, v) = pins.target(0, time);
+        let (x, v) = pins.target(0, time, Side::After);
         assert!((x - DVec3::from(position)).length() < 1e-14, "at {time} s: {x}, expected {position:?}");
         assert!((v - DVec3::from(velocity)).length() < 1e-14, "at {time} s: {v} m/s, expected {velocity:?}");
     }

@@ -32,6 +32,7 @@ both_precisions! {
     use muslin::dispatch::Serial;
     use muslin::forces::matrix;
     use muslin::integrate::coupling::{self, Hold};
+    use muslin::integrate::pins::Side;
     use muslin::integrate::{Context, Jacobian, Method, Preconditioner, Scheme, Work};
     use muslin::particles::Particles;
     use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
@@ -82,7 +83,7 @@ both_precisions! {
             *x += vec3(rng.cube(0.01).into());
             *v = vec3(rng.cube(1.0).into());
         }
-        built.pins.view().impose(0.0, &mut particles.positions, &mut particles.velocities);
+        built.pins.view().impose(0.0, Side::After, &mut particles.positions, &mut particles.velocities);
         built
     }
 
@@ -165,7 +166,7 @@ both_precisions! {
                 *v = particles.velocities[k] + vec3(rng.cube(0.1).into());
                 *x = particles.positions[k] - *v * STEP as Real;
             }
-            pins.impose(0.0, s.previous_positions, s.previous_velocities);
+            pins.impose(0.0, Side::After, s.previous_positions, s.previous_velocities);
         }
         step::predict(&context, &particles, s, &mut work);
         let predicted = [column(s.next_positions), column(s.next_velocities)];

@@ -8,6 +8,7 @@ use faer::linalg::solvers::Solve;
 use glam::DVec3;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::forces::strain_rate;
+use muslin_core_f64::integrate::pins::Side;
 use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::Tangent;
@@ -85,7 +86,7 @@ fn simulation(cells: u32, sheet: &str, pins: &str, scheme: Scheme, step: f64) ->
         *x += rng.cube(0.008);
         *v = rng.cube(1.0);
     }
-    built.pins.view().impose(0.0, &mut particles.positions, &mut particles.velocities);
+    built.pins.view().impose(0.0, Side::After, &mut particles.positions, &mut particles.velocities);
     Simulation::from_columns(built, scheme, step)
 }
 
@@ -94,7 +95,7 @@ fn rates(sim: &Simulation) -> Vec<(usize, DVec3, u8)> {
     let (pins, step) = (sim.pins(), sim.step_length());
     let rate = |pin: usize, vertex: u32| {
         let vertex = vertex as usize;
-        (vertex, (pins.target(pin, sim.time() + step).0 - sim.positions()[vertex]) / step, pins.axes[pin])
+        (vertex, (pins.target(pin, sim.time() + step, Side::After).0 - sim.positions()[vertex]) / step, pins.axes[pin])
     };
     pins.vertices.iter().enumerate().map(|(pin, &vertex)| rate(pin, vertex)).collect()
 }

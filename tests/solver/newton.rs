@@ -4,6 +4,7 @@
 use glam::DVec3;
 use muslin_core_f64::diagnostics;
 use muslin_core_f64::dispatch::Serial;
+use muslin_core_f64::integrate::pins::Side;
 use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
@@ -50,7 +51,7 @@ fn crumpled(material: &str, air: &str, size: f64, noise: f64) -> BuiltScene {
         *v = rng.cube(2.0);
     }
     built.pins.anchors.iter_mut().for_each(|x| *x *= size);
-    built.pins.view().impose(0.0, &mut particles.positions, &mut particles.velocities);
+    built.pins.view().impose(0.0, Side::After, &mut particles.positions, &mut particles.velocities);
     built
 }
 

@@ -2,6 +2,7 @@
 //! x1 = x0 + h vm [eqs. 3.16-3.19]. Second order; without damping a mode grows by
 //! 1 + (h omega)^4 / 4 in energy each step.
 
+use super::pins::Side;
 use super::{Context, Work};
 use crate::dispatch::Dispatch;
 use crate::real::Vec3;
@@ -18,7 +19,7 @@ pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut 
             *vm = v[i] + f[i] * (half * w[i]);
         }
     });
-    c.pins.impose(c.time_after(0.5), s.next_positions, s.next_velocities);
+    c.pins.impose(c.time_after(0.5), Side::Before, s.next_positions, s.next_velocities);
     c.forces(s.next_positions, s.next_velocities, s.elements, s.forces, work);
     let f = &*s.forces;
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {

@@ -23,7 +23,7 @@ use crate::dispatch::Dispatch;
 use crate::forces::{self, Model};
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
-use pins::Pins;
+use pins::{Pins, Side};
 
 /// The integration methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -169,5 +169,5 @@ pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], scratch:
         Method::ImplicitMidpoint => implicit_midpoint::advance(c, x, v, scratch, work),
         Method::Bdf2 => bdf2::advance(c, x, v, scratch, work),
     }
-    c.pins.impose(c.time_after(1.0), scratch.next_positions, scratch.next_velocities);
+    c.pins.impose(c.time_after(1.0), Side::After, scratch.next_positions, scratch.next_velocities);
 }

@@ -1,7 +1,7 @@
 //! Pins: vertices whose chosen axes follow a prescribed motion, whatever the forces. Explicit
 //! stages are overwritten; implicit solves are filtered [Baraff 1998, Tamstorf 2015].
 
-pub use crate::motion::{Key, Motion, Turn};
+pub use crate::motion::{Key, Motion, Side, Turn};
 use crate::real::{Mat3, Real, Sum, Vec3};
 
 /// In [`Pins::motions`]: the pin rests.
@@ -25,19 +25,36 @@ pub struct Pins<'a> {
 }
 
 impl Pins<'_> {
-    /// Where a pin is at a time, m, and how fast it moves, m/s.
-    pub fn target(&self, pin: usize, time: Sum) -> (Vec3, Vec3) {
+    /// Where a pin is at a time, m, and how fast it moves on a side of it, m/s.
+    pub fn target(&self, pin: usize, time: Sum, side: Side) -> (Vec3, Vec3) {
         let anchor = self.anchors[pin];
         match self.table.get(self.motions[pin] as usize) {
-            Some(motion) => motion.at(self.keys, anchor, time),
+            Some(motion) => motion.at(self.keys, anchor, time, side),
             None => (anchor, Vec3::ZERO),
         }
     }
 
-    /// Puts the held axes where they belong at a time.
-    pub fn impose(&self, time: Sum, x: &mut [Vec3], v: &mut [Vec3]) {
+    /// Whether a pin's velocity jumps at a time.
+    pub fn jump(&self, time: Sum) -> bool {
+        (0..self.vertices.len())
+            .any(|pin| self.target(pin, time, Side::Before).1 != self.target(pin, time, Side::After).1)
+    }
+
+    /// Gives the held axes the velocities with which they leave a time.
+    pub fn set_out(&self, time: Sum, v: &mut [Vec3]) {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
-            let (position, velocity) = self.target(pin, time);
+            let (_, velocity) = self.target(pin, time, Side::After);
+            for axis in held(self.axes[pin]) {
+                v[vertex as usize][axis] = velocity[axis];
+            }
+        }
+    }
+
+    /// Puts the held axes where they belong at a time, moving as they do on a side of it: before it
+    /// in a stage of the step that ends there, after it in a state that the next one starts from.
+    pub fn impose(&self, time: Sum, side: Side, x: &mut [Vec3], v: &mut [Vec3]) {
+        for (pin, &vertex) in self.vertices.iter().enumerate() {
+            let (position, velocity) = self.target(pin, time, side);
             for axis in held(self.axes[pin]) {
                 x[vertex as usize][axis] = position[axis];
                 v[vertex as usize][axis] = velocity[axis];
@@ -48,7 +65,7 @@ impl Pins<'_> {
     /// Sets the held axes of `v` so that `base + length v` is where they belong at a time.
     pub fn lead(&self, time: Sum, base: &[Vec3], length: Real, v: &mut [Vec3]) {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
-            let (position, _) = self.target(pin, time);
+            let (position, _) = self.target(pin, time, Side::Before);
             let velocity = (position - base[vertex as usize]) / length;
             for axis in held(self.axes[pin]) {
                 v[vertex as usize][axis] = velocity[axis];

@@ -1,6 +1,7 @@
 //! The classical Runge-Kutta method of fourth order, y1 = y0 + h/6 (k1 + 2 k2 + 2 k3 + k4).
 //! Stable for h omega <= 2 sqrt 2 without damping.
 
+use super::pins::Side;
 use super::{Context, Work};
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Sum, Vec3};
@@ -31,7 +32,7 @@ pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut 
                 *vs = v[i] + f[i] * (h * w[i]);
             }
         });
-        c.pins.impose(c.time_after(fraction as Sum), s.stage_positions, s.stage_velocities);
+        c.pins.impose(c.time_after(fraction as Sum), Side::Before, s.stage_positions, s.stage_velocities);
         c.forces(s.stage_positions, s.stage_velocities, s.elements, s.forces, work);
         let (f, vs, part) = (&*s.forces, &*s.stage_velocities, weight * sixth);
         c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
