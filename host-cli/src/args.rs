@@ -335,8 +335,9 @@ halved until they no longer matter: positions against RK4 in double precision, o
 which leaves no vertex a place of its own, the outline of the drape against backward Euler. Solvers
 are asked for more as steps shrink. Writes chart.svg, chart.json, chart.txt and study.html.
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 no reference within the budget, or
-one that no implicit method confirms (that is written), 130 interrupted.")]
+Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 no reference within the budget,
+nothing that could be charted, or a reference that no implicit method confirms (that is written),
+130 interrupted.")]
 pub struct ChartArguments {
     /// The scene and the limits
     #[command(flatten)]

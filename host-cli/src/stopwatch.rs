@@ -15,6 +15,7 @@ use crate::pool::Pool;
 pub struct Stopwatch<'a> {
     pool: &'a Pool,
     stop: Option<&'a AtomicBool>,
+    deadline: Option<Instant>,
     clock: Mutex<Clock>,
 }
 
@@ -45,7 +46,7 @@ impl Clock {
 impl<'a> Stopwatch<'a> {
     /// A stopped watch.
     pub fn new(pool: &'a Pool) -> Self {
-        Self { pool, stop: None, clock: Mutex::new(Clock { since: None, times: Vec::new() }) }
+        Self { pool, stop: None, deadline: None, clock: Mutex::new(Clock { since: None, times: Vec::new() }) }
     }
 
     /// The same, that gives a step up when the flag is raised.
@@ -53,8 +54,14 @@ impl<'a> Stopwatch<'a> {
         Self { stop: Some(stop), ..self }
     }
 
+    /// The same, that gives a step up so long after now; never, where the clock does not reach so far.
+    pub fn within(self, left: Duration) -> Self {
+        Self { deadline: Instant::now().checked_add(left), ..self }
+    }
+
     fn is_stopped(&self) -> bool {
         self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+            || self.deadline.is_some_and(|deadline| Instant::now() > deadline)
     }
 
     /// Forgets all times.
@@ -127,6 +134,17 @@ fn same(stage: double_stage::Stage) -> Stage {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_watch_stops_at_its_flag_and_at_its_deadline() {
+        let pool = Pool::new(Some(1)).unwrap();
+        let flag = AtomicBool::new(false);
+        let watch = || Stopwatch::new(&pool).until(&flag);
+        assert!(!watch().is_stopped() && !watch().within(Duration::MAX).is_stopped());
+        assert!(watch().within(Duration::ZERO).is_stopped());
+        flag.store(true, Ordering::Relaxed);
+        assert!(watch().is_stopped());
+    }
 
     #[test]
     fn terms_are_the_same_in_both_precisions() {

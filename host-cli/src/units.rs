@@ -12,6 +12,14 @@ pub fn length(metres: f64) -> String {
     }
 }
 
+/// A length with its unit and no more digits than it has: for the ticks of an axis.
+pub fn round_length(metres: f64) -> String {
+    let scales = [("m", 1.0), ("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9)];
+    // A hair below one unit is one unit.
+    let fitting = scales.iter().find(|(_, scale)| metres >= 0.999 * scale);
+    fitting.map_or_else(|| format!("{metres:.0e} m"), |(unit, scale)| format!("{:.0} {unit}", metres / scale))
+}
+
 /// A time with its unit.
 pub fn time(seconds: f64) -> String {
     match seconds {
@@ -35,6 +43,15 @@ pub fn metres(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_tick_is_a_whole_number_of_its_unit() {
+        let cases = [(1.0, "1 m"), (0.1, "100 mm"), (1e-3, "1 mm"), (0.999_999e-3, "1 mm"), (2e-8, "20 nm")];
+        for (metres, expected) in cases {
+            assert_eq!(round_length(metres), expected);
+        }
+        assert_eq!(round_length(1e-12), "1e-12 m");
+    }
 
     #[test]
     fn a_length_has_a_unit_or_is_in_metres() {

@@ -73,6 +73,8 @@ fn a_soft_sheet_is_charted_by_every_method() {
         assert!(row["error_rms"].as_f64().is_none_or(|error| error >= least.as_f64().unwrap()), "{row}");
         assert!(row["error_max"].as_f64() >= row["error_rms"].as_f64(), "{row}");
     }
+    let order = chart["reference"]["order"].as_f64().unwrap();
+    assert!((order - 4.0).abs() < 0.1, "the reference converges by order {order}");
     let agreement = &chart["reference"]["agreement"];
     assert!(agreement["error_rms"].as_f64().unwrap() < 1e-6, "an implicit method agrees by {agreement}");
 
@@ -99,9 +101,11 @@ fn a_soft_sheet_is_charted_by_every_method() {
     assert!(svg.starts_with("<svg") && page.contains(&in_page(&svg, "chart")), "the page shows the picture");
     let (clips, used) = (page.matches("<clipPath id=\"chart-").count(), page.matches("url(#chart-").count());
     assert!(clips > 0 && used >= clips, "names in the picture: {clips} clips, {used} used");
-    for (method, _) in METHODS {
-        assert!(svg.contains(method), "{method} is not in the picture");
+    for name in METHODS.map(|(method, _)| method).into_iter().chain(["f32", "failed", "hollow", "um"]) {
+        assert!(svg.contains(name), "{name} is not in the picture");
     }
+    let words = String::from_utf8(place.read("out/soft/chart.txt")).unwrap();
+    assert!(!words.contains("not small yet"), "{words}");
 }
 
 #[test]
@@ -128,7 +132,9 @@ fn with_contact_the_outline_is_charted() {
 fn what_cannot_be_charted_says_so() {
     let place = Place::new();
     let short = place.muslin("chart tiny.toml --set cloth.stretch.stiffness=1e9 --budget 1").expect(3);
-    assert!(short.stderr.contains("no reference for tiny") && short.stderr.contains("--duration"), "{}", short.stderr);
+    for said in ["no reference for tiny", "the shortest step that was tried", "--duration"] {
+        assert!(short.stderr.contains(said), "{said}: {}", short.stderr);
+    }
     let still = place.muslin("chart tiny.toml --duration 0").expect(2);
     assert!(still.stderr.contains("duration"), "{}", still.stderr);
     for finest in ["0", "-1", "1ms"] {

@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use super::Study;
 use super::distance::Measure;
 use super::trajectory::{Ending, Limits, Trajectory, fly};
-use super::variant::{self, Variant};
+use super::variant::{self, SAMPLES, Variant};
 
 /// How a reference is found and how far it is believed.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +76,7 @@ pub const BLOWN_UP: f64 = 10.0;
 const REST: f64 = 1e-6;
 
 /// The part of the budget that it may take.
-const SHARE: f64 = 0.4;
+pub const SHARE: f64 = 0.4;
 
 /// The runs of a refinement, each of twice the steps of the one before, all complete.
 pub struct Reference {
@@ -86,6 +86,8 @@ pub struct Reference {
     pub runs: Vec<(Variant, Trajectory)>,
     /// The last variant before them, which failed.
     pub failed: Option<(Variant, Trajectory)>,
+    /// The variant after them, where the time ended it.
+    pub cut: Option<(Variant, Trajectory)>,
     /// Distance between the last two, m.
     pub self_error: f64,
     /// Distance that the halving before moved it, m, if there was one.
@@ -116,17 +118,44 @@ impl Reference {
 
     /// The reference itself.
     pub fn best(&self) -> &(Variant, Trajectory) {
-        // Never empty: `find` sees to it.
+        // Never empty where it is found.
         &self.runs[self.runs.len() - 1]
+    }
+
+    /// By which power of the step it converged in its last two halvings, if there were so many.
+    pub fn order(&self) -> Option<f64> {
+        self.before.map(|before| (before / self.self_error).log2())
+    }
+
+    /// Whether there are two runs to compare.
+    pub fn is_found(&self) -> bool {
+        self.runs.len() > 1
+    }
+
+    /// The budget that two runs to compare would take at least, s, where a run that was ended by the
+    /// time tells what its step costs.
+    pub fn least_budget(&self) -> Option<f64> {
+        let whole = match (self.runs.as_slice(), &self.cut) {
+            ([], Some((variant, run))) => run.wall * (SAMPLES * variant.steps) as f64 / run.report.steps.max(1) as f64,
+            ([(_, run)], _) => run.wall,
+            _ => return None,
+        };
+        // It and one of half its step.
+        Some(3.0 * whole / SHARE)
     }
 }
 
-/// Refines until the error is enough or the share of the budget is used up; none where no step
-/// could be found that works.
+/// A reference, or none where no two steps could be found that work.
 pub fn find(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Option<Reference>, Failure> {
+    Ok(Some(refine(study, rule, masses)?).filter(Reference::is_found))
+}
+
+/// Refines until the error is enough or the share of the budget is used up.
+pub fn refine(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Reference, Failure> {
     let share = study.left().mul_f64(SHARE).as_secs_f64();
     let end = study.seconds() + share;
-    let mut reference = Reference { rule, runs: Vec::new(), failed: None, self_error: f64::INFINITY, before: None };
+    let mut reference =
+        Reference { rule, runs: Vec::new(), failed: None, cut: None, self_error: f64::INFINITY, before: None };
     let mut variant = Variant { method: rule.method, precision: Precision::F64, steps: 1 };
     while variant.steps <= MOST_STEPS {
         let left = end - study.seconds();
@@ -138,7 +167,10 @@ pub fn find(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Option<Refe
         let run = fly(study, &variant, Limits { wall, energy: f64::INFINITY })?;
         match run.ending {
             Ending::Complete => reference.runs.push((variant, run)),
-            Ending::OutOfTime => break,
+            Ending::OutOfTime => {
+                reference.cut = Some((variant, run));
+                break;
+            }
             // Half the step of one that worked fails: that one only seemed to.
             Ending::Diverged(_) | Ending::Grown => {
                 reference.runs.clear();
@@ -155,5 +187,5 @@ pub fn find(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Option<Refe
         }
         variant.steps *= 2;
     }
-    Ok((reference.runs.len() > 1).then_some(reference))
+    Ok(reference)
 }

@@ -128,18 +128,20 @@ fn sample(
     limits: Limits,
     flight: &mut Trajectory,
 ) -> Result<Ending, Failure> {
-    let stopwatch = Stopwatch::new(&study.pool).until(&study.stop);
-    let started = Instant::now();
     let before = flight.wall;
+    let left = limits.wall.saturating_sub(Duration::from_secs_f64(before));
+    let stopwatch = Stopwatch::new(&study.pool).until(&study.stop).within(left);
+    let started = Instant::now();
     for _ in 0..steps {
         let stepped = engine.step(&stopwatch);
         flight.wall = before + started.elapsed().as_secs_f64();
         match stepped {
-            Ok(()) if study.stop.load(Ordering::Relaxed) => return Err(interrupted()),
+            _ if study.stop.load(Ordering::Relaxed) => return Err(interrupted()),
             Ok(()) if flight.wall > limits.wall.as_secs_f64() => return Ok(Ending::OutOfTime),
             Ok(()) => {}
             Err(Halt::Diverged(divergence)) => return Ok(Ending::Diverged(divergence.what)),
-            Err(Halt::Stopped) => return Err(interrupted()),
+            // The flag is down: it was the deadline.
+            Err(Halt::Stopped) => return Ok(Ending::OutOfTime),
         }
     }
     let mut positions = Vec::new();

@@ -1,6 +1,7 @@
 //! `muslin chart`: error against cost, every method, both precisions.
 
 mod ladder;
+mod refusal;
 mod report;
 mod winners;
 
@@ -29,38 +30,38 @@ pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
     let mut start = Vec::new();
     engine.write_state(&mut start);
     let diagonal = extent(start.into_iter()).iter().map(|side| side * side).sum::<f64>().sqrt();
-    let too_short = || {
-        Failure::Diverged(format!(
-            "no reference for {} within {} s: it needs steps too short for that; take a shorter --duration, a coarser \
-             or softer cloth by --set, or a larger --budget",
-            study.scene.desc.name, arguments.study.budget
-        ))
-    };
     let rule = Rule::of(study.scene.desc.contact.is_some(), diagonal);
-    let reference = reference::find(&study, rule, &masses)?.ok_or_else(too_short)?;
+    let reference = reference::refine(&study, rule, &masses)?;
+    if !reference.is_found() {
+        return Err(Failure::Diverged(refusal::no_reference(&study, &reference)));
+    }
     let finest = arguments.finest.unwrap_or(0.0);
     let yardstick = Yardstick { reference: &reference, masses: &masses, diagonal, finest };
     let ladders = climb(&study, &yardstick, &methods(&arguments.methods, rule.measure))?;
     let chart = summarise(&study, &yardstick, &ladders);
+    if !chart.rows.iter().any(|row| row.stable) {
+        return Err(Failure::Diverged(refusal::nothing_charted(&chart)));
+    }
     let svg = draw::work_precision(&chart);
     study.finish("chart", &svg, &chart, &chart.lines())?;
     match rule.measure == Measure::Positions && chart.reference.agreement.is_none() {
-        true => Err(Failure::Diverged(format!(
-            "no implicit method confirms the reference for {}: the errors are what it says alone; take a shorter \
-             --duration or a larger --budget",
-            chart.scene
-        ))),
+        true => Err(Failure::Diverged(refusal::unconfirmed(&chart))),
         false => Ok(()),
     }
 }
 
 /// What to run: as asked, each once, and where positions are compared one that can confirm the
-/// reference.
+/// reference. With contact implicit methods come first: steps of the others are so short there that they
+/// could take all of the time.
 fn methods(asked: &[Method], measure: Measure) -> Vec<Method> {
     let confirms = Method::ImplicitMidpoint;
     let added = measure == Measure::Positions && !asked.iter().any(|method| method.is_implicit());
     let wanted = |method: &Method| asked.is_empty() || asked.contains(method) || added && *method == confirms;
-    Method::ALL.into_iter().filter(wanted).collect()
+    let mut methods: Vec<_> = Method::ALL.into_iter().filter(wanted).collect();
+    if measure == Measure::Outline {
+        methods.sort_by_key(|method| !method.is_implicit());
+    }
+    methods
 }
 
 /// Every method in both precisions, the double one first: the single one ends where it leaves it.
@@ -102,6 +103,7 @@ fn summarise(study: &Study<'_>, yardstick: &Yardstick<'_>, ladders: &[Ladder]) -
             method: variant.method.name(),
             step: variant.step(&study.scene),
             self_error: yardstick.reference.self_error / yardstick.diagonal,
+            order: yardstick.reference.order(),
             least_charted: least,
             agreement: (measure == Measure::Positions).then(|| ladder::agreement(ladders, least)).flatten(),
         },

@@ -10,69 +10,163 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
 use crate::study::work_precision::{Chart, Row};
+use crate::units::round_length;
 
 use super::{LOOKS, named, range};
 
-/// Errors are drawn in these units of the diagonal: the library draws nothing below 1e-10.
+/// Errors are drawn in these units: the library draws nothing below 1e-10.
 const DRAWN: f64 = 1e6;
 
 /// px of one panel.
 const PANEL: [f64; 2] = [430.0, 400.0];
 
-/// Error against step beside error against time.
+/// How far below the least error that can be told the ticks of what is nearer reach, as a factor.
+const TICK: f64 = 2.0;
+
+/// How much of a hollow mark is white.
+const HOLLOW: f64 = 0.6;
+
+/// What one panel shows.
+struct Panel {
+    title: &'static str,
+    label: &'static str,
+    across: fn(&Row) -> f64,
+    /// Whether failures are shown: what they took is no cost of anything.
+    failures: bool,
+    /// What an error of the whole diagonal is drawn as.
+    unit: f64,
+    up: String,
+    format: TickFormat,
+}
+
+/// Error, as a part of the diagonal, against step, beside error in metres against time.
 pub fn work_precision(chart: &Chart) -> String {
-    let floor = chart.reference.least_charted;
-    let errors = range(chart.rows.iter().filter_map(|row| row.error_at_most(floor)));
-    // Crosses for what failed stand above all that did not.
-    let top = 3.0 * errors.1;
-    let panel = |title: &str, label: &str, failures: bool, across: fn(&Row) -> f64| {
-        let shown = chart.rows.iter().filter(|row| row.stable || failures);
-        let layout = Layout::new(range(shown.map(across)), (DRAWN * errors.0, DRAWN * top))
-            .with_log_scale()
-            .with_x_tick_format(TickFormat::Sci)
-            .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| format!("{:.0e}", drawn / DRAWN))))
-            .with_title(title)
-            .with_x_label(label)
-            .with_y_label(format!("RMS error of {} / {:.2} m", chart.measure.name(), chart.diagonal_m));
-        (curves(chart, across, failures.then_some(top)), layout)
+    let measure = chart.measure.name();
+    let by_step = Panel {
+        title: "by step",
+        label: "step, s",
+        across: |row| row.step,
+        failures: true,
+        unit: DRAWN,
+        up: format!("RMS error of {measure} / {:.2} m", chart.diagonal_m),
+        format: TickFormat::Custom(Arc::new(|drawn| format!("{:.0e}", drawn / DRAWN))),
     };
-    let (by_step, by_step_layout) = panel("by step", "step, s", true, |row| row.step);
-    let (by_time, by_time_layout) = panel("by cost", "computing time, s", false, |row| row.wall_s);
+    let by_cost = Panel {
+        title: "by cost, as a length",
+        label: "computing time, s",
+        across: |row| row.wall_s,
+        failures: false,
+        unit: DRAWN * chart.diagonal_m,
+        up: String::new(),
+        format: TickFormat::Custom(Arc::new(|drawn| round_length(drawn / DRAWN))),
+    };
+    let panels = [by_step, by_cost];
+    let hollow = if has_nearest(chart) { "; hollow, with a tick down: nearer than the reference can tell" } else { "" };
     let figure = Figure::new(1, 2)
-        .with_title(format!("{}, {} s: full f64, dashed f32, crosses failed", chart.scene, chart.duration_s))
-        .with_plots(vec![by_step, by_time])
-        .with_layouts(vec![by_step_layout, by_time_layout])
+        .with_title(format!("{}, {} s{hollow}", chart.scene, chart.duration_s))
+        .with_plots(panels.iter().map(|panel| curves(chart, panel)).collect())
+        .with_layouts(panels.iter().map(|panel| layout(chart, panel)).collect())
         .with_cell_size(PANEL[0], PANEL[1])
         .with_shared_legend_right_middle();
     SvgBackend.render_scene(&figure.render())
 }
 
-/// A line and marks for each method and precision, and crosses at `top` for what failed: what that
-/// took is no cost of anything. What is nearer than the reference can tell stands at the least that it
-/// can.
-fn curves(chart: &Chart, across: fn(&Row) -> f64, top: Option<f64>) -> Vec<Plot> {
+/// The range of errors: crosses stand at its top, above all that did not fail.
+fn errors(chart: &Chart) -> (f64, f64) {
+    let floor = chart.reference.least_charted;
+    let (low, high) = range(chart.rows.iter().filter_map(|row| row.error_at_most(floor)));
+    (if has_nearest(chart) { low / TICK } else { low }, 3.0 * high)
+}
+
+fn has_nearest(chart: &Chart) -> bool {
+    chart.rows.iter().any(Row::is_nearest)
+}
+
+fn layout(chart: &Chart, panel: &Panel) -> Layout {
+    let shown = chart.rows.iter().filter(|row| row.stable || panel.failures);
+    let (low, high) = errors(chart);
+    Layout::new(range(shown.map(panel.across)), (panel.unit * low, panel.unit * high))
+        .with_log_scale()
+        .with_x_tick_format(TickFormat::Sci)
+        .with_y_tick_format(panel.format.clone())
+        .with_title(panel.title)
+        .with_x_label(panel.label)
+        .with_y_label(panel.up.as_str())
+}
+
+/// A line and marks for each method and precision, and what the marks mean.
+fn curves(chart: &Chart, panel: &Panel) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (method, color, marker) in LOOKS {
         let mut name = Some(method);
         for precision in ["f64", "f32"] {
-            let rows = || chart.rows.iter().filter(|row| row.method == method && row.precision == precision);
-            let good: Vec<_> = rows()
-                .filter_map(|row| Some((across(row), DRAWN * row.error_at_most(chart.reference.least_charted)?)))
-                .collect();
-            let bad: Vec<_> =
-                rows().filter(|row| !row.stable).filter_map(|row| Some((across(row), DRAWN * top?))).collect();
-            let double = precision == "f64";
-            if !good.is_empty() {
-                let line = LinePlot::new().with_data(good.clone()).with_color(color).with_stroke_width(1.5);
-                plots.push(Plot::Line(if double { line } else { line.with_dashed() }));
-                let marks = ScatterPlot::new().with_data(good).with_color(color).with_marker(marker);
-                plots.push(Plot::Scatter(named(marks.with_size(if double { 4.5 } else { 2.5 }), &mut name)));
-            }
-            if !bad.is_empty() {
-                let marks = ScatterPlot::new().with_data(bad).with_color(color).with_marker(MarkerShape::Cross);
-                plots.push(Plot::Scatter(named(marks.with_size(5.0), &mut name)));
+            let rows: Vec<_> =
+                chart.rows.iter().filter(|row| row.method == method && row.precision == precision).collect();
+            let marks = ScatterPlot::new().with_color(color).with_size(if precision == "f64" { 4.5 } else { 2.5 });
+            plots.extend(told(&rows, panel, precision, marks.clone().with_marker(marker), &mut name));
+            plots.extend(nearest(&rows, panel, chart.reference.least_charted, marks.with_marker(marker), &mut name));
+            if panel.failures {
+                plots.extend(failed(&rows, panel, errors(chart).1, color, &mut name));
             }
         }
     }
+    plots.extend(meanings());
     plots
+}
+
+/// Errors that could be told.
+fn told(
+    rows: &[&Row],
+    panel: &Panel,
+    precision: &str,
+    marks: ScatterPlot,
+    name: &mut Option<&'static str>,
+) -> Vec<Plot> {
+    let at: Vec<_> = rows.iter().filter_map(|row| Some(((panel.across)(row), panel.unit * row.error_rms?))).collect();
+    if at.is_empty() {
+        return Vec::new();
+    }
+    let line = LinePlot::new().with_data(at.clone()).with_color(marks.color.clone()).with_stroke_width(1.5);
+    let line = if precision == "f64" { line } else { line.with_dashed() };
+    vec![Plot::Line(line), Plot::Scatter(named(marks.with_data(at), name))]
+}
+
+/// What is nearer than the reference can tell: hollow, where it can just tell, with a tick down.
+fn nearest(rows: &[&Row], panel: &Panel, least: f64, marks: ScatterPlot, name: &mut Option<&'static str>) -> Vec<Plot> {
+    let (at, end) = (panel.unit * least, panel.unit * least / TICK);
+    let across: Vec<_> = rows.iter().filter(|row| row.is_nearest()).map(|row| (panel.across)(row)).collect();
+    let tick = |&x: &f64| {
+        Plot::Line(
+            LinePlot::new().with_data([(x, at), (x, end)]).with_color(marks.color.clone()).with_stroke_width(1.0),
+        )
+    };
+    let mut plots: Vec<_> = across.iter().map(tick).collect();
+    if !across.is_empty() {
+        let data: Vec<_> = across.iter().map(|&x| (x, at)).collect();
+        // The library leaves only circles open: white covers the others.
+        let inside = marks.clone().with_color("white").with_size(HOLLOW * marks.size).with_data(data.clone());
+        plots.push(Plot::Scatter(named(marks.with_data(data), name)));
+        plots.push(Plot::Scatter(inside));
+    }
+    plots
+}
+
+/// Crosses at the top for what failed.
+fn failed(rows: &[&Row], panel: &Panel, top: f64, color: &str, name: &mut Option<&'static str>) -> Option<Plot> {
+    let at: Vec<_> = rows.iter().filter(|row| !row.stable).map(|row| ((panel.across)(row), panel.unit * top)).collect();
+    let marks = ScatterPlot::new().with_data(at.clone()).with_color(color).with_marker(MarkerShape::Cross);
+    (!at.is_empty()).then(|| Plot::Scatter(named(marks.with_size(5.0), name)))
+}
+
+/// Entries of the legend for what all methods share; they draw nothing.
+fn meanings() -> [Plot; 3] {
+    const GRAY: &str = "#666666";
+    let none = Vec::<(f64, f64)>::new;
+    let line = || LinePlot::new().with_data(none()).with_color(GRAY).with_stroke_width(1.5);
+    let marks = ScatterPlot::new().with_data(none()).with_color(GRAY).with_size(4.5);
+    [
+        Plot::Line(line().with_legend("f64")),
+        Plot::Line(line().with_dashed().with_legend("f32, small marks")),
+        Plot::Scatter(marks.with_marker(MarkerShape::Cross).with_legend("failed")),
+    ]
 }

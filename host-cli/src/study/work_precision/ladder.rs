@@ -14,7 +14,7 @@ use crate::study::reference::{BLOWN_UP, MOST_STEPS, Reference};
 use crate::study::trajectory::{Ending, Limits, Trajectory, fly};
 use crate::study::variant::{self, Variant};
 
-use super::report::{Agreement, Row};
+use super::report::{Agreement, Row, is_of_order};
 
 /// Runs shorter than this are repeated, and the median time counts, s.
 const SHORT: f64 = 1.0;
@@ -23,10 +23,8 @@ const REPEATS: usize = 3;
 /// Part of the diagonal: what is farther off, on an average, has nothing of the reference any more.
 const LOST: f64 = 0.5;
 
-/// How near an implicit method must come, of the diagonal, and how near its order must be to theory,
-/// to confirm the reference.
+/// How near an implicit method must come to confirm the reference, of the diagonal.
 const NEAR: f64 = 1e-2;
-const APPROACH: f64 = 0.3;
 
 /// Times the error in double precision: there it is rounding.
 const ROUNDING: f64 = 2.0;
@@ -71,12 +69,17 @@ pub struct Ladder {
     pub rows: Vec<Row>,
     /// Why there are no more.
     pub end: End,
+    /// Whether a run was begun.
+    pub tried: bool,
 }
 
 impl Ladder {
     /// Why no step works.
     pub fn why_nothing(&self) -> String {
-        let Some(last) = self.rows.last() else { return "even its longest step takes too long".into() };
+        let Some(last) = self.rows.last() else {
+            let why = if self.tried { "even its longest step takes too long" } else { "no time was left for it" };
+            return why.into();
+        };
         let why = last.why.as_deref().unwrap_or_default();
         format!("no step down to {:.1e} s works, shorter ones take too long or are not asked for: {why}", last.step)
     }
@@ -102,7 +105,7 @@ pub fn agreement(ladders: &[Ladder], least: f64) -> Option<Agreement> {
     let implicit = ladders.iter().filter(|l| l.method.is_implicit() && l.precision == Precision::F64);
     let agreements = implicit.filter_map(|ladder| {
         let (order, error_rms) = (ladder.order(least)?, *ladder.errors(least).last()?);
-        let agrees = error_rms < NEAR && (order - f64::from(variant::order(ladder.method))).abs() < APPROACH;
+        let agrees = error_rms < NEAR && is_of_order(order, variant::order(ladder.method).into());
         agrees.then_some(Agreement { method: ladder.method.name(), order, error_rms })
     });
     agreements.min_by(|a, b| a.error_rms.total_cmp(&b.error_rms))
@@ -118,13 +121,14 @@ pub fn climb(
     twin: Option<&Ladder>,
 ) -> Result<Ladder, Failure> {
     let end = study.seconds() + share.as_secs_f64();
-    let mut ladder = Ladder { method, precision, rows: Vec::new(), end: End::Time };
+    let mut ladder = Ladder { method, precision, rows: Vec::new(), end: End::Time, tried: false };
     let mut variant = Variant { method, precision, steps: 1 };
     let mut last_wall = 0.0;
     // The reference is not compared with itself.
     let is_wanted = |variant: &Variant| variant.steps <= MOST_STEPS && variant.step(&study.scene) >= yardstick.finest;
     while is_wanted(&variant) && variant != yardstick.reference.best().0 {
         let left = end - study.seconds();
+        ladder.tried |= left > 0.0;
         let Some((run, walls)) = fly_or_find(study, yardstick, &variant, left, 2.0 * last_wall)? else { break };
         last_wall = if run.ending == Ending::Complete { run.wall } else { 0.0 };
         let row = measure(study, yardstick, &variant, &run, walls);

@@ -6,6 +6,14 @@ use crate::study::distance::Measure;
 use crate::study::draw::LOOKS;
 use crate::units::{length, time};
 
+/// How near to theory a measured order must be.
+const NEAR_THEORY: f64 = 0.1;
+
+/// Whether a measured order is that of theory.
+pub fn is_of_order(measured: f64, theory: f64) -> bool {
+    (measured - theory).abs() <= NEAR_THEORY
+}
+
 /// One run. Errors are parts of the cloth's diagonal.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
@@ -66,6 +74,8 @@ pub struct ReferenceReport {
     pub step: f64,
     /// Its distance from the run with twice its step, of the diagonal.
     pub self_error: f64,
+    /// By which power of the step it converged in its last halvings; none after only one.
+    pub order: Option<f64>,
     /// Errors below this are left out, of the diagonal.
     pub least_charted: f64,
     /// How an implicit method agrees.
@@ -156,6 +166,7 @@ impl Chart {
     pub fn lines(&self) -> String {
         let r = &self.reference;
         let contact = self.measure == Measure::Outline;
+        let by = r.order.map_or_else(String::new, |order| format!(", by order {order:.2}"));
         let mut lines = vec![
             format!(
                 "{}: {} s of {} vertices; errors are RMS over 20 moments of the {}, of the diagonal of {:.3} m",
@@ -166,7 +177,7 @@ impl Chart {
                 self.diagonal_m
             ),
             format!(
-                "reference: {} f64, step {:.2e} s, differs from twice its step by {:.1e}; charted down to {:.1e}",
+                "reference: {} f64, step {:.2e} s, differs from twice its step by {:.1e}{by}; charted down to {:.1e}",
                 r.method, r.step, r.self_error, r.least_charted
             ),
             match &r.agreement {
@@ -194,9 +205,14 @@ impl Chart {
         lines.extend(LOOKS.iter().filter_map(|(method, ..)| {
             let largest = self.rows.iter().find(|row| row.method == *method && row.precision == "f64" && row.stable)?;
             let order = self.orders.iter().find(|order| order.method == *method);
-            let order =
-                order.map_or_else(|| "-".into(), |order| format!("{:.2} ({:.0})", order.measured, order.theory));
-            Some(format!("{method:<18} {order:<10}       {:>10}", time(largest.step)))
+            let said = order.map_or_else(|| "-".into(), |order| format!("{:.2} ({:.0})", order.measured, order.theory));
+            let remark = match order {
+                None => "    too few errors for an order",
+                Some(order) if is_of_order(order.measured, order.theory) => "",
+                Some(_) if contact => "    its order collapses",
+                Some(_) => "    its steps are not small yet, or forces jump",
+            };
+            Some(format!("{method:<18} {said:<10}       {:>10}{remark}", time(largest.step)))
         }));
         lines.extend(self.omitted.iter().map(|o| format!("not charted: {} {}: {}", o.method, o.precision, o.why)));
         lines.join("\n")

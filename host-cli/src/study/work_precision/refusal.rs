@@ -1,0 +1,61 @@
+//! What a chart says where it cannot be drawn or not be trusted.
+
+use crate::study::Study;
+use crate::study::reference::Reference;
+use crate::study::trajectory::Ending;
+use crate::units::{length, time};
+
+use super::report::Chart;
+
+/// No two steps of the reference's method could be compared: how far it came, and what more would take.
+pub fn no_reference(study: &Study<'_>, reference: &Reference) -> String {
+    let tried = [reference.cut.as_ref(), reference.runs.last(), reference.failed.as_ref()];
+    let reached = tried.into_iter().flatten().next().map_or_else(
+        || "no step was tried".into(),
+        |(variant, run)| {
+            let became = match &run.ending {
+                Ending::Complete => "works, but nothing shorter was left time for".into(),
+                Ending::OutOfTime => {
+                    format!("came to {:.3} s of {} s in that time", run.report.time, study.scene.desc.duration)
+                }
+                Ending::Diverged(what) => format!("fails ({what})"),
+                Ending::Grown => "fails: its energy grows".into(),
+            };
+            format!(
+                "the shortest step that was tried, {} of {}, {became}",
+                time(variant.step(&study.scene)),
+                variant.method.name()
+            )
+        },
+    );
+    let needs = reference.least_budget().map_or_else(String::new, |s| {
+        format!("; at this step two runs to compare would take a --budget of at least {s:.0} s")
+    });
+    format!(
+        "no reference for {} within {} s, of which it may take {:.0} %: {reached}{needs}; take a shorter --duration, a \
+         coarser or softer cloth by --set, or a larger --budget",
+        study.scene.desc.name,
+        study.arguments.budget,
+        100.0 * crate::study::reference::SHARE
+    )
+}
+
+/// There is a reference, and nothing that it could be compared with.
+pub fn nothing_charted(chart: &Chart) -> String {
+    let reasons: Vec<_> = chart.omitted.iter().map(|o| format!("{} {}: {}", o.method, o.precision, o.why)).collect();
+    format!("nothing could be charted for {}: {}", chart.scene, reasons.join("; "))
+}
+
+/// The chart is drawn, but its reference stands alone.
+pub fn unconfirmed(chart: &Chart) -> String {
+    let r = &chart.reference;
+    format!(
+        "no implicit method confirms the reference for {}: the errors are what it says alone; its shortest step was {}, \
+         and halving it still moved the cloth by {} ({:.1e} of its diagonal); take a shorter --duration or a larger \
+         --budget",
+        chart.scene,
+        time(r.step),
+        length(r.self_error * chart.diagonal_m),
+        r.self_error
+    )
+}
