@@ -161,8 +161,8 @@ impl Simulation {
     }
 
     /// The scheme of a part of a step. BDF2 cannot look back over an impulse, a step of another
-    /// length or a pin's jump of velocity, and the implicit midpoint rings with what an impulse leaves in stiff cloth, the
-    /// louder in every step: such a part is backward Euler.
+    /// length or a pin's jump of velocity, and the implicit midpoint rings with what an impulse
+    /// leaves in stiff cloth, the louder in every step: such a part is backward Euler.
     fn scheme_of(&self, part: Part) -> Scheme {
         let cut = part != Part::WHOLE || self.steps > 0 && !self.scratch.has_history;
         let method = match self.scheme.method {
