@@ -34,7 +34,7 @@ pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
         .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.of.scene)))?;
     let mut pilot = Pilot::begin(&study, engine.masses(), arguments.tolerance)?;
     let best = search::search(&mut pilot, engine.as_ref())?.ok_or_else(|| nothing_meets(&pilot))?;
-    let found = saving::leave_out(&mut pilot, Found::new(&study, best), engine.mean_edge())?;
+    let found = saving::leave_out(&mut pilot, Found::new(&study, best), &engine.mean_edges())?;
     let checked = check::check(&mut pilot, found)?;
     if let Some(path) = &arguments.write {
         write::write(&study, &checked.found, path)?;
