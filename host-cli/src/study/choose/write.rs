@@ -21,7 +21,7 @@ pub fn allow(study: &Study<'_>, path: &Path) -> Result<(), Failure> {
     let there = |folder: &Path| fs::canonicalize(folder).ok();
     if scene.is_file() && fs::canonicalize(scene).ok() == fs::canonicalize(path).ok() {
         return Err(Failure::Usage(format!(
-            "--write {}: that is the scene itself, whose comments would be lost; give another name",
+            "--write {}: that is the scene itself, which is left as it is; give another name",
             path.display()
         )));
     }
@@ -44,13 +44,14 @@ fn folder(path: &Path) -> PathBuf {
     folder.unwrap_or(Path::new(".")).into()
 }
 
-/// Saves the scene.
+/// Saves the scene, with its comments.
 pub fn write(study: &Study<'_>, found: &Found, path: &Path) -> Result<(), Failure> {
     let chosen = found.row.variant.chosen(&found.scene)?;
     // What was looked at may be less than what is to be run.
     let scene = chosen.changed(&[("duration", Some(Value::Float(own_duration(study)?)))])?;
+    let text = scene_file::commented(&study.arguments.of.scene, &scene)?;
     let head = format!("# Chosen by muslin choose by the first {} s.\n", study.scene.desc.duration);
-    whole::write(path.into(), |out| out.write_all((head + &scene.text).as_bytes()))
+    whole::write(path.into(), |out| out.write_all((head + &text).as_bytes()))
         .map_err(|error| Failure::Tool(error.to_string()))?;
     if !study.arguments.quiet {
         print_note(&note(&scene, found, path));
