@@ -12,6 +12,7 @@ use crate::failure::{Failure, print_note};
 use crate::scene_file::{self, SceneFile};
 use crate::study::Study;
 
+use super::report::is_cut;
 use super::saving::Found;
 
 /// Refuses a folder in which the scene would not find the files that it names.
@@ -69,7 +70,7 @@ fn own_duration(study: &Study<'_>) -> Result<f64, Failure> {
 fn note(scene: &SceneFile, found: &Found, path: &Path) -> String {
     let precision = if found.row.variant.precision == Precision::F64 { " --precision f64" } else { "" };
     let timing = scene.desc.timing();
-    let steps = match timing.step < 0.95 * scene.desc.integrator.step {
+    let steps = match is_cut(timing.step, scene.desc.integrator.step) {
         true => format!("; that takes {} steps of {:.4} ms a frame", timing.steps_per_frame, 1e3 * timing.step),
         false => String::new(),
     };
