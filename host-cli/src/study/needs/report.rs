@@ -136,7 +136,8 @@ fn without_them(row: &Row, what: &str) -> String {
     let more = if row.told == Some(true) { ", more than half the step does," } else { "" };
     let takes = row.cost_range.zip(row.cost_fraction).map(|([least, most], cost)| {
         let [cost, least, most] = [cost, most, least].map(|cost| 100.0 * (1.0 - cost));
-        format!(" and the run takes {cost:.0} % of the time ({least:.0} to {most:.0} %)")
+        let known = if row.repeats == 1 { "timed once".into() } else { format!("{least:.0} to {most:.0} %") };
+        format!(" and the run takes {cost:.0} % of the time ({known})")
     });
     format!("without them all the {what} moves by {moves}{more}{}", takes.unwrap_or_default())
 }
