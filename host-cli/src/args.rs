@@ -25,7 +25,15 @@ Examples:
   muslin detect a.ply --thickness 0.002 what is near in a mesh, or meets on the way to the next
   muslin chart skirt --duration 0.5     which method is cheapest for which error
   muslin validate                       how far off it is where the answer is known
-  muslin bench                          what each stage costs on this machine"
+  muslin bench                          what each stage costs on this machine
+
+Which study of a scene to run first:
+  needs      which terms are worth modelling
+  choose     the method and the step for an error that you can bear, or that there is none
+  chart      the whole picture of error against cost, every method
+  stability  how far the step is from where it fails
+  validate   whether the models are right: no scene is needed
+  sweep      many runs, over a grid of values"
 )]
 pub struct Arguments {
     /// What to do.
@@ -392,9 +400,10 @@ up to 20 iterations a step, and double precision.
 It tells how far each moves the cloth, RMS over 20 moments: positions, or with contact, which leaves
 no vertex a place of its own, the outline of the drape. Half the step moves it too: a term that
 moves it by less cannot be told at this step, and all such are switched off together in a last run.
-Costs are the median of pairs of runs; counts do not depend on the machine. Bending springs store
-the energy of the hinges where the sheet is bent by 30 degrees from triangle to triangle. Writes
-needs.svg, needs.json, needs.txt and study.html.
+Costs are the median of pairs of runs, told where the pairs are on one side; counts do not depend
+on the machine. Steps fit into 20 equal parts of the time, and where a run takes another step that
+is told. Bending springs store the energy of the hinges where the sheet is bent by 30 degrees from
+triangle to triangle. Writes needs.svg, needs.json, needs.txt and study.html.
 
 Exit codes: 0 fine (a term without which the scene fails is a result), 1 the tool failed, 2 bad
 usage or scene, 3 the scene itself fails or the budget does not do for all runs (those that are
@@ -485,12 +494,14 @@ Examples:
 Finds a reference as exact as the tolerance asks, by BDF2 in double precision, its steps halved
 until that moves it by a sixteenth of the tolerance and it converges by its order, or by RK4;
 with contact, which leaves no vertex a place of its own, by backward Euler, the outline of the
-drape, and a fourth. Then runs the scene by every method on one thread, by steps from a frame
-down, until one is within the tolerance (RMS over 20 moments) or takes twice as long as the
-cheapest that is; then the cheapest without each term that it models, with something simpler in
-its place and with a looser solver, and leaves out what is not needed and costs more than 5 %.
+drape, and a fourth: no other method vouches for that one, and how near another comes is told.
+Then runs the scene by every method on one thread, by steps that fit into 20 equal parts of the
+time, none longer than a frame, until one is within the tolerance (RMS over 20 moments) or takes
+twice as long as the cheapest that is, and 0.1 s; then the cheapest without each term that it
+models, with something simpler in its place and with a looser solver, and leaves out what is not
+needed and costs more than 5 %. A tolerance as large as the cloth is refused.
 The choice is run afresh and measured against a reference of half the step. Writes choose.svg,
-choose.json, choose.txt and study.html, and with --write the scene as chosen.
+choose.json, choose.txt and study.html, and with --write the scene as chosen, with its comments.
 
 Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 nothing meets the tolerance within
 the budget (what can be reached is told), 130 interrupted.")]

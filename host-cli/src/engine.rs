@@ -114,6 +114,8 @@ pub trait Engine: Send {
     }
     /// Mean rest length of all edges, m.
     fn mean_edge(&self) -> f64;
+    /// The same of each cloth.
+    fn mean_edges(&self) -> Vec<f64>;
     /// The stiffest and the most damped mode as it stands, by so many iterations at most.
     fn fastest_modes(&self, tolerance: f64, most: u32) -> [Mode; 2];
     /// Adds the state to a hash chain and returns the chain.
@@ -295,6 +297,18 @@ macro_rules! engine {
                 fn mean_edge(&self) -> f64 {
                     let lengths = &self.scene().rest_lengths;
                     lengths.iter().map(|&length| f64::from(length)).sum::<f64>() / lengths.len().max(1) as f64
+                }
+
+                fn mean_edges(&self) -> Vec<f64> {
+                    let scene = self.scene();
+                    let own = scene.cloths.iter().map(|cloth| {
+                        let edges = scene.edges.iter().zip(&scene.rest_lengths);
+                        let lengths = edges.filter(|(edge, _)| cloth.vertices.contains(&edge[0]));
+                        let (sum, count) = lengths
+                            .fold((0.0, 0_usize), |(sum, count), (_, &length)| (sum + f64::from(length), count + 1));
+                        sum / count.max(1) as f64
+                    });
+                    own.collect()
                 }
 
                 fn fastest_modes(&self, tolerance: f64, most: u32) -> [Mode; 2] {

@@ -1,6 +1,7 @@
 //! A scene from a file or from the built-in table, with overrides and the mesh files it names.
 
 mod change;
+mod comments;
 
 pub use change::Change;
 
@@ -86,6 +87,14 @@ pub fn load(scene: &str, overrides: &[String]) -> Result<SceneFile, Failure> {
     let source = Source::read(scene, Path::new(""))?;
     let changes = overrides.iter().map(|text| Change::parse(text)).collect::<Result<Vec<_>, _>>()?;
     source.with(&changes)
+}
+
+/// The text that was given for a scene, a path or a built-in name, with the values of another that was
+/// made from it: what is the same keeps its place and its comments.
+pub fn commented(given: &str, scene: &SceneFile) -> Result<String, Failure> {
+    let wanted = toml::from_str(&scene.text).map_err(|error| Failure::Tool(explain(&error)))?;
+    let given = Source::read(given, Path::new(""))?;
+    comments::with_values(&given.text, &wanted).map_err(|why| Failure::Tool(format!("{}: {why}", given.label)))
 }
 
 /// A scene as it is given, before any change.

@@ -2,12 +2,17 @@
 
 /// A length with its unit.
 pub fn length(metres: f64) -> String {
+    precise(metres, 0)
+}
+
+/// The same with more digits.
+fn precise(metres: f64, more: usize) -> String {
     match metres {
-        m if m >= 1e-1 => format!("{m:.2} m"),
-        m if m >= 1e-3 => format!("{:.1} mm", 1e3 * m),
-        m if m >= 1e-6 => format!("{:.1} um", 1e6 * m),
-        m if m >= 1e-9 => format!("{:.1} nm", 1e9 * m),
-        m if m > 0.0 => format!("{m:.0e} m"),
+        m if m >= 1e-1 => format!("{m:.*} m", 2 + more),
+        m if m >= 1e-3 => format!("{:.*} mm", 1 + more, 1e3 * m),
+        m if m >= 1e-6 => format!("{:.*} um", 1 + more, 1e6 * m),
+        m if m >= 1e-9 => format!("{:.*} nm", 1 + more, 1e9 * m),
+        m if m > 0.0 => format!("{m:.more$e} m"),
         _ => "0 m".into(),
     }
 }
@@ -18,6 +23,15 @@ pub fn round_length(metres: f64) -> String {
     // A hair below one unit is one unit.
     let fitting = scales.iter().find(|(_, scale)| metres >= 0.999 * scale);
     fitting.map_or_else(|| format!("{metres:.0e} m"), |(unit, scale)| format!("{:.0} {unit}", metres / scale))
+}
+
+/// More digits than these no measured length has.
+const MOST_DIGITS: usize = 8;
+
+/// Two lengths with the digits that it takes to tell them apart.
+pub fn apart(a: f64, b: f64) -> [String; 2] {
+    let told = |more| [a, b].map(|metres| precise(metres, more));
+    (0..MOST_DIGITS).map(told).find(|[a, b]| a != b).unwrap_or_else(|| told(0))
 }
 
 /// A time with its unit.
@@ -51,6 +65,18 @@ mod tests {
             assert_eq!(round_length(metres), expected);
         }
         assert_eq!(round_length(1e-12), "1e-12 m");
+    }
+
+    #[test]
+    fn lengths_that_differ_are_told_apart() {
+        for (a, b, told) in [
+            (2.0e-3, 2.04e-3, ["2.00 mm", "2.04 mm"]),
+            (2.0e-3, 3.0e-3, ["2.0 mm", "3.0 mm"]),
+            (1.0e-3, 1.0004e-3, ["1.0000 mm", "1.0004 mm"]),
+            (1e-3, 1e-3, ["1.0 mm", "1.0 mm"]),
+        ] {
+            assert_eq!(apart(a, b), told);
+        }
     }
 
     #[test]

@@ -28,8 +28,9 @@ step = 0.005
 "#;
 
 /// Nothing but springs: there is no term to do without.
-const SPRINGS: &str = r#"name = "springs"
-duration = 0.3
+const SPRINGS: &str = r#"# Nothing but springs.
+name = "springs"
+duration = 0.3 # s
 frame_rate = 40
 gravity = [0.0, -9.81, 0.0]
 
@@ -39,18 +40,19 @@ density = 0.2
 stretch = { model = "spring", stiffness = 50.0 }
 pin = [{ select = { corners = [0, 1] } }]
 
+# How it is run.
 [integrator]
-step = 0.02
+step = 0.02 # s
 newton = 1
 "#;
 
-const METHODS: [&str; 7] =
+pub const METHODS: [&str; 7] =
     ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
 
 /// Of the tolerance: what the reference itself may be off by.
 const OWN: f64 = 1.0 / 16.0;
 
-fn number(value: &Value) -> f64 {
+pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
@@ -79,7 +81,7 @@ fn choose(place: &Place, words: &str) -> Value {
 }
 
 /// A third of the areas of a vertex' triangles, m^2.
-fn areas((vertices, triangles): (Vec<[f32; 3]>, Vec<[u32; 3]>)) -> Vec<f64> {
+pub fn areas((vertices, triangles): (Vec<[f32; 3]>, Vec<[u32; 3]>)) -> Vec<f64> {
     let mut areas = vec![0.0; vertices.len()];
     for triangle in triangles {
         let [a, b, c] = triangle.map(|corner| vertices[corner as usize - 1].map(f64::from));
@@ -103,7 +105,7 @@ fn moments(place: &Place, words: &str) -> (PointCache, Vec<f64>) {
 }
 
 /// RMS over vertices by area and over moments, m.
-fn rms(a: &PointCache, b: &PointCache, areas: &[f64]) -> f64 {
+pub fn rms(a: &PointCache, b: &PointCache, areas: &[f64]) -> f64 {
     let sum: f64 = (a.frames.iter().zip(&b.frames).skip(1))
         .flat_map(|(a, b)| a.iter().zip(b).zip(areas))
         .map(|((a, b), area)| area * (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum::<f64>())
@@ -165,6 +167,9 @@ fn what_it_writes_is_the_scene_with_another_integrator() {
     let table = |text: &str| toml::from_str::<Table>(text).unwrap();
     let written = String::from_utf8(place.read("chosen.toml")).unwrap();
     assert!(written.starts_with("# Chosen by muslin choose by the first 0.2 s."), "{written}");
+    for comment in ["# Nothing but springs.\n", "duration = 0.3 # s\n", "# How it is run.\n", " # s\nnewton = 1\n"] {
+        assert!(written.contains(comment), "{comment:?} is not in {written}");
+    }
     // With the duration of the scene, not of the study.
     let (mut before, mut after) = (table(SPRINGS), table(&written));
     let integrator = after.remove("integrator").unwrap();
@@ -176,8 +181,12 @@ fn what_it_writes_is_the_scene_with_another_integrator() {
     let refused = place.muslin("choose springs.toml --tolerance 1cm --write ./springs.toml").expect(2);
     assert!(refused.stderr.contains("that is the scene itself"), "{}", refused.stderr);
     assert_eq!(place.read("springs.toml"), SPRINGS.as_bytes());
-    // No step is longer than a frame, which would be cut by a run.
-    assert!(number(&choice["chosen"]["step"]) <= 1.0 / 40.0);
+    // No step is longer than a frame, and where frames cut it the choice says so.
+    let [step, taken] = ["step", "run_step"].map(|key| number(&choice["chosen"][key]));
+    assert!(taken <= step && step <= 1.0 / 40.0, "{step}, taken {taken}");
+    let run = place.run("chosen.toml");
+    assert!((number(&run["steps"]) * taken - 0.3).abs() < 1e-9, "{} steps of {taken}", run["steps"]);
+    assert_eq!(choice["longest_step"], 0.2 / 20.0);
 }
 
 #[test]
@@ -189,6 +198,11 @@ fn with_contact_the_outline_is_judged() {
     let choice = choose(&place, "drop.toml --tolerance 5mm");
     assert_eq!(choice["measure"], "outline");
     assert_eq!(choice["reference"]["method"], "backward-euler");
+    // Nothing else vouches for it: the nearest of another method is told.
+    let nearest = &choice["nearest_other"];
+    assert!(nearest["method"] != "backward-euler" && number(&nearest["error"]) > 0.0, "{nearest}");
+    let words = String::from_utf8(place.read("out/choose.txt")).unwrap();
+    assert!(words.contains("the word of backward-euler alone"), "{words}");
 }
 
 #[test]
@@ -209,6 +223,8 @@ fn what_is_no_tolerance_is_refused() {
         let refused = place.muslin(&format!("choose tiny.toml --tolerance {text}")).expect(2);
         assert!(refused.stderr.contains("a length above zero"), "{}", refused.stderr);
     }
+    let large = place.muslin("choose tiny.toml --tolerance 1m").expect(2);
+    assert!(large.stderr.contains("the cloth itself is 0.42 m from corner to corner"), "{}", large.stderr);
     assert!(place.muslin("choose tiny.toml").expect(2).stderr.contains("--tolerance"));
     assert_eq!(place.files("."), ["tiny.toml"]);
 }

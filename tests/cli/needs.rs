@@ -154,6 +154,16 @@ fn friction_is_worth_the_way_that_it_holds_back() {
     // What does not touch itself needs none of that, but is looked at for it.
     let own = row(&study, "without self-collision");
     assert_eq!((&own["change_max"], &own["counts"]["candidates"]), (&0.0.into(), &0.into()));
+    assert_eq!(own["same_counts"], false);
+    let continuous = row(&study, "without continuous testing");
+    assert_eq!((&continuous["change_max"], &continuous["same_counts"]), (&0.0.into(), &true.into()));
+    // What moves nothing is not hidden by the step.
+    assert_eq!(study["hidden"]["still"], serde_json::json!(["self-collision", "continuous testing"]));
+    let conclusion = study["conclusion"].as_str().unwrap();
+    assert!(
+        conclusion.starts_with("Self-collision and continuous testing do not move the outline; hidden by"),
+        "{conclusion}"
+    );
     assert!(study["counts"]["candidates"].as_u64() > Some(0));
     let contact = row(&study, "without contact");
     assert!(contact["sentence"].as_str().unwrap().starts_with("contact, with all colliders, moves the outline"));
@@ -178,6 +188,9 @@ fn bending_is_worth_nothing_in_a_plane() {
     assert!(number(&bending["change_rms"]) < 1e-2 * number(&solved["step_error"]["rms"]), "{bending}");
     // Shear is a part of the membrane, hinges of bending, friction of contact.
     assert_eq!(solved["hidden"]["terms"], serde_json::json!(["membrane", "bending", "contact"]));
+    assert!(solved["hidden"]["parts"].as_array().unwrap().contains(&"shear".into()), "{}", solved["hidden"]);
+    let springs = row(&solved, "with springs")["sentence"].as_str().unwrap();
+    assert!(springs.starts_with("the membrane with its shear instead of springs"), "{springs}");
     let rest = &solved["hidden"]["without_them"];
     assert_eq!((&rest["verdict"], &rest["counts"]["candidates"]), (&"ok".into(), &0.into()), "{rest}");
     close(&rest["change_rms"], number(&row(&solved, "with springs")["change_rms"]), 1e-3);
@@ -266,6 +279,9 @@ fn numbers_words_and_picture_are_written() {
         assert!(words.to_lowercase().contains(&row["sentence"].as_str().unwrap().to_lowercase()), "{words}");
     }
     assert!(words.contains(study["conclusion"].as_str().unwrap()), "{words}");
+    // A frame is 1/30 s, a moment 1/200 s.
+    assert!((number(&study["step"]) - 0.005).abs() < 1e-12 && (number(&study["run_step"]) - 1.0 / 210.0).abs() < 1e-12);
+    assert!(words.contains("5.00 ms, where muslin run takes 4.76 ms"), "{words}");
 }
 
 #[test]

@@ -13,10 +13,10 @@ use muslin_core::integrate::Method;
 use crate::args::{ChooseArguments, Precision};
 use crate::engine;
 use crate::failure::Failure;
-use crate::units::length;
+use crate::units::{apart, length, time};
 
 use super::Study;
-use super::distance::Measure;
+use super::distance::{self, Measure};
 use super::draw;
 use super::reference::Reference;
 use pilot::Pilot;
@@ -32,14 +32,22 @@ pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
     }
     let (engine, _) = engine::build(&study.scene, Precision::F32)
         .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.of.scene)))?;
-    let mut pilot = Pilot::begin(&study, engine.masses(), arguments.tolerance)?;
+    let size = distance::diagonal(engine.as_ref());
+    if arguments.tolerance >= size {
+        return Err(Failure::Usage(format!(
+            "--tolerance {}: the cloth itself is {} from corner to corner; ask for less than that",
+            length(arguments.tolerance),
+            length(size)
+        )));
+    }
+    let mut pilot = Pilot::begin(&study, engine.masses(), arguments.tolerance, size)?;
     let best = search::search(&mut pilot, engine.as_ref())?.ok_or_else(|| nothing_meets(&pilot))?;
-    let found = saving::leave_out(&mut pilot, Found::new(&study, best), engine.mean_edge())?;
+    let found = saving::leave_out(&mut pilot, Found::new(&study, best), &engine.mean_edges())?;
     let checked = check::check(&mut pilot, found)?;
     if let Some(path) = &arguments.write {
         write::write(&study, &checked.found, path)?;
     }
-    let choice = report::of(&pilot, &checked);
+    let choice = report::of(&pilot, &checked)?;
     study.finish("choose", &draw::choose(&choice), &choice, &choice.lines())
 }
 
@@ -47,58 +55,59 @@ pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
 fn nothing_meets(pilot: &Pilot<'_>) -> Failure {
     let told = pilot.considered.iter().filter_map(|row| Some((row.error?, row)));
     let best = told.min_by(|a, b| a.0.total_cmp(&b.0));
-    let reached = best.map_or_else(
-        || "no method came to the end of the scene".into(),
-        |(error, row)| format!("the best reached is {}, by {}", length(error), row.name()),
+    let (asked, reached) = best.map_or_else(
+        || (length(pilot.tolerance), "no method came to the end of the scene".into()),
+        |(error, row)| {
+            let [asked, error] = apart(pilot.tolerance, error);
+            (asked, format!("the best reached is {error}, by {}", row.name()))
+        },
     );
     Failure::Diverged(format!(
-        "nothing meets {} on {} within {} s: {reached}; allow that much, take a shorter --duration or a \
+        "nothing meets {asked} on {} within {} s: {reached}; allow that much, take a shorter --duration or a \
          larger --budget",
-        length(pilot.tolerance),
-        pilot.study.scene.desc.name,
-        pilot.study.arguments.budget
+        pilot.study.scene.desc.name, pilot.study.arguments.budget
     ))
 }
 
-/// What can be told, for who asked for more.
-fn no_reference(study: &Study<'_>, tolerance: f64, reference: Option<&Reference>) -> Failure {
-    let name = &study.scene.desc.name;
-    let what = match reference {
-        None => "its longest steps already take too long, or fail".into(),
-        Some(reference) => {
-            let step = crate::units::time(reference.best().0.step(&study.scene));
-            let own = reference.self_error;
-            match own <= reference.rule.enough {
-                true => {
-                    let before = reference.before.map_or_else(
-                        || "and longer steps fail, so that nothing shows how it converges".into(),
-                        |before| {
-                            format!(
-                                "halving it before by {}, which is not how a converging method does",
-                                length(before)
-                            )
-                        },
-                    );
-                    format!("halving the step to {step} moves it by {}, {before}", length(own))
-                }
-                false => {
-                    // The tolerance of which its own error is the part that it may be.
-                    let reachable = own * tolerance / reference.rule.enough;
-                    format!(
-                        "halving the step to {step} still moves it by {}; the best tolerance that this can judge is {}",
-                        length(own),
-                        length(reachable)
-                    )
-                }
+/// What can be told of a cloth of some size, m, for who asked for more.
+fn no_reference(study: &Study<'_>, tolerance: f64, size: f64, reference: Option<&Reference>) -> Failure {
+    let what = reference.map_or_else(
+        || "its longest steps already take too long, or fail".into(),
+        |reference| {
+            let step = time(reference.best().0.step(&study.scene));
+            match reference.self_error <= reference.rule.enough {
+                true => unsteady(reference, &step),
+                false => too_coarse(reference, &step, tolerance, size),
             }
-        }
-    };
+        },
+    );
     Failure::Diverged(format!(
-        "no reference for {name} within {} s that could tell {}: {what}; allow more, take a shorter --duration, a \
+        "no reference for {} within {} s that could tell {}: {what}; allow more, take a shorter --duration, a \
          coarser or softer cloth by --set, or a larger --budget",
+        study.scene.desc.name,
         study.arguments.budget,
         length(tolerance)
     ))
+}
+
+/// Of a reference that is near enough, but by luck.
+fn unsteady(reference: &Reference, step: &str) -> String {
+    let before = reference.before.map_or_else(
+        || "and longer steps fail, so that nothing shows how it converges".into(),
+        |before| format!("halving it before by {}, which is not how a converging method does", length(before)),
+    );
+    format!("halving the step to {step} moves it by {}, {before}", length(reference.self_error))
+}
+
+/// Of a reference that is not near enough: the tolerance of which its own error is the part that it may
+/// be, unless the cloth itself is smaller.
+fn too_coarse(reference: &Reference, step: &str, tolerance: f64, size: f64) -> String {
+    let reachable = reference.self_error * tolerance / reference.rule.enough;
+    let best = match reachable < size {
+        true => format!("the best tolerance that this can judge is {}", length(reachable)),
+        false => format!("no tolerance below the {} of the cloth itself can be judged by this", length(size)),
+    };
+    format!("halving the step to {step} still moves it by {}; {best}", length(reference.self_error))
 }
 
 /// In the order of what is likely to be cheap: the first to meet the tolerance shortens the others.

@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+use crate::engine::Engine;
+use crate::record::extent;
+
 use super::trajectory::Trajectory;
 
 /// Between two runs, over all samples, m.
@@ -93,6 +96,13 @@ fn outline(positions: &[[f64; 3]]) -> Vec<f64> {
         along.fold(f64::NEG_INFINITY, f64::max)
     };
     directions.map(reach).collect()
+}
+
+/// The diagonal of the box around a scene's cloth at the start, m.
+pub fn diagonal(engine: &dyn Engine) -> f64 {
+    let mut start = Vec::new();
+    engine.write_state(&mut start);
+    extent(start.into_iter()).iter().map(|side| side * side).sum::<f64>().sqrt()
 }
 
 /// The largest difference of total energy at a sample, J.

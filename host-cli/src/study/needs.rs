@@ -20,7 +20,7 @@ use trial::{Baseline, Trial};
 pub fn needs(arguments: &NeedsArguments) -> Result<(), Failure> {
     let study = Study::begin(&arguments.study)?;
     let baseline = Baseline::fly(&study)?;
-    let terms = terms::of(&study.scene.desc, baseline.mean_edge);
+    let terms = terms::of(&study.scene.desc, &baseline.mean_edges);
     let mut trials: Vec<_> = terms.into_iter().map(Trial::new).collect();
     trial::run(&study, &baseline, &mut trials)?;
     let hidden = hidden(&study, &baseline, &trials)?;
@@ -45,7 +45,7 @@ fn hidden(study: &Study<'_>, baseline: &Baseline, trials: &[Trial]) -> Result<Hi
     };
     let hidden: Vec<&Trial> = trials.iter().filter(is_hidden).collect();
     let is_part = |trial: &Trial| hidden.iter().any(|other| trial.term.part_of.contains(&other.term.name));
-    let whole: Vec<&Trial> = hidden.iter().copied().filter(|trial| !is_part(trial)).collect();
+    let (parts, whole): (Vec<&Trial>, Vec<&Trial>) = hidden.iter().copied().partition(|trial| is_part(trial));
     let without_them = match whole.as_slice() {
         [] => None,
         [only] => Some(Row::of(baseline, only)),
@@ -55,5 +55,11 @@ fn hidden(study: &Study<'_>, baseline: &Baseline, trials: &[Trial]) -> Result<Hi
             Some(Row::of(baseline, &trial))
         }
     };
-    Ok(Hidden { terms: whole.iter().map(|trial| trial.term.name).collect(), without_them })
+    let is_still = |trial: &&&Trial| Row::of(baseline, trial).change_max == Some(0.0);
+    Ok(Hidden {
+        terms: whole.iter().map(|trial| trial.term.name).collect(),
+        still: whole.iter().filter(is_still).map(|trial| trial.term.name).collect(),
+        parts: parts.iter().map(|trial| trial.term.name).collect(),
+        without_them,
+    })
 }

@@ -71,13 +71,13 @@ impl Term {
 }
 
 /// Every term that the scene models, in the order of the scene, then what could be added;
-/// `mean_edge` is that of its cloths, m.
-pub fn of(scene: &SceneDesc, mean_edge: f64) -> Vec<Term> {
+/// `mean_edges` are those of its cloths, m.
+pub fn of(scene: &SceneDesc, mean_edges: &[f64]) -> Vec<Term> {
     let contact = scene.contact.as_ref();
     let terms = [
         membrane(scene),
         shear(scene),
-        hinges(scene, mean_edge),
+        hinges(scene, mean_edges),
         bending(scene),
         damping(scene),
         drag(scene),
@@ -97,22 +97,24 @@ fn removed(key: &str) -> Edit {
 }
 
 /// A value in each cloth that gives one.
-fn in_cloths(scene: &SceneDesc, key: &str, value: impl Fn(&ClothDesc) -> Option<Value>) -> Vec<Edit> {
+fn in_cloths(scene: &SceneDesc, key: &str, value: impl Fn(usize, &ClothDesc) -> Option<Value>) -> Vec<Edit> {
     let cloths = scene.cloth.iter().enumerate();
-    cloths.filter_map(|(index, cloth)| Some((format!("cloth.{index}.{key}"), Some(value(cloth)?)))).collect()
+    cloths.filter_map(|(index, cloth)| Some((format!("cloth.{index}.{key}"), Some(value(index, cloth)?)))).collect()
 }
 
-/// The sheet's membranes as springs of the same Young's modulus, which resist shear by themselves.
+/// The sheet's membranes as springs of the same Young's modulus, which resist shear by themselves: a
+/// shear term goes with the membrane.
 fn membrane(scene: &SceneDesc) -> Option<Term> {
-    let mut edits = in_cloths(scene, "stretch.model", |cloth| {
+    let mut edits = in_cloths(scene, "stretch.model", |_, cloth| {
         let stretch = cloth.stretch.as_ref().filter(|stretch| stretch.model == StretchModel::Membrane);
         stretch.map(|_| Value::String("spring".into()))
     });
     let modelled = !edits.is_empty();
     edits.extend(["cloth.stretch.weft", "cloth.shear"].map(removed));
     modelled.then(|| {
+        let shear = if scene.cloth.iter().any(|cloth| cloth.shear.is_some()) { " with its shear" } else { "" };
         let term = Term::simpler("membrane", "springs", edits);
-        Term { subject: format!("the {}", term.subject), ..term }
+        Term { subject: format!("the membrane{shear} instead of springs"), ..term }
     })
 }
 
@@ -121,13 +123,13 @@ fn shear(scene: &SceneDesc) -> Option<Term> {
     modelled.then(|| Term::off("shear", vec![removed("cloth.shear")]).within(&["membrane"]))
 }
 
-/// Hinges as bending springs of comparable stiffness.
-fn hinges(scene: &SceneDesc, mean_edge: f64) -> Option<Term> {
+/// Hinges as bending springs of comparable stiffness, each cloth's by its own edges.
+fn hinges(scene: &SceneDesc, mean_edges: &[f64]) -> Option<Term> {
     let hinged = |cloth: &ClothDesc| cloth.bend.clone().filter(|bend| bend.model == BendModel::Hinge);
-    let mut edits = in_cloths(scene, "bend.stiffness", |cloth| {
-        Some(Value::Float(bending_spring::stiffness(hinged(cloth)?.rigidity?, mean_edge)))
+    let mut edits = in_cloths(scene, "bend.stiffness", |index, cloth| {
+        Some(Value::Float(bending_spring::stiffness(hinged(cloth)?.rigidity?, *mean_edges.get(index)?)))
     });
-    edits.extend(in_cloths(scene, "bend.model", |cloth| hinged(cloth).map(|_| Value::String("spring".into()))));
+    edits.extend(in_cloths(scene, "bend.model", |_, cloth| hinged(cloth).map(|_| Value::String("spring".into()))));
     let modelled = !edits.is_empty();
     edits.push(removed("cloth.bend.rigidity"));
     modelled.then(|| Term::simpler("hinge bending", "bending springs", edits).within(&["bending"]))
@@ -200,4 +202,25 @@ fn newton(scene: &SceneDesc) -> Option<Term> {
 fn double_precision() -> Term {
     let term = Term::new("double precision", Deed::Added, "in double precision".into(), Vec::new());
     Term { precision: Precision::F64, ..term }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bending_springs_are_those_of_each_cloths_own_edges() {
+        let cloth = "[[cloth]]\ngrid = { size = [0.3, 0.3], cells = [4, 4] }\ndensity = 0.2\n\
+                     bend = { model = \"hinge\", rigidity = 1e-5 }\n";
+        let scene =
+            toml::from_str(&format!("name = \"two\"\nduration = 1.0\n{cloth}{cloth}[integrator]\nstep = 0.01\n"));
+        let springs = hinges(&scene.unwrap(), &[0.01, 0.03]).unwrap();
+        let stiffness = |index: usize| {
+            let key = format!("cloth.{index}.bend.stiffness");
+            let edit = springs.edits.iter().find(|(edited, _)| *edited == key);
+            edit.and_then(|(_, value)| value.as_ref()?.as_float()).unwrap()
+        };
+        // As the inverse square of the edge.
+        assert!((stiffness(0) / stiffness(1) - 9.0).abs() < 1e-12);
+    }
 }

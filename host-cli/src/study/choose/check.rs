@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::study::median::median;
 use crate::study::trajectory::{Ending, Limits, Trajectory, fly, fly_of};
 use crate::study::variant::Variant;
-use crate::units::length;
+use crate::units::apart;
 
 use super::pilot::Pilot;
 use super::row::Row;
@@ -45,13 +45,12 @@ pub fn check(pilot: &mut Pilot<'_>, mut found: Found) -> Result<Checked, Failure
         nearest = nearest.min(error);
         found.row = shorter(pilot, &found)?;
     }
+    let [asked, nearest] = apart(pilot.tolerance, nearest);
     Err(Failure::Diverged(format!(
-        "the choice for {}, {}, misses {} where it is checked: it is {} off, and a little shorter steps do not change \
-         that; allow so much or take a shorter --duration",
+        "the choice for {}, {}, misses {asked} where it is checked: it is {nearest} off, and a little shorter steps do \
+         not change that; allow so much or take a shorter --duration",
         pilot.study.scene.desc.name,
         found.row.name(),
-        length(pilot.tolerance),
-        length(nearest)
     )))
 }
 
@@ -84,9 +83,9 @@ fn measure(pilot: &Pilot<'_>, found: &Found, finer: Option<&Trajectory>) -> Resu
     Ok((if complete { pilot.error(&run, reference) } else { f64::INFINITY }, median(walls)))
 }
 
-/// The same by a few more steps.
+/// The same by a few more steps, to its end: a prediction without an error is none.
 fn shorter(pilot: &mut Pilot<'_>, found: &Found) -> Result<Row, Failure> {
     let steps = found.row.variant.steps;
     let variant = Variant { steps: steps + steps.div_ceil(FINER), ..found.row.variant };
-    pilot.weigh(&found.scene, variant, &found.row.terms, f64::INFINITY)
+    pilot.weigh_whole(&found.scene, variant, &found.row.terms)
 }

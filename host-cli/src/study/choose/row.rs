@@ -93,4 +93,13 @@ impl Row {
     pub fn meets(&self) -> bool {
         self.verdict == Verdict::Meets
     }
+
+    /// Whether another run of the same method meets the tolerance by less of all that is counted: that one
+    /// is cheaper, whatever the clock said.
+    pub fn is_outdone(&self, other: &Self) -> bool {
+        let kind = |row: &Self| (row.method, row.precision, row.terms.clone());
+        let counts = |row: &Self| [row.force_evaluations, row.cg_iterations];
+        let (own, fewer) = (counts(self), counts(other));
+        other.meets() && kind(self) == kind(other) && own != fewer && own.iter().zip(fewer).all(|(a, b)| b <= *a)
+    }
 }

@@ -39,13 +39,13 @@ impl Found {
 }
 
 /// Leaves out one after the other what is not needed, whole terms before their parts.
-pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Found, mean_edge: f64) -> Result<Found, Failure> {
+pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Found, mean_edges: &[f64]) -> Result<Found, Failure> {
     if found.row.variant.method.is_implicit() {
         let looser = LOOSER * found.scene.desc.integrator.tolerance;
         let edits = [("integrator.tolerance".into(), Some(Value::Float(looser)))];
         found = attempt(pilot, found, &format!("with a solver {LOOSER} times as loose"), &edits)?;
     }
-    let modelled = |scene: &SceneFile| terms::of(&scene.desc, mean_edge);
+    let modelled = |scene: &SceneFile| terms::of(&scene.desc, mean_edges);
     let mut names: Vec<Term> = modelled(&found.scene);
     names.retain(|term| term.deed != Deed::Added);
     names.sort_by_key(|term| !term.part_of.is_empty());

@@ -32,6 +32,9 @@ const STALLED: f64 = 0.7;
 const AIM: f64 = 0.9;
 const NEAR: f64 = 0.8;
 
+/// By which part of its steps a run has fewer than the first one that meets the tolerance.
+const FEWER: u64 = 20;
+
 /// Runs between a step that misses and one that meets.
 const BETWEEN: u32 = 3;
 
@@ -54,10 +57,11 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
     Ok(pilot.cheapest().cloned())
 }
 
-/// Steps from sample to sample to begin with: explicit methods below their limit, or where every step
-/// gains energy below that of symplectic Euler.
+/// Steps from sample to sample to begin with: explicit methods below their limit, or that of symplectic
+/// Euler where it is longer: what gains energy by every step may not gain much until the end.
 fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
-    let limit = variant::limit(modes, method);
+    let [own, other] = [method, Method::SymplecticEuler].map(|method| variant::limit(modes, method));
+    let limit = own.zip(other).map(|(own, other)| own.max(other));
     let sample = pilot.study.scene.desc.duration / SAMPLES as f64;
     let steps = limit.map_or(1, |limit| (sample / (BELOW_LIMIT * limit)).ceil() as u64);
     steps.max(pilot.fewest_steps())
@@ -82,7 +86,12 @@ fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Fa
             }
         }
         match row.verdict {
-            Verdict::Meets => return refine(pilot, before, row, end),
+            Verdict::Meets => {
+                return match before {
+                    Some(misses) => refine(pilot, misses, row, end),
+                    None => lengthen(pilot, row, end),
+                };
+            }
             Verdict::Dear if patience == 1 => break,
             Verdict::Dear => patience -= 1,
             Verdict::Misses | Verdict::Failed => {}
@@ -99,16 +108,33 @@ fn is_stalled(before: Option<&Row>, row: &Row) -> bool {
     row.verdict == Verdict::Misses && before.zip(row.error).is_some_and(|(before, now)| now > STALLED * before)
 }
 
+/// Looks for longer steps than the first, which meets the tolerance: the limit of theory, below which
+/// explicit methods begin, is that of the start, and steps are whole parts.
+fn lengthen(pilot: &mut Pilot<'_>, mut meets: Row, end: f64) -> Result<(), Failure> {
+    let scene = &pilot.study.scene;
+    loop {
+        let left = end - pilot.study.seconds();
+        let steps = meets.variant.steps - meets.variant.steps.div_ceil(FEWER);
+        if left <= 0.0 || steps < pilot.fewest_steps() {
+            return Ok(());
+        }
+        let row = pilot.weigh(scene, Variant { steps, ..meets.variant }, &[], left)?;
+        if !row.meets() {
+            return Ok(());
+        }
+        meets = row;
+    }
+}
+
 /// Looks for the longest step between one that does not meet the tolerance and one that does.
-fn refine(pilot: &mut Pilot<'_>, misses: Option<Row>, mut meets: Row, end: f64) -> Result<(), Failure> {
-    let Some(mut misses) = misses else { return Ok(()) };
+fn refine(pilot: &mut Pilot<'_>, mut misses: Row, mut meets: Row, end: f64) -> Result<(), Failure> {
     for _ in 0..BETWEEN {
         let left = end - pilot.study.seconds();
         let near = meets.error.is_some_and(|error| error >= NEAR * pilot.tolerance) && misses.error.is_some();
-        let steps = between(&misses, &meets, pilot.tolerance);
-        if near || left <= 0.0 || !(misses.variant.steps + 1..meets.variant.steps).contains(&steps) {
+        if near || left <= 0.0 || misses.variant.steps + 1 >= meets.variant.steps {
             break;
         }
+        let steps = between(&misses, &meets, pilot.tolerance);
         let scene = &pilot.study.scene;
         let row = pilot.weigh(scene, Variant { steps, ..meets.variant }, &[], left)?;
         match row.meets() {
@@ -120,20 +146,21 @@ fn refine(pilot: &mut Pilot<'_>, misses: Option<Row>, mut meets: Row, end: f64) 
 }
 
 /// Steps by which the error should be a little less than the tolerance, by the order that two runs show;
-/// the middle where one has no error.
+/// the middle where one has no error; at least one more than too few.
 fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
     let [coarse, fine] = [misses, meets].map(|row| (row.variant.steps as f64).ln());
     let part = match misses.error.zip(meets.error) {
         Some((far, near)) if near > 0.0 => (far / (AIM * tolerance)).ln() / (far / near).ln(),
         _ => 0.5,
     };
-    (coarse + part * (fine - coarse)).exp().ceil() as u64
+    let steps = (coarse + part * (fine - coarse)).exp().ceil() as u64;
+    steps.clamp(misses.variant.steps + 1, meets.variant.steps - 1)
 }
 
 /// Times what is nearly as cheap as the cheapest again, in turn: one time alone may be chance.
 fn time_rivals(pilot: &mut Pilot<'_>) -> Result<(), Failure> {
     let Some(best) = pilot.cheapest().map(|row| row.wall_s).filter(|&wall| wall < SHORT) else { return Ok(()) };
-    let is_rival = |row: &Row| row.meets() && row.wall_s <= RIVAL * best;
+    let is_rival = |row: &Row| pilot.is_candidate(row) && row.wall_s <= RIVAL * best;
     let rivals: Vec<usize> = (0..pilot.considered.len()).filter(|&at| is_rival(&pilot.considered[at])).collect();
     for _ in 0..ROUNDS {
         for &rival in &rivals {

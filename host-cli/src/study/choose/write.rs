@@ -12,6 +12,7 @@ use crate::failure::{Failure, print_note};
 use crate::scene_file::{self, SceneFile};
 use crate::study::Study;
 
+use super::report::is_cut;
 use super::saving::Found;
 
 /// Refuses a folder in which the scene would not find the files that it names.
@@ -21,7 +22,7 @@ pub fn allow(study: &Study<'_>, path: &Path) -> Result<(), Failure> {
     let there = |folder: &Path| fs::canonicalize(folder).ok();
     if scene.is_file() && fs::canonicalize(scene).ok() == fs::canonicalize(path).ok() {
         return Err(Failure::Usage(format!(
-            "--write {}: that is the scene itself, whose comments would be lost; give another name",
+            "--write {}: that is the scene itself, which is left as it is; give another name",
             path.display()
         )));
     }
@@ -44,13 +45,14 @@ fn folder(path: &Path) -> PathBuf {
     folder.unwrap_or(Path::new(".")).into()
 }
 
-/// Saves the scene.
+/// Saves the scene, with its comments.
 pub fn write(study: &Study<'_>, found: &Found, path: &Path) -> Result<(), Failure> {
     let chosen = found.row.variant.chosen(&found.scene)?;
     // What was looked at may be less than what is to be run.
     let scene = chosen.changed(&[("duration", Some(Value::Float(own_duration(study)?)))])?;
+    let text = scene_file::commented(&study.arguments.of.scene, &scene)?;
     let head = format!("# Chosen by muslin choose by the first {} s.\n", study.scene.desc.duration);
-    whole::write(path.into(), |out| out.write_all((head + &scene.text).as_bytes()))
+    whole::write(path.into(), |out| out.write_all((head + &text).as_bytes()))
         .map_err(|error| Failure::Tool(error.to_string()))?;
     if !study.arguments.quiet {
         print_note(&note(&scene, found, path));
@@ -68,7 +70,7 @@ fn own_duration(study: &Study<'_>) -> Result<f64, Failure> {
 fn note(scene: &SceneFile, found: &Found, path: &Path) -> String {
     let precision = if found.row.variant.precision == Precision::F64 { " --precision f64" } else { "" };
     let timing = scene.desc.timing();
-    let steps = match timing.step < 0.95 * scene.desc.integrator.step {
+    let steps = match is_cut(timing.step, scene.desc.integrator.step) {
         true => format!("; that takes {} steps of {:.4} ms a frame", timing.steps_per_frame, 1e3 * timing.step),
         false => String::new(),
     };

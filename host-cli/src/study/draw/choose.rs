@@ -17,42 +17,101 @@ use super::{LOOKS, named, range};
 const DRAWN: f64 = 1e6;
 
 /// px.
-const PANEL: [f64; 2] = [660.0, 400.0];
+const PANEL: [f64; 2] = [660.0, 440.0];
 
-/// Error against time; crosses at the top, by the time that they took, are what failed or was given up.
+/// From the largest error to the first row of crosses, and from one row to the next.
+const ABOVE: f64 = 2.0;
+const APART: f64 = 1.5;
+
+/// Of what is tried on the winner.
+const TRIED: &str = "#666666";
+
+/// Error against time. Above all errors stand crosses by the time that they took, a row for each method:
+/// what failed or was given up. What was tried on the winner is numbered.
 pub fn choose(choice: &Choice) -> String {
     let rows = &choice.considered;
     let errors = range(rows.iter().filter_map(|row| row.error).chain([choice.tolerance]));
-    let (top, times) = (3.0 * errors.1, range(rows.iter().map(|row| row.wall_s)));
-    let layout = Layout::new(times, (DRAWN * errors.0, DRAWN * top))
-        .with_log_scale()
-        .with_x_tick_format(TickFormat::Sci)
-        .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| format!("{:.0e}", drawn / DRAWN))))
-        .with_title(format!("{}: chosen {} {}", choice.scene, choice.chosen.method, choice.chosen.precision))
-        .with_x_label("computing time, s; crosses: failed or given up")
-        .with_y_label(format!("RMS error of {}, m", choice.measure.name()));
+    let times = range(rows.iter().map(|row| row.wall_s).chain([choice.predicted.wall_s]));
     let allowed = LinePlot::new().with_data([times.0, times.1].map(|time| (time, DRAWN * choice.tolerance)));
     let mut plots = vec![Plot::Line(allowed.with_color("#888888").with_dashed().with_legend("tolerance"))];
-    plots.extend(LOOKS.iter().flat_map(|&(method, color, marker)| marks(rows, method, color, marker, top)));
+    let mut top = Crosses { next: ABOVE * errors.1 };
+    plots.extend(LOOKS.iter().flat_map(|&look| method(rows, look, &mut top)));
+    plots.extend(tried(rows, &mut top));
     let chosen = ScatterPlot::new().with_data([(choice.predicted.wall_s, DRAWN * choice.predicted.error)]);
-    plots.push(Plot::Scatter(
-        chosen.with_color("#000000").with_marker(MarkerShape::Plus).with_size(9.0).with_legend("chosen"),
-    ));
+    let chosen = chosen.with_color("#000000").with_marker(MarkerShape::Plus).with_size(9.0).with_legend("chosen");
+    plots.push(Plot::Scatter(chosen));
+    let layout = layout(choice, times, errors, top.next);
     let figure = Figure::new(1, 1).with_plots(vec![plots]).with_layouts(vec![layout]);
     SvgBackend.render_scene(&figure.with_cell_size(PANEL[0], PANEL[1]).with_shared_legend_right_middle().render())
 }
 
-/// The runs of a method, and crosses at `top` for those without an error.
-fn marks(rows: &[Row], method: &str, color: &str, marker: MarkerShape, top: f64) -> Vec<Plot> {
-    let of = |has_error: bool| {
-        let rows = rows.iter().filter(move |row| row.method == method && row.error.is_some() == has_error);
-        rows.map(|row| (row.wall_s, DRAWN * row.error.unwrap_or(top))).collect::<Vec<_>>()
+/// Axes; above the largest error there is nothing to read off.
+fn layout(choice: &Choice, times: (f64, f64), errors: (f64, f64), top: f64) -> Layout {
+    let most = DRAWN * ABOVE * errors.1;
+    let ticks = move |drawn: f64| if drawn < most { format!("{:.0e}", drawn / DRAWN) } else { String::new() };
+    Layout::new(times, (DRAWN * errors.0, DRAWN * top))
+        .with_log_scale()
+        .with_x_tick_format(TickFormat::Sci)
+        .with_y_tick_format(TickFormat::Custom(Arc::new(ticks)))
+        .with_title(format!("{}: chosen {} {}", choice.scene, choice.chosen.method, choice.chosen.precision))
+        .with_x_label("computing time, s; crosses: failed or given up")
+        .with_y_label(format!("RMS error of {}, m", choice.measure.name()))
+}
+
+/// Where the next row of crosses stands, m.
+struct Crosses {
+    next: f64,
+}
+
+impl Crosses {
+    /// A row of its own for these times, s.
+    fn row(&mut self, times: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
+        let height = DRAWN * self.next;
+        let row: Vec<_> = times.map(|time| (time, height)).collect();
+        if !row.is_empty() {
+            self.next *= APART;
+        }
+        row
+    }
+}
+
+/// The runs of a method with all terms, from step to step, those in double precision larger; and its
+/// crosses.
+fn method(rows: &[Row], (method, color, marker): (&str, &str, MarkerShape), crosses: &mut Crosses) -> Vec<Plot> {
+    let of = |precision: &'static str| {
+        let own = rows.iter().filter(move |row| row.method == method && row.precision == precision);
+        let ended = own.filter(|row| row.terms.is_empty()).filter_map(|row| Some((row, row.error?)));
+        let mut ended: Vec<_> = ended.collect();
+        ended.sort_by(|(a, _), (b, _)| b.step.total_cmp(&a.step));
+        ended.into_iter().map(|(row, error)| (row.wall_s, DRAWN * error)).collect::<Vec<_>>()
     };
-    let groups = [(of(true), marker, 4.5), (of(false), MarkerShape::Cross, 5.0)];
     let mut name = Some(method);
-    let drawn = groups.into_iter().filter(|(data, ..)| !data.is_empty()).map(|(data, marker, size)| {
+    let mut plots = Vec::new();
+    for (data, size) in [(of("f32"), 4.0), (of("f64"), 6.5)].into_iter().filter(|(data, _)| !data.is_empty()) {
+        let line = LinePlot::new().with_data(data.clone()).with_color(color).with_stroke_width(1.0);
         let marks = ScatterPlot::new().with_data(data).with_color(color).with_marker(marker).with_size(size);
-        Plot::Scatter(named(marks, &mut name))
+        plots.extend([Plot::Line(line), Plot::Scatter(named(marks, &mut name))]);
+    }
+    let lost = rows.iter().filter(|row| row.method == method && row.terms.is_empty() && row.error.is_none());
+    let lost = crosses.row(lost.map(|row| row.wall_s));
+    if !lost.is_empty() {
+        let marks = ScatterPlot::new().with_data(lost).with_color(color).with_marker(MarkerShape::Cross);
+        plots.push(Plot::Scatter(named(marks.with_size(5.0), &mut name)));
+    }
+    plots
+}
+
+/// What was tried on the winner, numbered; crosses for what failed so.
+fn tried(rows: &[Row], crosses: &mut Crosses) -> Vec<Plot> {
+    let tried = rows.iter().filter_map(|row| Some((row, row.terms.last()?)));
+    let drawn = tried.enumerate().map(|(index, (row, term))| {
+        let number = index + 1;
+        let (data, marker) = match row.error {
+            Some(error) => (vec![(row.wall_s, DRAWN * error)], MarkerShape::Circle),
+            None => (crosses.row([row.wall_s].into_iter()), MarkerShape::Cross),
+        };
+        let marks = ScatterPlot::new().with_data(data).with_color(TRIED).with_marker(marker).with_size(3.0);
+        Plot::Scatter(marks.with_labels([number.to_string()]).with_legend(format!("{number}: {term}")))
     });
     drawn.collect()
 }

@@ -150,6 +150,10 @@ fn cost_layout(needs: &Needs) -> Layout {
     let names = needs.rows.iter().map(|_| String::new()).collect();
     let layout = layout(needs, (1.1 * least, 1.1 * most), "cost", "part of the time as it is, %")
         .with_y_categories(names)
+        // The axis ends where bars are cut: beyond there is room for their lengths.
+        .with_x_tick_format(TickFormat::Custom(Arc::new(|cost| {
+            if cost.abs() > CUT { String::new() } else { format!("{cost:.0}") }
+        })))
         .with_reference_line(ReferenceLine::vertical(0.0).with_color("#666666").with_dasharray("none"));
     long_bars(needs).fold(layout, |layout, (at, cost)| {
         // The library writes above a place: lower, it is beside the bar's end.

@@ -18,6 +18,10 @@ use super::words::{extent, list, moved};
 pub struct Hidden {
     /// Which they are; what is a part of one of them is not named.
     pub terms: Vec<&'static str>,
+    /// Those of them that move nothing at all.
+    pub still: Vec<&'static str>,
+    /// What else is hidden, as parts of them: switched off with them.
+    pub parts: Vec<&'static str>,
     /// What came of switching them off together; none of none.
     pub without_them: Option<Row>,
 }
@@ -33,8 +37,10 @@ pub struct Needs {
     pub vertices: usize,
     /// As scenes spell it; in single precision.
     pub method: &'static str,
-    /// As taken, s.
+    /// As taken, s: so that it fits 20 equal parts of the time.
     pub step: f64,
+    /// That which `muslin run` takes, s: so that it fits the frames.
+    pub run_step: f64,
     /// What a change is of: positions, or with contact the outline.
     pub measure: Measure,
     /// What half the step changes; none where that could not be run.
@@ -68,6 +74,7 @@ pub fn of(study: &Study<'_>, baseline: &Baseline, trials: &[Trial], hidden: Hidd
         vertices: baseline.masses.len(),
         method: baseline.variant.method.name(),
         step: baseline.variant.step(&study.scene),
+        run_step: study.scene.desc.timing().step,
         measure: baseline.measure,
         step_error: own_error(baseline),
         step_error_why: why_not(&baseline.half),
@@ -103,12 +110,22 @@ fn conclusion(hidden: &Hidden, baseline: &Baseline) -> String {
         ([], _) if own_error(baseline).is_none() => {
             format!("How far half the step moves the {what} is not known, so no term can be called too small")
         }
-        ([only], _) => format!("Hidden by the step's own error: {only} alone"),
-        (several, Some(row)) => {
-            format!("Hidden by the step's own error: {}; {}", list(several), without_them(row, what))
-        }
+        ([_], _) => called(hidden, what),
+        ([_, ..], Some(row)) => format!("{}; {}", called(hidden, what), without_them(row, what)),
         _ => format!("No term that was run to the end moves the {what} by less than half the step does"),
     }
+}
+
+/// What is hidden, and what moves nothing at all.
+fn called(hidden: &Hidden, what: &str) -> String {
+    let still = hidden.still.as_slice();
+    let moving: Vec<_> = hidden.terms.iter().copied().filter(|term| !still.contains(term)).collect();
+    let verb = if still.len() == 1 { "does" } else { "do" };
+    let still = (!still.is_empty()).then(|| format!("{} {verb} not move the {what}", list(still)));
+    let alone = if hidden.terms.len() == 1 { " alone" } else { "" };
+    let moving = (!moving.is_empty()).then(|| format!("hidden by the step's own error: {}{alone}", list(&moving)));
+    let parts = (!hidden.parts.is_empty()).then(|| format!("{} would go with that", list(&hidden.parts)));
+    capital(&[still, moving, parts].into_iter().flatten().collect::<Vec<_>>().join("; "))
 }
 
 /// The run without all of them.
@@ -119,7 +136,8 @@ fn without_them(row: &Row, what: &str) -> String {
     let more = if row.told == Some(true) { ", more than half the step does," } else { "" };
     let takes = row.cost_range.zip(row.cost_fraction).map(|([least, most], cost)| {
         let [cost, least, most] = [cost, most, least].map(|cost| 100.0 * (1.0 - cost));
-        format!(" and the run takes {cost:.0} % of the time ({least:.0} to {most:.0} %)")
+        let known = if row.repeats == 1 { "timed once".into() } else { format!("{least:.0} to {most:.0} %") };
+        format!(" and the run takes {cost:.0} % of the time ({known})")
     });
     format!("without them all the {what} moves by {moves}{more}{}", takes.unwrap_or_default())
 }
@@ -162,6 +180,10 @@ impl Needs {
             ),
             (None, why) => format!("Half the step {}", why.as_deref().unwrap_or("is not known")),
         });
+        if (self.step / self.run_step - 1.0).abs() > 1e-6 {
+            let (taken, own) = (time(self.step), time(self.run_step));
+            lines.push(format!("Steps fit into 20 equal parts of the time: {taken}, where muslin run takes {own}"));
+        }
         lines.extend(self.chance());
         lines.push(String::new());
         lines.extend(self.rows.iter().map(|row| capital(&row.sentence)));

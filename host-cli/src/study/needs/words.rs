@@ -28,8 +28,10 @@ pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<C
         (false, true) => format!("would not move the {what}"),
         (false, false) => format!("does not move the {what}"),
     };
-    let cost =
-        cost.map_or_else(|| " and is not timed: the budget is used up".into(), |cost| costs(row.deed, &row.run, cost));
+    let cost = cost.map_or_else(
+        || " and is not timed: the budget is used up".into(),
+        |cost| costs(row.deed, &row.run, cost, row.same_counts == Some(true)),
+    );
     // Before a new clause one comma is enough.
     format!("{subject} {moves}{cost}").replace(",;", ";")
 }
@@ -41,22 +43,26 @@ pub fn extent(change: Change, positions: Option<f64>) -> String {
     format!("{rms} (RMS; at most {max}, at the end {end}{vertices})")
 }
 
-/// What it costs, as the end of a sentence.
-fn costs(deed: Deed, run: &str, cost: Cost) -> String {
-    let once = if cost.repeats == 1 { " (timed once)" } else { "" };
+/// What it costs, as the end of a sentence; where nothing that is counted differs, that it is the
+/// clock's word alone.
+fn costs(deed: Deed, run: &str, cost: Cost, same_counts: bool) -> String {
     let (added, dearer) = (deed == Deed::Added, cost.fraction >= 0.0);
     let sizes = cost.told();
+    let note = [(cost.repeats == 1).then_some("timed once"), same_counts.then_some("all counts are the same")];
+    let note = note.into_iter().flatten().collect::<Vec<_>>().join("; ");
+    let note = if note.is_empty() { note } else { format!(" ({note})") };
     match (added, dearer) {
         _ if !cost.is_clear() => {
             // Rounded before it is printed: not to "-0".
-            let [least, most] = cost.range.map(|fraction| (100.0 * fraction).round() + 0.0);
+            let [least, most] = cost.spread.map(|fraction| (100.0 * fraction).round() + 0.0);
             let verb = if added { "cost" } else { "costs" };
-            format!(" and {verb} nothing that the clock can tell ({least:.0} to {most:.0} % of the time)")
+            let counted = if same_counts { "can be counted or that " } else { "" };
+            format!(" and {verb} nothing that {counted}the clock can tell ({least:.0} to {most:.0} % of the time)")
         }
-        (true, true) => format!(" and take {}{once}", longer(&sizes)),
-        (true, false) => format!(" and save {} of the time{once}", percent(&sizes)),
-        (false, true) => format!(" and costs {} of the time{once}", percent(&sizes)),
-        (false, false) => format!("; {run} it takes {}{once}", longer(&sizes)),
+        (true, true) => format!(" and take {}{note}", longer(&sizes)),
+        (true, false) => format!(" and save {} of the time{note}", percent(&sizes)),
+        (false, true) => format!(" and costs {} of the time{note}", percent(&sizes)),
+        (false, false) => format!("; {run} it takes {}{note}", longer(&sizes)),
     }
 }
 
@@ -96,7 +102,8 @@ mod tests {
     #[test]
     fn a_cost_is_told_as_far_as_it_is_known() {
         let said = |deed, [least, fraction, most]: [f64; 3], repeats| {
-            costs(deed, "without drag", Cost { fraction, range: [least, most], repeats })
+            let range = [least, most];
+            costs(deed, "without drag", Cost { fraction, range, repeats, spread: range }, false)
         };
         let cases = [
             (Deed::Off, [0.29, 0.31, 0.33], 3, " and costs 31 % of the time"),
@@ -113,5 +120,14 @@ mod tests {
         for (deed, fractions, repeats, words) in cases {
             assert_eq!(said(deed, fractions, repeats), words);
         }
+        let same = |least| {
+            let cost = Cost { fraction: 0.1, range: [0.1; 2], repeats: 5, spread: [least, 0.3] };
+            costs(Deed::Off, "without drag", cost, true)
+        };
+        assert_eq!(same(0.05), " and costs 10 % of the time (all counts are the same)");
+        assert_eq!(
+            same(-0.05),
+            " and costs nothing that can be counted or that the clock can tell (-5 to 30 % of the time)"
+        );
     }
 }
