@@ -28,6 +28,9 @@ pub struct Divergence {
     pub advice: &'static str,
 }
 
+/// What to do where numbers grow without end.
+pub const TOO_LONG_A_STEP: &str = "take a smaller integrator.step, softer terms, less damping or an implicit method";
+
 /// Numbers about the state and the work, in double.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
@@ -159,7 +162,10 @@ macro_rules! engine {
             use $core::simulation::{Cause, Simulation, State};
             use $core::spectrum;
 
-            use super::{Divergence, Engine, Halt, Mode, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
+            use super::{
+                Divergence, Engine, Halt, Mode, Report, SceneFile, Snapshot, Solid, Stopwatch, TOO_LONG_A_STEP,
+                Untangled,
+            };
 
             pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
@@ -219,9 +225,7 @@ macro_rules! engine {
                 fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Halt> {
                     Simulation::step(self, stopwatch).map_err(|diverged| {
                         let advice = match diverged.cause {
-                            Cause::NotFinite => {
-                                "take a smaller integrator.step, softer terms, less damping or an implicit method"
-                            }
+                            Cause::NotFinite => TOO_LONG_A_STEP,
                             Cause::TooMuch => {
                                 "take a smaller integrator.step, a lesser contact.thickness, softer terms or an \
                                  implicit method"

@@ -1,9 +1,12 @@
 //! A run that diverges ends with exit code 3, says where, and keeps the frames before.
 
-use crate::kit::{Outcome, Place, PointCache, obj};
+use crate::kit::{Outcome, Place, PointCache, TINY, obj};
 
-/// Far beyond what an explicit step of 10 ms bears.
+/// Far beyond what an explicit step of 10 ms bears: soon an edge is too long for cloth.
 const STIFF: &str = "--set integrator.method=explicit-euler --set cloth.stretch.stiffness=1e5";
+
+/// So far beyond it that even double precision overflows before a frame ends.
+const OVERFLOW: &str = "--set cloth.stretch.stiffness=1e30 --set duration=0.5 --set frame_rate=2";
 
 fn diverge(place: &Place, words: &str) -> Outcome {
     let run = "run tiny.toml --out out --preview none --export obj,pc2 --set frame_rate=50";
@@ -14,7 +17,7 @@ fn diverge(place: &Place, words: &str) -> Outcome {
 fn says_which_step_particle_and_term() {
     let place = Place::new();
     for precision in ["f32", "f64"] {
-        let outcome = diverge(&place, &format!("--json --precision {precision}"));
+        let outcome = diverge(&place, &format!("--json --precision {precision} {OVERFLOW}"));
         let summary = outcome.json();
         assert_eq!(summary["verdict"], "diverged");
         let failed = summary["steps"].as_u64().unwrap() + 1;
@@ -22,6 +25,39 @@ fn says_which_step_particle_and_term() {
         assert!(outcome.stderr.contains("pulled hardest by stretch"), "{outcome:?}");
         assert!(outcome.stderr.contains("integrator.step"), "no advice: {outcome:?}");
     }
+}
+
+#[test]
+fn an_edge_too_long_for_cloth_is_a_divergence() {
+    let place = Place::new();
+    for precision in ["f32", "f64"] {
+        let outcome = diverge(&place, &format!("--json --precision {precision}"));
+        let summary = outcome.json();
+        assert_eq!(summary["verdict"], "diverged");
+        let failed = summary["steps"].as_u64().unwrap() + 1;
+        assert!(failed.is_multiple_of(2), "frames end by two steps: {summary}");
+        let said = format!("muslin: diverged in step {failed}: an edge is ");
+        assert!(outcome.stderr.contains(&said) && outcome.stderr.contains("integrator.step"), "{outcome:?}");
+        let [frames, end] = [&summary["stretch"]["max_of_all_frames"], &summary["stretch"]["max"]];
+        assert!(end.as_f64().unwrap() > 100.0 && frames == end, "{summary}");
+    }
+}
+
+/// A start that is drawn out so far is none of the method's doing.
+#[test]
+fn a_start_drawn_out_a_thousandfold_runs() {
+    let place = Place::new();
+    let square = |side: f64| format!("v 0 0 0\nv {side} 0 0\nv {side} 0 {side}\nv 0 0 {side}\nf 1 2 3\nf 1 3 4\n");
+    place.write("rest.obj", square(0.1));
+    place.write("drawn.obj", square(100.0));
+    let scene =
+        TINY.replace("grid = { size = [0.3, 0.3], cells = [4, 4] }", "mesh = \"rest.obj\"\nstate = \"drawn.obj\"");
+    let scene = scene.replace("corners = [0, 1]", "vertices = [0]");
+    place.write("drawn.toml", scene);
+    let words = "--json --preview none --set integrator.newton=20 --precision f64";
+    let summary = place.muslin(&format!("run drawn.toml {words}")).expect(0).json();
+    assert!(summary["stretch"]["max_of_all_frames"].as_f64().unwrap() > 999.0, "{summary}");
+    assert!(summary["stretch"]["max"].as_f64().unwrap() < 100.0, "it is not drawn back: {summary}");
 }
 
 #[test]

@@ -8,17 +8,21 @@ use muslin_core::stage::Stage;
 
 use crate::args::Precision;
 use crate::checkpoint::Resumed;
-use crate::engine::{Divergence, Engine, Halt};
+use crate::engine::{Divergence, Engine, Halt, TOO_LONG_A_STEP};
 use crate::failure::Failure;
 use crate::pool::Pool;
 use crate::record::{Record, Start, extent};
 use crate::stopwatch::Stopwatch;
 
+/// Edge length over rest length beyond which no cloth is, unless it starts so: double precision would
+/// go on to 1e300.
+const FLOWN_APART: f64 = 100.0;
+
 /// How the steps ended.
 pub enum Ending {
     /// At the scene's time.
     Complete,
-    /// A step could not be taken.
+    /// A step could not be taken, or the cloth flew apart.
     Diverged(Divergence),
     /// The user said so.
     Interrupted,
@@ -140,13 +144,25 @@ impl Course {
                 Err(Halt::Diverged(divergence)) => return Ok(Ending::Diverged(divergence)),
                 Err(Halt::Stopped) => return Ok(Ending::Interrupted),
             }
+            let frame_ends = (self.steps + 1).is_multiple_of(self.timing.steps_per_frame);
+            if let Some(divergence) = frame_ends.then(|| self.flown_apart()).flatten() {
+                return Ok(Ending::Diverged(divergence));
+            }
             self.steps += 1;
             self.chain = self.engine.chain(Some(self.chain));
-            if self.steps.is_multiple_of(self.timing.steps_per_frame) {
+            if frame_ends {
                 self.frame(witness)?;
             }
             witness.step(self)?;
         }
         Ok(Ending::Complete)
+    }
+    /// Whether every number is finite still and yet no cloth any more, in the step just taken.
+    fn flown_apart(&self) -> Option<Divergence> {
+        let stretch = self.engine.largest_stretch();
+        (stretch > FLOWN_APART.max(self.record.stretch)).then(|| Divergence {
+            what: format!("diverged in step {}: an edge is {stretch:.1e} times as long as at rest", self.steps + 1),
+            advice: TOO_LONG_A_STEP,
+        })
     }
 }
