@@ -1,9 +1,13 @@
-//! The pass/fail matrix: torture start x method x step, without contact, each outcome foretold.
+//! The pass/fail matrix: torture start x method x step, each outcome foretold; without contact here, with
+//! it in `matrix/contact.rs`.
 //!
 //! What explicit methods bear is foretold by the fastest mode at the start; implicit ones are
 //! foretold to bear every step. Where that is not so, [`EXCEPTIONS`] says it and why.
 //!
 //! Run: `cargo test --release -p muslin-tests --test matrix -- --nocapture` prints the matrix.
+
+#[path = "matrix/contact.rs"]
+mod contact;
 
 use glam::DVec3;
 use muslin_core_f64::dispatch::Serial;
@@ -152,11 +156,15 @@ fn foretold(start: &str, method: Method, newton: u32) -> &'static str {
     exception.unwrap_or(if method.is_implicit() { ANY } else { BY_LIMIT })
 }
 
+/// With so many Newton iterations at most.
+fn scheme(method: Method, newton: u32) -> Scheme {
+    let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
+    Scheme { method, newton, tolerance: 1e-6, preconditioner, jacobian }
+}
+
 /// Whether a free sheet, which can only lose energy, keeps within ten times what it has at the start.
 fn bears(built: &BuiltScene, method: Method, newton: u32, step: f64) -> bool {
-    let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
-    let scheme = Scheme { method, newton, tolerance: 1e-6, preconditioner, jacobian };
-    let mut sim = Simulation::from_columns(built.clone(), scheme, step);
+    let mut sim = Simulation::from_columns(built.clone(), scheme(method, newton), step);
     let start = sim.energy().total();
     let steps = if method.is_implicit() { 200 } else { 2000 };
     (0..steps).all(|_| sim.step(&Serial).is_ok() && sim.energy().total() <= 10.0 * start)
@@ -212,4 +220,43 @@ fn outcomes_of_seed_1_are_as_foretold() {
 #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
 fn outcomes_of_seed_2_are_as_foretold() {
     check(2);
+}
+
+/// Mid-run, from 0.3 to 30 ms.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+fn backward_euler_bears_a_step_that_jumps_a_hundredfold() {
+    for name in ["flat", "half its size", "mirrored", "stretched x10"] {
+        let start = STARTS.iter().find(|start| start.name == name).expect("in the table");
+        for (newton, seed) in [1, 20].into_iter().flat_map(|newton| [0, 1, 2].map(|seed| (newton, seed))) {
+            let mut sim = Simulation::from_columns(start.build(seed), scheme(Method::BackwardEuler, newton), 3e-4);
+            let most = sim.energy().total();
+            for _ in 0..50 {
+                sim.step(&Serial).expect("a short step is borne");
+            }
+            let mut sim = Simulation::from_columns(sim.scene().clone(), *sim.scheme(), 3e-2);
+            let borne = (0..50).all(|_| sim.step(&Serial).is_ok() && sim.energy().total() <= 10.0 * most);
+            assert!(borne, "{name}, newton = {newton}, seed {seed}: {} J, {most} J before", sim.energy().total());
+        }
+    }
+}
+
+/// Symplectic Euler by half its limit, without damping: its energy neither grows nor drains away.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+fn a_million_steps_keep_the_energy_within_bounds() {
+    let mut built = kit::build(&SHEET.replace(", damping = 1e-4", ""));
+    roughen(&mut built.particles.positions, &mut Rng::new(0));
+    let method = Method::SymplecticEuler;
+    let limit = longest_step(&fastest_modes(&built, 1e-6, 20_000), method).expect("an explicit method has a limit");
+    let mut sim = Simulation::from_columns(built, scheme(method, 1), 0.5 * limit);
+    let start = sim.energy().total();
+    let (mut least, mut most) = (start, start);
+    for _ in 0..1_000_000 {
+        sim.step(&Serial).expect("within the limit");
+        let energy = sim.energy().total();
+        (least, most) = (least.min(energy), most.max(energy));
+    }
+    println!("a million steps: between {:.3} and {:.3} of the energy at the start", least / start, most / start);
+    assert!(least >= 0.5 * start && most <= 2.0 * start, "{start} J at the start, then {least} to {most} J");
 }

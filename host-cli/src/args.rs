@@ -369,8 +369,9 @@ Runs the scene in single precision, on one thread, by steps around each method's
 stiffness (and damping, if it has any) times 1/16 to 16: 1000 steps of explicit methods, 200 of
 implicit ones, or to its end. A run is fine, or its energy grew to 10 times what backward Euler has,
 or a step could not be taken, or a solver gave up. The limit of theory is that of the fastest mode
-at the scene's start. Backward Euler is also run with newton = 20. Writes stability.svg,
-stability.json, stability.txt and study.html.
+at the scene's start. On the scene itself the limit is then watched to the scene's end. Backward
+Euler, where it is among the methods, is also run with newton = 20. Every method has a share of the
+budget. Writes stability.svg, stability.json, stability.txt and study.html.
 
 Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 the budget does not do for all runs
 (those that are done are written), 130 interrupted.")]
@@ -461,16 +462,17 @@ pub struct SweepArguments {
 Examples:
   muslin validate                       all checks: some minutes, most of them for the cantilever
   muslin validate --only hinge          one group; the report lists them
-  muslin validate --only \"Gamma 10\" --json
+  muslin validate --only \"Gamma 10\"    those with these words in their name
 
 Closed forms and known solutions, measured with the core in double precision: what is expected, what
-came out, how far off that is and how far it may be. Writes validate.svg, the curve of the heavy
-cantilever and what came out beside it, validate.json and validate.txt.
+came out, how far off that is and how far it may be. Writes validate.json, validate.txt and, where
+the heavy cantilever was measured, validate.svg, its curve and what came out beside it; a part of the
+checks writes to files of its own, such as validate-gamma-10.json.
 
 Exit codes: 0 all checks pass, 1 the tool failed, 2 bad usage, 3 a check fails (the results are
 written), 130 interrupted.")]
 pub struct ValidateArguments {
-    /// Only checks with this in their name, the group before it
+    /// Only the group of this name, or checks with these whole words in theirs, the group before it
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
     /// Where to write

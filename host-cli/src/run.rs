@@ -65,7 +65,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     say_what_changed(arguments, &scene, &timing);
     if !arguments.quiet {
         start::weigh_thickness(engine.as_ref(), &scene.desc);
-        start::weigh_step(engine.as_ref(), &scene.desc, &timing);
+        start::weigh_step(engine.as_ref(), &scene.desc, &timing, arguments.precision);
     }
     let stop = interrupt::watch()?;
     let start = match resumed {

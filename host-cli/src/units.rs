@@ -43,6 +43,37 @@ pub fn time(seconds: f64) -> String {
     }
 }
 
+/// A unit of time, as often as it goes into a second.
+fn unit(seconds: f64) -> (f64, &'static str) {
+    match seconds {
+        s if s >= 1.0 => (1.0, "s"),
+        s if s >= 1e-3 => (1e3, "ms"),
+        s if s >= 1e-6 => (1e6, "us"),
+        _ => (1e9, "ns"),
+    }
+}
+
+/// A number to so many digits, without a power of ten.
+fn rounded(value: f64, digits: i32) -> String {
+    // By way of a power of ten: 9.99 to two digits is 10.
+    let exact = format!("{value:.*e}", (digits - 1).max(0) as usize);
+    let power = exact.split_once('e').and_then(|(_, power)| power.parse::<i32>().ok()).unwrap_or(0);
+    let value = exact.parse::<f64>().unwrap_or(value);
+    format!("{value:.*}", (digits - 1 - power).clamp(0, 12) as usize)
+}
+
+/// A time with its unit to so many digits.
+pub fn significant(seconds: f64, digits: i32) -> String {
+    let (times, name) = unit(seconds);
+    format!("{} {name}", rounded(times * seconds, digits))
+}
+
+/// From one time to a longer one, to two digits.
+pub fn time_between(from: f64, to: f64) -> String {
+    let (times, name) = unit(to);
+    format!("{}..{} {name}", rounded(times * from, 2), rounded(times * to, 2))
+}
+
 /// Units of a length, the longer names first, m.
 const UNITS: [(&str, f64); 6] = [("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("\u{b5}m", 1e-6), ("nm", 1e-9), ("m", 1.0)];
 
@@ -77,6 +108,17 @@ mod tests {
         ] {
             assert_eq!(apart(a, b), told);
         }
+    }
+
+    #[test]
+    fn times_have_as_many_digits_as_are_known() {
+        let cases = [(0.13333, 2, "130 ms"), (7.4823e-4, 4, "748.2 us"), (1.0 / 3.0, 2, "330 ms"), (2.0, 2, "2.0 s")];
+        for (seconds, digits, expected) in cases {
+            assert_eq!(significant(seconds, digits), expected);
+        }
+        assert_eq!(significant(9.996e-3, 2), "10 ms");
+        assert_eq!(significant(8.249e-7, 4), "824.9 ns");
+        assert_eq!(time_between(7.1e-4, 1.004e-3), "0.71..1.0 ms");
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Chains of masses and springs: longitudinal modes, static stretch, catenary, swinging rope.
+//! Chains of masses and springs: longitudinal modes, static stretch, swinging rope. The catenary is a group
+//! of `muslin validate`.
 
 use std::f64::consts::PI;
 
@@ -6,7 +7,7 @@ use glam::DVec3;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;
-use muslin_tests::net::{Net, XYZ, converged, linearised, settle};
+use muslin_tests::net::{Net, XYZ, linearised, settle};
 use muslin_tests::worst::Worst;
 
 const G: f64 = 9.81;
@@ -75,92 +76,6 @@ fn hanging_chain_stretches_by_the_closed_form() {
         worst.compare(stretched.max(1.0), &x.to_array(), &[0.0, -stretched, 0.0], || format!("mass {i}"));
     }
     worst.check();
-}
-
-/// A chain between supports 1 m apart at equal height.
-struct Hanging {
-    links: usize,
-    rest: f64,
-    mass: f64,
-    stiffness: f64,
-}
-
-impl Hanging {
-    /// `length` is that of the whole chain; links stretch by a part in `rigidity` under its weight.
-    fn new(links: usize, length: f64, rigidity: f64) -> Self {
-        let (rest, mass) = (length / links as f64, 0.3 / links as f64);
-        Self { links, rest, mass, stiffness: rigidity * 0.3 * G / rest }
-    }
-
-    /// Ends of the links where tension balances weight: H is constant, V falls by m g a mass.
-    fn shape(&self, horizontal: f64) -> Vec<DVec3> {
-        let weight = self.mass * G;
-        let first = 0.5 * weight * (self.links as f64 - 1.0);
-        let mut at = DVec3::ZERO;
-        let mut points = vec![at];
-        for i in 0..self.links {
-            let pull = DVec3::new(horizontal, i as f64 * weight - first, 0.0);
-            at += pull.normalize() * (self.rest + pull.length() / self.stiffness);
-            points.push(at);
-        }
-        points
-    }
-
-    /// The shape that spans 1 m, by bisection on H.
-    fn exact(&self) -> Vec<DVec3> {
-        let (mut low, mut high) = (0.0, 1e3);
-        for _ in 0..200 {
-            let middle = 0.5 * (low + high);
-            if self.shape(middle)[self.links].x < 1.0 { low = middle } else { high = middle }
-        }
-        self.shape(low)
-    }
-
-    /// Where the core lets the chain come to rest, from a parabola.
-    fn settled(&self) -> Vec<DVec3> {
-        let mut net = Net::chain(self.links + 1, DVec3::X * self.rest, self.mass, self.stiffness, 0.0);
-        net.held = vec![(0, XYZ), (self.links as u32, XYZ)];
-        net.gravity = Some(DVec3::NEG_Y * G);
-        for (i, x) in net.points.iter_mut().enumerate() {
-            let s = i as f64 / self.links as f64;
-            *x = DVec3::new(s, -2.0 * s * (1.0 - s) * self.links as f64 * self.rest, 0.0);
-        }
-        let mut sim = Simulation::from_columns(net.build(), converged(Method::BackwardEuler, 1e-8), 0.5);
-        settle(&mut sim, 1e-9, 400);
-        sim.positions().to_vec()
-    }
-}
-
-/// Length of a chain of span 1, and its sag: 2 a sinh(1 / (2 a)) = S, a (cosh(1 / (2 a)) - 1).
-const SAGS: [(f64, f64); 5] = [
-    (1.05, 0.139304206592),
-    (1.1, 0.200300790736),
-    (1.2, 0.292343797601),
-    (1.5, 0.502633261648),
-    (2.0, 0.796388355860),
-];
-
-#[test]
-fn chain_between_supports_hangs_in_its_own_exact_shape() {
-    let mut worst = Worst::new("hanging chain of 16 links against its exact shape, m", 1e-6);
-    for (length, _) in SAGS {
-        let chain = Hanging::new(16, length, 1e3);
-        for (i, (got, want)) in chain.settled().iter().zip(chain.exact()).enumerate() {
-            worst.compare(1.0, &got.to_array(), &want.to_array(), || format!("length {length}, vertex {i}"));
-        }
-    }
-    worst.check();
-}
-
-#[test]
-fn chain_sags_towards_the_catenary_at_second_order() {
-    for (length, sag) in SAGS {
-        let error = |links: usize| {
-            let lowest = Hanging::new(links, length, 1e7).settled().iter().map(|x| -x.y).fold(0.0, f64::max);
-            lowest - sag
-        };
-        second_order(&format!("sag of a chain of length {length}, {sag} m"), error);
-    }
 }
 
 /// Checks that an error falls with the square of the number of links.

@@ -17,7 +17,7 @@ fn threads_do_not_change_the_bits() {
         let run = |threads: u32| {
             let summary = place.run(&format!(
                 "sheet.toml --duration 0.008 --threads {threads} --precision {precision} \
-                 --set integrator.method={method} --set integrator.step=0.001"
+                 --set integrator.method={method} --set integrator.step=0.0004"
             ));
             assert_eq!(summary["threads"], threads);
             (summary["state_hash"].clone(), place.read("out/cloth.pc2"))

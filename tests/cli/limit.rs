@@ -41,6 +41,18 @@ fn methods_that_never_bear_it_are_said_to_be_so() {
 }
 
 #[test]
+fn masses_that_single_precision_loses_are_said_to_be_lost() {
+    let place = Place::new();
+    let run = |words: &str| {
+        let words = format!("run tiny.toml --preview none --out out --duration 0.05 --set integrator.method={words}");
+        place.muslin(&words).stderr.contains("single precision loses such masses")
+    };
+    let stiff = "--set cloth.stretch.stiffness=1e9 --set integrator.step=0.01";
+    assert!(run(&format!("backward-euler {stiff}")) && run(&format!("bdf2 {stiff}")));
+    assert!(!run("backward-euler") && !run(&format!("backward-euler {stiff} --precision f64")));
+}
+
+#[test]
 fn nothing_is_said_where_nothing_limits_or_nobody_listens() {
     let place = Place::new();
     for words in ["backward-euler", "rk4 --quiet"] {

@@ -25,8 +25,12 @@ step = 0.005
 const SCALES: [f64; 5] = [0.0625, 0.25, 1.0, 4.0, 16.0];
 
 fn map(words: &str) -> (Place, Value) {
+    map_of(FREE, words)
+}
+
+fn map_of(scene: &str, words: &str) -> (Place, Value) {
     let place = Place::new();
-    place.write("free.toml", FREE);
+    place.write("free.toml", scene);
     let code = if words.contains("--budget") { 3 } else { 0 };
     let map = place.muslin(&format!("stability free.toml --json {words}")).expect(code).json();
     (place, map)
@@ -66,6 +70,12 @@ fn limits_are_those_of_the_fastest_mode() {
         let limit = limit(&map, method, newton);
         assert!(limit["theory"].is_null() && limit["failed"].is_null(), "{limit}");
         assert_eq!(limit["measured"], 0.02, "the longest step of twenty in the scene: {limit}");
+        assert_eq!(
+            (&limit["watched_s"], &limit["whole"]["held_s"]),
+            (&map["duration_s"], &map["duration_s"]),
+            "{limit}"
+        );
+        assert_eq!((&limit["whole"]["verdict"], &limit["whole"]["lasting"]), (&"fine".into(), &limit["measured"]));
     }
     let undamped = map["rows"].as_array().unwrap().iter().all(|row| row["damping_scale"] == 1.0);
     assert!(undamped && map["damping_ratio"] == 0.0, "there is nothing to scale");
@@ -73,7 +83,7 @@ fn limits_are_those_of_the_fastest_mode() {
     let files = ["stability.json", "stability.svg", "stability.txt", "study.html"];
     assert_eq!(place.files("out/free"), files);
     let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
-    for words in ["measured/theory", "fine up to, by stiffness", "went as it says"] {
+    for words in ["/theory", "to the end, 400.00 ms", "fails from, by stiffness", "went as it says"] {
         assert!(text.contains(words), "{words:?} is not in {text}");
     }
 }
@@ -89,6 +99,27 @@ fn damping_is_mapped_where_there_is_some() {
     let theory = |scale: f64| by_damping.iter().find(|row| row["damping_scale"] == scale).unwrap()["theory"].as_f64();
     assert!(theory(16.0) < theory(4.0) && theory(4.0) < theory(0.25), "{by_damping:?}");
     assert!(map["rows"].as_array().unwrap().iter().all(|row| row["method"] == "symplectic-euler"));
+}
+
+/// The sheet is stiff, so that a thousand steps end before it is pulled: drawn out it is stiffer.
+#[test]
+fn the_longest_step_is_watched_to_the_scene_s_end() {
+    let scene = FREE.replace("stiffness = 5.0", "stiffness = 5e4").replace(
+        "bend =",
+        r#"pin = [{ select = { edge = "left" } }, { select = { edge = "right" }, motion = { keys = [[0, 0, 0, 0], [0.2, 0, 0, 0], [0.4, 0.2, 0, 0]] } }]
+bend ="#,
+    );
+    let (place, map) = map_of(&scene, "--methods symplectic-euler");
+    let limit = limit(&map, "symplectic-euler", 1);
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{limit}"));
+    let (measured, whole) = (number(&limit["measured"]), &limit["whole"]);
+    assert!(number(&limit["watched_s"]) < 0.2, "{limit}");
+    assert!(whole["verdict"] != "fine" && (0.2..0.4).contains(&number(&whole["held_s"])), "{limit}");
+    let lasting = number(&whole["lasting"]);
+    assert!(lasting <= 0.951 * measured, "{limit}");
+    let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
+    let line = text.lines().find(|line| line.starts_with("symplectic-euler")).unwrap();
+    assert!(line.contains(" ms by ") && line.ends_with("holds"), "{text}");
 }
 
 #[test]

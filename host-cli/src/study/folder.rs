@@ -10,8 +10,8 @@ use crate::failure::{Failure, print_data, print_note};
 
 /// What a study found.
 pub struct Results {
-    /// The picture.
-    pub svg: String,
+    /// The picture, where there is something to show.
+    pub svg: Option<String>,
     /// The numbers as one JSON document.
     pub json: String,
     /// For people.
@@ -20,7 +20,7 @@ pub struct Results {
 
 impl Results {
     /// Of numbers that can be written.
-    pub fn new(svg: String, numbers: &impl Serialize, lines: String) -> Result<Self, Failure> {
+    pub fn new(svg: Option<String>, numbers: &impl Serialize, lines: String) -> Result<Self, Failure> {
         let json = serde_json::to_string_pretty(numbers).map_err(|error| Failure::Tool(error.to_string()))?;
         Ok(Self { svg, json, lines })
     }
@@ -69,10 +69,11 @@ impl Folder {
             .map_err(|error| Failure::Tool(error.to_string()))
     }
 
-    /// Writes results to three files of one name.
+    /// Writes results to files of one name.
     pub fn keep(&self, name: &str, results: &Results) -> Result<Vec<PathBuf>, Failure> {
-        let files = [("svg", &results.svg), ("json", &results.json), ("txt", &results.lines)];
-        files.into_iter().map(|(kind, text)| self.write(&format!("{name}.{kind}"), text)).collect()
+        let files = [("svg", results.svg.as_ref()), ("json", Some(&results.json)), ("txt", Some(&results.lines))];
+        let files = files.into_iter().filter_map(|(kind, text)| Some((kind, text?)));
+        files.map(|(kind, text)| self.write(&format!("{name}.{kind}"), text)).collect()
     }
 }
 

@@ -99,7 +99,7 @@ impl<'a> Study<'a> {
     /// Writes the picture, the numbers and the page, and prints the numbers or `lines`.
     pub fn finish(&self, name: &str, svg: &str, numbers: &impl Serialize, lines: &str) -> Result<(), Failure> {
         self.bar.finish_and_clear();
-        let results = Results::new(svg.into(), numbers, lines.into())?;
+        let results = Results::new(Some(svg.into()), numbers, lines.into())?;
         let mut written = self.folder.keep(name, &results)?;
         let page = page::of(self.folder.path(), &self.scene.desc.name);
         written.push(self.folder.write(page::NAME, &page)?);

@@ -4,6 +4,8 @@ mod cell;
 mod limits;
 mod map;
 mod report;
+mod share;
+mod words;
 
 use muslin_core::integrate::Method;
 

@@ -5,6 +5,7 @@ mod cantilever;
 mod catenary;
 mod chains;
 mod check;
+mod compression;
 mod critical;
 mod derivatives;
 mod elastica;
@@ -14,10 +15,13 @@ mod friction;
 mod hinge;
 mod lab;
 mod lattice;
+mod momentum;
 mod net;
 mod orders;
 mod patch;
+mod projection;
 mod report;
+mod spectra;
 
 pub use cantilever::{CUTS, GAMMAS, TOLERANCE};
 pub use elastica::drop_over_reach;
@@ -43,15 +47,19 @@ struct Group {
 }
 
 /// Every group, in the order of its report.
-const GROUPS: [Group; 11] = [
+const GROUPS: [Group; 15] = [
     Group { name: "cantilever", about: cantilever::ABOUT, checks: cantilever::checks },
     Group { name: "hinge", about: hinge::ABOUT, checks: hinge::checks },
     Group { name: "patch", about: patch::ABOUT, checks: patch::checks },
     Group { name: "derivatives", about: derivatives::ABOUT, checks: derivatives::checks },
+    Group { name: "projection", about: projection::ABOUT, checks: projection::checks },
+    Group { name: "compression", about: compression::ABOUT, checks: compression::checks },
+    Group { name: "spectra", about: spectra::ABOUT, checks: spectra::checks },
     Group { name: "chains", about: chains::ABOUT, checks: chains::checks },
     Group { name: "catenary", about: catenary::ABOUT, checks: catenary::checks },
     Group { name: "energy", about: energy::ABOUT, checks: energy::checks },
     Group { name: "falls", about: falls::ABOUT, checks: falls::checks },
+    Group { name: "momentum", about: momentum::ABOUT, checks: momentum::checks },
     Group { name: "orders", about: orders::ABOUT, checks: orders::checks },
     Group { name: "critical", about: critical::ABOUT, checks: critical::checks },
     Group { name: "friction", about: friction::ABOUT, checks: friction::checks },
@@ -63,7 +71,7 @@ pub fn validate(arguments: &ValidateArguments) -> Result<(), Failure> {
     let folder = Folder::make(arguments.out.clone())?;
     let report = run(&chosen, arguments.quiet)?;
     let results = Results::new(draw::master_curve(&report.rows), &report, report.lines())?;
-    let written = folder.keep("validate", &results)?;
+    let written = folder.keep(&file_name(arguments.only.as_deref()), &results)?;
     results.print(arguments.json, arguments.quiet, &written)?;
     match report.verdict() {
         Some(why) => Err(Failure::Missed(why)),
@@ -71,10 +79,25 @@ pub fn validate(arguments: &ValidateArguments) -> Result<(), Failure> {
     }
 }
 
-/// The groups with those of their checks whose name, with the group before it, contains a text.
+/// Of the files: a part of the checks does not write over the whole.
+fn file_name(only: Option<&str>) -> String {
+    let words = only.map_or_else(Vec::new, words);
+    ["validate"].into_iter().chain(words).collect::<Vec<_>>().join("-").to_lowercase()
+}
+
+/// A group of its whole name, or else every group with those of their checks that have some words in a
+/// row in their name, the group's before it.
 fn choose(only: Option<&str>) -> Result<Vec<(&'static Group, Vec<Check>)>, Failure> {
-    let wanted =
-        |group: &Group, check: &Check| only.is_none_or(|only| format!("{} {}", group.name, check.name).contains(only));
+    let only = only.map(words);
+    let is_group = |only: &[&str]| GROUPS.iter().any(|group| only == [group.name]);
+    let wanted = |group: &Group, check: &Check| match only.as_deref() {
+        None => true,
+        Some(only) if is_group(only) => only == [group.name],
+        Some(only) => {
+            let name = format!("{} {}", group.name, check.name);
+            !only.is_empty() && words(&name).windows(only.len()).any(|part| part == only)
+        }
+    };
     let chosen: Vec<_> = GROUPS
         .iter()
         .map(|group| (group, (group.checks)().into_iter().filter(|check| wanted(group, check)).collect::<Vec<_>>()))
@@ -83,12 +106,18 @@ fn choose(only: Option<&str>) -> Result<Vec<(&'static Group, Vec<Check>)>, Failu
     if chosen.is_empty() {
         let groups: Vec<_> = GROUPS.iter().map(|group| group.name).collect();
         return Err(Failure::Usage(format!(
-            "--only {}: no check has this in its name; the groups are {}",
-            only.unwrap_or_default(),
+            "--only {}: no check has these words in its name; the groups are {}",
+            only.unwrap_or_default().join(" "),
             groups.join(", ")
         )));
     }
     Ok(chosen)
+}
+
+/// Words and numbers, without what is between them.
+fn words(text: &str) -> Vec<&str> {
+    let between = |letter: char| !(letter.is_alphanumeric() || matches!(letter, '.' | '-'));
+    text.split(between).filter(|word| !word.is_empty()).collect()
 }
 
 /// Measures one check after the other.
@@ -121,6 +150,31 @@ fn run(chosen: &[(&'static Group, Vec<Check>)], quiet: bool) -> Result<Report, F
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn chosen(only: &str) -> Vec<String> {
+        let groups = choose(Some(only)).map_err(|why| format!("{why:?}")).unwrap();
+        groups.into_iter().flat_map(|(_, checks)| checks).map(|check| check.name).collect()
+    }
+
+    #[test]
+    fn whole_words_choose() {
+        let gamma = chosen("Gamma 10");
+        assert!(gamma.len() == 6 && gamma.iter().all(|name| name.ends_with(", Gamma 10")), "{gamma:?}");
+        assert_eq!(chosen("rows along Gamma 0.5"), ["rows along, Gamma 0.5"]);
+        assert_eq!(chosen("cantilever rows across, order"), ["rows across, order by the edges"]);
+        // A group's name, though others have it in the names of their checks.
+        assert_eq!(chosen("energy").len(), energy::checks().len());
+        for nothing in ["Gamma 1000000", "amma 10", "", " , "] {
+            assert!(choose(Some(nothing)).is_err(), "{nothing:?}");
+        }
+    }
+
+    #[test]
+    fn files_of_a_part_have_names_of_their_own() {
+        let names = [None, Some("hinge"), Some("Gamma 0.5"), Some("../rows [1.0, 0.5], x/y")].map(file_name);
+        let expected = ["validate", "validate-hinge", "validate-gamma-0.5", "validate-..-rows-1.0-0.5-x-y"];
+        assert_eq!(names, expected);
+    }
 
     #[test]
     fn names_tell_checks_apart() {

@@ -25,13 +25,16 @@ const ENDS: (f64, f64) = (0.06, 1600.0);
 /// Points of the curve.
 const POINTS: u32 = 120;
 
-/// Drop over reach by Gamma beside its error.
-pub fn master_curve(rows: &[Row]) -> String {
+/// Drop over reach by Gamma beside its error; none where none was measured.
+pub fn master_curve(rows: &[Row]) -> Option<String> {
     let panel = |title: &str, label: &str, heights: (f64, f64)| {
         let layout = Layout::new(ENDS, heights).with_title(title).with_x_label("Gamma = w L^3 / D").with_y_label(label);
         layout.with_log_x().with_x_tick_format(TickFormat::Sci)
     };
     let measured = points(rows, |row| row.measured);
+    if measured.iter().all(Vec::is_empty) {
+        return None;
+    }
     let errors = points(rows, |row| row.error.map(|error| 100.0 * error));
     let reach = errors.iter().flatten().map(|point| point.1.abs()).fold(150.0 * TOLERANCE, |a, b| a.max(1.1 * b));
     let drops = panel("drop over reach", "H / W", (drop_over_reach(ENDS.0), drop_over_reach(ENDS.1)));
@@ -45,7 +48,7 @@ pub fn master_curve(rows: &[Row]) -> String {
         .with_layouts(vec![drops.with_log_y().with_y_tick_format(TickFormat::Sci), off])
         .with_cell_size(PANEL[0], PANEL[1])
         .with_shared_legend_right_middle();
-    SvgBackend.render_scene(&figure.render())
+    Some(SvgBackend.render_scene(&figure.render()))
 }
 
 /// Gamma and a value of each cut where it was measured.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use kuva::backend::svg::SvgBackend;
+use kuva::plot::legend::{LegendEntry, LegendShape};
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::Figure;
@@ -24,8 +25,11 @@ const LOOKS: [(Verdict, &str, MarkerShape); 4] = [
 /// The limit of theory.
 const THEORY: &str = "#0072b2";
 
-/// px of one panel.
-const PANEL: [f64; 2] = [410.0, 230.0];
+/// px of one panel, by the number of axes: as many columns fit the width of a page.
+const PANELS: [(usize, [f64; 2]); 2] = [(2, [410.0, 190.0]), (4, [200.0, 185.0])];
+
+/// px of titles, of labels and of the numbers at ticks.
+const SIZES: [u32; 3] = [11, 11, 10];
 
 /// A panel for each method and axis.
 pub fn stability(map: &Map) -> String {
@@ -33,19 +37,38 @@ pub fn stability(map: &Map) -> String {
     // Without a run there is nothing to show.
     let limits = map.limits.iter().filter(|limit| limit.runs > 0);
     let panels = limits.flat_map(|limit| axes.iter().map(move |&axis| (limit.name.as_str(), axis)));
-    let (plots, layouts): (Vec<_>, Vec<_>) =
-        panels.enumerate().map(|(place, (name, axis))| panel(map, name, axis, place == 0)).unzip();
-    let rows = plots.len().div_ceil(2);
-    let figure = Figure::new(rows, 2)
-        .with_title(format!("{}: where each method fails; blue: the limit of theory", map.scene))
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels.map(|(name, axis)| panel(map, name, axis)).unzip();
+    let (columns, [wide, high]) = PANELS[axes.len() - 1];
+    let columns = columns.min(plots.len().max(1));
+    let figure = Figure::new(plots.len().div_ceil(columns), columns)
+        .with_title(format!("{}: where each method fails", map.scene))
+        .with_title_size(16)
         .with_plots(plots)
         .with_layouts(layouts)
-        .with_cell_size(PANEL[0], PANEL[1])
-        .with_shared_legend_bottom();
+        .with_cell_size(wide, high)
+        .with_spacing(8.0)
+        .with_padding(16.0)
+        .with_shared_legend_top_center()
+        .with_shared_legend_entries(legend(map));
     SvgBackend.render_scene(&figure.render())
 }
 
-fn panel(map: &Map, name: &str, axis: Axis, with_legend: bool) -> (Vec<Plot>, Layout) {
+/// What there is on the maps.
+fn legend(map: &Map) -> Vec<LegendEntry> {
+    let entry = |label: &str, color: &str, shape| LegendEntry {
+        label: label.into(),
+        color: color.into(),
+        shape,
+        dasharray: None,
+    };
+    let there = |verdict| map.rows.iter().any(|row| row.verdict == verdict);
+    let marks = LOOKS.iter().filter(|look| there(look.0));
+    let marks = marks.map(|&(verdict, color, marker)| entry(verdict.name(), color, LegendShape::Marker(marker)));
+    let limited = map.rows.iter().any(|row| row.theory.is_some_and(|theory| theory > 0.0));
+    marks.chain(limited.then(|| entry("limit of theory", THEORY, LegendShape::Line))).collect()
+}
+
+fn panel(map: &Map, name: &str, axis: Axis) -> (Vec<Plot>, Layout) {
     let cells: Vec<_> =
         map.rows.iter().filter(|row| row.name == name).filter_map(|row| Some((row, axis.of(row)?))).collect();
     let steps = range(cells.iter().map(|(row, _)| row.step));
@@ -55,8 +78,11 @@ fn panel(map: &Map, name: &str, axis: Axis, with_legend: bool) -> (Vec<Plot>, La
         .with_y_tick_format(TickFormat::Custom(Arc::new(|scale| format!("{scale}"))))
         .with_title(name)
         .with_x_label("step, s")
-        .with_y_label(format!("times its {}", axis.name()));
-    let mut plots: Vec<_> = LOOKS.iter().map(|look| marks(&cells, look, with_legend)).collect();
+        .with_y_label(format!("times its {}", axis.name()))
+        .with_title_size(SIZES[0])
+        .with_label_size(SIZES[1])
+        .with_tick_size(SIZES[2]);
+    let mut plots: Vec<_> = LOOKS.iter().map(|look| marks(&cells, look)).collect();
     plots.extend(theory(&cells, steps));
     (plots, layout)
 }
@@ -68,12 +94,11 @@ fn decade(step: f64) -> String {
 }
 
 /// What went one way.
-fn marks(cells: &[(&Row, f64)], look: &(Verdict, &str, MarkerShape), with_legend: bool) -> Plot {
+fn marks(cells: &[(&Row, f64)], look: &(Verdict, &str, MarkerShape)) -> Plot {
     let &(verdict, color, marker) = look;
     let at: Vec<_> =
         cells.iter().filter(|(row, _)| row.verdict == verdict).map(|(row, scale)| (row.step, *scale)).collect();
-    let marks = ScatterPlot::new().with_data(at).with_color(color).with_marker(marker).with_size(4.0);
-    Plot::Scatter(if with_legend { marks.with_legend(verdict.name()) } else { marks })
+    Plot::Scatter(ScatterPlot::new().with_data(at).with_color(color).with_marker(marker).with_size(3.0))
 }
 
 /// The limit of theory by scale, as far as it lies on the map.

@@ -8,11 +8,11 @@ use toml::Value;
 
 use crate::args::Precision;
 use crate::failure::Failure;
-use crate::study::Study;
 use crate::study::trajectory::{Ending, Limits, Trajectory, fly_scene};
 use crate::study::variant::SAMPLES;
 
 use super::map::Ground;
+use super::share::Share;
 
 /// A method, solved by so many Newton iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,27 +66,29 @@ impl Verdict {
     }
 }
 
-/// Steps of a run of explicit methods, however long the scene: what is unstable shows within, seeded by
-/// rounding. And of implicit ones at most: within the scene.
-const EXPLICIT_STEPS: u64 = 1000;
-const IMPLICIT_STEPS: u64 = 200;
+/// Steps of a run of explicit methods, however long the scene: what is unstable from the start shows
+/// within, seeded by rounding. And of implicit ones at most: within the scene.
+pub const EXPLICIT_STEPS: u64 = 1000;
+pub const IMPLICIT_STEPS: u64 = 200;
 
-/// Steps of `step` seconds in a run of a scene of some duration, a multiple of the samples.
-fn steps(duration: f64, step: f64, method: Method) -> u64 {
-    let whole = (duration / step * (1.0 + 1e-9)) as u64;
-    let steps = if method.is_implicit() { whole.min(IMPLICIT_STEPS) } else { EXPLICIT_STEPS };
-    (steps / SAMPLES).max(1) * SAMPLES
+/// Steps of `step` seconds in a whole scene of some duration, to the nearest multiple of the samples.
+pub fn whole(duration: f64, step: f64) -> u64 {
+    (duration / step / SAMPLES as f64).round().max(1.0) as u64 * SAMPLES
 }
 
-/// Runs a subject from the start of a scene by steps of about `step`, s.
+/// Steps of a cell of the map.
+pub fn watched(duration: f64, step: f64, method: Method) -> u64 {
+    if method.is_implicit() { whole(duration, step).min(IMPLICIT_STEPS) } else { EXPLICIT_STEPS }
+}
+
+/// Runs a subject from the start of a scene by so many steps of `step` seconds.
 pub fn fly(
-    study: &Study<'_>,
+    share: &Share<'_, '_>,
     subject: Subject,
     ground: &Ground,
-    step: f64,
+    (step, steps): (f64, u64),
     energy: f64,
 ) -> Result<Trajectory, Failure> {
-    let steps = steps(study.scene.desc.duration, step, subject.method);
     let duration = steps as f64 * step;
     let scene = ground.scene.changed(&[
         ("duration", Some(Value::Float(duration))),
@@ -95,8 +97,8 @@ pub fn fly(
         ("integrator.newton", Some(Value::Integer(subject.newton.into()))),
         ("integrator.step", Some(Value::Float(step))),
     ])?;
-    let limits = Limits { wall: study.left().max(Duration::from_millis(1)), energy };
-    fly_scene(study, &scene, Precision::F32, steps / SAMPLES, limits)
+    let limits = Limits { wall: share.left().max(Duration::from_millis(1)), energy };
+    fly_scene(share.study, &scene, Precision::F32, steps / SAMPLES, limits)
 }
 
 /// What is to be said of a run, and why.
@@ -105,7 +107,7 @@ pub fn judge(run: &Trajectory) -> (Verdict, Option<String>) {
     match &run.ending {
         Ending::Diverged(what) => (Verdict::Diverged, Some(what.clone())),
         Ending::Grown => (Verdict::Growth, Some("its energy grew to 10 times what backward Euler has".into())),
-        Ending::OutOfTime => (Verdict::NotRun, Some("it took longer than what was left of the budget".into())),
+        Ending::OutOfTime => (Verdict::NotRun, Some("it took longer than its share of the budget".into())),
         Ending::Complete if solves > 0 => (Verdict::GaveUp, Some(format!("{solves} solves did not converge"))),
         Ending::Complete => (Verdict::Fine, None),
     }

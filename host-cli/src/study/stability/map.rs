@@ -13,6 +13,7 @@ use crate::units::time;
 
 use super::cell::{self, Subject, Verdict, judge};
 use super::report::Row;
+use super::share::Share;
 
 /// Where a scene says how stiff it is.
 const STIFFNESS: [&str; 6] = [
@@ -54,6 +55,8 @@ pub struct Ground {
     pub damping: f64,
     /// The scene.
     pub scene: SceneFile,
+    /// kg.
+    pub mass: f64,
     /// The stiffest and the most damped at its start.
     pub modes: [Mode; 2],
     /// The most kinetic and elastic energy that a run can have without having blown up, J.
@@ -64,11 +67,22 @@ pub struct Ground {
 /// ones.
 pub fn grounds(study: &Study<'_>) -> Result<Vec<Ground>, Failure> {
     let stiffnesses = SCALES.map(|stiffness| (stiffness, 1.0));
-    let mut grounds = Vec::new();
-    for (stiffness, damping) in stiffnesses.into_iter().chain(SCALES[1..].iter().map(|&damping| (1.0, damping))) {
-        let is_damped = grounds.first().is_none_or(|ground: &Ground| ground.modes[0].damping > 0.0);
+    let scales: Vec<_> = stiffnesses.into_iter().chain(SCALES[1..].iter().map(|&damping| (1.0, damping))).collect();
+    let mut grounds: Vec<Ground> = Vec::new();
+    for (place, &(stiffness, damping)) in scales.iter().enumerate() {
+        let is_damped = grounds.first().is_none_or(|ground| ground.modes[0].damping > 0.0);
         if damping == 1.0 || is_damped {
-            grounds.push(ground(study, stiffness, damping)?);
+            let mut ground = ground(study, stiffness, damping)?;
+            // Half is for the map. The scene itself is seen to its end, livelier likenesses for some time.
+            let own = match grounds.first() {
+                None => liveliest(&Share::one_of(2, study), &ground, true)?,
+                Some(_) if stiffness < 1.0 || damping < 1.0 => {
+                    liveliest(&Share::one_of(2 * (scales.len() - place), study), &ground, false)?
+                }
+                Some(_) => 0.0,
+            };
+            ground.energy = (BLOWN_UP * own).max(grounds.first().map_or(0.0, |scene| scene.energy));
+            grounds.push(ground);
         }
     }
     Ok(grounds)
@@ -80,12 +94,18 @@ fn ground(study: &Study<'_>, stiffness: f64, damping: f64) -> Result<Ground, Fai
     let (engine, _) = engine::build(&scene, Precision::F64)
         .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
     let modes = engine.fastest_modes(STEADY, ITERATIONS);
-    let mut ground = Ground { stiffness, damping, scene, modes, energy: f64::INFINITY };
+    Ok(Ground { stiffness, damping, scene, modes, mass: engine.mass(), energy: f64::INFINITY })
+}
+
+/// The most kinetic and elastic energy of the witness, J.
+fn liveliest(share: &Share<'_, '_>, ground: &Ground, to_its_end: bool) -> Result<f64, Failure> {
+    let desc = &share.study.scene.desc;
     let witness = Subject { method: Method::BackwardEuler, newton: 1 };
-    let step = study.scene.desc.integrator.step.min(study.scene.desc.duration / SAMPLES as f64);
-    let liveliest = cell::fly(study, witness, &ground, step, f64::INFINITY)?.liveliest();
-    ground.energy = BLOWN_UP * liveliest.max(REST * engine.mass());
-    Ok(ground)
+    let step = desc.integrator.step.min(desc.duration / SAMPLES as f64);
+    let watched = cell::watched(desc.duration, step, witness.method);
+    let steps = if to_its_end { cell::whole(desc.duration, step) } else { watched };
+    let run = cell::fly(share, witness, ground, (step, steps), f64::INFINITY)?;
+    Ok(run.liveliest().max(REST * ground.mass))
 }
 
 /// Steps at which a subject is run, s; the same on every ground.
@@ -106,21 +126,21 @@ fn steps(study: &Study<'_>, subject: Subject, grounds: &[Ground]) -> Vec<f64> {
     steps.map(|half| own * 2f64.powf(0.5 * f64::from(half) - 0.25)).collect()
 }
 
-/// Runs every subject on some of all grounds.
+/// Runs every subject on some of all grounds, each for its share of the time.
 pub fn run(study: &Study<'_>, subjects: &[Subject], all: &[Ground], some: &[Ground]) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
-    for ground in some {
-        for &subject in subjects {
-            for step in steps(study, subject, all) {
-                rows.push(run_cell(study, subject, ground, step)?);
-            }
+    let pairs: Vec<_> = some.iter().flat_map(|ground| subjects.iter().map(move |&subject| (ground, subject))).collect();
+    for (place, &(ground, subject)) in pairs.iter().enumerate() {
+        let share = Share::one_of(pairs.len() - place, study);
+        for step in steps(study, subject, all) {
+            rows.push(run_cell(&share, subject, ground, step)?);
         }
     }
     Ok(rows)
 }
 
-/// Runs a subject on a ground by steps of about `step`, s.
-pub fn run_cell(study: &Study<'_>, subject: Subject, ground: &Ground, step: f64) -> Result<Row, Failure> {
+/// Runs a subject on a ground by steps of `step` seconds.
+pub fn run_cell(share: &Share<'_, '_>, subject: Subject, ground: &Ground, step: f64) -> Result<Row, Failure> {
     let mut row = Row {
         method: subject.method.name(),
         newton: subject.newton,
@@ -130,15 +150,19 @@ pub fn run_cell(study: &Study<'_>, subject: Subject, ground: &Ground, step: f64)
         damping_scale: ground.damping,
         theory: ground.theory(subject.method),
         steps: 0,
+        watched: 0.0,
+        wall: 0.0,
         verdict: Verdict::NotRun,
-        why: Some("nothing was left of the budget".into()),
+        why: Some("its share of the budget was used up".into()),
     };
-    if study.left().is_zero() {
+    if share.left().is_zero() {
         return Ok(row);
     }
-    study.say(&format!("{}, step {}, stiffness x {}", row.name, time(step), ground.stiffness));
-    let run = cell::fly(study, subject, ground, step, ground.energy)?;
+    share.study.say(&format!("{}, step {}, stiffness x {}", row.name, time(step), ground.stiffness));
+    let steps = cell::watched(share.study.scene.desc.duration, step, subject.method);
+    let run = cell::fly(share, subject, ground, (step, steps), ground.energy)?;
     row.steps = run.report.steps;
+    (row.watched, row.wall) = (row.steps as f64 * step, run.wall);
     (row.verdict, row.why) = judge(&run);
     Ok(row)
 }

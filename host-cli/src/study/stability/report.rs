@@ -6,13 +6,9 @@ use muslin_core::integrate::stability::Mode;
 use serde::Serialize;
 
 use crate::study::Study;
-use crate::units::time;
 
 use super::cell::{Subject, Verdict};
 use super::map::Ground;
-
-/// Measured over theory, below which theory leaves something out.
-const EARLY: f64 = 0.9;
 
 /// One run.
 #[derive(Clone, Debug, Serialize)]
@@ -35,6 +31,12 @@ pub struct Row {
     pub theory: Option<f64>,
     /// Steps taken.
     pub steps: u64,
+    /// Of the scene, s.
+    #[serde(rename = "watched_s")]
+    pub watched: f64,
+    /// What its steps took, s.
+    #[serde(rename = "wall_s")]
+    pub wall: f64,
     /// How it went.
     pub verdict: Verdict,
     /// What went wrong.
@@ -54,6 +56,21 @@ impl Row {
     }
 }
 
+/// What came of a method's longest step over the whole scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Whole {
+    /// Steps of that length in the scene.
+    pub steps: u64,
+    /// Until it failed, s; the scene's duration where it did not, nothing where it would have taken too long.
+    #[serde(rename = "held_s")]
+    pub held: f64,
+    /// How it went.
+    pub verdict: Verdict,
+    /// The longest step that was fine to the scene's end, of it and of ten at most, each 5 % shorter than
+    /// the one before, s.
+    pub lasting: Option<f64>,
+}
+
 /// The longest step of a method on the scene itself.
 #[derive(Clone, Debug, Serialize)]
 pub struct Limit {
@@ -68,10 +85,17 @@ pub struct Limit {
     pub runs: usize,
     /// The longest step below which every run was fine, s; none where none was.
     pub measured: Option<f64>,
+    /// Of the scene with that step, s.
+    #[serde(rename = "watched_s")]
+    pub watched: Option<f64>,
+    /// That step to the scene's end.
+    pub whole: Option<Whole>,
     /// The shortest step of the map that was not, s.
     pub failed: Option<f64>,
     /// How that one went.
     pub failed_by: Option<Verdict>,
+    /// The next longer step of the map that was fine again, s.
+    pub fine_again: Option<f64>,
     /// What theory allows, s.
     pub theory: Option<f64>,
     /// Measured over theory; none where the budget did not do to measure it.
@@ -111,6 +135,8 @@ impl Axis {
 pub struct Map {
     /// Its name.
     pub scene: String,
+    /// s.
+    pub duration_s: f64,
     /// Frequency of the stiffest mode at the scene's start, Hz.
     pub fastest_mode_hz: f64,
     /// Its damping, of critical.
@@ -132,6 +158,7 @@ pub fn summarise(study: &Study<'_>, grounds: &[Ground], rows: Vec<Row>, limits: 
     let foretold: Vec<_> = rows.iter().filter_map(Row::is_foretold).collect();
     Map {
         scene: study.scene.desc.name.clone(),
+        duration_s: study.scene.desc.duration,
         fastest_mode_hz: omega / TAU,
         damping_ratio: if omega > 0.0 { 0.5 * damping / omega } else { 0.0 },
         foretold: [foretold.len(), foretold.iter().filter(|&&right| right).count()],
@@ -152,83 +179,4 @@ impl Map {
     pub fn missing(&self) -> usize {
         self.rows.iter().filter(|row| row.verdict == Verdict::NotRun).count()
     }
-
-    /// For people.
-    pub fn lines(&self) -> String {
-        let [asked, right] = self.foretold;
-        let mut lines = vec![
-            format!(
-                "{}: the fastest mode at its start has {:.0} Hz and {:.2} of critical damping",
-                self.scene, self.fastest_mode_hz, self.damping_ratio
-            ),
-            "explicit methods are watched for 1000 steps, implicit ones for 200 or to the scene's end".into(),
-            String::new(),
-            "longest step                     theory     measured   measured/theory   of the map".into(),
-        ];
-        lines.extend(self.limits.iter().map(limit_line));
-        for axis in self.axes() {
-            lines.extend(self.scale_lines(axis));
-        }
-        lines.push(String::new());
-        lines.extend(self.limits.iter().filter_map(early));
-        lines.push(format!("of {asked} runs near a limit of theory {right} went as it says"));
-        if self.missing() > 0 {
-            lines.push(format!("{} runs are missing: the budget was used up", self.missing()));
-        }
-        lines.join("\n")
-    }
-
-    /// The longest fine step of each subject by scale.
-    fn scale_lines(&self, axis: Axis) -> Vec<String> {
-        let mut scales: Vec<_> = self.rows.iter().filter_map(|row| axis.of(row)).collect();
-        scales.sort_by(f64::total_cmp);
-        scales.dedup();
-        let head: String = scales.iter().map(|scale| format!("{:>11}", format!("x {scale}"))).collect();
-        let title = format!("fine up to, by {}", axis.name());
-        let lines = self.limits.iter().map(|limit| {
-            let cells: String =
-                scales.iter().map(|&scale| format!("{:>11}", self.longest(limit, axis, scale))).collect();
-            format!("{:<28}{cells}", limit.name)
-        });
-        [String::new(), format!("{title:<28}{head}")].into_iter().chain(lines).collect()
-    }
-
-    /// The longest step of the map below which a subject is fine.
-    fn longest(&self, limit: &Limit, axis: Axis, scale: f64) -> String {
-        let rows = self.rows.iter().filter(|row| row.name == limit.name && axis.of(row) == Some(scale));
-        let fine = rows.take_while(|row| row.verdict == Verdict::Fine).last();
-        fine.map_or_else(|| "-".into(), |row| time(row.step))
-    }
-}
-
-/// Why a method failed by much shorter steps than the fastest mode asks for.
-fn early(limit: &Limit) -> Option<String> {
-    let early = limit.ratio.is_some_and(|ratio| ratio < EARLY);
-    early.then(|| {
-        format!(
-            "{} fails early: slower modes are damped less than the fastest, or the cloth stiffens as it is drawn",
-            limit.name
-        )
-    })
-}
-
-fn limit_line(limit: &Limit) -> String {
-    let theory = match limit.theory {
-        Some(0.0) => "none".into(),
-        Some(theory) => time(theory),
-        None => "any".into(),
-    };
-    let measured = match (limit.measured, limit.failed) {
-        (Some(measured), Some(_)) if limit.theory.is_none_or(|t| t == 0.0) || limit.ratio.is_some() => time(measured),
-        (Some(measured), _) => format!("> {}", time(measured)),
-        (None, Some(_)) => "none".into(),
-        (None, None) => "not run".into(),
-    };
-    let then = match limit.failed.zip(limit.failed_by) {
-        Some((step, Verdict::GaveUp)) => format!("the solver gave up by {}", time(step)),
-        Some((step, verdict)) => format!("{} by {}", verdict.name(), time(step)),
-        None => String::new(),
-    };
-    let ratio = limit.ratio.map_or_else(String::new, |ratio| format!("{ratio:.3}"));
-    format!("{:<28}{theory:>11}{measured:>13}   {ratio:<15}   {then}", limit.name).trim_end().into()
 }

@@ -44,10 +44,12 @@ pub fn checks() -> Vec<Check> {
     });
     let sphere = |x: f64, z: f64| 0.5 * (x * x + z * z);
     let saddle = |x: f64, z: f64| 0.5 * (x * x - z * z);
+    let twist = |x: f64, z: f64| x * z;
     // D/2 (2 + 2 nu) and D/2 (2 - 2 nu).
     let shapes = [
         Check::relative("equilateral hinges on a sphere", 4.0 / 3.0, 1e-6, move |_| rigidity("equilateral", sphere)),
         Check::relative("equilateral hinges on a saddle", 8.0 / 3.0, 1e-6, move |_| rigidity("equilateral", saddle)),
+        Check::relative("equilateral hinges on a twist", 8.0 / 3.0, 1e-6, move |_| rigidity("equilateral", twist)),
         Check::relative("equilateral hinges, Poisson's ratio", -1.0 / 3.0, 1e-6, move |_| {
             let [sphere, saddle] = [rigidity("equilateral", sphere)?, rigidity("equilateral", saddle)?];
             Ok((sphere - saddle) / (sphere + saddle))

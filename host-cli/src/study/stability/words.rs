@@ -1,0 +1,151 @@
+//! What the maps say in words.
+
+use crate::units::{significant, time, time_between};
+
+use super::cell::{EXPLICIT_STEPS, IMPLICIT_STEPS, Verdict};
+use super::report::{Axis, Limit, Map, Row, Whole};
+
+/// Measured over theory, below which theory leaves something out.
+const EARLY: f64 = 0.9;
+
+/// After a cell.
+const FINE_AGAIN: char = '*';
+const NOT_ALL: char = '?';
+
+impl Map {
+    /// For people.
+    pub fn lines(&self) -> String {
+        let [asked, right] = self.foretold;
+        let mut lines = vec![
+            format!(
+                "{}: the fastest mode at its start has {:.0} Hz and {:.2} of critical damping",
+                self.scene, self.fastest_mode_hz, self.damping_ratio
+            ),
+            format!(
+                "explicit methods are watched for {EXPLICIT_STEPS} steps, implicit ones for {IMPLICIT_STEPS} or to the \
+                 scene's end; then the longest"
+            ),
+            "step of each to the end, and where that fails steps shorter by 5 % each".into(),
+            String::new(),
+            format!(
+                "{:<28}{:>11}{:>17}{:>9}{:>10}   to the end, {}",
+                "longest step",
+                "theory",
+                "measured",
+                "/theory",
+                "watched",
+                time(self.duration_s)
+            ),
+        ];
+        lines.extend(self.limits.iter().map(limit_line));
+        lines.extend(self.axes().into_iter().flat_map(|axis| self.scale_lines(axis)));
+        lines.push(String::new());
+        lines.extend(self.limits.iter().filter_map(first_failure));
+        lines.extend(self.limits.iter().filter_map(early));
+        lines.push(format!("of {asked} runs near a limit of theory {right} went as it says"));
+        if self.missing() > 0 {
+            lines.push(format!("{} runs are missing: the budget was used up", self.missing()));
+        }
+        lines.join("\n")
+    }
+
+    /// Where each subject begins to fail, by scale.
+    fn scale_lines(&self, axis: Axis) -> Vec<String> {
+        let mut scales: Vec<_> = self.rows.iter().filter_map(|row| axis.of(row)).collect();
+        scales.sort_by(f64::total_cmp);
+        scales.dedup();
+        let head: String = scales.iter().map(|scale| format!("{:>17}", format!("x {scale}"))).collect();
+        let title = format!("fails from, by {}", axis.name());
+        let lines: Vec<_> = self
+            .limits
+            .iter()
+            .map(|limit| {
+                let cells = scales.iter().map(|&scale| format!("{:>17}", self.begins(limit, axis, scale)));
+                format!("{:<28}{}", limit.name, cells.collect::<String>())
+            })
+            .collect();
+        let notes = [(FINE_AGAIN, "and longer steps are fine again"), (NOT_ALL, "longer steps were not run")];
+        let notes = notes.into_iter().filter(|(mark, _)| lines.iter().any(|line| line.contains(*mark)));
+        let notes: Vec<_> = notes.map(|(mark, what)| format!("{mark} {what}")).collect();
+        [String::new(), format!("{title:<28}{head}")].into_iter().chain(lines).chain(notes).collect()
+    }
+
+    /// Between which steps of the map a subject begins to fail.
+    fn begins(&self, limit: &Limit, axis: Axis, scale: f64) -> String {
+        let all = || self.rows.iter().filter(|row| row.name == limit.name && axis.of(row) == Some(scale));
+        let rows: Vec<&Row> = all().filter(|row| row.verdict != Verdict::NotRun).collect();
+        let fine = rows.iter().take_while(|row| row.verdict == Verdict::Fine).count();
+        let between = between(rows[..fine].last().map(|row| row.step), rows.get(fine).map(|row| row.step));
+        let again = rows[fine..].iter().any(|row| row.verdict == Verdict::Fine);
+        let not_all = (1..all().count()).contains(&rows.len()) && fine == rows.len();
+        let marks = [(again, FINE_AGAIN), (not_all, NOT_ALL)].into_iter().filter(|mark| mark.0).map(|mark| mark.1);
+        between.chars().chain(marks).collect()
+    }
+}
+
+/// From what is fine to what is not.
+fn between(fine: Option<f64>, failed: Option<f64>) -> String {
+    match (fine, failed) {
+        (Some(fine), Some(failed)) => time_between(fine, failed),
+        (Some(fine), None) => format!("> {}", significant(fine, 2)),
+        (None, Some(failed)) => format!("< {}", significant(failed, 2)),
+        (None, None) => "-".into(),
+    }
+}
+
+fn limit_line(limit: &Limit) -> String {
+    let theory = match limit.theory {
+        Some(0.0) => "none".into(),
+        Some(theory) => significant(theory, 4),
+        None => "any".into(),
+    };
+    let measured = match (limit.measured, limit.ratio) {
+        (Some(measured), Some(_)) => significant(measured, 4),
+        _ if limit.runs == 0 => "not run".into(),
+        (measured, _) => between(measured, limit.failed),
+    };
+    let ratio = limit.ratio.map_or_else(String::new, |ratio| format!("{ratio:.3}"));
+    let watched = limit.watched.map_or_else(String::new, |watched| significant(watched, 2));
+    let whole =
+        limit.whole.as_ref().zip(limit.measured).map_or_else(String::new, |(whole, step)| to_the_end(whole, step));
+    format!("{:<28}{theory:>11}{measured:>17}{ratio:>9}{watched:>10}   {whole}", limit.name).trim_end().into()
+}
+
+/// What came of a step over the whole scene.
+fn to_the_end(whole: &Whole, step: f64) -> String {
+    let lasting = match whole.lasting {
+        Some(lasting) => format!("{} holds", significant(lasting, 3)),
+        None => "none that holds was found".into(),
+    };
+    match whole.verdict {
+        Verdict::Fine => "holds".into(),
+        Verdict::NotRun if whole.held > 0.0 => format!("held {} when its time was up", significant(whole.held, 2)),
+        Verdict::NotRun => format!("not watched: {} steps", whole.steps),
+        Verdict::GaveUp => format!("the solver gave up; {lasting}"),
+        verdict => {
+            format!("{} at {} by {}; {lasting}", verdict.name(), significant(whole.held, 2), significant(step, 3))
+        }
+    }
+}
+
+/// How a subject fails first on the map.
+fn first_failure(limit: &Limit) -> Option<String> {
+    let (step, verdict) = limit.failed.zip(limit.failed_by)?;
+    let what = match verdict {
+        Verdict::GaveUp => "the solver gave up",
+        verdict => verdict.name(),
+    };
+    let again = limit.fine_again.map_or_else(String::new, |again| format!(", fine again by {}", significant(again, 2)));
+    Some(format!("{}: {what} by {}{again}", limit.name, significant(step, 2)))
+}
+
+/// Why a method failed by much shorter steps than the fastest mode asks for.
+fn early(limit: &Limit) -> Option<String> {
+    let early = limit.ratio.is_some_and(|ratio| ratio < EARLY);
+    early.then(|| {
+        format!(
+            "{} fails early: slower modes are damped less than the fastest, or the cloth stiffens as it is drawn",
+            limit.name
+        )
+    })
+}

@@ -1,0 +1,44 @@
+//! How the fastest mode of a sheet grows as it is refined: bending takes over.
+
+use muslin_core_f64::integrate::Jacobian;
+use muslin_core_f64::spectrum::Tangent;
+
+use super::check::Check;
+use super::lab::{self, Miss};
+
+/// For the report.
+pub const ABOUT: &str = "the largest eigenvalue of flat sheets of 6, 12 and 24 cells: the power of the number of cells by \
+                         which it grows, the one farther off";
+
+/// Stretch grows by the square of the cells, bending by the fourth power.
+const TERMS: [(&str, &str, f64); 3] = [
+    ("hinges", r#"bend = { model = "hinge", rigidity = 1e-3 }"#, 4.0),
+    ("membrane", r#"stretch = { model = "membrane", stiffness = 100.0 }"#, 2.0),
+    ("springs", r#"stretch = { model = "spring", stiffness = 100.0 }"#, 2.0),
+];
+
+/// All checks.
+pub fn checks() -> Vec<Check> {
+    let each = TERMS.into_iter().map(|(name, material, power)| {
+        Check::absolute(format!("{name}, power of the cells"), power, 0.01, move |_| growth(material, power))
+    });
+    each.collect()
+}
+
+fn growth(material: &str, power: f64) -> Result<f64, Miss> {
+    let [coarse, middle, fine] = [6, 12, 24].map(|cells| largest(material, cells));
+    let middle = middle?;
+    let [first, second] = [middle / coarse?, fine? / middle].map(f64::log2);
+    Ok(if (first - power).abs() > (second - power).abs() { first } else { second })
+}
+
+/// Of a free sheet whose border looks the same at every size, 1/s^2.
+fn largest(material: &str, cells: u32) -> Result<f64, Miss> {
+    let depth = 0.75f64.sqrt() * 0.4;
+    let text = format!(
+        "name = \"refined\"\nduration = 1.0\n[[cloth]]\ngrid = {{ size = [0.4, {depth}], cells = [{cells}, {cells}] }}\n\
+         density = 0.2\n{material}"
+    );
+    let built = lab::columns(&text, &[])?;
+    Ok(Tangent::of(&built, 1.0, 0.0, Jacobian::Projected).fastest_mode(1e-12, 100_000).0)
+}
