@@ -3,7 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use muslin_core::integrate::stability::longest_step;
+use muslin_core::integrate::Method;
+use muslin_core::integrate::stability::{Mode, longest_step};
 use muslin_core::scene::{SceneDesc, Timing};
 
 use crate::args::Precision;
@@ -28,29 +29,34 @@ const ITERATIONS: u32 = 100;
 const MARGIN: f64 = 0.8;
 
 /// Step^2 times the largest eigenvalue over which single precision loses masses beside stiffness: 2^-24
-/// of it is an eighth of them. A sheet of 1 m was 0.08 mm off after half a second by 3e5, 5 mm by 3e6,
-/// and half of its fall by 3e7.
+/// of it is an eighth of them. A sheet of 1 m was 0.08 mm off after half a second by 3e5, 5 mm by 3e6
+/// and 0.3 m by 3e7.
 const MASSES_LOST: f64 = 2e6;
 
-/// Says so where the step is longer than an explicit method bears, or than masses bear beside the
-/// stiffness in single precision in the matrix of an implicit one.
+/// Says so where the step is longer than the method bears in this precision.
 pub fn weigh_step(engine: &dyn Engine, scene: &SceneDesc, timing: &Timing, precision: Precision) {
     let method = scene.integrator.method;
-    if method.is_implicit() && precision == Precision::F64 {
-        return;
+    match (method.is_implicit(), precision) {
+        (true, Precision::F64) => {}
+        (true, Precision::F32) => weigh_masses(&engine.fastest_modes(0.0, ITERATIONS), timing.step),
+        (false, _) => weigh_limit(&engine.fastest_modes(0.0, ITERATIONS), timing.step, method),
     }
-    let modes = engine.fastest_modes(0.0, ITERATIONS);
-    if method.is_implicit() {
-        let times = timing.step * timing.step * modes[0].stiffness;
-        if times > MASSES_LOST {
-            print_note(&format!(
-                "step^2 x stiffness is {times:.0e} times the mass that it moves: single precision loses such masses, and \
-                 the cloth does not fall as it should; say --precision f64, or take a shorter step or a softer cloth"
-            ));
-        }
-        return;
+}
+
+/// The masses beside the stiffness in the matrix of an implicit step.
+fn weigh_masses(modes: &[Mode; 2], step: f64) {
+    let times = step * step * modes[0].stiffness;
+    if times > MASSES_LOST {
+        print_note(&format!(
+            "step^2 x stiffness is {times:.0e} times the mass that it moves: single precision loses such masses, and \
+             the cloth does not fall as it should; say --precision f64, or take a shorter step or a softer cloth"
+        ));
     }
-    let Some(longest) = longest_step(&modes, method).filter(|&longest| timing.step > longest) else { return };
+}
+
+/// The step beside the longest that an explicit method bears.
+fn weigh_limit(modes: &[Mode; 2], step: f64, method: Method) {
+    let Some(longest) = longest_step(modes, method).filter(|&longest| step > longest) else { return };
     let (name, hertz) = (method.name(), modes[0].stiffness.sqrt() / TAU);
     if longest == 0.0 {
         print_note(&format!(
@@ -65,8 +71,9 @@ pub fn weigh_step(engine: &dyn Engine, scene: &SceneDesc, timing: &Timing, preci
     let safe = (safe / digit).floor() * digit;
     print_note(&format!(
         "step {} is longer than {name} bears at the start of this scene, {} (its fastest mode: {hertz:.0} Hz), and cloth \
-         that is drawn bears less: it will fly apart; say --set integrator.step={safe:.1e}, or --set integrator.method=backward-euler",
-        time(timing.step),
+         that is drawn bears less: it will fly apart; say --set integrator.step={safe:.1e}, or \
+         --set integrator.method=backward-euler",
+        time(step),
         time(longest)
     ));
 }

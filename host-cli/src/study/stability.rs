@@ -29,6 +29,7 @@ pub fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
     let mut rows = map::run(&study, &subjects, &grounds, &grounds[..1])?;
     let limits = limits::measure(&study, &subjects, &grounds[0], &rows)?;
     rows.extend(map::run(&study, &subjects, &grounds, &grounds[1..])?);
+    map::run_rest(&study, &subjects, &grounds[1..], &mut rows)?;
     let map = report::summarise(&study, &grounds, rows, limits);
     study.finish("stability", &draw::stability(&map), &map, &map.lines())?;
     match map.missing() {

@@ -11,9 +11,8 @@ use crate::args::{ChartArguments, Precision};
 use crate::bench::cpu_name;
 use crate::engine;
 use crate::failure::Failure;
-use crate::record::extent;
 
-use super::distance::Measure;
+use super::distance::{self, Measure};
 use super::draw;
 use super::reference::{self, Rule};
 use super::{Study, variant};
@@ -27,9 +26,7 @@ pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
     let (engine, _) = engine::build(&study.scene, Precision::F64)
         .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.of.scene)))?;
     let masses = engine.masses();
-    let mut start = Vec::new();
-    engine.write_state(&mut start);
-    let diagonal = extent(start.into_iter()).iter().map(|side| side * side).sum::<f64>().sqrt();
+    let diagonal = distance::diagonal(engine.as_ref());
     let rule = Rule::of(study.scene.desc.contact.is_some(), diagonal);
     let reference = reference::refine(&study, rule, &masses)?;
     if !reference.is_found() {

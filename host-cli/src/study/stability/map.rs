@@ -139,6 +139,20 @@ pub fn run(study: &Study<'_>, subjects: &[Subject], all: &[Ground], some: &[Grou
     Ok(rows)
 }
 
+/// Runs what its share did not do for, with what others left of theirs.
+pub fn run_rest(study: &Study<'_>, subjects: &[Subject], grounds: &[Ground], rows: &mut [Row]) -> Result<(), Failure> {
+    let rest: Vec<_> = rows.iter_mut().filter(|row| row.verdict == Verdict::NotRun).collect();
+    let count = rest.len();
+    for (place, row) in rest.into_iter().enumerate() {
+        let is_of = |ground: &&Ground| (ground.stiffness, ground.damping) == (row.stiffness_scale, row.damping_scale);
+        let subject = subjects.iter().find(|&&subject| row.is_of(subject));
+        if let (Some(&subject), Some(ground)) = (subject, grounds.iter().find(is_of)) {
+            *row = run_cell(&Share::one_of(count - place, study), subject, ground, row.step)?;
+        }
+    }
+    Ok(())
+}
+
 /// Runs a subject on a ground by steps of `step` seconds.
 pub fn run_cell(share: &Share<'_, '_>, subject: Subject, ground: &Ground, step: f64) -> Result<Row, Failure> {
     let mut row = Row {
