@@ -96,18 +96,21 @@ fn without_damping(material: &str) -> String {
     material.replace(", damping = 0.0002", "")
 }
 
+fn all_methods(what: &str, built: &BuiltScene) {
+    let truth = run(built, linearised(Method::Rk4), DURATION, 8192);
+    for method in Method::ALL {
+        let what = format!("{what}, {}", method.name());
+        // Where the next term of the error is small enough.
+        let coarsest = [512, 128, 0, 128][order(method) as usize - 1];
+        let run = |steps| run(built, converged(method, NEWTON), DURATION, steps);
+        check(&what, run, &truth, coarsest, 4, order(method));
+    }
+}
+
 /// The pins lead the motion between the ends of a step, too; wind has no potential.
 #[test]
 fn turning_pins_in_the_wind() {
-    let built = cloth(MEMBRANE, 1.0, TURNING, AIR);
-    let truth = run(&built, linearised(Method::Rk4), DURATION, 8192);
-    for method in Method::ALL {
-        let what = format!("turning pins in the wind, {}", method.name());
-        // Where the next term of the error is small enough.
-        let coarsest = [512, 128, 0, 128][order(method) as usize - 1];
-        let run = |steps| run(&built, converged(method, NEWTON), DURATION, steps);
-        check(&what, run, &truth, coarsest, 4, order(method));
-    }
+    all_methods("turning pins in the wind", &cloth(MEMBRANE, 1.0, TURNING, AIR));
 }
 
 /// Pins set out with a jump, and jump again at the end of a step, in the middle of the motion: damping
