@@ -12,10 +12,10 @@ pub enum Side {
 }
 
 impl Side {
-    /// Whether a change is over at a time. Times are sums of rounded steps: what is as near as
-    /// their rounding is met.
+    /// Whether a change is over at a time. A time is so many times a step that was rounded: what is as near
+    /// as that is met.
     fn has_passed(self, change: Sum, time: Sum) -> bool {
-        let rounding = 8.0 * Sum::from(Real::EPSILON) * time.abs();
+        let rounding = Sum::from(Real::EPSILON) * time.abs();
         match self {
             Self::Before => change < time - rounding,
             Self::After => change <= time + rounding,

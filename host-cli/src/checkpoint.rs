@@ -17,7 +17,7 @@ use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// What a checkpoint holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -201,8 +201,14 @@ mod tests {
         let (work, contacts) = ([1, 2, 3, 4, 5, 6, 7], [8, 9, 1, 2, 3, 4, 5]);
         let snapshot = Snapshot { steps: 77, work, contacts, columns, after_contact: true };
         let start = Start { crossings: Some(3), untangled: None };
-        let record =
-            Record { start, size: [1.0, 0.5, 2.0], stretch: 1.25, penetration: Some(1e-3), crossings: Some((4, 17)) };
+        let record = Record {
+            start,
+            size: [1.0, 0.5, 2.0],
+            stretch: 1.25,
+            first_stretch: 1.125,
+            penetration: Some(1e-3),
+            crossings: Some((4, 17)),
+        };
         Checkpoint { precision: Precision::F64, scene: 0xdead_beef, chain: 42, record, snapshot }
     }
 

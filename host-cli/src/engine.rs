@@ -28,8 +28,15 @@ pub struct Divergence {
     pub advice: &'static str,
 }
 
-/// What to do where numbers grow without end.
-pub const TOO_LONG_A_STEP: &str = "take a smaller integrator.step, softer terms, less damping or an implicit method";
+/// Edge length over rest length beyond which no cloth is, unless it starts so: double precision would
+/// go on to 1e300.
+const FLOWN_APART: f64 = 100.0;
+
+/// Where every number is finite still and yet this is cloth no more: how it is drawn, where it started
+/// less so.
+pub fn flown_apart(stretch: f64, first: f64) -> Option<String> {
+    (stretch > FLOWN_APART * first.max(1.0)).then(|| format!("an edge is {stretch:.1e} times as long as at rest"))
+}
 
 /// Numbers about the state and the work, in double.
 #[derive(Clone, Debug, Default)]
@@ -164,10 +171,7 @@ macro_rules! engine {
             use $core::simulation::{Cause, Simulation, State};
             use $core::spectrum;
 
-            use super::{
-                Divergence, Engine, Halt, Mode, Report, SceneFile, Snapshot, Solid, Stopwatch, TOO_LONG_A_STEP,
-                Untangled,
-            };
+            use super::{Divergence, Engine, Halt, Mode, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
 
             pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
@@ -227,7 +231,9 @@ macro_rules! engine {
                 fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Halt> {
                     Simulation::step(self, stopwatch).map_err(|diverged| {
                         let advice = match diverged.cause {
-                            Cause::NotFinite => TOO_LONG_A_STEP,
+                            Cause::NotFinite => {
+                                "take a smaller integrator.step, softer terms, less damping or an implicit method"
+                            }
                             Cause::TooMuch => {
                                 "take a smaller integrator.step, a lesser contact.thickness, softer terms or an \
                                  implicit method"

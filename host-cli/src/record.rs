@@ -19,6 +19,8 @@ pub struct Record {
     pub size: [f64; 3],
     /// Largest stretch.
     pub stretch: f64,
+    /// Stretch of the first frame.
+    pub first_stretch: f64,
     /// Deepest penetration, m.
     pub penetration: Option<f64>,
     /// Crossings of the worst frame, and that frame; none where nothing is audited.
@@ -26,27 +28,29 @@ pub struct Record {
 }
 
 /// Words of an encoded record.
-pub const WORDS: usize = 13;
+pub const WORDS: usize = 14;
 
 impl Record {
     /// As bits.
     pub fn encode(&self) -> [u64; WORDS] {
-        let Self { start, size: [x, y, z], stretch, penetration, crossings } = *self;
+        let Self { start, size: [x, y, z], stretch, first_stretch, penetration, crossings } = *self;
         let known = |value: Option<u64>| [u64::from(value.is_some()), value.unwrap_or(0)];
         let ([a, b], [c, d]) = (known(start.crossings), known(start.untangled));
         let [e, f] = known(penetration.map(f64::to_bits));
         let [g, h] = known(crossings.map(|(count, _)| count));
         let frame = crossings.map_or(0, |(_, frame)| frame);
-        [a, b, c, d, x.to_bits(), y.to_bits(), z.to_bits(), stretch.to_bits(), e, f, g, h, frame]
+        let [stretch, first] = [stretch, first_stretch].map(f64::to_bits);
+        [a, b, c, d, x.to_bits(), y.to_bits(), z.to_bits(), stretch, first, e, f, g, h, frame]
     }
 
     /// From bits.
-    pub fn decode([a, b, c, d, x, y, z, stretch, e, f, g, h, frame]: [u64; WORDS]) -> Self {
+    pub fn decode([a, b, c, d, x, y, z, stretch, first, e, f, g, h, frame]: [u64; WORDS]) -> Self {
         let known = |is: u64, value: u64| (is != 0).then_some(value);
         Self {
             start: Start { crossings: known(a, b), untangled: known(c, d) },
             size: [x, y, z].map(f64::from_bits),
             stretch: f64::from_bits(stretch),
+            first_stretch: f64::from_bits(first),
             penetration: known(e, f).map(f64::from_bits),
             crossings: known(g, h).map(|count| (count, frame)),
         }

@@ -3,10 +3,9 @@
 //!
 //! Which of two methods is cheaper the clock decides, and no test asserts that. What is asserted is all
 //! else: that the choice is the one which took the least time of what met the tolerance; that of each
-//! method which met it no run does by fewer counts than 1 / 1.3 of what was known; and that of each which was given up no
-//! run does by so few counts that, by the time which they took there, it would have been cheaper. So by
-//! its own clock the choice takes at most 1.3 times as long as the best in hindsight, on a machine however
-//! busy.
+//! method which met it no run does by fewer counts than 1 / 1.3 of what was known, or by half of it where the
+//! choice gave up a run of that method for its time; and that of each which met nothing before it was given up
+//! no run does by so few counts that, by the time which they took there, it would have been cheaper.
 
 use serde_json::Value;
 

@@ -122,3 +122,28 @@ fn pins_of_later_cloths_name_vertices_of_the_scene() {
     assert_eq!(second.iter().copied().collect::<BTreeSet<_>>(), shifted);
     assert_eq!(built.cloths[1].vertices.end as usize, built.particles.positions.len());
 }
+
+/// Speeds are those of the side of a key that is asked for; keys in a line are no jump, nor is a curve.
+#[test]
+fn velocities_jump_at_keys_that_turn() {
+    let built = pinned(
+        "{ select = { corners = [0] }, motion = { keys = [[0.0, 0, 0, 0], [0.1, 0.01, 0, 0], [0.3, 0.03, 0, 0], \
+           [0.4, 0.042, 0, 0], [0.5, 0.03, 0, 0], [0.6, 0.03, 0, 0]] } }",
+    );
+    let pins = built.pins.view();
+    let speed = |time, side| pins.target(0, time, side).1.x;
+    for (time, before, after, jumps) in [
+        (0.0, 0.0, 0.1, true),
+        (0.05, 0.1, 0.1, false),
+        (0.1, 0.1, 0.1, false),
+        (0.3, 0.1, 0.12, false),
+        (0.4, 0.12, -0.12, true),
+        (0.5, -0.12, 0.0, true),
+        (0.6, 0.0, 0.0, false),
+    ] {
+        let speeds = [speed(time, Side::Before), speed(time, Side::After)];
+        let off = (speeds[0] - before).abs().max((speeds[1] - after).abs());
+        assert!(off < 1e-12, "at {time} s: {speeds:?}, expected {before} and {after}");
+        assert_eq!(pins.jump(time), jumps, "at {time} s");
+    }
+}

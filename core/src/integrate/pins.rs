@@ -4,6 +4,10 @@
 pub use crate::motion::{Key, Motion, Side, Turn};
 use crate::real::{Mat3, Real, Sum, Vec3};
 
+/// Of the larger speed: a lesser change from key to key is a curve drawn with lines, across which a method
+/// of two steps may look back.
+const JUMP: Real = 0.25;
+
 /// In [`Pins::motions`]: the pin rests.
 pub const AT_REST: u32 = u32::MAX;
 
@@ -34,10 +38,13 @@ impl Pins<'_> {
         }
     }
 
-    /// Whether a pin's velocity jumps at a time.
+    /// Whether a pin's velocity jumps at a time by more than [`JUMP`].
     pub fn jump(&self, time: Sum) -> bool {
-        (0..self.vertices.len())
-            .any(|pin| self.target(pin, time, Side::Before).1 != self.target(pin, time, Side::After).1)
+        (0..self.vertices.len()).any(|pin| {
+            let [before, after] = [Side::Before, Side::After].map(|side| self.target(pin, time, side).1);
+            let fastest = before.length_squared().max(after.length_squared());
+            (after - before).length_squared() > JUMP * JUMP * fastest
+        })
     }
 
     /// Gives the held axes the velocities with which they leave a time.

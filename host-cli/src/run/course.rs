@@ -8,15 +8,11 @@ use muslin_core::stage::Stage;
 
 use crate::args::Precision;
 use crate::checkpoint::Resumed;
-use crate::engine::{Divergence, Engine, Halt, TOO_LONG_A_STEP};
+use crate::engine::{Divergence, Engine, Halt, flown_apart};
 use crate::failure::Failure;
 use crate::pool::Pool;
 use crate::record::{Record, Start, extent};
 use crate::stopwatch::Stopwatch;
-
-/// Edge length over rest length beyond which no cloth is, unless it starts so: double precision would
-/// go on to 1e300.
-const FLOWN_APART: f64 = 100.0;
 
 /// How the steps ended.
 pub enum Ending {
@@ -92,7 +88,12 @@ impl Course {
         let chain = resumed.map_or_else(|| engine.chain(None), |resumed| resumed.chain);
         let mut positions = Vec::new();
         engine.write_positions(&mut positions);
-        let fresh = || Record { start, size: extent(positions.iter().map(|p| p.map(f64::from))), ..Record::default() };
+        let fresh = || Record {
+            start,
+            size: extent(positions.iter().map(|p| p.map(f64::from))),
+            first_stretch: engine.largest_stretch(),
+            ..Record::default()
+        };
         Self {
             record: resumed.map_or_else(fresh, |resumed| resumed.record),
             engine,
@@ -157,12 +158,12 @@ impl Course {
         }
         Ok(Ending::Complete)
     }
-    /// Whether every number is finite still and yet no cloth any more, in the step just taken.
+
+    /// Whether the cloth flew apart in the step just taken.
     fn flown_apart(&self) -> Option<Divergence> {
-        let stretch = self.engine.largest_stretch();
-        (stretch > FLOWN_APART.max(self.record.stretch)).then(|| Divergence {
-            what: format!("diverged in step {}: an edge is {stretch:.1e} times as long as at rest", self.steps + 1),
-            advice: TOO_LONG_A_STEP,
+        flown_apart(self.engine.largest_stretch(), self.record.first_stretch).map(|how| Divergence {
+            what: format!("diverged in step {}: {how}", self.steps + 1),
+            advice: "take a smaller integrator.step or an implicit method, or stiffer cloth if its weight draws it",
         })
     }
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::args::Precision;
-use crate::engine::{self, Engine, Halt, Report};
+use crate::engine::{self, Engine, Halt, Report, flown_apart};
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
@@ -110,8 +110,10 @@ pub fn fly_scene(
         wall: 0.0,
         ending: Ending::Complete,
     };
+    let first_stretch = engine.largest_stretch();
     for _ in 0..SAMPLES {
-        flight.ending = study.pool.install(|| sample(study, engine.as_mut(), steps, limits, &mut flight))?;
+        let see = || sample(study, engine.as_mut(), steps, limits, first_stretch, &mut flight);
+        flight.ending = study.pool.install(see)?;
         if flight.ending != Ending::Complete {
             break;
         }
@@ -126,6 +128,7 @@ fn sample(
     engine: &mut dyn Engine,
     steps: u64,
     limits: Limits,
+    first_stretch: f64,
     flight: &mut Trajectory,
 ) -> Result<Ending, Failure> {
     let before = flight.wall;
@@ -148,7 +151,11 @@ fn sample(
     engine.write_state(&mut positions);
     flight.samples.push(positions);
     flight.energies.push(engine.report().energy);
-    flight.stretch = flight.stretch.max(engine.largest_stretch());
+    let stretch = engine.largest_stretch();
+    flight.stretch = flight.stretch.max(stretch);
+    if let Some(how) = flown_apart(stretch, first_stretch) {
+        return Ok(Ending::Diverged(how));
+    }
     flight.penetration = engine.penetration().map(|now| now.max(flight.penetration.unwrap_or(0.0)));
     let lively = flight.lively(flight.energies.len() - 1);
     Ok(if lively > limits.energy || lively.is_nan() { Ending::Grown } else { Ending::Complete })

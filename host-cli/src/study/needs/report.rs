@@ -112,7 +112,7 @@ fn conclusion(hidden: &Hidden, baseline: &Baseline) -> String {
         }
         ([_], _) => called(hidden, what),
         ([_, ..], Some(row)) => format!("{}; {}", called(hidden, what), without_them(row, what)),
-        _ => format!("No term that was run to the end moves the {what} by less than half the step does"),
+        _ => format!("No modelled term that was run to the end moves the {what} by less than half the step does"),
     }
 }
 

@@ -71,9 +71,10 @@ impl Verdict {
 pub const EXPLICIT_STEPS: u64 = 1000;
 pub const IMPLICIT_STEPS: u64 = 200;
 
-/// Steps of `step` seconds in a whole scene of some duration, to the nearest multiple of the samples.
+/// Steps of `step` seconds over a whole scene of some duration, a multiple of the samples.
 pub fn whole(duration: f64, step: f64) -> u64 {
-    (duration / step / SAMPLES as f64).round().max(1.0) as u64 * SAMPLES
+    // Not one more where it fits but for rounding.
+    (duration / step / SAMPLES as f64 - 1e-9).ceil().max(1.0) as u64 * SAMPLES
 }
 
 /// Steps of a cell of the map.

@@ -1,9 +1,11 @@
 //! What a chart says where it cannot be drawn or not be trusted.
 
+use muslin_core::integrate::Method;
+
 use crate::study::Study;
 use crate::study::reference::Reference;
 use crate::study::trajectory::Ending;
-use crate::units::{length, time};
+use crate::units::time;
 
 use super::report::Chart;
 
@@ -48,14 +50,16 @@ pub fn nothing_charted(chart: &Chart) -> String {
 
 /// The chart is drawn, but its reference stands alone.
 pub fn unconfirmed(chart: &Chart) -> String {
-    let r = &chart.reference;
+    let implicit = |name: &str| Method::ALL.into_iter().any(|method| method.is_implicit() && method.name() == name);
+    let slopes = chart.orders.iter().filter(|order| implicit(order.method));
+    let slopes: Vec<_> = slopes
+        .map(|order| format!("{} has the slope {:.2}, not {}", order.method, order.measured, order.theory))
+        .collect();
+    let slopes = if slopes.is_empty() { "none has an order yet".into() } else { slopes.join(", ") };
     format!(
-        "no implicit method confirms the reference for {}: the errors are what it says alone; its shortest step was {}, \
-         and halving it still moved the cloth by {} ({:.1e} of its diagonal); take a shorter --duration or a larger \
-         --budget",
+        "no implicit method confirms the reference for {}, whose shortest step was {}: {slopes}; the errors are what it \
+         says alone. Take a larger --budget for shorter steps, a shorter --duration, or damping for what rings",
         chart.scene,
-        time(r.step),
-        length(r.self_error * chart.diagonal_m),
-        r.self_error
+        time(chart.reference.step),
     )
 }

@@ -6,6 +6,9 @@ use crate::study::distance::Measure;
 use crate::study::draw::LOOKS;
 use crate::units::{length, time};
 
+/// Of the reference.
+const RK4: f64 = 4.0;
+
 /// How near to theory a measured order must be.
 const NEAR_THEORY: f64 = 0.1;
 
@@ -164,9 +167,6 @@ pub struct Chart {
 impl Chart {
     /// For people.
     pub fn lines(&self) -> String {
-        let r = &self.reference;
-        let contact = self.measure == Measure::Outline;
-        let by = r.order.map_or_else(String::new, |order| format!(", by order {order:.2}"));
         let mut lines = vec![
             format!(
                 "{}: {} s of {} vertices; errors are RMS over 20 moments of the {}, of the diagonal of {:.3} m",
@@ -176,22 +176,8 @@ impl Chart {
                 self.measure.name(),
                 self.diagonal_m
             ),
-            format!(
-                "reference: {} f64, step {:.2e} s, differs from twice its step by {:.1e}{by}; charted down to {:.1e}",
-                r.method, r.step, r.self_error, r.least_charted
-            ),
-            match &r.agreement {
-                Some(a) => format!(
-                    "{} comes as near as {:.1e} to it, by order {:.2}: both ways agree",
-                    a.method, a.error_rms, a.order
-                ),
-                None if contact => {
-                    "with contact velocities jump: the order of every method collapses to one or less, and smaller \
-                     steps change what touches first, not only how exactly"
-                        .into()
-                }
-                None => "no implicit method confirms it".into(),
-            },
+            self.reference_line(),
+            self.agreement_line(),
             String::new(),
             "error          cheapest                      step       wall       next".into(),
         ];
@@ -202,19 +188,60 @@ impl Chart {
             format!("{:<5.0e} {metres:<8} {name:<23} {:>10} {:>10}       {next}", w.error, time(w.step), time(w.wall_s))
         }));
         lines.extend([String::new(), "method             order (theory)   largest step that works".into()]);
-        lines.extend(LOOKS.iter().filter_map(|(method, ..)| {
-            let largest = self.rows.iter().find(|row| row.method == *method && row.precision == "f64" && row.stable)?;
-            let order = self.orders.iter().find(|order| order.method == *method);
-            let said = order.map_or_else(|| "-".into(), |order| format!("{:.2} ({:.0})", order.measured, order.theory));
-            let remark = match order {
-                None => "    too few errors for an order",
-                Some(order) if is_of_order(order.measured, order.theory) => "",
-                Some(_) if contact => "    its order collapses",
-                Some(_) => "    its steps are not small yet, or forces jump",
-            };
-            Some(format!("{method:<18} {said:<10}       {:>10}{remark}", time(largest.step)))
-        }));
+        lines.extend(LOOKS.iter().filter_map(|(method, ..)| self.method_line(method)));
         lines.extend(self.omitted.iter().map(|o| format!("not charted: {} {}: {}", o.method, o.precision, o.why)));
         lines.join("\n")
+    }
+
+    fn is_of_contact(&self) -> bool {
+        self.measure == Measure::Outline
+    }
+
+    fn reference_line(&self) -> String {
+        let r = &self.reference;
+        let by = match r.order {
+            None => String::new(),
+            Some(order) if self.is_of_contact() || is_of_order(order, RK4) => format!(", by order {order:.2}"),
+            Some(order) => {
+                format!(", by order {order:.2} instead of {RK4}: forces jump, as where a pin has a key inside a step")
+            }
+        };
+        format!(
+            "reference: {} f64, step {:.2e} s, differs from twice its step by {:.1e}{by}; charted down to {:.1e}",
+            r.method, r.step, r.self_error, r.least_charted
+        )
+    }
+
+    fn agreement_line(&self) -> String {
+        match &self.reference.agreement {
+            Some(a) => {
+                format!(
+                    "{} comes as near as {:.1e} to it, by order {:.2}: both ways agree",
+                    a.method, a.error_rms, a.order
+                )
+            }
+            None if self.is_of_contact() => {
+                "with contact velocities jump: the order of every method collapses to one or \
+                                             less, and smaller steps change what touches first, not only how exactly"
+                    .into()
+            }
+            None => "no implicit method confirms it".into(),
+        }
+    }
+
+    /// The order of a method and its largest step, if any works.
+    fn method_line(&self, method: &str) -> Option<String> {
+        let mut rows = self.rows.iter().filter(|row| row.method == method && row.precision == "f64");
+        let largest = rows.clone().find(|row| row.stable)?;
+        let longest = if rows.any(|row| row.step > largest.step) { "" } else { ", the longest tried" };
+        let order = self.orders.iter().find(|order| order.method == method);
+        let said = order.map_or_else(|| "-".into(), |order| format!("{:.2} ({:.0})", order.measured, order.theory));
+        let remark = match order {
+            None => "    too few errors for an order",
+            Some(order) if is_of_order(order.measured, order.theory) => "",
+            Some(_) if self.is_of_contact() => "    its order collapses",
+            Some(_) => "    its steps are not small yet, or forces jump",
+        };
+        Some(format!("{method:<18} {said:<10}       {:>10}{longest}{remark}", time(largest.step)))
     }
 }
