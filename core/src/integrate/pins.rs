@@ -38,7 +38,7 @@ impl Pins<'_> {
         }
     }
 
-    /// Whether a pin's velocity jumps at a time by more than [`JUMP`].
+    /// Whether a pin's velocity jumps at a time, by more than a quarter of the larger speed.
     pub fn jump(&self, time: Sum) -> bool {
         (0..self.vertices.len()).any(|pin| {
             let [before, after] = [Side::Before, Side::After].map(|side| self.target(pin, time, side).1);
