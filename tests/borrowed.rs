@@ -162,6 +162,7 @@ both_precisions! {
             Pins { vertices: &HELD, axes: &AXES, anchors: &anchors, motions: &MOTIONS, table: &TABLE, keys: &KEYS };
 
         let [mut positions, mut velocities] = [start(), [Vec3::ZERO; VERTICES]];
+        pins.set_out(0.0, &mut velocities);
         let mut particles = Particles {
             positions: &mut positions,
             velocities: &mut velocities,

@@ -34,7 +34,10 @@ pub enum Prediction {
     },
 }
 
-/// Writes the candidate state to `scratch`.
+/// Writes the candidate state to `scratch`. Before the first step [`Pins::set_out`] gives pins the
+/// velocities that they start with.
+///
+/// [`Pins::set_out`]: crate::integrate::pins::Pins::set_out
 pub fn predict<D: Dispatch>(
     context: &Context<'_, D>,
     particles: &Particles<'_>,
