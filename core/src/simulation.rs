@@ -176,7 +176,8 @@ impl Simulation {
     /// The first phase of a step: writes the candidate state.
     pub fn predict(&mut self, part: Part, dispatch: &impl Dispatch) -> Prediction {
         let time = self.time_at(part.from);
-        if part != Part::WHOLE || self.pins().jump(time) {
+        // Only a method that looks back asks for jumps.
+        if part != Part::WHOLE || self.scratch.has_history && self.pins().jump(time) {
             self.scratch.has_history = false;
         }
         let (scheme, leads) = (&self.scheme_of(part), !self.after_contact);
