@@ -1,7 +1,5 @@
 //! Error against cost of what was considered, and the tolerance.
 
-use std::sync::Arc;
-
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{LinePlot, ScatterPlot};
@@ -11,6 +9,7 @@ use kuva::render::plots::Plot;
 
 use crate::study::choose::{Choice, Row};
 
+use super::crosses::Crosses;
 use super::{LOOKS, named, range};
 
 /// Errors are drawn in micrometres: the library draws nothing below 1e-10.
@@ -18,10 +17,6 @@ const DRAWN: f64 = 1e6;
 
 /// px.
 const PANEL: [f64; 2] = [660.0, 440.0];
-
-/// From the largest error to the first row of crosses, and from one row to the next.
-const ABOVE: f64 = 2.0;
-const APART: f64 = 1.5;
 
 /// Of what is tried on the winner.
 const TRIED: &str = "#666666";
@@ -34,45 +29,26 @@ pub fn choose(choice: &Choice) -> String {
     let times = range(rows.iter().map(|row| row.wall_s).chain([choice.predicted.wall_s]));
     let allowed = LinePlot::new().with_data([times.0, times.1].map(|time| (time, DRAWN * choice.tolerance)));
     let mut plots = vec![Plot::Line(allowed.with_color("#888888").with_dashed().with_legend("tolerance"))];
-    let mut top = Crosses { next: ABOVE * errors.1 };
-    plots.extend(LOOKS.iter().flat_map(|&look| method(rows, look, &mut top)));
-    plots.extend(tried(rows, &mut top));
+    let mut crosses = Crosses::above(DRAWN * errors.1);
+    plots.extend(LOOKS.iter().flat_map(|&look| method(rows, look, &mut crosses)));
+    plots.extend(tried(rows, &mut crosses));
     let chosen = ScatterPlot::new().with_data([(choice.predicted.wall_s, DRAWN * choice.predicted.error)]);
     let chosen = chosen.with_color("#000000").with_marker(MarkerShape::Plus).with_size(9.0).with_legend("chosen");
     plots.push(Plot::Scatter(chosen));
-    let layout = layout(choice, times, errors, top.next);
+    let layout = layout(choice, times, DRAWN * errors.0, &crosses);
     let figure = Figure::new(1, 1).with_plots(vec![plots]).with_layouts(vec![layout]);
     SvgBackend.render_scene(&figure.with_cell_size(PANEL[0], PANEL[1]).with_shared_legend_right_middle().render())
 }
 
-/// Axes; above the largest error there is nothing to read off.
-fn layout(choice: &Choice, times: (f64, f64), errors: (f64, f64), top: f64) -> Layout {
-    let most = DRAWN * ABOVE * errors.1;
-    let ticks = move |drawn: f64| if drawn < most { format!("{:.0e}", drawn / DRAWN) } else { String::new() };
-    Layout::new(times, (DRAWN * errors.0, DRAWN * top))
+fn layout(choice: &Choice, times: (f64, f64), low: f64, crosses: &Crosses) -> Layout {
+    let ticks = crosses.ticks(|drawn| format!("{:.0e}", drawn / DRAWN));
+    Layout::new(times, (low, crosses.top()))
         .with_log_scale()
         .with_x_tick_format(TickFormat::Sci)
-        .with_y_tick_format(TickFormat::Custom(Arc::new(ticks)))
+        .with_y_tick_format(ticks)
         .with_title(format!("{}: chosen {} {}", choice.scene, choice.chosen.method, choice.chosen.precision))
         .with_x_label("computing time, s; crosses: failed or given up")
         .with_y_label(format!("RMS error of {}, m", choice.measure.name()))
-}
-
-/// Where the next row of crosses stands, m.
-struct Crosses {
-    next: f64,
-}
-
-impl Crosses {
-    /// A row of its own for these times, s.
-    fn row(&mut self, times: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
-        let height = DRAWN * self.next;
-        let row: Vec<_> = times.map(|time| (time, height)).collect();
-        if !row.is_empty() {
-            self.next *= APART;
-        }
-        row
-    }
 }
 
 /// The runs of a method with all terms, from step to step, those in double precision larger; and its

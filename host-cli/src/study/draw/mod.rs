@@ -1,6 +1,7 @@
 //! Pictures of studies.
 
 mod choose;
+mod crosses;
 mod master_curve;
 mod needs;
 mod stability;

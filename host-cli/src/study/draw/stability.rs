@@ -15,11 +15,12 @@ use crate::study::stability::{Axis, Map, Row, Verdict};
 use super::range;
 
 /// Colours that the colour-blind tell apart [Wong 2011], and shapes for those who print.
-const LOOKS: [(Verdict, &str, MarkerShape); 4] = [
+const LOOKS: [(Verdict, &str, MarkerShape); 5] = [
     (Verdict::Fine, "#009e73", MarkerShape::Circle),
     (Verdict::Growth, "#e69f00", MarkerShape::Triangle),
     (Verdict::Diverged, "#d55e00", MarkerShape::Cross),
     (Verdict::GaveUp, "#000000", MarkerShape::Square),
+    (Verdict::NotRun, "#999999", MarkerShape::Plus),
 ];
 
 /// The limit of theory.

@@ -1,7 +1,5 @@
 //! Error against step and against cost.
 
-use std::sync::Arc;
-
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{LinePlot, ScatterPlot};
@@ -12,6 +10,7 @@ use kuva::render::plots::Plot;
 use crate::study::work_precision::{Chart, Row};
 use crate::units::round_length;
 
+use super::crosses::Crosses;
 use super::{LOOKS, named, range};
 
 /// Errors are drawn in these units: the library draws nothing below 1e-10.
@@ -36,7 +35,7 @@ struct Panel {
     /// What an error of the whole diagonal is drawn as.
     unit: f64,
     up: String,
-    format: TickFormat,
+    format: fn(f64) -> String,
 }
 
 /// Error, as a part of the diagonal, against step, beside error in metres against time.
@@ -49,7 +48,7 @@ pub fn work_precision(chart: &Chart) -> String {
         failures: true,
         unit: DRAWN,
         up: format!("RMS error of {measure} / {:.2} m", chart.diagonal_m),
-        format: TickFormat::Custom(Arc::new(|drawn| format!("{:.0e}", drawn / DRAWN))),
+        format: |drawn| format!("{:.0e}", drawn / DRAWN),
     };
     let by_cost = Panel {
         title: "by cost, as a length",
@@ -57,45 +56,46 @@ pub fn work_precision(chart: &Chart) -> String {
         across: |row| row.wall_s,
         failures: false,
         unit: DRAWN * chart.diagonal_m,
-        up: String::new(),
-        format: TickFormat::Custom(Arc::new(|drawn| round_length(drawn / DRAWN))),
+        up: format!("RMS error of {measure}"),
+        format: |drawn| round_length(drawn / DRAWN),
     };
-    let panels = [by_step, by_cost];
+    let (plots, layouts): (Vec<_>, Vec<_>) = [by_step, by_cost].iter().map(|panel| draw(chart, panel)).unzip();
     let hollow = if has_nearest(chart) { "; hollow, with a tick down: nearer than the reference can tell" } else { "" };
     let figure = Figure::new(1, 2)
         .with_title(format!("{}, {} s{hollow}", chart.scene, chart.duration_s))
-        .with_plots(panels.iter().map(|panel| curves(chart, panel)).collect())
-        .with_layouts(panels.iter().map(|panel| layout(chart, panel)).collect())
+        .with_plots(plots)
+        .with_layouts(layouts)
         .with_cell_size(PANEL[0], PANEL[1])
         .with_shared_legend_right_middle();
     SvgBackend.render_scene(&figure.render())
 }
 
-/// The range of errors: crosses stand at its top, above all that did not fail.
-fn errors(chart: &Chart) -> (f64, f64) {
+fn draw(chart: &Chart, panel: &Panel) -> (Vec<Plot>, Layout) {
     let floor = chart.reference.least_charted;
     let (low, high) = range(chart.rows.iter().filter_map(|row| row.error_at_most(floor)));
-    (if has_nearest(chart) { low / TICK } else { low }, 3.0 * high)
+    let low = if has_nearest(chart) { low / TICK } else { low };
+    let mut crosses = Crosses::above(panel.unit * high);
+    let plots = curves(chart, panel, &mut crosses);
+    (plots, layout(chart, panel, panel.unit * low, &crosses))
 }
 
 fn has_nearest(chart: &Chart) -> bool {
     chart.rows.iter().any(Row::is_nearest)
 }
 
-fn layout(chart: &Chart, panel: &Panel) -> Layout {
+fn layout(chart: &Chart, panel: &Panel, low: f64, crosses: &Crosses) -> Layout {
     let shown = chart.rows.iter().filter(|row| row.stable || panel.failures);
-    let (low, high) = errors(chart);
-    Layout::new(range(shown.map(panel.across)), (panel.unit * low, panel.unit * high))
+    Layout::new(range(shown.map(panel.across)), (low, crosses.top()))
         .with_log_scale()
         .with_x_tick_format(TickFormat::Sci)
-        .with_y_tick_format(panel.format.clone())
+        .with_y_tick_format(crosses.ticks(panel.format))
         .with_title(panel.title)
         .with_x_label(panel.label)
         .with_y_label(panel.up.as_str())
 }
 
 /// A line and marks for each method and precision, and what the marks mean.
-fn curves(chart: &Chart, panel: &Panel) -> Vec<Plot> {
+fn curves(chart: &Chart, panel: &Panel, crosses: &mut Crosses) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (method, color, marker) in LOOKS {
         let mut name = Some(method);
@@ -105,9 +105,13 @@ fn curves(chart: &Chart, panel: &Panel) -> Vec<Plot> {
             let marks = ScatterPlot::new().with_color(color).with_size(if precision == "f64" { 4.5 } else { 2.5 });
             plots.extend(told(&rows, panel, precision, marks.clone().with_marker(marker), &mut name));
             plots.extend(nearest(&rows, panel, chart.reference.least_charted, marks.with_marker(marker), &mut name));
-            if panel.failures {
-                plots.extend(failed(&rows, panel, errors(chart).1, color, &mut name));
-            }
+        }
+        // Both panels end at the same error.
+        let failures = chart.rows.iter().filter(|row| row.method == method && !row.stable);
+        let failures = crosses.row(failures.map(panel.across));
+        if panel.failures && !failures.is_empty() {
+            let marks = ScatterPlot::new().with_data(failures).with_color(color).with_marker(MarkerShape::Cross);
+            plots.push(Plot::Scatter(named(marks.with_size(5.0), &mut name)));
         }
     }
     plots.extend(meanings());
@@ -149,13 +153,6 @@ fn nearest(rows: &[&Row], panel: &Panel, least: f64, marks: ScatterPlot, name: &
         plots.push(Plot::Scatter(inside));
     }
     plots
-}
-
-/// Crosses at the top for what failed.
-fn failed(rows: &[&Row], panel: &Panel, top: f64, color: &str, name: &mut Option<&'static str>) -> Option<Plot> {
-    let at: Vec<_> = rows.iter().filter(|row| !row.stable).map(|row| ((panel.across)(row), panel.unit * top)).collect();
-    let marks = ScatterPlot::new().with_data(at.clone()).with_color(color).with_marker(MarkerShape::Cross);
-    (!at.is_empty()).then(|| Plot::Scatter(named(marks.with_size(5.0), name)))
 }
 
 /// Entries of the legend for what all methods share; they draw nothing.

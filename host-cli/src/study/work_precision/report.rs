@@ -189,6 +189,7 @@ impl Chart {
         }));
         lines.extend([String::new(), "method             order (theory)   largest step that works".into()]);
         lines.extend(LOOKS.iter().filter_map(|(method, ..)| self.method_line(method)));
+        lines.extend(self.contact_lines());
         lines.extend(self.omitted.iter().map(|o| format!("not charted: {} {}: {}", o.method, o.precision, o.why)));
         lines.join("\n")
     }
@@ -227,6 +228,25 @@ impl Chart {
             }
             None => "no implicit method confirms it".into(),
         }
+    }
+
+    /// What else shows how a method goes where the order says nothing, at its shortest step in double precision.
+    fn contact_lines(&self) -> Vec<String> {
+        let shortest =
+            |method: &str| self.rows.iter().rfind(|row| row.method == method && row.precision == "f64" && row.stable);
+        let rows: Vec<_> = LOOKS.iter().filter_map(|(method, ..)| shortest(method)).collect();
+        if !self.is_of_contact() || rows.is_empty() {
+            return Vec::new();
+        }
+        let head = "shortest step                   outline       stretch   energy    penetration";
+        let lines = rows.into_iter().map(|row| {
+            let [outline, depth] = [row.error_rms.map(|error| error * self.diagonal_m), row.penetration_m];
+            let [outline, depth] = [outline, depth].map(|metres| metres.map_or_else(|| "-".into(), length));
+            let drift = row.energy_drift.map_or_else(|| "-".into(), |drift| format!("{:.2} %", 100.0 * drift));
+            let stretch = format!("{:.2} %", 100.0 * (row.stretch - 1.0));
+            format!("{:<18} {:>10}   {outline:<11} {stretch:>9} {drift:>9}   {depth}", row.method, time(row.step))
+        });
+        [String::new(), head.into()].into_iter().chain(lines).collect()
     }
 
     /// The order of a method and its largest step, if any works.
