@@ -48,12 +48,22 @@ newton = 1
 
 pub const METHODS: [&str; 7] =
     ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
+const EXPLICIT: &[&str] = METHODS.split_at(4).0;
+
+/// Evaluations with their Jacobian cost as much as so many iterations of the solver, about: 13 to 20 on
+/// sheets of 27 to 169 vertices.
+const ITERATIONS: f64 = 16.0;
 
 /// Of the tolerance: what the reference itself may be off by.
 const OWN: f64 = 1.0 / 16.0;
 
 pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// Evaluations of forces, and what of them iterations of the solver are worth.
+pub fn work(counts: &Value) -> f64 {
+    number(&counts["force_evaluations"]) + number(&counts["cg_iterations"]) / ITERATIONS
 }
 
 /// The choice for a scene, whose rows agree with their verdicts.
@@ -143,9 +153,23 @@ fn where_it_is_soft_rk4_wins_and_double_precision_is_for_fine_tolerances_only() 
     place.write("soft.toml", SOFT);
     let [coarse, fine] = ["5mm", "1um"].map(|tolerance| choose(&place, &format!("soft.toml --tolerance {tolerance}")));
     assert!(number(&coarse["chosen"]["step"]) >= number(&fine["chosen"]["step"]));
-    // By its evaluations RK4 wins by far more than a clock can err.
-    assert_eq!(fine["chosen"]["method"], "rk4", "{}", fine["reason"]);
-    assert!(fine["chosen"]["solver_tolerance"].is_null());
+    let rows = fine["considered"].as_array().unwrap();
+    let cheapest = |is_wanted: &dyn Fn(&Value) -> bool| {
+        let meet = rows.iter().filter(|row| row["verdict"] == "meets" && is_wanted(&row["method"]));
+        meet.map(work).min_by(f64::total_cmp)
+    };
+    let [rk4, others] = [cheapest(&|method| method == "rk4"), cheapest(&|method| method != "rk4")];
+    // On a machine that was busy for long enough its runs may have been given up for the time that they took.
+    let given_up = rows.iter().any(|row| row["method"] == "rk4" && row["verdict"] == "dear");
+    assert!(rk4.is_some() || given_up, "{rows:?}");
+    if let Some((rk4, others)) = rk4.zip(others) {
+        println!("by counts RK4 takes {rk4}, the best of the others {others}");
+        assert!(2.0 * rk4 < others, "by counts RK4 takes {rk4}, the best of the others {others}");
+    }
+    assert_eq!(
+        fine["chosen"]["solver_tolerance"].is_null(),
+        EXPLICIT.contains(&fine["chosen"]["method"].as_str().unwrap())
+    );
     let tried = |choice: &Value, method: &str, precision: &str| {
         let rows = choice["considered"].as_array().unwrap();
         rows.iter().any(|row| row["method"] == method && row["precision"] == precision)
@@ -161,12 +185,14 @@ fn where_it_is_soft_rk4_wins_and_double_precision_is_for_fine_tolerances_only() 
 fn what_it_writes_is_the_scene_with_another_integrator() {
     let place = Place::new();
     place.write("springs.toml", SPRINGS);
-    let choice = choose(&place, "springs.toml --duration 0.2 --tolerance 0.1cm --write chosen.toml");
+    let choice =
+        choose(&place, "springs.toml --set drag.linear=0 --duration 0.2 --tolerance 0.1cm --write chosen.toml");
     let is_term = |words: &&Value| !words.as_str().unwrap().contains("solver");
     assert_eq!(choice["chosen"]["terms"].as_array().unwrap().iter().find(is_term), None);
     let table = |text: &str| toml::from_str::<Table>(text).unwrap();
     let written = String::from_utf8(place.read("chosen.toml")).unwrap();
-    assert!(written.starts_with("# Chosen by muslin choose by the first 0.2 s."), "{written}");
+    assert!(written.starts_with("# Chosen by muslin choose by the first 0.2 s.\n"), "{written}");
+    assert!(written.contains("\n# --set drag.linear=0\n"), "{written}");
     for comment in ["# Nothing but springs.\n", "duration = 0.3 # s\n", "# How it is run.\n", " # s\nnewton = 1\n"] {
         assert!(written.contains(comment), "{comment:?} is not in {written}");
     }
@@ -174,6 +200,7 @@ fn what_it_writes_is_the_scene_with_another_integrator() {
     let (mut before, mut after) = (table(SPRINGS), table(&written));
     let integrator = after.remove("integrator").unwrap();
     before.remove("integrator");
+    before.insert("drag".into(), toml::from_str::<Table>("linear = 0").unwrap().into());
     assert_eq!(before, after);
     assert_eq!(integrator["method"].as_str(), choice["chosen"]["method"].as_str());
     assert_eq!(integrator["step"].as_float(), choice["chosen"]["step"].as_f64());

@@ -9,7 +9,7 @@
 
 use serde_json::Value;
 
-use crate::choose::{METHODS, areas, number, rms};
+use crate::choose::{METHODS, areas, number, rms, work};
 use crate::kit::{Place, PointCache, obj};
 
 /// Times the best in hindsight.
@@ -20,10 +20,6 @@ const HALF: f64 = 0.5;
 
 /// Of the tolerance: what the reference of the choice may be off by.
 const OWN: f64 = 1.0 / 16.0;
-
-/// Evaluations with their Jacobian cost as much as so many iterations of the solver, about: 13 to 20 on
-/// sheets of 27 to 169 vertices. Only runs of one method are compared by it.
-const ITERATIONS: f64 = 16.0;
 
 /// From a step to the next shorter one.
 const FINER: f64 = 1.1;
@@ -144,11 +140,6 @@ impl Case {
 struct Flight {
     work: f64,
     moments: PointCache,
-}
-
-/// Evaluations of forces, and what of them iterations of the solver are worth.
-fn work(counts: &Value) -> f64 {
-    number(&counts["force_evaluations"]) + number(&counts["cg_iterations"]) / ITERATIONS
 }
 
 /// A run to its end; none of one that diverged.

@@ -51,13 +51,20 @@ pub fn write(study: &Study<'_>, found: &Found, path: &Path) -> Result<(), Failur
     // What was looked at may be less than what is to be run.
     let scene = chosen.changed(&[("duration", Some(Value::Float(own_duration(study)?)))])?;
     let text = scene_file::commented(&study.arguments.of.scene, &scene)?;
-    let head = format!("# Chosen by muslin choose by the first {} s.\n", study.scene.desc.duration);
-    whole::write(path.into(), |out| out.write_all((head + &text).as_bytes()))
+    whole::write(path.into(), |out| out.write_all((head(study) + &text).as_bytes()))
         .map_err(|error| Failure::Tool(error.to_string()))?;
     if !study.arguments.quiet {
         print_note(&note(&scene, found, path));
     }
     Ok(())
+}
+
+/// How it was chosen, and what was set for that.
+fn head(study: &Study<'_>) -> String {
+    let chosen = format!("Chosen by muslin choose by the first {} s.", study.scene.desc.duration);
+    let lines = [chosen, "Comments are those of the scene before.".into()];
+    let sets = study.arguments.of.set.iter().map(|set| format!("--set {}", set.replace(['\n', '\r'], " ")));
+    lines.into_iter().chain(sets).map(|line| format!("# {line}\n")).collect()
 }
 
 /// That of the scene, whatever --duration says, s.
