@@ -16,6 +16,7 @@ pub mod rng;
 pub mod states;
 pub mod threads;
 pub mod topology;
+pub mod truth;
 pub mod worst;
 
 /// The README, so that its Rust is compiled and run.

@@ -4,58 +4,8 @@
 //! truth, then decides for the rounded copies. False hits are counted: what comes closer than the
 //! rounding reserve without touching is one.
 
-use std::path::Path;
-use std::sync::OnceLock;
-
-use glam::DVec3;
-
 use crate::exact;
-use muslin_tests::query::{Pair, Query};
-
-const FAMILIES: [&str; 5] =
-    ["erleben-cube-cliff-edges", "erleben-spike-wedge", "erleben-spikes", "erleben-wedges", "unit-tests"];
-
-struct Known {
-    family: &'static str,
-    query: Query,
-    touches: bool,
-}
-
-/// All queries; none, with a word on it, where they are absent and need not be there.
-fn queries() -> &'static [Known] {
-    static QUERIES: OnceLock<Vec<Known>> = OnceLock::new();
-    QUERIES.get_or_init(|| {
-        let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/ccd-queries"));
-        if !data.exists() && std::env::var("MUSLIN_REQUIRE_DATA").as_deref() != Ok("1") {
-            eprintln!("skipped: {} is absent", data.display());
-            return Vec::new();
-        }
-        let mut known = Vec::new();
-        for family in FAMILIES {
-            for (pair, folder) in [(Pair::VertexTriangle, "vertex-face"), (Pair::EdgeEdge, "edge-edge")] {
-                for part in ["data_0_0.csv", "data_0_1.csv"] {
-                    let path = data.join(family).join(folder).join(part);
-                    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-                    known.extend(parse(&text, pair).map(|(query, touches)| Known { family, query, touches }));
-                }
-            }
-        }
-        known
-    })
-}
-
-fn parse(text: &str, pair: Pair) -> impl Iterator<Item = (Query, bool)> {
-    let row = |line: &str| {
-        let n: Vec<f64> = line.split(',').map(|n| n.parse().expect("a number")).collect();
-        (DVec3::new(n[0] / n[1], n[2] / n[3], n[4] / n[5]), n[6] == 1.0)
-    };
-    let rows: Vec<_> = text.lines().map(row).collect();
-    let query = move |rows: &[(DVec3, bool)]| {
-        let at = |from: usize| std::array::from_fn(|i| rows[from + i].0);
-        (Query { pair, start: at(0), end: at(4) }, rows[0].1)
-    };
-    rows.chunks_exact(8).map(query).collect::<Vec<_>>().into_iter()
-}
+use muslin_tests::truth::{Known, queries};
 
 #[test]
 fn exact_decision_is_the_published_truth() {
@@ -65,8 +15,8 @@ fn exact_decision_is_the_published_truth() {
 }
 
 muslin_tests::both_precisions! {
-    use super::{FAMILIES, Known, queries};
     use crate::exact;
+    use muslin_tests::truth::{FAMILIES, Known, queries};
 
     /// With a tolerance of a micrometre, of 2,324 queries. Nearly all are separated by less than
     /// that; rounded to f32, many of those touch.

@@ -1,0 +1,86 @@
+// The size of the cells; the home cell of every sphere and the control bits.
+
+@group(0) @binding(1) var<storage, read> spheres: array<vec4<i32>>;
+// Keys and control bits.
+@group(0) @binding(2) var<storage, read_write> homes: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read_write> plan: array<u32>;
+
+// The least integer whose square is not less.
+fn root_above(n: u32) -> u32 {
+    var root = 0u;
+    for (var bit = 32768u; bit > 0u; bit >>= 1u) {
+        let next = root | bit;
+        if next * next <= n {
+            root = next;
+        }
+    }
+    return root + select(0u, 1u, root * root < n);
+}
+
+// One invocation.
+@compute @workgroup_size(1)
+fn choose_lattice() {
+    let count = plan[SPHERES];
+    let diagonal_squared = plan[SPHERES + 1u];
+    let size = 2u * root_above(diagonal_squared) + root_above(2u * diagonal_squared) + 1u;
+    var bits: vec3<u32>;
+    for (var k = 0u; k < 3u; k++) {
+        bits[k] = max(firstLeadingBit(plan[SPHERES + 2u + k] / size + 1u) + 1u, 2u);
+    }
+    let most = max(32u - countLeadingZeros(count) + 1u, 6u);
+    while bits.x + bits.y + bits.z > most {
+        var longest = 0u;
+        for (var k = 1u; k < 3u; k++) {
+            // The last of equals.
+            if bits[k] >= bits[longest] {
+                longest = k;
+            }
+        }
+        bits[longest] -= 1u;
+    }
+    plan[LATTICE] = size;
+    for (var k = 0u; k < 3u; k++) {
+        plan[LATTICE + 1u + k] = bits[k];
+    }
+}
+
+@compute @workgroup_size(256)
+fn write_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let triangle = place(group) * GROUP + local;
+    if triangle >= params.triangles {
+        return;
+    }
+    let sphere = spheres[triangle];
+    if sphere.x < 0 {
+        homes[triangle] = vec2<u32>(0u);
+        return;
+    }
+    let size = i32(plan[LATTICE]);
+    let cover_squared = 2u * u32(sphere.w);
+    var key = 0u;
+    var parity = 0u;
+    var upward = 0u;
+    var gaps_squared: vec3<u32>;
+    var field = 0u;
+    for (var k = 0u; k < 3u; k++) {
+        let cell = sphere[k] / size;
+        let below = sphere[k] - cell * size;
+        let above = size - below;
+        let bits = plan[LATTICE + 1u + k];
+        key |= (u32(cell) & ((1u << bits) - 1u)) << field;
+        field += bits;
+        parity |= (u32(cell) & 1u) << k;
+        upward |= select(0u, 1u, above < below) << k;
+        let gap = u32(min(min(above, below), 16384));
+        gaps_squared[k] = gap * gap;
+    }
+    var mask = 0u;
+    for (var across = 0u; across < 8u; across++) {
+        var gap_squared = 0u;
+        for (var k = 0u; k < 3u; k++) {
+            gap_squared += select(0u, gaps_squared[k], ((across >> k) & 1u) == 1u);
+        }
+        mask |= select(0u, 1u, gap_squared <= cover_squared) << (parity ^ across);
+    }
+    homes[triangle] = vec2<u32>(key, mask | (parity << HOME_SHIFT) | (upward << UPWARD_SHIFT));
+}

@@ -1,0 +1,70 @@
+// The last level: each of its triangles against all others, without cells.
+
+@group(0) @binding(1) var<storage, read> levels: array<u32>;
+@group(0) @binding(2) var<storage, read> triangle_boxes: array<f32>;
+// The triangles of the last level.
+@group(0) @binding(3) var<storage, read_write> list: array<u32>;
+@group(0) @binding(4) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(5) var<storage, read> blocks: array<u32>;
+@group(0) @binding(6) var<storage, read_write> pairs: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read_write> plan: array<u32>;
+
+@compute @workgroup_size(256)
+fn count_last(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let triangle = place(group) * GROUP + local;
+    if triangle < params.triangles {
+        counts[triangle] = select(0u, 1u, levels[triangle] == plan[GRADED]);
+    }
+}
+
+@compute @workgroup_size(256)
+fn list_last(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let triangle = place(group) * GROUP + local;
+    if triangle < params.triangles && levels[triangle] == plan[GRADED] {
+        list[counts[triangle]] = triangle;
+    }
+}
+
+fn visit(b: u32, writes: bool, place: u32) -> u32 {
+    let last = plan[GRADED];
+    let level = levels[b];
+    if level == NO_LEVEL {
+        return 0u;
+    }
+    var found = 0u;
+    for (var k = 0u; k < plan[SINGLE]; k++) {
+        let a = list[k];
+        if (level != last || b > a) && triangles_overlap(a, b) && may_pair(a, b) {
+            if writes && place + found < params.pairs {
+                pairs[place + found] = vec2<u32>(a, b);
+            }
+            found++;
+        }
+    }
+    return found;
+}
+
+@compute @workgroup_size(256)
+fn count_plain(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let triangle = place(group) * GROUP + local;
+    if triangle < params.triangles {
+        counts[triangle] = visit(triangle, false, 0u);
+    }
+}
+
+@compute @workgroup_size(256)
+fn write_plain(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let triangle = place(group) * GROUP + local;
+    if triangle < params.triangles {
+        visit(triangle, true, plan[PAIRS] + counts[triangle]);
+    }
+}
+
+// One invocation.
+@compute @workgroup_size(1)
+fn close_plain() {
+    plan[PAIRS] += blocks[(params.triangles + 2047u) / 2048u];
+    if plan[PAIRS] > params.pairs {
+        plan[STATUS] |= NO_ROOM_PAIRS;
+    }
+}

@@ -1,0 +1,73 @@
+//! An adapter and what is asked of it.
+
+use wgpu::{
+    Adapter, Backends, DeviceDescriptor, Features, Instance, InstanceDescriptor, InstanceFlags, Limits,
+    PowerPreference, RequestAdapterOptions,
+};
+
+use crate::program::Program;
+use crate::stages;
+
+/// A device that stages run on.
+#[derive(Debug)]
+pub struct Gpu {
+    /// As the driver calls it.
+    pub name: String,
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    /// All stages, compiled once for all surfaces.
+    pub(crate) programs: Vec<Program>,
+}
+
+/// Why there is no device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NoDevice(pub String);
+
+impl core::fmt::Display for NoDevice {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{}", self.0)
+    }
+}
+
+impl core::error::Error for NoDevice {}
+
+/// What may be asked of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ask {
+    /// What every browser has, and nothing else: to test with.
+    Web,
+    /// As much as the adapter gives.
+    Most,
+}
+
+fn instance(ask: Ask) -> Instance {
+    let mut descriptor = InstanceDescriptor::new_without_display_handle();
+    if ask == Ask::Web {
+        descriptor.flags = InstanceFlags::STRICT_WEBGPU_COMPLIANCE;
+    }
+    Instance::new(descriptor)
+}
+
+/// All adapters that there are.
+pub async fn adapters() -> Vec<Adapter> {
+    instance(Ask::Most).enumerate_adapters(Backends::all()).await
+}
+
+impl Gpu {
+    /// The fastest adapter, opened, with all stages compiled.
+    pub async fn open(ask: Ask) -> Result<Self, NoDevice> {
+        let options =
+            RequestAdapterOptions { power_preference: PowerPreference::HighPerformance, ..Default::default() };
+        let adapter =
+            instance(ask).request_adapter(&options).await.map_err(|error| NoDevice(format!("no adapter: {error}")))?;
+        let (required_limits, required_features) = match ask {
+            Ask::Web => (Limits::defaults(), Features::empty()),
+            Ask::Most => (adapter.limits(), adapter.features() & Features::TIMESTAMP_QUERY),
+        };
+        let descriptor = DeviceDescriptor { required_limits, required_features, ..Default::default() };
+        let opened = adapter.request_device(&descriptor).await;
+        let (device, queue) = opened.map_err(|error| NoDevice(format!("no device: {error}")))?;
+        let programs = stages::ALL.into_iter().map(|stage| Program::compile(&device, stage)).collect();
+        Ok(Self { name: adapter.get_info().name, device, queue, programs })
+    }
+}

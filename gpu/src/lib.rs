@@ -1,0 +1,22 @@
+//! Muslin's detection in WGSL: the stages of `muslin_core::broad_phase` and `narrow_phase`, each in a
+//! file of the same stem, run through wgpu on any adapter.
+//!
+//! [`stages`] is the table of them, [`slots`] that of the columns they work on, [`schedule`] the order
+//! in which they run, [`detector`] what a host holds: boxes and positions go up, candidates with
+//! their distances come back, the same as the core's.
+#![forbid(unsafe_code)]
+
+pub mod alone;
+mod buffer;
+pub mod detector;
+pub mod device;
+pub mod params;
+mod program;
+pub mod schedule;
+pub mod slots;
+pub mod stages;
+mod work;
+
+pub use buffer::Lost;
+pub use detector::{Detector, Found};
+pub use device::Gpu;

@@ -1,0 +1,102 @@
+// Conservative advancement: features move on for as long as they cannot meet. Twice the reserve of the
+// core: divisions and roots are less exact here.
+
+const ROUNDING: f32 = 64.0 * EPSILON;
+const MOST_ADVANCES: u32 = 128u;
+const CLOSE: f32 = 0.1;
+const TARGET: f32 = 0.9;
+const LARGEST: f32 = 3.4e38;
+const NEVER: f32 = 2.0;
+
+// When two features come within `separation + tolerance`, 0 to 1; NEVER where they stay farther apart
+// than `separation`. Never late.
+fn advance(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>, separation: f32, tolerance: f32) -> f32 {
+    var begin = x;
+    var end = y;
+    var size = 0.0;
+    for (var i = 0u; i < 4u; i++) {
+        begin[i] = x[i] - x[0];
+        end[i] = y[i] - y[0];
+        let coordinates = max(abs(begin[i]), abs(end[i]));
+        size = max(size, max(max(coordinates.x, coordinates.y), coordinates.z));
+    }
+    var time = 0.0;
+    var hit = 0.0;
+    var goal = 0.0;
+    let speed = fastest(begin, end);
+    var now = begin;
+    for (var advances = 0u; advances < MOST_ADVANCES; advances++) {
+        let between = nearest(now).between;
+        let distance = length(between);
+        if advances == 0u {
+            let gap = max(min(CLOSE * (distance - separation), tolerance), ROUNDING * size);
+            hit = separation + gap;
+            goal = separation + TARGET * gap;
+        }
+        if distance <= hit {
+            return time;
+        }
+        var next = closing(between, now, end, time, goal);
+        if next < 1.0 {
+            next = max(next, closing(upright(now, between), now, end, time, goal));
+            next = max(next, time + (distance - goal) / speed);
+        }
+        if next >= 1.0 {
+            return NEVER;
+        }
+        time = next;
+        for (var i = 0u; i < 4u; i++) {
+            now[i] = begin[i] + time * (end[i] - begin[i]);
+        }
+    }
+    return time;
+}
+
+// When the slab between the features that is perpendicular to a direction is as thin as the goal, at
+// the earliest: 1 if never, `time` if it already is.
+fn closing(along: vec3<f32>, now: array<vec3<f32>, 4>, end: array<vec3<f32>, 4>, time: f32, goal: f32) -> f32 {
+    let squared = dot(along, along);
+    if !(squared > 0.0) {
+        return time;
+    }
+    let size = sqrt(squared);
+    let gap = slab(along, now) / size;
+    let last = slab(along, end) / size;
+    if gap <= goal {
+        return time;
+    }
+    if last >= goal {
+        return 1.0;
+    }
+    return time + (1.0 - time) * ((gap - goal) / (gap - last));
+}
+
+// The thickness of the slab times the length of the direction.
+fn slab(along: vec3<f32>, x: array<vec3<f32>, 4>) -> f32 {
+    var least = LARGEST;
+    var most = -LARGEST;
+    for (var i = 0u; i < 4u; i++) {
+        let height = dot(along, x[i]);
+        if i < FIRST {
+            least = min(least, height);
+        } else {
+            most = max(most, height);
+        }
+    }
+    return least - most;
+}
+
+// Perpendicular to the triangle, or to both edges, towards the first feature.
+fn upright(x: array<vec3<f32>, 4>, between: vec3<f32>) -> vec3<f32> {
+    let along = direction(x);
+    return select(along, -along, dot(along, between) < 0.0);
+}
+
+// The farthest that a vertex of one feature moves relative to one of the other.
+fn fastest(begin: array<vec3<f32>, 4>, end: array<vec3<f32>, 4>) -> f32 {
+    var moves = begin;
+    for (var i = 0u; i < 4u; i++) {
+        moves[i] = end[i] - begin[i];
+    }
+    return sqrt(approach_squared(moves));
+}

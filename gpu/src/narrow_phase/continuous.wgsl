@@ -1,0 +1,46 @@
+// When the features of each candidate meet in the course of a step.
+
+@group(0) @binding(1) var<storage, read> candidates: array<vec2<u32>>;
+@group(0) @binding(2) var<storage, read> features: array<u32>;
+@group(0) @binding(3) var<storage, read> start: array<f32>;
+@group(0) @binding(4) var<storage, read> end_of: array<f32>;
+@group(0) @binding(5) var<storage, read> radii: array<f32>;
+@group(0) @binding(6) var<storage, read> distances: array<f32>;
+@group(0) @binding(7) var<storage, read_write> times: array<f32>;
+@group(0) @binding(8) var<storage, read> plan: array<u32>;
+
+const TOUCH: f32 = 1e-3;
+const TOUCHING: f32 = 3.0;
+
+fn position_at_end(vertex: u32) -> vec3<f32> {
+    return vec3<f32>(end_of[3u * vertex], end_of[3u * vertex + 1u], end_of[3u * vertex + 2u]);
+}
+
+@compute @workgroup_size(64)
+fn write_times(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let at = place(group) * 64u + local;
+    if at >= candidate_count() {
+        return;
+    }
+    let distance = distances[at];
+    if distance <= TOUCH * params.separation {
+        times[at] = TOUCHING;
+        return;
+    }
+    let separation = min(params.separation, 0.5 * distance);
+    let vertices = vertices_of(candidates[at]);
+    let x = gather(vertices);
+    let y = array<vec3<f32>, 4>(
+        position_at_end(vertices.x), position_at_end(vertices.y),
+        position_at_end(vertices.z), position_at_end(vertices.w)
+    );
+    // Nearly all candidates cannot have come near enough.
+    if fastest(x, y) * (1.0 + 2e-5) < distance - separation {
+        times[at] = NEVER;
+        return;
+    }
+    let around = radius(gather_radii(vertices));
+    let time = advance(x, y, separation + around, 0.5 * separation);
+    // At once, although apart: rounding hides what they do.
+    times[at] = select(time, TOUCHING, time == 0.0);
+}

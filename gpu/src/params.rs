@@ -1,0 +1,89 @@
+//! What stages are told, and the words that they leave in the plan.
+
+use bytemuck::{Pod, Zeroable};
+
+/// `struct Params` of `shared/params.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Params {
+    /// Vertices.
+    pub vertices: u32,
+    /// Triangles.
+    pub triangles: u32,
+    /// The first passive triangle.
+    pub first_passive: u32,
+    /// 1: those before pair with one another.
+    pub own_contact: u32,
+    /// 1: some vertices are sewn.
+    pub sewn: u32,
+    /// The level; of the division how many are run.
+    pub level: u32,
+    /// Of the sort: the lowest bit of a pass.
+    pub shift: u32,
+    /// Of the scan: how many numbers.
+    pub length: u32,
+    /// Room for entries.
+    pub entries: u32,
+    /// Room for pairs of triangles.
+    pub pairs: u32,
+    /// Room for vertices with triangles.
+    pub vertex_triangle: u32,
+    /// Room for edges with edges.
+    pub edge_edge: u32,
+    /// m; further apart the boxes' distance will do.
+    pub reach: f32,
+    /// m that moving features keep.
+    pub separation: f32,
+    /// m.
+    pub thickness: f32,
+    /// To a multiple of sixteen bytes.
+    pub unused: u32,
+}
+
+/// Room, in things; grown to what was counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacities {
+    /// Levels with cells.
+    pub levels: usize,
+    /// Entries of triangles in cells, in one level.
+    pub entries: usize,
+    /// Pairs of triangles.
+    pub pairs: usize,
+    /// Vertices with triangles.
+    pub vertex_triangle: usize,
+    /// Edges with edges.
+    pub edge_edge: usize,
+}
+
+/// Numbers that a group scans.
+pub const SCAN_BLOCK: usize = 2048;
+
+/// Words of the plan.
+pub const PLAN_WORDS: usize = 64;
+
+/// Places in the plan, as in `shared/plan.wgsl`.
+pub mod plan {
+    /// What did not fit.
+    pub const STATUS: usize = 0;
+    /// Levels with cells.
+    pub const GRADED: usize = 1;
+    /// Around all boxes.
+    pub const SCENE: usize = 11;
+    /// Entries of the last level that was run.
+    pub const ENTRIES: usize = 17;
+    /// Pairs of triangles.
+    pub const PAIRS: usize = 18;
+    /// Candidates.
+    pub const VERTEX_TRIANGLE: usize = 19;
+    /// Candidates.
+    pub const EDGE_EDGE: usize = 20;
+    /// The most entries of any level.
+    pub const MOST_ENTRIES: usize = 34;
+}
+
+/// The plan before the first stage: no box is around anything.
+pub fn fresh_plan() -> [u32; PLAN_WORDS] {
+    let mut words = [0; PLAN_WORDS];
+    words[plan::SCENE..plan::SCENE + 3].fill(u32::MAX);
+    words
+}

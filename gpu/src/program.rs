@@ -1,0 +1,82 @@
+//! A stage on a device: its entries compiled, its columns bound.
+
+use crate::params::Params;
+use crate::stages::Stage;
+
+/// A stage's entries, compiled.
+#[derive(Debug)]
+pub struct Program {
+    /// What it is.
+    pub stage: Stage,
+    layout: wgpu::BindGroupLayout,
+    pipelines: Vec<wgpu::ComputePipeline>,
+}
+
+impl Program {
+    /// Compiles all entries.
+    pub fn compile(device: &wgpu::Device, stage: Stage) -> Self {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(stage.name),
+            source: wgpu::ShaderSource::Wgsl(stage.source.into()),
+        });
+        let entry = |binding: usize, ty| wgpu::BindGroupLayoutEntry {
+            binding: binding as u32,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: binding == 0, min_binding_size: None },
+            count: None,
+        };
+        let columns = stage
+            .bindings
+            .iter()
+            .enumerate()
+            .map(|(k, &(_, writes))| entry(k + 1, wgpu::BufferBindingType::Storage { read_only: !writes }));
+        let entries: Vec<_> = core::iter::once(entry(0, wgpu::BufferBindingType::Uniform)).chain(columns).collect();
+        let layout = device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.name), entries: &entries });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(stage.name),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = |entry: &&str| {
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry),
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: Some(entry),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        };
+        let pipelines = stage.entries.iter().map(pipeline).collect();
+        Self { stage, layout, pipelines }
+    }
+
+    /// One of its entries.
+    pub fn entry(&self, name: &str) -> &wgpu::ComputePipeline {
+        let at = self.stage.entries.iter().position(|&entry| entry == name).unwrap_or(0);
+        &self.pipelines[at]
+    }
+
+    /// Its columns and what it is told, of these buffers.
+    pub fn bind(&self, device: &wgpu::Device, told: &wgpu::Buffer, buffers: &[wgpu::Buffer]) -> wgpu::BindGroup {
+        let params = wgpu::BindGroupEntry {
+            binding: 0,
+            resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: told,
+                offset: 0,
+                size: core::num::NonZeroU64::new(size_of::<Params>() as u64),
+            }),
+        };
+        let columns = self.stage.bindings.iter().enumerate().map(|(k, &(slot, _))| wgpu::BindGroupEntry {
+            binding: k as u32 + 1,
+            resource: buffers[slot as usize].as_entire_binding(),
+        });
+        let entries: Vec<_> = core::iter::once(params).chain(columns).collect();
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(self.stage.name),
+            layout: &self.layout,
+            entries: &entries,
+        })
+    }
+}

@@ -1,0 +1,30 @@
+// Words of the plan: what stages tell later ones, and the host.
+
+// Bits of what did not fit: levels 1, entries 2, pairs 4, vertices with triangles 8, edges 16.
+const STATUS: u32 = 0u;
+const GRADED: u32 = 1u;
+const SINGLE: u32 = 2u;
+// The greatest extent in each level, as bits.
+const EXTENTS: u32 = 3u;
+// Around all boxes in levels with cells, as ordered bits: three least, three greatest.
+const SCENE: u32 = 11u;
+const ENTRIES: u32 = 17u;
+const PAIRS: u32 = 18u;
+const VERTEX_TRIANGLE: u32 = 19u;
+const EDGE_EDGE: u32 = 20u;
+// From metres to units: three coordinates and the scale, as bits.
+const QUANTUM: u32 = 21u;
+// Of the spheres: how many, the greatest square of a diagonal, the last centre on each axis.
+const SPHERES: u32 = 25u;
+// The edge of a cell, then the bits of a key for each axis.
+const LATTICE: u32 = 30u;
+// The most entries of any level.
+const MOST_ENTRIES: u32 = 34u;
+
+const NO_ROOM_LEVELS: u32 = 1u;
+const NO_ROOM_ENTRIES: u32 = 2u;
+const NO_ROOM_PAIRS: u32 = 4u;
+const NO_ROOM_VERTEX_TRIANGLE: u32 = 8u;
+const NO_ROOM_EDGE_EDGE: u32 = 16u;
+
+const NO_LEVEL: u32 = 255u;

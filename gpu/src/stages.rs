@@ -1,0 +1,297 @@
+//! The table of stages: where each is, what it is made of, its entries and its columns.
+
+use crate::slots::Slot;
+
+/// A file of entries that work on the same columns.
+#[derive(Clone, Copy, Debug)]
+pub struct Stage {
+    /// Its path below `src`, without extension, with what it is joined with where there is a choice.
+    pub name: &'static str,
+    /// WGSL, whole.
+    pub source: &'static str,
+    /// Its entry points.
+    pub entries: &'static [&'static str],
+    /// Its columns in binding order from 1 on, and whether it writes them.
+    pub bindings: &'static [(Slot, bool)],
+}
+
+/// Joins pieces behind what all stages have.
+macro_rules! wgsl {
+    ($($piece:literal),*) => {
+        concat!(
+            include_str!("shared/params.wgsl"),
+            include_str!("shared/plan.wgsl"),
+            $(include_str!($piece)),*
+        )
+    };
+}
+
+const READ: bool = false;
+const WRITE: bool = true;
+
+/// The boxes of triangles.
+pub const BOUNDS: Stage = Stage {
+    name: "broad_phase/bounds",
+    source: wgsl!("broad_phase/bounds.wgsl"),
+    entries: &["write_bounds"],
+    bindings: &[
+        (Slot::Boxes, READ),
+        (Slot::Triangles, READ),
+        (Slot::Given, READ),
+        (Slot::TriangleBoxes, WRITE),
+        (Slot::Owned, WRITE),
+    ],
+};
+
+/// Triangles by size.
+pub const LEVELS: Stage = Stage {
+    name: "broad_phase/levels",
+    source: wgsl!("broad_phase/levels.wgsl"),
+    entries: &["count_sizes", "divide", "assign"],
+    bindings: &[(Slot::TriangleBoxes, READ), (Slot::Levels, WRITE), (Slot::Histogram, WRITE), (Slot::Plan, WRITE)],
+};
+
+/// The boxes of vertices in units.
+pub const UNITS: Stage = Stage {
+    name: "broad_phase/units",
+    source: wgsl!("broad_phase/units.wgsl"),
+    entries: &["choose_scale", "write_units"],
+    bindings: &[(Slot::Boxes, READ), (Slot::Units, WRITE), (Slot::Plan, WRITE)],
+};
+
+/// The spheres around triangles.
+pub const SPHERES: Stage = Stage {
+    name: "broad_phase/spheres",
+    source: wgsl!("broad_phase/spheres.wgsl"),
+    entries: &["write_spheres"],
+    bindings: &[
+        (Slot::Units, READ),
+        (Slot::Triangles, READ),
+        (Slot::Levels, READ),
+        (Slot::Spheres, WRITE),
+        (Slot::Plan, WRITE),
+    ],
+};
+
+/// Home cells and control bits.
+pub const CELLS: Stage = Stage {
+    name: "broad_phase/cells",
+    source: wgsl!("broad_phase/control_bits.wgsl", "broad_phase/cells.wgsl"),
+    entries: &["choose_lattice", "write_cells"],
+    bindings: &[(Slot::Spheres, READ), (Slot::Homes, WRITE), (Slot::Plan, WRITE)],
+};
+
+/// An entry for each cell that a triangle touches.
+pub const ENTRIES: Stage = Stage {
+    name: "broad_phase/entries",
+    source: wgsl!("broad_phase/control_bits.wgsl", "broad_phase/entries.wgsl"),
+    entries: &["count_entries", "write_entries"],
+    bindings: &[
+        (Slot::Homes, READ),
+        (Slot::Levels, READ),
+        (Slot::Counts, WRITE),
+        (Slot::Blocks, READ),
+        (Slot::Entries, WRITE),
+        (Slot::Plan, WRITE),
+    ],
+};
+
+/// Sums of all numbers before each.
+pub const SCAN: Stage = Stage {
+    name: "shared/scan",
+    source: wgsl!("shared/scan.wgsl"),
+    entries: &["sum_blocks", "scan_blocks", "spread"],
+    bindings: &[(Slot::Counts, WRITE), (Slot::Blocks, WRITE)],
+};
+
+/// A pass of the sort.
+pub const SORT: Stage = Stage {
+    name: "broad_phase/sort",
+    source: wgsl!("broad_phase/sort.wgsl"),
+    entries: &["count_digits", "scatter"],
+    bindings: &[(Slot::Entries, READ), (Slot::Spare, WRITE), (Slot::Counts, WRITE), (Slot::Plan, READ)],
+};
+
+/// The pass back.
+pub const SORT_BACK: Stage = Stage {
+    name: "broad_phase/sort, back",
+    bindings: &[(Slot::Spare, READ), (Slot::Entries, WRITE), (Slot::Counts, WRITE), (Slot::Plan, READ)],
+    ..SORT
+};
+
+/// Pairs of triangles.
+pub const PAIRS: Stage = Stage {
+    name: "broad_phase/pairs",
+    source: wgsl!("broad_phase/control_bits.wgsl", "broad_phase/pairs.wgsl", "shared/may_pair.wgsl"),
+    entries: &["count_pairs", "write_pairs", "close_pairs"],
+    bindings: &[
+        (Slot::Entries, READ),
+        (Slot::Homes, READ),
+        (Slot::TriangleBoxes, READ),
+        (Slot::Counts, WRITE),
+        (Slot::Blocks, READ),
+        (Slot::Pairs, WRITE),
+        (Slot::Plan, WRITE),
+    ],
+};
+
+/// Pairs with triangles of the last level.
+pub const PLAIN: Stage = Stage {
+    name: "broad_phase/plain",
+    source: wgsl!("broad_phase/plain.wgsl", "shared/may_pair.wgsl"),
+    entries: &["count_last", "list_last", "count_plain", "write_plain", "close_plain"],
+    bindings: &[
+        (Slot::Levels, READ),
+        (Slot::TriangleBoxes, READ),
+        (Slot::List, WRITE),
+        (Slot::Counts, WRITE),
+        (Slot::Blocks, READ),
+        (Slot::Pairs, WRITE),
+        (Slot::Plan, WRITE),
+    ],
+};
+
+/// The features of pairs.
+pub const FEATURES: Stage = Stage {
+    name: "broad_phase/features",
+    source: wgsl!("shared/sewn.wgsl", "broad_phase/features.wgsl"),
+    entries: &["find_features"],
+    bindings: &[
+        (Slot::Boxes, READ),
+        (Slot::Triangles, READ),
+        (Slot::Owned, READ),
+        (Slot::TriangleBoxes, READ),
+        (Slot::Sewn, READ),
+        (Slot::Pairs, READ),
+        (Slot::Masks, WRITE),
+        (Slot::Plan, READ),
+    ],
+};
+
+/// Features as candidates.
+pub const CANDIDATES: Stage = Stage {
+    name: "shared/candidates",
+    source: wgsl!("shared/candidates.wgsl"),
+    entries: &["count_candidates", "write_candidates"],
+    bindings: &[
+        (Slot::Triangles, READ),
+        (Slot::TriangleEdges, READ),
+        (Slot::Pairs, READ),
+        (Slot::Masks, READ),
+        (Slot::Counts, WRITE),
+        (Slot::VertexTriangle, WRITE),
+        (Slot::EdgeEdge, WRITE),
+        (Slot::Plan, WRITE),
+    ],
+};
+
+/// Distances of vertices and triangles.
+pub const VERTEX_TRIANGLE: Stage = Stage {
+    name: "narrow_phase/proximity, vertex_triangle",
+    source: wgsl!(
+        "geometry/point_edge.wgsl",
+        "geometry/point_triangle.wgsl",
+        "narrow_phase/vertex_triangle.wgsl",
+        "shared/gather.wgsl",
+        "narrow_phase/proximity.wgsl"
+    ),
+    entries: &["write_distances"],
+    bindings: &[
+        (Slot::VertexTriangle, READ),
+        (Slot::Triangles, READ),
+        (Slot::Start, READ),
+        (Slot::Radii, READ),
+        (Slot::VertexTriangleDistances, WRITE),
+        (Slot::Plan, READ),
+    ],
+};
+
+/// Distances of edges.
+pub const EDGE_EDGE: Stage = Stage {
+    name: "narrow_phase/proximity, edge_edge",
+    source: wgsl!(
+        "geometry/point_edge.wgsl",
+        "geometry/edge_edge.wgsl",
+        "narrow_phase/edge_edge.wgsl",
+        "shared/gather.wgsl",
+        "narrow_phase/proximity.wgsl"
+    ),
+    entries: &["write_distances"],
+    bindings: &[
+        (Slot::EdgeEdge, READ),
+        (Slot::Edges, READ),
+        (Slot::Start, READ),
+        (Slot::Radii, READ),
+        (Slot::EdgeEdgeDistances, WRITE),
+        (Slot::Plan, READ),
+    ],
+};
+
+/// Times at which vertices and triangles meet.
+pub const VERTEX_TRIANGLE_CCD: Stage = Stage {
+    name: "narrow_phase/continuous, vertex_triangle",
+    source: wgsl!(
+        "geometry/point_edge.wgsl",
+        "geometry/point_triangle.wgsl",
+        "narrow_phase/vertex_triangle.wgsl",
+        "shared/gather.wgsl",
+        "narrow_phase/advance.wgsl",
+        "narrow_phase/continuous.wgsl"
+    ),
+    entries: &["write_times"],
+    bindings: &[
+        (Slot::VertexTriangle, READ),
+        (Slot::Triangles, READ),
+        (Slot::Start, READ),
+        (Slot::End, READ),
+        (Slot::Radii, READ),
+        (Slot::VertexTriangleDistances, READ),
+        (Slot::VertexTriangleTimes, WRITE),
+        (Slot::Plan, READ),
+    ],
+};
+
+/// Times at which edges meet.
+pub const EDGE_EDGE_CCD: Stage = Stage {
+    name: "narrow_phase/continuous, edge_edge",
+    source: wgsl!(
+        "geometry/point_edge.wgsl",
+        "geometry/edge_edge.wgsl",
+        "narrow_phase/edge_edge.wgsl",
+        "shared/gather.wgsl",
+        "narrow_phase/advance.wgsl",
+        "narrow_phase/continuous.wgsl"
+    ),
+    entries: &["write_times"],
+    bindings: &[
+        (Slot::EdgeEdge, READ),
+        (Slot::Edges, READ),
+        (Slot::Start, READ),
+        (Slot::End, READ),
+        (Slot::Radii, READ),
+        (Slot::EdgeEdgeDistances, READ),
+        (Slot::EdgeEdgeTimes, WRITE),
+        (Slot::Plan, READ),
+    ],
+};
+
+/// All of them, in the order of the data.
+pub const ALL: [Stage; 17] = [
+    BOUNDS,
+    LEVELS,
+    UNITS,
+    SPHERES,
+    CELLS,
+    ENTRIES,
+    SCAN,
+    SORT,
+    SORT_BACK,
+    PAIRS,
+    PLAIN,
+    FEATURES,
+    CANDIDATES,
+    VERTEX_TRIANGLE,
+    EDGE_EDGE,
+    VERTEX_TRIANGLE_CCD,
+    EDGE_EDGE_CCD,
+];

@@ -1,0 +1,28 @@
+//! The device finds what the core finds: names, shaders, layouts, each stage, and the whole.
+//!
+//! Without an adapter the tests that need one say so and pass; with `MUSLIN_REQUIRE_GPU=1` they fail.
+
+#[path = "broad_phase/agree.rs"]
+mod agree;
+#[path = "broad_phase/case.rs"]
+mod case;
+#[path = "parity/cloth_ball.rs"]
+mod cloth_ball;
+#[path = "narrow_phase/exact.rs"]
+mod exact;
+#[path = "parity/layouts.rs"]
+mod layouts;
+#[path = "parity/methods.rs"]
+mod methods;
+#[path = "parity/motion.rs"]
+mod motion;
+#[path = "parity/names.rs"]
+mod names;
+#[path = "narrow_phase/polynomial.rs"]
+mod polynomial;
+#[path = "parity/queries.rs"]
+mod queries;
+#[path = "parity/shaders.rs"]
+mod shaders;
+#[path = "parity/stages.rs"]
+mod stages;

@@ -1,0 +1,69 @@
+//! What the host writes lies where shaders read it.
+
+use std::mem::{offset_of, size_of};
+
+use muslin_gpu::params::{PLAN_WORDS, Params, plan};
+use muslin_gpu::stages;
+use naga::{Expression, Literal, Module, TypeInner};
+
+macro_rules! offsets {
+    ($($field:ident),*) => { [$((stringify!($field), offset_of!(Params, $field))),*] };
+}
+
+fn any_stage() -> Module {
+    naga::front::wgsl::parse_str(stages::BOUNDS.source).expect("the stage parses")
+}
+
+#[test]
+fn params_are_those_of_the_host() {
+    let host = offsets!(
+        vertices,
+        triangles,
+        first_passive,
+        own_contact,
+        sewn,
+        level,
+        shift,
+        length,
+        entries,
+        pairs,
+        vertex_triangle,
+        edge_edge,
+        reach,
+        separation,
+        thickness,
+        unused
+    );
+    let module = any_stage();
+    let (_, params) =
+        module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("Params")).expect("the shader has params");
+    let TypeInner::Struct { members, span } = &params.inner else { panic!("params are a struct") };
+    let shader: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
+    assert_eq!(shader, host);
+    assert_eq!(*span as usize, size_of::<Params>());
+}
+
+#[test]
+fn words_of_the_plan_are_those_of_the_host() {
+    let host = [
+        ("STATUS", plan::STATUS),
+        ("GRADED", plan::GRADED),
+        ("SCENE", plan::SCENE),
+        ("ENTRIES", plan::ENTRIES),
+        ("PAIRS", plan::PAIRS),
+        ("VERTEX_TRIANGLE", plan::VERTEX_TRIANGLE),
+        ("EDGE_EDGE", plan::EDGE_EDGE),
+        ("MOST_ENTRIES", plan::MOST_ENTRIES),
+    ];
+    let module = any_stage();
+    for (name, place) in host {
+        let constant = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+        let (_, constant) = constant.unwrap_or_else(|| panic!("{name} is not in the shader"));
+        let value = &module.global_expressions[constant.init];
+        assert!(
+            matches!(value, Expression::Literal(Literal::U32(word)) if *word as usize == place),
+            "{name}: {value:?}"
+        );
+        assert!(place < PLAN_WORDS);
+    }
+}

@@ -1,0 +1,49 @@
+//! The grid of the core and that on a device, as functions from a case to the candidates found.
+
+#[path = "../broad_phase/methods.rs"]
+#[expect(dead_code, reason = "of the core only the grid in single precision is compared with")]
+mod core_methods;
+
+use std::sync::OnceLock;
+
+use muslin_core::real::Vec3;
+use muslin_gpu::device::Ask;
+use muslin_gpu::{Detector, Found as OnDevice, Gpu};
+
+pub use core_methods::single::columns;
+pub use core_methods::{Found, Method, all};
+
+use super::case;
+use super::case::Case;
+
+pub const METHODS: [(&str, Method); 2] = [("grid in f32", core_methods::single::grid), ("grid on a device", on_device)];
+
+/// A device with what every browser has and no more, one for all tests; none, with a word on it, where there
+/// is no adapter and there need be none.
+pub fn gpu() -> Option<&'static Gpu> {
+    static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
+    let open = || match pollster::block_on(Gpu::open(Ask::Web)) {
+        Ok(gpu) => Some(gpu),
+        Err(why) if std::env::var("MUSLIN_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{why}"),
+        Err(why) => {
+            eprintln!("skipped: {why}");
+            None
+        }
+    };
+    GPU.get_or_init(open).as_ref()
+}
+
+/// The grid on the device; without one that of the core, which finds nothing new.
+fn on_device(case: &Case, room: [usize; 2]) -> Found {
+    let Some(gpu) = gpu() else { return core_methods::single::grid(case, room) };
+    let (boxes, surface) = columns(case);
+    let start = vec![Vec3::ZERO; boxes.len()];
+    let mut found = OnDevice::default();
+    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], false);
+    detector.detect(gpu, &boxes, &start, &start, &mut found).unwrap();
+    let counts = [found.vertex_triangle.len(), found.edge_edge.len()];
+    let (mut vertex_triangle, mut edge_edge) = (found.vertex_triangle, found.edge_edge);
+    vertex_triangle.truncate(room[0]);
+    edge_edge.truncate(room[1]);
+    Found { vertex_triangle, edge_edge, counts }
+}

@@ -1,0 +1,121 @@
+//! A crumpled sheet in motion: distances and times of its candidates, judged in double precision.
+
+use glam::DVec3;
+use muslin_core::geometry::aabb::Aabb;
+use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
+use muslin_gpu::{Detector, Found};
+use muslin_tests::crumpled;
+use muslin_tests::kit::double::distance;
+use muslin_tests::query::{Pair, Query};
+use muslin_tests::rng::Rng;
+
+use super::case::{Case, single};
+use super::methods::{columns, gpu};
+
+/// m that features keep, and how far they are looked for.
+const SEPARATION: f64 = 0.05;
+const REACH: f64 = 0.5;
+
+/// Of the size of a pair: what a distance in single precision may be off by.
+const ROUNDING: f64 = 1e-5;
+
+/// Moments at which a motion is looked at.
+const MOMENTS: u32 = 64;
+
+struct Scene {
+    start: Vec<DVec3>,
+    end: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    edges: Vec<[u32; 2]>,
+    found: Found,
+}
+
+fn scene() -> Option<Scene> {
+    let gpu = gpu()?;
+    let (mesh, rng) = (crumpled::sheet(24), &mut Rng::new(11));
+    let start: Vec<_> = mesh.positions.iter().map(|&x| single(x)).collect();
+    let end: Vec<_> = start.iter().map(|&x| single(x + rng.cube(0.5))).collect();
+    let (_, surface) = columns(&Case::new("", &start, &mesh.triangles, 0.0));
+    let [from, to] = [&start, &end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
+    let around = |(a, b): (&glam::Vec3, &glam::Vec3)| Aabb { min: a.min(*b) - 0.25, max: a.max(*b) + 0.25 };
+    let boxes: Vec<_> = from.iter().zip(&to).map(around).collect();
+    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], true);
+    detector.set_distances(gpu, REACH as f32, SEPARATION as f32);
+    let mut found = Found::default();
+    detector.detect(gpu, &boxes, &from, &to, &mut found).unwrap();
+    Some(Scene { start, end, triangles: mesh.triangles, edges: surface.view().edges.to_vec(), found })
+}
+
+impl Scene {
+    fn query(&self, pair: Pair, [a, b]: [u32; 2]) -> Query {
+        let vertices = match pair {
+            Pair::VertexTriangle => {
+                let [x, y, z] = self.triangles[b as usize];
+                [a, x, y, z]
+            }
+            Pair::EdgeEdge => {
+                let ([x, y], [z, w]) = (self.edges[a as usize], self.edges[b as usize]);
+                [x, y, z, w]
+            }
+        };
+        let at = |x: &[DVec3]| vertices.map(|v| x[v as usize]);
+        Query { pair, start: at(&self.start), end: at(&self.end) }
+    }
+
+    /// Candidates of both kinds with their distances and times.
+    fn answers(&self) -> impl Iterator<Item = (Query, f64, f32)> {
+        let Found { vertex_triangle, edge_edge, .. } = &self.found;
+        let of = |pair, candidates: &'_ [[u32; 2]], distances: &'_ [f32], times: &'_ [f32]| {
+            let all = candidates.iter().zip(distances).zip(times);
+            all.map(|((&c, &d), &t)| (self.query(pair, c), f64::from(d), t)).collect::<Vec<_>>()
+        };
+        let found = &self.found;
+        let faces =
+            of(Pair::VertexTriangle, vertex_triangle, &found.vertex_triangle_distances, &found.vertex_triangle_times);
+        let edges = of(Pair::EdgeEdge, edge_edge, &found.edge_edge_distances, &found.edge_edge_times);
+        faces.into_iter().chain(edges)
+    }
+}
+
+#[test]
+fn distances_are_right_to_rounding() {
+    let Some(scene) = scene() else { return };
+    let mut near = 0;
+    for (query, told, _) in scene.answers() {
+        let (exact, rounding) = (distance(query.pair, &query.start), ROUNDING * query.size());
+        match told > REACH {
+            true => assert!(told <= exact + rounding, "a bound of {told} for {exact}: {query}"),
+            false => assert!((told - exact).abs() <= rounding, "{told} for {exact}: {query}"),
+        }
+        near += usize::from(told <= REACH);
+    }
+    assert!(near > 1000, "only {near} within reach");
+}
+
+#[test]
+fn times_are_never_late_and_not_needlessly_early() {
+    let Some(scene) = scene() else { return };
+    let (mut hits, mut misses) = (0, 0);
+    for (query, told, time) in scene.answers() {
+        let apart = |t: f64| distance(query.pair, &query.at(t));
+        let keeps = SEPARATION.min(0.5 * told);
+        if time == TOUCHING {
+            assert!(told <= 1e-3 * SEPARATION, "{told} apart are said to touch: {query}");
+            continue;
+        }
+        let until = if time == NEVER { 1.0 } else { f64::from(time) };
+        let moments = (0..=MOMENTS).map(|i| apart(until * f64::from(i) / f64::from(MOMENTS)));
+        let least = moments.fold(f64::INFINITY, f64::min);
+        let rounding = ROUNDING * query.size();
+        assert!(least >= keeps - rounding, "{least} apart before {time}, to keep {keeps}: {query}");
+        if time == NEVER {
+            misses += 1;
+        } else {
+            hits += 1;
+            let most = 1.5 * keeps + rounding;
+            assert!(apart(until) <= most, "{} apart at {time}, at most {most}: {query}", apart(until));
+        }
+    }
+    println!("{hits} meet, {misses} do not");
+    assert!(hits > 100 && misses > 1000, "{hits} meet, {misses} do not");
+}

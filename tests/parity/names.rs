@@ -1,0 +1,38 @@
+//! Every file of detection has its twin: change crate and extension, nothing else.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// What the device does without, and why.
+const WITHOUT: [(&str, &str); 9] = [
+    ("broad_phase/mod", "types"),
+    ("broad_phase/byte_boxes", "boxes are compared as they are"),
+    ("broad_phase/grid", "the order of the stages: gpu/src/schedule.rs"),
+    ("broad_phase/brute_force", "what the core is tested against"),
+    ("broad_phase/reference_cell", "what the core is tested against"),
+    ("narrow_phase/mod", "types"),
+    ("narrow_phase/edge_edge_ccd", "continuous, of edge_edge"),
+    ("narrow_phase/vertex_triangle_ccd", "continuous, of vertex_triangle"),
+    ("narrow_phase/local_minimum", "of contacts, which the core makes of what is near"),
+];
+
+/// Files of a folder by their stems.
+fn stems(of: &str, extension: &str) -> BTreeSet<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(of);
+    let folders = ["broad_phase", "narrow_phase"];
+    let files = folders.iter().flat_map(|folder| {
+        let entries = std::fs::read_dir(root.join(folder)).expect("the folder is there");
+        entries.map(move |entry| (folder, entry.expect("an entry").path()))
+    });
+    let wanted = files.filter(|(_, path)| path.extension().is_some_and(|own| own == extension));
+    wanted.map(|(folder, path)| format!("{folder}/{}", path.file_stem().unwrap().to_string_lossy())).collect()
+}
+
+#[test]
+fn every_stage_has_its_twin() {
+    let (core, device) = (stems("core/src", "rs"), stems("gpu/src", "wgsl"));
+    let without: BTreeSet<_> = WITHOUT.iter().map(|(name, _)| (*name).to_owned()).collect();
+    assert!(core.len() > 20 && device.is_subset(&core), "without a twin in the core: {:?}", device.difference(&core));
+    let missing: BTreeSet<_> = core.difference(&device).cloned().collect();
+    assert_eq!(missing, without, "what has no twin on the device and what is said to have none");
+}

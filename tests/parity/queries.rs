@@ -1,0 +1,89 @@
+//! Queries with exact truth, rounded to single precision: no contact is missed on a device.
+
+use bytemuck::{cast_slice, cast_vec};
+use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
+use muslin_gpu::alone::{Columns, run};
+use muslin_gpu::params::{PLAN_WORDS, Params, plan};
+use muslin_gpu::schedule::Dispatch;
+use muslin_gpu::slots::Slot;
+use muslin_tests::kit::single::rounded;
+use muslin_tests::query::{Pair, Query};
+use muslin_tests::truth::queries;
+
+use super::exact;
+use super::methods::gpu;
+
+/// m that features keep; nearly all queries that miss do so by less.
+const SEPARATION: f32 = 1e-6;
+
+/// The stages of a kind of pairs, and where its candidates, distances and times are.
+fn kind(pair: Pair) -> ([&'static str; 2], [Slot; 3], usize) {
+    match pair {
+        Pair::VertexTriangle => (
+            ["narrow_phase/proximity, vertex_triangle", "narrow_phase/continuous, vertex_triangle"],
+            [Slot::VertexTriangle, Slot::VertexTriangleDistances, Slot::VertexTriangleTimes],
+            plan::VERTEX_TRIANGLE,
+        ),
+        Pair::EdgeEdge => (
+            ["narrow_phase/proximity, edge_edge", "narrow_phase/continuous, edge_edge"],
+            [Slot::EdgeEdge, Slot::EdgeEdgeDistances, Slot::EdgeEdgeTimes],
+            plan::EDGE_EDGE,
+        ),
+    }
+}
+
+/// When each query's features meet.
+fn times(pair: Pair, queries: &[Query]) -> Option<Vec<f32>> {
+    let gpu = gpu()?;
+    let (stages, [candidates, distances, times], place) = kind(pair);
+    let count = queries.len() as u32;
+    let positions = |of: fn(&Query) -> &[glam::DVec3; 4]| -> Vec<u32> {
+        let vertices = queries.iter().flat_map(|query| of(query).map(|x| x.as_vec3().to_array()));
+        cast_vec(vertices.flatten().collect::<Vec<f32>>())
+    };
+    let mut told = vec![0; PLAN_WORDS];
+    told[place] = count;
+    let pairs: Vec<[u32; 2]> = match pair {
+        Pair::VertexTriangle => (0..count).map(|i| [4 * i, i]).collect(),
+        Pair::EdgeEdge => (0..count).map(|i| [2 * i, 2 * i + 1]).collect(),
+    };
+    let triangles: Vec<[u32; 3]> = (0..count).map(|i| [4 * i + 1, 4 * i + 2, 4 * i + 3]).collect();
+    let empty = vec![0; queries.len()];
+    let mut all = Columns::from([
+        (candidates, cast_slice(&pairs).to_vec()),
+        (Slot::Triangles, cast_slice(&triangles).to_vec()),
+        (Slot::Edges, (0..4 * count).collect()),
+        (Slot::Start, positions(|query| &query.start)),
+        (Slot::End, positions(|query| &query.end)),
+        (Slot::Radii, vec![0; 4 * queries.len()]),
+        (distances, empty.clone()),
+        (times, empty),
+        (Slot::Plan, told),
+    ]);
+    let params =
+        Params { vertex_triangle: count, edge_edge: count, reach: 1e9, separation: SEPARATION, ..Params::default() };
+    let dispatch =
+        |stage, entry, group: usize| Dispatch { stage, entry, groups: queries.len().div_ceil(group), params };
+    run(gpu, vec![dispatch(stages[0], "write_distances", 256), dispatch(stages[1], "write_times", 64)], &mut all)
+        .unwrap();
+    Some(all[&times].iter().map(|&bits| f32::from_bits(bits)).collect())
+}
+
+#[test]
+fn no_contact_is_missed() {
+    for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
+        let own: Vec<_> =
+            queries().iter().map(|known| rounded(&known.query)).filter(|query| query.pair == pair).collect();
+        let Some(times) = times(pair, &own) else { return };
+        let (mut touching, mut hits) = (0, 0);
+        for (query, &time) in own.iter().zip(&times) {
+            let (touches, hit) = (exact::touch(query), time != NEVER);
+            assert!((0.0..=1.0).contains(&time) || [NEVER, TOUCHING].contains(&time), "a time of {time}: {query}");
+            assert!(hit || !touches, "missed a contact: {query}");
+            touching += usize::from(touches);
+            hits += usize::from(hit);
+        }
+        println!("{pair:?}: {} queries, {touching} touch, {hits} hit", own.len());
+        assert!(own.is_empty() || hits < own.len(), "all are hit: the test says nothing");
+    }
+}

@@ -1,0 +1,60 @@
+//! Every stage parses and is valid by what browsers guarantee, and is what the table says of it.
+
+use muslin_gpu::stages::{self, Stage};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{AddressSpace, Module, StorageAccess};
+
+/// What every browser has [WebGPU, 3.6.2].
+const STORAGE_BUFFERS: usize = 8;
+const INVOCATIONS: u32 = 256;
+const WORKGROUP_BYTES: u32 = 16 * 1024;
+
+fn parse(stage: &Stage) -> Module {
+    naga::front::wgsl::parse_str(stage.source)
+        .unwrap_or_else(|error| panic!("{}: {}", stage.name, error.emit_to_string(stage.source)))
+}
+
+#[test]
+fn all_are_valid_without_extensions() {
+    for stage in stages::ALL {
+        let module = parse(&stage);
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        if let Err(error) = validator.validate(&module) {
+            panic!("{}: {}", stage.name, error.emit_to_string(stage.source));
+        }
+    }
+}
+
+#[test]
+fn entries_and_columns_are_those_of_the_table() {
+    for stage in stages::ALL {
+        let module = parse(&stage);
+        let entries: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+        assert_eq!(entries, stage.entries, "{}", stage.name);
+        let mut columns: Vec<_> = module
+            .global_variables
+            .iter()
+            .filter_map(|(_, variable)| {
+                let AddressSpace::Storage { access } = variable.space else { return None };
+                Some((variable.binding.as_ref()?.binding, access.contains(StorageAccess::STORE)))
+            })
+            .collect();
+        columns.sort_unstable();
+        let table: Vec<_> = (1..).zip(stage.bindings).map(|(binding, &(_, writes))| (binding, writes)).collect();
+        assert_eq!(columns, table, "{}: binding and whether it is written", stage.name);
+        assert!(columns.len() <= STORAGE_BUFFERS, "{}: {} columns", stage.name, columns.len());
+    }
+}
+
+#[test]
+fn groups_are_as_small_as_browsers_ask() {
+    for stage in stages::ALL {
+        let module = parse(&stage);
+        for entry in &module.entry_points {
+            assert!(entry.workgroup_size.iter().product::<u32>() <= INVOCATIONS, "{} {}", stage.name, entry.name);
+        }
+        let shared = module.global_variables.iter().filter(|(_, variable)| variable.space == AddressSpace::WorkGroup);
+        let bytes: u32 = shared.map(|(_, variable)| module.types[variable.ty].inner.size(module.to_ctx())).sum();
+        assert!(bytes <= WORKGROUP_BYTES, "{}: {bytes} bytes", stage.name);
+    }
+}
