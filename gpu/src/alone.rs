@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::buffer::{Lost, buffer, column, wait};
+use crate::buffer::{Failed, buffer, column, wait};
 use crate::device::Gpu;
 use crate::schedule::Dispatch;
 use crate::slots::Slot;
@@ -12,16 +12,16 @@ use crate::work::Work;
 pub type Columns = HashMap<Slot, Vec<u32>>;
 
 /// Runs dispatches in a row on columns and reads these back; columns that are not given are empty.
-pub fn run(gpu: &Gpu, dispatches: Vec<Dispatch>, columns: &mut Columns) -> Result<(), Lost> {
+pub fn run(gpu: &Gpu, dispatches: Vec<Dispatch>, columns: &mut Columns) -> Result<(), Failed> {
     let words = |slot: &Slot| columns.get(slot).map_or(0, Vec::len);
-    let buffers: Vec<_> = Slot::ALL.iter().map(|slot| column(gpu, *slot, words(slot))).collect();
+    let buffers = Slot::ALL.iter().map(|slot| column(gpu, *slot, words(slot))).collect::<Result<Vec<_>, _>>()?;
     let all: usize = Slot::ALL.iter().map(words).sum();
     for (slot, words) in columns.iter().filter(|(_, words)| !words.is_empty()) {
         gpu.queue.write_buffer(&buffers[*slot as usize], 0, bytemuck::cast_slice(words));
     }
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    Work::new(gpu, dispatches, &buffers).record(gpu, &mut encoder);
-    let answer = buffer(gpu, "answer", 4 * all, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    Work::new(gpu, dispatches, &buffers)?.record(gpu, &mut encoder);
+    let answer = buffer(gpu, "answer", 4 * all, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST)?;
     let mut at = 0;
     for slot in columns.keys() {
         let bytes = 4 * columns[slot].len() as u64;
@@ -32,7 +32,7 @@ pub fn run(gpu: &Gpu, dispatches: Vec<Dispatch>, columns: &mut Columns) -> Resul
     }
     gpu.queue.submit([encoder.finish()]);
     wait(gpu, &answer)?;
-    let view = answer.slice(..).get_mapped_range().map_err(|error| Lost(error.to_string()))?;
+    let view = answer.slice(..).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
     let mut rest: &[u32] = bytemuck::cast_slice(&view);
     for words in columns.values_mut() {
         let (own, others) = rest.split_at(words.len());

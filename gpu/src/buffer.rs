@@ -3,32 +3,54 @@
 use crate::device::Gpu;
 use crate::slots::Slot;
 
-/// The device was lost, or failed.
+/// Why a detection has no answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Lost(pub String);
+pub enum Failed {
+    /// The device is gone, or its driver refused.
+    Lost(String),
+    /// So many bytes in one buffer are more than the device allows.
+    TooLarge(u64),
+}
+
+impl core::fmt::Display for Failed {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Lost(why) => write!(f, "the device failed: {why}"),
+            Self::TooLarge(bytes) => write!(f, "the device has no buffers of {} MiB", bytes >> 20),
+        }
+    }
+}
+
+impl core::error::Error for Failed {}
 
 /// A buffer of at least so many bytes.
-pub fn buffer(gpu: &Gpu, label: &str, bytes: usize, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+pub fn buffer(gpu: &Gpu, label: &str, bytes: usize, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, Failed> {
     let size = bytes.max(16) as u64;
-    gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+    if size > gpu.largest_buffer {
+        return Err(Failed::TooLarge(size));
+    }
+    Ok(gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false }))
 }
 
 /// A column of words of four bytes.
-pub fn column(gpu: &Gpu, slot: Slot, words: usize) -> wgpu::Buffer {
+pub fn column(gpu: &Gpu, slot: Slot, words: usize) -> Result<wgpu::Buffer, Failed> {
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
     buffer(gpu, &format!("{slot:?}"), 4 * words, usage)
 }
 
 /// Blocks until an answer is there.
-pub fn wait(gpu: &Gpu, answer: &wgpu::Buffer) -> Result<(), Lost> {
+pub fn wait(gpu: &Gpu, answer: &wgpu::Buffer) -> Result<(), Failed> {
     let (sender, receiver) = std::sync::mpsc::channel();
     answer.slice(..).map_async(wgpu::MapMode::Read, move |mapped| {
         let _ = sender.send(mapped);
     });
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| Lost(error.to_string()))?;
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| Failed::Lost(error.to_string()))?;
+    if let Some(error) = gpu.error() {
+        return Err(Failed::Lost(error));
+    }
     match receiver.recv() {
         Ok(Ok(())) => Ok(()),
-        Ok(Err(error)) => Err(Lost(error.to_string())),
-        Err(_) => Err(Lost("the device answers no more".into())),
+        Ok(Err(error)) => Err(Failed::Lost(error.to_string())),
+        Err(_) => Err(Failed::Lost("the device answers no more".into())),
     }
 }

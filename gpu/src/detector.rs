@@ -4,7 +4,7 @@ use muslin_core::broad_phase::Surface;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::real::Vec3;
 
-use crate::buffer::{Lost, buffer, column, wait};
+use crate::buffer::{Failed, buffer, column, wait};
 use crate::device::Gpu;
 use crate::params::{Capacities, PLAN_WORDS, Params, fresh_plan, plan};
 use crate::schedule::{self, Order};
@@ -44,7 +44,7 @@ pub struct Found {
 
 impl Detector {
     /// Makes room and sends what does not change.
-    pub fn new(gpu: &Gpu, surface: &Surface<'_>, radii: &[f32], continuous: bool) -> Self {
+    pub fn new(gpu: &Gpu, surface: &Surface<'_>, radii: &[f32], continuous: bool) -> Result<Self, Failed> {
         let sizes = Sizes::of(surface, radii.len());
         let triangles = sizes.triangles;
         let capacities = Capacities {
@@ -62,17 +62,19 @@ impl Detector {
             sewn: u32::from(!surface.sewn.offsets.is_empty()),
             ..Params::default()
         };
-        let fresh = buffer(gpu, "fresh", 4 * PLAN_WORDS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST);
+        let fresh = buffer(gpu, "fresh", 4 * PLAN_WORDS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST)?;
         gpu.queue.write_buffer(&fresh, 0, bytemuck::cast_slice(&fresh_plan()));
+        let column = |slot: &Slot| column(gpu, *slot, slot.words(&sizes, &capacities));
+        let buffers = Slot::ALL.iter().map(column).collect::<Result<Vec<_>, _>>()?;
         let mut detector = Self {
             sizes,
             params,
             capacities,
             continuous,
-            buffers: Slot::ALL.map(|slot| column(gpu, slot, slot.words(&sizes, &capacities))).into(),
+            buffers,
             work: Work::default(),
             fresh,
-            answer: buffer(gpu, "answer", 0, wgpu::BufferUsages::MAP_READ),
+            answer: buffer(gpu, "answer", 0, wgpu::BufferUsages::MAP_READ)?,
             staging: Vec::new(),
         };
         detector.send(gpu, Slot::Triangles, bytemuck::cast_slice(surface.triangles));
@@ -83,8 +85,8 @@ impl Detector {
         detector.send(gpu, Slot::Given, bytemuck::cast_slice(&given));
         let sewn = [surface.sewn.offsets, surface.sewn.others].concat();
         detector.send(gpu, Slot::Sewn, bytemuck::cast_slice(&sewn));
-        detector.lay_out(gpu);
-        detector
+        detector.lay_out(gpu)?;
+        Ok(detector)
     }
 
     fn buffer(&self, slot: Slot) -> &wgpu::Buffer {
@@ -98,7 +100,7 @@ impl Detector {
     }
 
     /// Plans the dispatches and binds the columns, for the capacities that there are.
-    fn lay_out(&mut self, gpu: &Gpu) {
+    fn lay_out(&mut self, gpu: &Gpu) -> Result<(), Failed> {
         let Self { params, sizes, capacities, continuous, .. } = *self;
         let params = Params {
             entries: capacities.entries as u32,
@@ -108,9 +110,10 @@ impl Detector {
             ..params
         };
         let dispatches = schedule::of(&Order { params, sizes, capacities, continuous });
-        self.work = Work::new(gpu, dispatches, &self.buffers);
+        self.work = Work::new(gpu, dispatches, &self.buffers)?;
         let words: usize = self.answers().iter().map(|&(_, words)| words).sum();
-        self.answer = buffer(gpu, "answer", 4 * words, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        self.answer = buffer(gpu, "answer", 4 * words, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST)?;
+        Ok(())
     }
 
     /// What is read back, and how many words.
@@ -139,7 +142,7 @@ impl Detector {
         start: &[Vec3],
         end: &[Vec3],
         found: &mut Found,
-    ) -> Result<(), Lost> {
+    ) -> Result<(), Failed> {
         self.staging.clear();
         self.staging.extend(boxes.iter().flat_map(finite));
         self.send(gpu, Slot::Boxes, bytemuck::cast_slice(&self.staging));
@@ -152,7 +155,7 @@ impl Detector {
             self.answer.unmap();
             match needed {
                 None => return Ok(()),
-                Some(capacities) => self.grow(gpu, capacities),
+                Some(capacities) => self.grow(gpu, capacities)?,
             }
         }
     }
@@ -172,8 +175,8 @@ impl Detector {
     }
 
     /// Reads the answer, or what more room it needs.
-    fn collect(&self, found: &mut Found) -> Result<Option<Capacities>, Lost> {
-        let view = self.answer.slice(..).get_mapped_range().map_err(|error| Lost(error.to_string()))?;
+    fn collect(&self, found: &mut Found) -> Result<Option<Capacities>, Failed> {
+        let view = self.answer.slice(..).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
         let words: &[u32] = bytemuck::cast_slice(&view);
         let (told, mut rest) = words.split_at(PLAN_WORDS);
         if told[plan::STATUS] != 0 {
@@ -204,14 +207,14 @@ impl Detector {
         Ok(None)
     }
 
-    fn grow(&mut self, gpu: &Gpu, capacities: Capacities) {
+    fn grow(&mut self, gpu: &Gpu, capacities: Capacities) -> Result<(), Failed> {
         let before = core::mem::replace(&mut self.capacities, capacities);
         for slot in Slot::ALL {
             if slot.words(&self.sizes, &capacities) != slot.words(&self.sizes, &before) {
-                self.buffers[slot as usize] = column(gpu, slot, slot.words(&self.sizes, &capacities));
+                self.buffers[slot as usize] = column(gpu, slot, slot.words(&self.sizes, &capacities))?;
             }
         }
-        self.lay_out(gpu);
+        self.lay_out(gpu)
     }
 }
 

@@ -1,5 +1,7 @@
 //! An adapter and what is asked of it.
 
+use std::sync::{Arc, Mutex};
+
 use wgpu::{
     Adapter, Backends, DeviceDescriptor, Features, Instance, InstanceDescriptor, InstanceFlags, Limits,
     PowerPreference, RequestAdapterOptions,
@@ -17,6 +19,10 @@ pub struct Gpu {
     pub(crate) queue: wgpu::Queue,
     /// All stages, compiled once for all surfaces.
     pub(crate) programs: Vec<Program>,
+    /// Bytes.
+    pub(crate) largest_buffer: u64,
+    /// What the driver refused last.
+    refused: Arc<Mutex<Option<String>>>,
 }
 
 /// Why there is no device.
@@ -67,7 +73,21 @@ impl Gpu {
         let descriptor = DeviceDescriptor { required_limits, required_features, ..Default::default() };
         let opened = adapter.request_device(&descriptor).await;
         let (device, queue) = opened.map_err(|error| NoDevice(format!("no device: {error}")))?;
+        let refused = Arc::new(Mutex::new(None));
+        let keep = Arc::clone(&refused);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            if let Ok(mut kept) = keep.lock() {
+                *kept = Some(error.to_string());
+            }
+        }));
+        let limits = device.limits();
+        let largest_buffer = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         let programs = stages::ALL.into_iter().map(|stage| Program::compile(&device, stage)).collect();
-        Ok(Self { name: adapter.get_info().name, device, queue, programs })
+        Ok(Self { name: adapter.get_info().name, device, queue, programs, largest_buffer, refused })
+    }
+
+    /// What the driver refused since it was last asked.
+    pub(crate) fn error(&self) -> Option<String> {
+        self.refused.lock().ok()?.take()
     }
 }

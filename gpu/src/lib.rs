@@ -17,6 +17,7 @@ pub mod slots;
 pub mod stages;
 mod work;
 
-pub use buffer::Lost;
+pub use buffer::Failed;
 pub use detector::{Detector, Found};
 pub use device::Gpu;
+pub use wgpu;

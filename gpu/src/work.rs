@@ -1,6 +1,6 @@
 //! Dispatches in a row, bound to columns and told what they need.
 
-use crate::buffer::buffer;
+use crate::buffer::{Failed, buffer};
 use crate::device::Gpu;
 use crate::params::Params;
 use crate::schedule::Dispatch;
@@ -23,13 +23,13 @@ pub struct Work {
 
 impl Work {
     /// Binds columns, one buffer a slot.
-    pub fn new(gpu: &Gpu, dispatches: Vec<Dispatch>, buffers: &[wgpu::Buffer]) -> Self {
+    pub fn new(gpu: &Gpu, dispatches: Vec<Dispatch>, buffers: &[wgpu::Buffer]) -> Result<Self, Failed> {
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
-        let told = buffer(gpu, "told", STRIDE * dispatches.len().max(1), usage);
+        let told = buffer(gpu, "told", STRIDE * dispatches.len().max(1), usage)?;
         let groups = gpu.programs.iter().map(|program| program.bind(&gpu.device, &told, buffers)).collect();
         let mut work = Self { dispatches, told: Some(told), groups };
         work.tell(gpu, |_| ());
-        work
+        Ok(work)
     }
 
     /// Changes what all dispatches are told.

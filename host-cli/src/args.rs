@@ -62,6 +62,8 @@ pub enum Command {
     Choose(ChooseArguments),
     /// List the built-in scenes, or print one
     Scenes(ScenesArguments),
+    /// List what there is to run on: the processor and graphics adapters
+    Devices(DevicesArguments),
     /// Measure what each stage costs on this machine
     Bench(BenchArguments),
 }
@@ -128,17 +130,19 @@ fn shard(text: &str) -> Result<Shard, String> {
 pub enum Backend {
     /// The processor.
     Cpu,
-    /// A graphics processor: not in this version.
+    /// A graphics processor: detect only, in this version.
     Gpu,
 }
 
 impl Backend {
-    /// Refuses what this version does not have.
-    pub fn check(self) -> Result<(), Failure> {
+    /// Refuses what this version does not have: runs on the graphics processor.
+    pub fn check_run(self) -> Result<(), Failure> {
         match self {
             Self::Cpu => Ok(()),
             Self::Gpu => Err(Failure::Usage(
-                "--backend gpu: this version has no GPU backend; say --backend cpu, or leave it out".into(),
+                "--backend gpu: this version detects on the GPU (muslin detect) but has no GPU backend for runs; say \
+                 --backend cpu, or leave it out"
+                    .into(),
             )),
         }
     }
@@ -280,13 +284,15 @@ Examples:
   muslin detect dress.obj --thickness 0.002
   muslin detect frame1.ply --next frame2.ply --thickness 0 --stage ccd
   muslin detect dress.obj --thickness 0.002 --stage intersections --json
+  muslin detect dress.obj --thickness 0.002 --backend gpu
 
 A candidate is a vertex with a triangle, or two edges, that share no vertex and whose boxes, each
 wider by half the thickness on every side, touch or overlap. A contact is a candidate closer than
 the thickness, as MESH stands: with a thickness of 0 there are none. With --next the boxes are those
 of the motion, and ccd counts what touches in its course, things that are too near to tell included.
 Intersections are edges of MESH that pass through triangles, by an exact test. All is in single
-precision.")]
+precision. With --backend gpu candidates, contacts and ccd come from one submission and have one
+time, transfers included; a pair as near to the thickness as rounding may be counted otherwise.")]
 pub struct DetectArguments {
     /// An OBJ or PLY file
     pub mesh: PathBuf,
@@ -526,6 +532,15 @@ pub struct ScenesArguments {
     /// Print this scene's file
     pub name: Option<String>,
     /// Print the list as one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `muslin devices`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  muslin devices --json")]
+pub struct DevicesArguments {
+    /// Print one JSON document
     #[arg(long)]
     pub json: bool,
 }

@@ -2,6 +2,7 @@
 //! what; counted, by the stages that runs are made of.
 
 mod mesh;
+mod on_gpu;
 mod report;
 mod stages;
 
@@ -9,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use muslin_core::audit;
 
-use crate::args::{DetectArguments, DetectStage};
+use crate::args::{Backend, DetectArguments, DetectStage, Method};
 use crate::failure::{Failure, print_data};
 use crate::pool::Pool;
 use mesh::Subject;
@@ -18,13 +19,18 @@ use stages::{Found, Touch};
 
 /// Detects and prints a table or JSON.
 pub fn detect(arguments: &DetectArguments) -> Result<(), Failure> {
-    arguments.backend.check()?;
+    if arguments.backend == Backend::Gpu && arguments.method != Method::Grid {
+        return Err(Failure::Usage("--method: the GPU has the grid only; say --backend cpu for the others".into()));
+    }
     if arguments.stage == DetectStage::Ccd && arguments.next.is_none() {
         return Err(Failure::Usage("--stage ccd is about a motion: say --next MESH, where it leads".into()));
     }
     let subject = Subject::load(arguments)?;
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
-    let report = pool.install(|| report(arguments, &subject, &pool));
+    let report = match arguments.backend {
+        Backend::Cpu => pool.install(|| report(arguments, &subject, &pool)),
+        Backend::Gpu => on_gpu::report(arguments, &subject, &pool)?,
+    };
     match arguments.json {
         true => print_data(&serde_json::to_string_pretty(&report).map_err(|error| Failure::Tool(error.to_string()))?),
         false => print_data(&report.table()),
@@ -55,13 +61,17 @@ fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Report
             report.first_impact = touch.first;
         }
     }
+    count_intersections(arguments, subject, &mut report, &mut ms);
+    report.ms = ms;
+    report
+}
+
+fn count_intersections(arguments: &DetectArguments, subject: &Subject, report: &mut Report, ms: &mut StageMs) {
     if arguments.stage == DetectStage::Intersections {
-        let (count, time) = clocked(|| audit::count(&surface, &subject.positions));
+        let (count, time) = clocked(|| audit::count(&subject.surface.view(), &subject.positions));
         ms.intersections = Some(milliseconds(time));
         report.intersections = Some(count);
     }
-    report.ms = ms;
-    report
 }
 
 fn clocked<R>(work: impl FnOnce() -> R) -> (R, Duration) {

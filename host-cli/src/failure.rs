@@ -24,6 +24,9 @@ pub enum Failure {
     /// A check missed its tolerance; the outputs are valid.
     #[error("{0}")]
     Missed(String),
+    /// There is no suitable device, or it failed.
+    #[error("{0}")]
+    NoDevice(String),
     /// Interrupted by the user; a checkpoint is written.
     #[error("{0}")]
     Interrupted(String),
@@ -35,12 +38,13 @@ impl Failure {
         print_note(&format!("muslin: {self}"));
     }
 
-    /// 1 the tool, 2 usage or scene, 3 diverged, intersecting or off, 130 interrupted.
+    /// 1 the tool, 2 usage or scene, 3 diverged, intersecting or off, 4 no device, 130 interrupted.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Tool(_) => 1,
             Self::Usage(_) => 2,
             Self::Diverged(_) | Self::Intersecting(_) | Self::Missed(_) => 3,
+            Self::NoDevice(_) => 4,
             Self::Interrupted(_) => 130,
         })
     }

@@ -5,6 +5,8 @@ mod args;
 mod bench;
 mod checkpoint;
 mod detect;
+mod device;
+mod devices;
 mod engine;
 mod export;
 mod failure;
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
         Command::Sweep(arguments) => study::sweep(&arguments),
         Command::Validate(arguments) => study::validate(&arguments),
         Command::Scenes(arguments) => scenes::print(&arguments),
+        Command::Devices(arguments) => devices::print(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
     };
     match outcome {

@@ -48,7 +48,7 @@ struct Files<'a> {
 
 /// Runs a scene.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    arguments.backend.check()?;
+    arguments.backend.check_run()?;
     let scene = scene_file::asked(&arguments.of)?;
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
     let built = engine::build(&scene, arguments.precision);

@@ -86,7 +86,7 @@ fn a_run_without_contact_says_nothing_of_it() {
 }
 
 #[test]
-fn no_gpu_backend_yet() {
+fn no_runs_on_the_gpu_yet() {
     Place::new().refuses("tiny.toml --backend gpu", &["--backend gpu", "no GPU backend", "--backend cpu"]);
     Place::new().refuses("tiny.toml --backend vulkan", &["'vulkan'", "cpu, gpu"]);
 }

@@ -22,17 +22,17 @@ fn place() -> Place {
 }
 
 #[track_caller]
-fn detect(place: &Place, words: &str) -> Value {
+pub fn detect(place: &Place, words: &str) -> Value {
     place.muslin(&format!("detect {words} --json")).expect(0).json()
 }
 
 /// Numbers of edge-edge, then of vertex-triangle.
-fn counts(report: &Value, key: &str) -> [Option<u64>; 2] {
+pub fn counts(report: &Value, key: &str) -> [Option<u64>; 2] {
     ["edge_edge", "vertex_triangle"].map(|kind| report[kind][key].as_u64())
 }
 
 /// Triangles at random in a small cube, as OBJ.
-fn soup(triangles: usize) -> String {
+pub fn soup(triangles: usize) -> String {
     let mut state = 1_u32;
     let mut random = move || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -168,7 +168,6 @@ fn what_cannot_be_meant() {
         ("apart.obj --thickness 1 --method cells", ["'cells'", "grid, reference, brute"]),
         ("apart.obj --thickness 1 --stage all", ["'all'", "intersections"]),
         ("apart.obj --thickness 1 --threads 0", ["--threads", "from 1 to"]),
-        ("apart.obj --thickness 1 --backend gpu", ["--backend gpu", "no GPU backend"]),
         ("apart.obj --thickness 1 --stage ccd", ["--stage ccd", "--next MESH"]),
         ("none.obj --thickness 1", ["cannot read", "none.obj"]),
         ("tiny.toml --thickness 1", ["tiny.toml", ".obj or .ply"]),

@@ -16,6 +16,7 @@ mod contact;
 mod damage;
 mod detect;
 mod divergence;
+mod gpu;
 mod hindsight;
 mod interrupt;
 mod kit;

@@ -15,7 +15,7 @@ fn counts_are_exact_and_the_order_is_repeatable() {
     let case = Case { boxes: swept.collect(), triangles: data.triangles, ..Case::default() };
     let (boxes, surface) = columns(&case);
     let start = vec![Vec3::ZERO; boxes.len()];
-    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], false);
+    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], false).unwrap();
     let [once, again] = [(); 2].map(|()| {
         let mut found = Found::default();
         detector.detect(gpu, &boxes, &start, &start, &mut found).unwrap();

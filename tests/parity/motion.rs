@@ -39,7 +39,7 @@ fn scene() -> Option<Scene> {
     let [from, to] = [&start, &end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
     let around = |(a, b): (&glam::Vec3, &glam::Vec3)| Aabb { min: a.min(*b) - 0.25, max: a.max(*b) + 0.25 };
     let boxes: Vec<_> = from.iter().zip(&to).map(around).collect();
-    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], true);
+    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], true).unwrap();
     detector.set_distances(gpu, REACH as f32, SEPARATION as f32);
     let mut found = Found::default();
     detector.detect(gpu, &boxes, &from, &to, &mut found).unwrap();

@@ -59,6 +59,8 @@ pub struct StageMs {
     pub contacts: Option<f64>,
     pub ccd: Option<f64>,
     pub intersections: Option<f64>,
+    /// All that the graphics processor did, with transfers.
+    pub gpu: Option<f64>,
 }
 
 impl Report {
@@ -92,7 +94,7 @@ impl Report {
         let all = self.edge_edge.add(self.vertex_triangle);
         let next = self.next.as_ref().map(|next| format!(" -> {next}")).unwrap_or_default();
         let mut text = format!(
-            "{}{next}: {} vertices, {} triangles, {} edges\nthickness {} m, method {}, {} thread(s)\n\n\
+            "{}{next}: {} vertices, {} triangles, {} edges\nthickness {} m, method {}, {}\n\n\
              {:16}{:>16}{:>14}{:>12}\n",
             self.mesh,
             self.vertices,
@@ -100,7 +102,7 @@ impl Report {
             self.edges,
             self.thickness_m,
             self.method,
-            self.threads,
+            self.adapter.clone().unwrap_or_else(|| format!("{} thread(s)", self.threads)),
             "pairs",
             "candidates",
             "contacts",
@@ -111,7 +113,8 @@ impl Report {
             text += &format!("{name:16}{:>16}{:>14}{:>12}\n", grouped(candidates), or_dash(contacts), or_dash(ccd));
         }
         text += &format!("\n{:16}{:>16}{:>14}\n", "stage", "ms", "candidates/s");
-        let stages = [("candidates", self.ms.candidates), ("contacts", self.ms.contacts), ("ccd", self.ms.ccd)];
+        let StageMs { candidates, contacts, ccd, gpu, .. } = self.ms;
+        let stages = [("candidates", candidates), ("contacts", contacts), ("ccd", ccd), ("all on the GPU", gpu)];
         for (name, ms) in stages.into_iter().filter_map(|(name, ms)| Some((name, ms?))) {
             text += &format!("{name:16}{ms:>16.2}{:>14.3e}\n", all.candidates as f64 / (1e-3 * ms));
         }

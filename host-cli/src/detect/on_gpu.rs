@@ -1,0 +1,48 @@
+//! The same stages on a graphics processor.
+
+use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
+use muslin_gpu::{Detector, Found};
+
+use super::mesh::Subject;
+use super::report::{Pairs, Report, StageMs};
+use super::{clocked, count_intersections, milliseconds};
+use crate::args::{DetectArguments, DetectStage};
+use crate::device;
+use crate::failure::Failure;
+use crate::pool::Pool;
+
+/// Detects there; timed when the columns have the room that they need.
+pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Result<Report, Failure> {
+    let gpu = device::open()?;
+    let radii = vec![0.0; subject.positions.len()];
+    let next = subject.next.as_ref().filter(|_| arguments.stage >= DetectStage::Ccd);
+    let mut detector = Detector::new(&gpu, &subject.surface.view(), &radii, next.is_some()).map_err(device::failed)?;
+    detector.set_distances(&gpu, subject.thickness, 0.0);
+    let (start, end) = (&subject.positions, next.unwrap_or(&subject.positions));
+    let mut found = Found::default();
+    let mut detect = || detector.detect(&gpu, &subject.boxes, start, end, &mut found);
+    detect().map_err(device::failed)?;
+    let (again, time) = clocked(detect);
+    again.map_err(device::failed)?;
+
+    let mut report = Report::new(arguments, subject, pool.threads());
+    report.adapter = Some(gpu.name.clone());
+    report.vertex_triangle = Pairs::of(found.vertex_triangle.len());
+    report.edge_edge = Pairs::of(found.edge_edge.len());
+    if arguments.stage >= DetectStage::Contacts {
+        let near = |distances: &[f32]| Some(distances.iter().filter(|&&d| d < subject.thickness).count());
+        report.vertex_triangle.contacts = near(&found.vertex_triangle_distances);
+        report.edge_edge.contacts = near(&found.edge_edge_distances);
+    }
+    if next.is_some() {
+        let meet = |times: &[f32]| Some(times.iter().filter(|&&time| time != NEVER).count());
+        report.vertex_triangle.ccd = meet(&found.vertex_triangle_times);
+        report.edge_edge.ccd = meet(&found.edge_edge_times);
+        let times = found.vertex_triangle_times.iter().chain(&found.edge_edge_times).filter(|&&time| time != NEVER);
+        report.first_impact = times.map(|&time| if time == TOUCHING { 0.0 } else { time }).reduce(f32::min);
+    }
+    let mut ms = StageMs { gpu: Some(milliseconds(time)), ..StageMs::default() };
+    count_intersections(arguments, subject, &mut report, &mut ms);
+    report.ms = ms;
+    Ok(report)
+}

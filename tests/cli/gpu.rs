@@ -1,0 +1,90 @@
+//! `--backend gpu` and `muslin devices`: the counts of the processor, and what is said without an adapter.
+
+use serde_json::Value;
+
+use crate::detect::{counts, detect, soup};
+use crate::kit::Place;
+
+/// Whether there is an adapter; with `MUSLIN_REQUIRE_GPU=1` there has to be.
+fn is_there(place: &Place) -> bool {
+    let devices = place.muslin("devices --json").expect(0).json();
+    let any = !devices["adapters"].as_array().unwrap().is_empty();
+    if !any {
+        assert_ne!(std::env::var("MUSLIN_REQUIRE_GPU").as_deref(), Ok("1"), "{devices}");
+        eprintln!("skipped: there is no graphics adapter");
+    }
+    any
+}
+
+#[test]
+fn it_counts_what_the_processor_counts() {
+    let place = Place::new();
+    if !is_there(&place) {
+        return;
+    }
+    place.write("soup.obj", soup(300));
+    let lines = soup(300);
+    let moved = lines.lines().map(|line| match line.strip_prefix("v ") {
+        Some(place) => {
+            let [x, y, z] = [0, 1, 2].map(|k| place.split(' ').nth(k).unwrap().parse::<f64>().unwrap());
+            format!("v {} {y} {}\n", 0.9 * x + 0.1 * y, z - 0.2 * x)
+        }
+        None => format!("{line}\n"),
+    });
+    place.write("moved.obj", moved.collect::<String>());
+    for words in ["--thickness 0", "--thickness 0.05", "--next moved.obj --thickness 0.01 --stage intersections"] {
+        let of = |backend: &str| detect(&place, &format!("soup.obj {words} --backend {backend}"));
+        let [cpu, gpu] = ["cpu", "gpu"].map(of);
+        for key in ["candidates", "contacts"] {
+            assert_eq!(counts(&cpu, key), counts(&gpu, key), "{words}: {key}");
+        }
+        // Times of impact are never late on either; the device keeps twice the reserve.
+        for (cpu, gpu) in counts(&cpu, "ccd").into_iter().zip(counts(&gpu, "ccd")) {
+            assert_eq!(cpu.is_some(), gpu.is_some());
+            let (cpu, gpu) = (cpu.unwrap_or(0), gpu.unwrap_or(0));
+            assert!(cpu <= gpu && gpu <= cpu + cpu / 100 + 2, "{words}: {gpu} meet, on the processor {cpu}");
+        }
+        assert_eq!(cpu["intersections"], gpu["intersections"]);
+        assert!(gpu["adapter"].is_string() && gpu["ms"]["gpu"].is_f64() && gpu["ms"]["candidates"].is_null(), "{gpu}");
+    }
+}
+
+#[test]
+fn a_person_gets_a_table_of_it() {
+    let place = Place::new();
+    if is_there(&place) {
+        place.write("soup.obj", soup(30));
+        let table = place.muslin("detect soup.obj --thickness 0.05 --backend gpu").expect(0).stdout;
+        assert!(table.contains("all on the GPU") && !table.contains("thread(s)"), "{table}");
+        let devices = place.muslin("devices").expect(0).stdout;
+        assert!(devices.starts_with("cpu  ") && devices.contains("\ngpu  "), "{devices}");
+    }
+}
+
+#[test]
+fn the_other_methods_are_refused() {
+    let place = Place::new();
+    place.write("soup.obj", soup(3));
+    let refused = place.muslin("detect soup.obj --thickness 0 --backend gpu --method brute").expect(2);
+    assert!(refused.stderr.contains("grid only"), "{}", refused.stderr);
+}
+
+/// Drivers are named in the environment.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_an_adapter_it_says_what_to_install() {
+    let place = Place::new();
+    place.write("soup.obj", soup(3));
+    let without = |words: &str| {
+        let mut command = place.command(words);
+        command.env("VK_DRIVER_FILES", "/none").env("VK_ICD_FILENAMES", "/none");
+        place.finish(command)
+    };
+    let failed = without("detect soup.obj --thickness 0 --backend gpu").expect(4);
+    for words in ["no adapter", "mesa-vulkan-drivers", "--backend cpu"] {
+        assert!(failed.stderr.contains(words), "{words:?} is not in {}", failed.stderr);
+    }
+    let devices = without("devices --json").expect(0).json();
+    assert_eq!(devices["adapters"], Value::Array(Vec::new()));
+    assert!(without("devices").expect(0).stdout.contains("mesa-vulkan-drivers"));
+}
