@@ -22,7 +22,11 @@ mod names;
 mod polynomial;
 #[path = "parity/queries.rs"]
 mod queries;
+#[path = "torture/scenes.rs"]
+mod scenes;
 #[path = "parity/shaders.rs"]
 mod shaders;
 #[path = "parity/stages.rs"]
 mod stages;
+#[path = "parity/torture.rs"]
+mod torture;

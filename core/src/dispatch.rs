@@ -3,6 +3,8 @@
 //! A kernel writes only the columns that it is handed as `out`. Because each slot's value does
 //! not depend on where the columns were split, the bits do not depend on the thread count.
 
+use crate::broad_phase::Counts;
+use crate::contact::{ContactModel, ContactScratch};
 use crate::stage::Stage;
 
 /// Output that can be handed out in disjoint parts.
@@ -52,6 +54,13 @@ pub trait Dispatch: Sync {
     /// Calls `kernel(start, part)` until every slot of `out` has been handed out once, where
     /// `start` is the index of the part's first slot in `out`.
     fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K);
+
+    /// Where a host has another place for it, on a device say: finds candidates and their distances, as
+    /// [`step::detect`](crate::step::detect) does.
+    #[inline]
+    fn detect(&self, _: &ContactModel<'_>, _: &mut ContactScratch<'_>) -> Option<Counts> {
+        None
+    }
 
     /// Told which stage the following kernels belong to.
     #[inline]

@@ -96,6 +96,10 @@ pub fn sweep(
 /// come again with more.
 pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
     dispatch.enter(Stage::BroadPhase);
+    if let Some(counts) = dispatch.detect(model, contact) {
+        *contact.counts = counts;
+        return counts;
+    }
     let mut out =
         Candidates { vertex_triangle: contact.vertex_triangle.candidates, edge_edge: contact.edge_edge.candidates };
     let counts = broad_phase::candidates(contact.boxes, &model.surface, &mut contact.grid, &mut out, dispatch);

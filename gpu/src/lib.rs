@@ -15,6 +15,7 @@ mod program;
 pub mod schedule;
 pub mod slots;
 pub mod stages;
+pub mod step;
 mod work;
 
 pub use buffer::Failed;

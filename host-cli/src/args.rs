@@ -8,7 +8,6 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde::Deserialize;
 
 use crate::export::Format;
-use crate::failure::Failure;
 use crate::units;
 
 /// A cloth simulator that says what each method costs and how wrong it is.
@@ -130,23 +129,11 @@ fn shard(text: &str) -> Result<Shard, String> {
 pub enum Backend {
     /// The processor.
     Cpu,
-    /// A graphics processor: detect only, in this version.
+    /// A graphics processor: it finds what can touch, in single precision
     Gpu,
 }
 
 impl Backend {
-    /// Refuses what this version does not have: runs on the graphics processor.
-    pub fn check_run(self) -> Result<(), Failure> {
-        match self {
-            Self::Cpu => Ok(()),
-            Self::Gpu => Err(Failure::Usage(
-                "--backend gpu: this version detects on the GPU (muslin detect) but has no GPU backend for runs; say \
-                 --backend cpu, or leave it out"
-                    .into(),
-            )),
-        }
-    }
-
     /// As summaries spell it.
     pub const fn name(self) -> &'static str {
         match self {

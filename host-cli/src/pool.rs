@@ -3,19 +3,32 @@
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
+use crate::device::StepDetector;
+
 /// Fewest slots worth handing to another thread.
 const GRAIN: usize = 2048;
 
 /// Runs kernels on the threads of a pool; valid inside [`Pool::install`].
 pub struct Pool {
     pool: ThreadPool,
+    detector: Option<StepDetector>,
 }
 
 impl Pool {
     /// A pool of so many threads; `None`: one per core.
     pub fn new(threads: Option<usize>) -> Result<Self, ThreadPoolBuildError> {
         let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?;
-        Ok(Self { pool })
+        Ok(Self { pool, detector: None })
+    }
+
+    /// The same, with candidates found on a device in single precision.
+    pub fn with_detector(self, detector: StepDetector) -> Self {
+        Self { detector: Some(detector), ..self }
+    }
+
+    /// What finds candidates, if not the threads.
+    pub fn detector(&self) -> Option<&StepDetector> {
+        self.detector.as_ref()
     }
 
     /// Threads in the pool.

@@ -11,8 +11,9 @@ use std::time::{Duration, Instant};
 use indicatif::ProgressBar;
 use muslin_core::scene::Timing;
 
-use crate::args::{PreviewKind, RunArguments};
+use crate::args::{Backend, Precision, PreviewKind, RunArguments};
 use crate::checkpoint::{self, Checkpoint};
+use crate::device::StepDetector;
 use crate::engine::{self, Engine};
 use crate::export::Exporter;
 use crate::failure::{Failure, print_data, print_note};
@@ -48,9 +49,8 @@ struct Files<'a> {
 
 /// Runs a scene.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    arguments.backend.check_run()?;
     let scene = scene_file::asked(&arguments.of)?;
-    let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
+    let pool = pool(arguments, &scene)?;
     let built = engine::build(&scene, arguments.precision);
     let (mut engine, timing) = built.map_err(|why| Failure::Usage(format!("{}: {why}", arguments.of.scene)))?;
     let scene_crc = checkpoint::scene_crc(&scene);
@@ -81,8 +81,24 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         let started = Instant::now();
         let ending = course.advance(&pool, &stop, &mut files);
         files.bar.finish_and_clear();
-        files.finish(&course, &scene, &ending?, pool.threads(), started.elapsed())
+        files.finish(&course, &scene, &ending?, &pool, started.elapsed())
     })
+}
+
+/// Threads, and where it is asked for and something can touch, a device.
+fn pool(arguments: &RunArguments, scene: &SceneFile) -> Result<Pool, Failure> {
+    let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
+    match arguments.backend {
+        Backend::Cpu => Ok(pool),
+        Backend::Gpu if arguments.precision == Precision::F64 => Err(Failure::Usage(
+            "--backend gpu: graphics processors detect in single precision; say --precision f32".into(),
+        )),
+        Backend::Gpu if scene.desc.contact.is_none() => Err(Failure::Usage(format!(
+            "--backend gpu: nothing touches in {}, and the GPU only finds what does; say --backend cpu",
+            scene.desc.name
+        ))),
+        Backend::Gpu => Ok(pool.with_detector(StepDetector::open()?)),
+    }
 }
 
 /// Where to write: as asked, beside the checkpoint, or a folder named after the scene file.
@@ -172,7 +188,7 @@ impl<'a> Files<'a> {
         course: &Course,
         scene: &SceneFile,
         ending: &Ending,
-        threads: usize,
+        pool: &Pool,
         wall: Duration,
     ) -> Result<(), Failure> {
         if let Ending::Interrupted = ending {
@@ -185,7 +201,7 @@ impl<'a> Files<'a> {
             );
             return Err(Failure::Interrupted(message));
         }
-        let mut summary = course.summary(scene, ending, threads, wall);
+        let mut summary = course.summary(scene, ending, pool, wall);
         summary.divergence = summary.divergence.map(|what| format!("{what}. The frames before it are kept"));
         let intersecting = course.intersecting(scene);
         let Self { arguments, out, exporter, preview, .. } = self;

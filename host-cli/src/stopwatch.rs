@@ -4,6 +4,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use muslin_core::broad_phase::Counts;
+use muslin_core::contact::{ContactModel, ContactScratch};
 use muslin_core::dispatch as single;
 use muslin_core::stage::{Stage, Term};
 use muslin_core_f64::dispatch as double;
@@ -92,6 +94,10 @@ impl<'a> Stopwatch<'a> {
 impl single::Dispatch for Stopwatch<'_> {
     fn run<S: single::Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K) {
         single::Dispatch::run(self.pool, out, kernel);
+    }
+
+    fn detect(&self, model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Option<Counts> {
+        self.pool.detector()?.detect(model, contact)
     }
 
     fn enter(&self, stage: Stage) {

@@ -19,7 +19,7 @@ fn precise(metres: f64, more: usize) -> String {
 
 /// A length with its unit and no more digits than it has: for the ticks of an axis.
 pub fn round_length(metres: f64) -> String {
-    let scales = [("m", 1.0), ("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9), ("pm", 1e-12)];
+    let scales = [("m", 1.0), ("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9), ("pm", 1e-12), ("fm", 1e-15)];
     // A hair below one unit is one unit.
     let fitting = scales.iter().find(|(_, scale)| metres >= 0.999 * scale);
     fitting.map_or_else(|| format!("{metres:.0e} m"), |(unit, scale)| format!("{:.0} {unit}", metres / scale))
@@ -91,12 +91,19 @@ mod tests {
 
     #[test]
     fn a_tick_is_a_whole_number_of_its_unit() {
-        let cases =
-            [(1.0, "1 m"), (0.1, "100 mm"), (1e-3, "1 mm"), (0.999_999e-3, "1 mm"), (2e-8, "20 nm"), (1e-12, "1 pm")];
+        let cases = [
+            (1.0, "1 m"),
+            (0.1, "100 mm"),
+            (1e-3, "1 mm"),
+            (0.999_999e-3, "1 mm"),
+            (2e-8, "20 nm"),
+            (1e-12, "1 pm"),
+            (1e-13, "100 fm"),
+        ];
         for (metres, expected) in cases {
             assert_eq!(round_length(metres), expected);
         }
-        assert_eq!(round_length(1e-15), "1e-15 m");
+        assert_eq!(round_length(1e-18), "1e-18 m");
     }
 
     #[test]

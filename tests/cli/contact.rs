@@ -86,8 +86,9 @@ fn a_run_without_contact_says_nothing_of_it() {
 }
 
 #[test]
-fn no_runs_on_the_gpu_yet() {
-    Place::new().refuses("tiny.toml --backend gpu", &["--backend gpu", "no GPU backend", "--backend cpu"]);
+fn what_the_gpu_cannot_do() {
+    Place::new().refuses("tiny.toml --backend gpu", &["--backend gpu", "nothing touches in tiny", "--backend cpu"]);
+    Place::new().refuses("tiny.toml --backend gpu --precision f64", &["--backend gpu", "single precision"]);
     Place::new().refuses("tiny.toml --backend vulkan", &["'vulkan'", "cpu, gpu"]);
 }
 

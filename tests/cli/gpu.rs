@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::detect::{counts, detect, soup};
-use crate::kit::Place;
+use crate::kit::{Place, PointCache};
 
 /// Whether there is an adapter; with `MUSLIN_REQUIRE_GPU=1` there has to be.
 fn is_there(place: &Place) -> bool {
@@ -47,6 +47,55 @@ fn it_counts_what_the_processor_counts() {
         assert_eq!(cpu["intersections"], gpu["intersections"]);
         assert!(gpu["adapter"].is_string() && gpu["ms"]["gpu"].is_f64() && gpu["ms"]["candidates"].is_null(), "{gpu}");
     }
+}
+
+/// A sheet that falls on a ball and folds over it.
+const DROP: &str = r#"name = "drop"
+duration = 0.4
+frame_rate = 50
+gravity = [0.0, -9.81, 0.0]
+
+[[cloth]]
+grid = { size = [0.3, 0.3], cells = [12, 12] }
+position = [0.0, 0.17, 0.0]
+density = 0.2
+stretch = { model = "spring", stiffness = 50.0 }
+
+[[collider]]
+shape = "sphere"
+center = [0.0, 0.0, 0.0]
+radius = 0.12
+
+[contact]
+thickness = 0.004
+
+[integrator]
+step = 0.005
+"#;
+
+#[test]
+fn a_run_is_repeatable_and_nothing_passes_through() {
+    let place = Place::new();
+    if !is_there(&place) {
+        return;
+    }
+    place.write("drop.toml", DROP);
+    let of = |words: &str| {
+        let run =
+            place.muslin(&format!("run drop.toml --audit --preview none --export pc2 --json {words}")).expect(0).json();
+        (run, PointCache::parse(&place.read("out/drop/cloth.pc2")).frames)
+    };
+    let [(once, frames), (again, _), (cpu, expected)] = ["--backend gpu", "--backend gpu", "--backend cpu"].map(of);
+    assert_eq!(once["state_hash"], again["state_hash"], "twice the same on one adapter");
+    assert!(once["backend"] == "gpu" && once["adapter"].is_string() && cpu["adapter"].is_null(), "{once}");
+    let contacts = |run: &Value| run["contacts"]["proximity"].as_u64().unwrap_or_else(|| panic!("{run}"));
+    println!("{} contacts, on the processor {}", contacts(&once), contacts(&cpu));
+    assert!(contacts(&once) > 100, "{once}");
+    // Until it touches the bits are the same; then constraints come in another order.
+    assert_eq!(frames[..5], expected[..5]);
+    let off = frames[8].iter().zip(&expected[8]).flat_map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs()));
+    let off = off.fold(0.0, f32::max);
+    assert!(off < 1e-3, "{off} m off soon after it touched");
 }
 
 #[test]

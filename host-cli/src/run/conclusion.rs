@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use super::course::{Course, Ending};
 use crate::args::Backend;
+use crate::pool::Pool;
 use crate::scene_file::SceneFile;
 use crate::summary::{StageMs, Stretch, Summary};
 
@@ -27,7 +28,7 @@ impl Course {
     }
 
     /// All that is known of it.
-    pub fn summary(&self, scene: &SceneFile, ending: &Ending, threads: usize, wall: Duration) -> Summary {
+    pub fn summary(&self, scene: &SceneFile, ending: &Ending, pool: &Pool, wall: Duration) -> Summary {
         let report = self.engine.report();
         let steps = self.steps - self.begun;
         let per_step = |total: Duration| 1e3 * total.as_secs_f64() / (steps.max(1) as f64);
@@ -42,9 +43,9 @@ impl Course {
             version: env!("CARGO_PKG_VERSION"),
             scene: scene.desc.name.clone(),
             precision: self.precision.name(),
-            backend: Backend::Cpu.name(),
-            adapter: None,
-            threads,
+            backend: pool.detector().map_or(Backend::Cpu, |_| Backend::Gpu).name(),
+            adapter: pool.detector().map(|detector| detector.name().to_owned()),
+            threads: pool.threads(),
             size_m: self.record.size,
             mass_kg: self.engine.mass(),
             pinned: self.engine.pins().len(),

@@ -35,6 +35,8 @@ struct Panel {
     /// What an error of the whole diagonal is drawn as.
     unit: f64,
     up: String,
+    /// From where the library puts that, px: ticks may be wider than it takes them for.
+    aside: f64,
     format: fn(f64) -> String,
 }
 
@@ -48,6 +50,7 @@ pub fn work_precision(chart: &Chart) -> String {
         failures: true,
         unit: DRAWN,
         up: format!("RMS error of {measure} / {:.2} m", chart.diagonal_m),
+        aside: 0.0,
         format: |drawn| format!("{:.0e}", drawn / DRAWN),
     };
     let by_cost = Panel {
@@ -57,6 +60,7 @@ pub fn work_precision(chart: &Chart) -> String {
         failures: false,
         unit: DRAWN * chart.diagonal_m,
         up: format!("RMS error of {measure}"),
+        aside: -14.0,
         format: |drawn| round_length(drawn / DRAWN),
     };
     let (plots, layouts): (Vec<_>, Vec<_>) = [by_step, by_cost].iter().map(|panel| draw(chart, panel)).unzip();
@@ -92,6 +96,7 @@ fn layout(chart: &Chart, panel: &Panel, low: f64, crosses: &Crosses) -> Layout {
         .with_title(panel.title)
         .with_x_label(panel.label)
         .with_y_label(panel.up.as_str())
+        .with_y_label_offset(panel.aside, 0.0)
 }
 
 /// A line and marks for each method and precision, and what the marks mean.
