@@ -1,6 +1,7 @@
 //! The device finds what the core finds: names, shaders, layouts, each stage, and the whole.
 //!
-//! Without an adapter the tests that need one say so and pass; with `MUSLIN_REQUIRE_GPU=1` they fail.
+//! Without an adapter the tests that need one say so and pass; with `MUSLIN_REQUIRE_GPU=1` they fail. Run: `cargo test
+//! --profile checked -p muslin-tests --test parity`.
 
 #[path = "broad_phase/agree.rs"]
 mod agree;

@@ -47,6 +47,7 @@ fn check(scene: &Scene, seed: u64) {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
 fn nothing_passes_through_anything() {
     if gpu().is_some() {
         SCENES.iter().for_each(|scene| check(scene, 0));
