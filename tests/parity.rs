@@ -13,6 +13,8 @@ mod cloth_ball;
 mod exact;
 #[path = "parity/layouts.rs"]
 mod layouts;
+#[path = "parity/loss.rs"]
+mod loss;
 #[path = "parity/methods.rs"]
 mod methods;
 #[path = "parity/motion.rs"]

@@ -86,6 +86,11 @@ impl Gpu {
         Ok(Self { name: adapter.get_info().name, device, queue, programs, largest_buffer, refused })
     }
 
+    /// Gives the device up: what is asked of it then fails, as where it is lost.
+    pub fn close(&self) {
+        self.device.destroy();
+    }
+
     /// What the driver refused since it was last asked.
     pub(crate) fn error(&self) -> Option<String> {
         self.refused.lock().ok()?.take()
