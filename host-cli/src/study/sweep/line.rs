@@ -56,7 +56,7 @@ pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<
                 "interrupted in the run with {}, which leaves no line; go on with the same command",
                 task.point.name()
             ))),
-            ending => Ok(course.summary(&scene, &ending, &pool, started.elapsed())),
+            ending => Ok(course.summary(&scene, &ending, pool, started.elapsed())),
         }
     })?;
     let Task { point, key } = task;
