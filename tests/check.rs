@@ -12,7 +12,7 @@ const BARE_TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "wasm32-unknown-unknow
 const CORES: [&str; 2] = ["muslin-core", "muslin-core-f64"];
 
 /// What users build, which must also build without what the others' features bring.
-const PACKAGES: [&str; 4] = ["muslin-core", "muslin-core-f64", "muslin-gpu", "muslin-cli"];
+const PACKAGES: [&str; 3] = ["muslin-core", "muslin-core-f64", "muslin-cli"];
 
 /// One command and the variables that it runs with.
 struct Check {

@@ -11,7 +11,7 @@ use muslin_gpu::device::Ask;
 use muslin_gpu::{Detector, Found as OnDevice, Gpu};
 
 pub use core_methods::single::columns;
-pub use core_methods::{Found, Method, all};
+pub use core_methods::{Found, Method};
 
 use super::case;
 use super::case::Case;
@@ -33,9 +33,17 @@ pub fn gpu() -> Option<&'static Gpu> {
     GPU.get_or_init(open).as_ref()
 }
 
+/// All that a method finds; the device makes room itself.
+pub fn all(method: Method, case: &Case) -> Found {
+    match std::ptr::fn_addr_eq(method, on_device as Method) {
+        true => on_device(case, [usize::MAX; 2]),
+        false => core_methods::all(method, case),
+    }
+}
+
 /// The grid on the device; without one that of the core, which finds nothing new.
 fn on_device(case: &Case, room: [usize; 2]) -> Found {
-    let Some(gpu) = gpu() else { return core_methods::single::grid(case, room) };
+    let Some(gpu) = gpu() else { return core_methods::all(core_methods::single::grid, case) };
     let (boxes, surface) = columns(case);
     let start = vec![Vec3::ZERO; boxes.len()];
     let mut found = OnDevice::default();
