@@ -21,6 +21,8 @@ mod methods;
 mod motion;
 #[path = "parity/names.rs"]
 mod names;
+#[path = "parity/on_device.rs"]
+mod on_device;
 #[path = "narrow_phase/polynomial.rs"]
 mod polynomial;
 #[path = "parity/queries.rs"]

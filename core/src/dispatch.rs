@@ -3,6 +3,10 @@
 //! A kernel writes only the columns that it is handed as `out`. Because each slot's value does
 //! not depend on where the columns were split, the bits do not depend on the thread count.
 
+use core::future::{Future, ready};
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+
 use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::stage::Stage;
@@ -55,11 +59,11 @@ pub trait Dispatch: Sync {
     /// `start` is the index of the part's first slot in `out`.
     fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K);
 
-    /// Where a host has another place for it, on a device say: finds candidates and their distances, as
-    /// [`step::detect`](crate::step::detect) does.
+    /// Where a host has another place for it, a device say, which answers later: finds candidates and their
+    /// distances, as [`step::detect`](crate::step::detect) does.
     #[inline]
-    fn detect(&self, _: &ContactModel<'_>, _: &mut ContactScratch<'_>) -> Option<Counts> {
-        None
+    fn detect(&self, _: &ContactModel<'_>, _: &mut ContactScratch<'_>) -> impl Future<Output = Option<Counts>> {
+        ready(None)
     }
 
     /// Told which stage the following kernels belong to.
@@ -70,6 +74,17 @@ pub trait Dispatch: Sync {
     #[inline]
     fn stopped(&self) -> bool {
         false
+    }
+}
+
+/// Waits for a future that is soon there; what needs no other place is so at once.
+pub fn block_on<F: Future>(future: F) -> F::Output {
+    let (mut future, mut context) = (pin!(future), Context::from_waker(Waker::noop()));
+    loop {
+        if let Poll::Ready(output) = future.as_mut().poll(&mut context) {
+            return output;
+        }
+        core::hint::spin_loop();
     }
 }
 

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use crate::audit;
 use crate::contact::{ContactColumns, ContactScratchColumns};
 use crate::diagnostics::{self, Stretch};
-use crate::dispatch::Dispatch;
+use crate::dispatch::{Dispatch, block_on};
 use crate::error::SceneError;
 use crate::forces::{Energy, Model};
 use crate::integrate::pins::Pins;
@@ -124,10 +124,16 @@ impl Simulation {
     /// Takes one step, in halves where surfaces would meet. A step that cannot be taken leaves the
     /// state as it was.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
+        block_on(self.await_step(dispatch))
+    }
+
+    /// The same for a host that must not block: awaits candidates that are found in another place
+    /// ([`Dispatch::detect`]).
+    pub async fn await_step<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Diverged> {
         let counted = (self.work, self.tally);
         self.looked_at = 0;
-        let taken = match self.try_part(Part::WHOLE, false, dispatch) {
-            Err(cannot) if cannot.may_help() => self.step_in_halves(dispatch),
+        let taken = match self.try_part(Part::WHOLE, false, dispatch).await {
+            Err(cannot) if cannot.may_help() => self.step_in_halves(dispatch).await,
             taken => taken,
         };
         match taken {
@@ -140,12 +146,12 @@ impl Simulation {
     }
 
     /// Takes a part of a step.
-    fn try_part(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Result<(), Diverged> {
+    async fn try_part<D: Dispatch>(&mut self, part: Part, hold: bool, dispatch: &D) -> Result<(), Diverged> {
         if let Prediction::NotFinite { particle } = self.predict(part, dispatch) {
             return Err(self.diverged(Cause::NotFinite, particle, dispatch));
         }
         if self.contact.is_some() {
-            if let Err(Obstacle { cause, particle }) = self.resolve(part, hold, dispatch) {
+            if let Err(Obstacle { cause, particle }) = self.resolve(part, hold, dispatch).await {
                 return Err(self.diverged(cause, particle, dispatch));
             }
             // The response compares, and comparisons with what is not a number say nothing.

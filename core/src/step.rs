@@ -92,14 +92,22 @@ pub fn sweep(
     }
 }
 
+/// [`detect`], or where the host has another place for it, awaited there.
+pub async fn await_candidates<D: Dispatch>(
+    model: &ContactModel<'_>,
+    contact: &mut ContactScratch<'_>,
+    dispatch: &D,
+) -> Counts {
+    dispatch.enter(Stage::BroadPhase);
+    let Some(counts) = dispatch.detect(model, contact).await else { return detect(model, contact, dispatch) };
+    *contact.counts = counts;
+    counts
+}
+
 /// Finds the candidates and their distances. Counts above the room there is: nothing was found,
 /// come again with more.
 pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
     dispatch.enter(Stage::BroadPhase);
-    if let Some(counts) = dispatch.detect(model, contact) {
-        *contact.counts = counts;
-        return counts;
-    }
     let mut out =
         Candidates { vertex_triangle: contact.vertex_triangle.candidates, edge_edge: contact.edge_edge.candidates };
     let counts = broad_phase::candidates(contact.boxes, &model.surface, &mut contact.grid, &mut out, dispatch);

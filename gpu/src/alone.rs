@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::buffer::{Failed, buffer, column, wait};
+use crate::buffer::{Failed, buffer, column, mapped};
 use crate::device::Gpu;
 use crate::schedule::Dispatch;
 use crate::slots::Slot;
@@ -12,7 +12,7 @@ use crate::work::Work;
 pub type Columns = HashMap<Slot, Vec<u32>>;
 
 /// Runs dispatches in a row on columns and reads these back; columns that are not given are empty.
-pub fn run(gpu: &Gpu, dispatches: Vec<Dispatch>, columns: &mut Columns) -> Result<(), Failed> {
+pub async fn run(gpu: &Gpu, dispatches: Vec<Dispatch>, columns: &mut Columns) -> Result<(), Failed> {
     let words = |slot: &Slot| columns.get(slot).map_or(0, Vec::len);
     let buffers = Slot::ALL.iter().map(|slot| column(gpu, *slot, words(slot))).collect::<Result<Vec<_>, _>>()?;
     let all: usize = Slot::ALL.iter().map(words).sum();
@@ -31,7 +31,7 @@ pub fn run(gpu: &Gpu, dispatches: Vec<Dispatch>, columns: &mut Columns) -> Resul
         at += bytes;
     }
     gpu.queue.submit([encoder.finish()]);
-    wait(gpu, &answer)?;
+    mapped(gpu, &answer, answer.size()).await?;
     let view = answer.slice(..).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
     let mut rest: &[u32] = bytemuck::cast_slice(&view);
     for words in columns.values_mut() {

@@ -1,5 +1,7 @@
 //! Buffers on a device, and what comes back from one.
 
+use futures_channel::oneshot;
+
 use crate::device::Gpu;
 use crate::slots::Slot;
 
@@ -38,17 +40,19 @@ pub fn column(gpu: &Gpu, slot: Slot, words: usize) -> Result<wgpu::Buffer, Faile
     buffer(gpu, &format!("{slot:?}"), 4 * words, usage)
 }
 
-/// Blocks until an answer is there.
-pub fn wait(gpu: &Gpu, answer: &wgpu::Buffer) -> Result<(), Failed> {
-    let (sender, receiver) = std::sync::mpsc::channel();
-    answer.slice(..).map_async(wgpu::MapMode::Read, move |mapped| {
+/// Waits until the first bytes of an answer are there. On a native device that blocks.
+pub async fn mapped(gpu: &Gpu, answer: &wgpu::Buffer, bytes: u64) -> Result<(), Failed> {
+    let (sender, receiver) = oneshot::channel();
+    answer.slice(..bytes).map_async(wgpu::MapMode::Read, move |mapped| {
+        // Who asked may have gone.
         let _ = sender.send(mapped);
     });
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| Failed::Lost(error.to_string()))?;
+    let mapped = receiver.await;
     if let Some(error) = gpu.error() {
         return Err(Failed::Lost(error));
     }
-    match receiver.recv() {
+    match mapped {
         Ok(Ok(())) => Ok(()),
         Ok(Err(error)) => Err(Failed::Lost(error.to_string())),
         Err(_) => Err(Failed::Lost("the device answers no more".into())),

@@ -1,10 +1,12 @@
 //! Detection on a device: boxes and positions go up, candidates and their distances come back.
 
+use std::ops::Range;
+
 use muslin_core::broad_phase::Surface;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::real::Vec3;
 
-use crate::buffer::{Failed, buffer, column, wait};
+use crate::buffer::{Failed, buffer, column, mapped};
 use crate::device::Gpu;
 use crate::params::{Capacities, PLAN_WORDS, Params, fresh_plan, plan};
 use crate::schedule::{self, Order};
@@ -22,7 +24,34 @@ pub struct Detector {
     work: Work,
     fresh: wgpu::Buffer,
     answer: wgpu::Buffer,
+    /// Candidates of each kind that are read back.
+    expected: [usize; 2],
+    /// Of the last detection, by stage.
+    ticks: Vec<(&'static str, u64)>,
     staging: Vec<f32>,
+}
+
+/// Candidates more than last time that are read back.
+const SPARE: usize = 1024;
+
+/// What is read back; the last two where motion is tested.
+const ANSWERS: [Slot; 7] = [
+    Slot::Plan,
+    Slot::VertexTriangle,
+    Slot::EdgeEdge,
+    Slot::VertexTriangleDistances,
+    Slot::EdgeEdgeDistances,
+    Slot::VertexTriangleTimes,
+    Slot::EdgeEdgeTimes,
+];
+
+/// What comes of an answer.
+enum Verdict {
+    Whole,
+    /// So many of each kind are to be read back.
+    Expect([usize; 2]),
+    /// It takes more room.
+    Grow(Capacities),
 }
 
 /// What was found; as the core's, in another order.
@@ -75,6 +104,8 @@ impl Detector {
             work: Work::default(),
             fresh,
             answer: buffer(gpu, "answer", 0, wgpu::BufferUsages::MAP_READ)?,
+            expected: [0; 2],
+            ticks: Vec::new(),
             staging: Vec::new(),
         };
         detector.send(gpu, Slot::Triangles, bytemuck::cast_slice(surface.triangles));
@@ -111,18 +142,37 @@ impl Detector {
         };
         let dispatches = schedule::of(&Order { params, sizes, capacities, continuous });
         self.work = Work::new(gpu, dispatches, &self.buffers)?;
-        let words: usize = self.answers().iter().map(|&(_, words)| words).sum();
-        self.answer = buffer(gpu, "answer", 4 * words, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST)?;
+        self.expected = [capacities.vertex_triangle, capacities.edge_edge];
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        self.answer = buffer(gpu, "answer", 4 * self.answer_words(), usage)?;
         Ok(())
     }
 
-    /// What is read back, and how many words.
-    fn answers(&self) -> Vec<(Slot, usize)> {
-        let times = [Slot::VertexTriangleTimes, Slot::EdgeEdgeTimes];
-        let always =
-            [Slot::Plan, Slot::VertexTriangle, Slot::EdgeEdge, Slot::VertexTriangleDistances, Slot::EdgeEdgeDistances];
-        let slots = always.into_iter().chain(times.into_iter().filter(|_| self.continuous));
-        slots.map(|slot| (slot, slot.words(&self.sizes, &self.capacities))).collect()
+    /// What is read back, and to which words.
+    fn answers(&self) -> impl Iterator<Item = (Slot, Range<usize>)> {
+        let [vertex_triangle, edge_edge] = self.expected;
+        let count = if self.continuous { ANSWERS.len() } else { ANSWERS.len() - 2 };
+        let words = move |slot| match slot {
+            Slot::VertexTriangle => 2 * vertex_triangle,
+            Slot::EdgeEdge => 2 * edge_edge,
+            Slot::VertexTriangleDistances | Slot::VertexTriangleTimes => vertex_triangle,
+            Slot::EdgeEdgeDistances | Slot::EdgeEdgeTimes => edge_edge,
+            _ => PLAN_WORDS,
+        };
+        ANSWERS.into_iter().take(count).scan(0, move |at, slot| {
+            let start = core::mem::replace(at, *at + words(slot));
+            Some((slot, start..*at))
+        })
+    }
+
+    /// Words of an answer, the ticks behind the rest.
+    fn answer_words(&self) -> usize {
+        self.ticks_at().end
+    }
+
+    fn ticks_at(&self) -> Range<usize> {
+        let start = self.answers().last().map_or(0, |(_, words)| words.end);
+        start..start + self.work.tick_words()
     }
 
     /// How far is looked, and what moving features keep, m.
@@ -135,7 +185,7 @@ impl Detector {
 
     /// Finds the candidates of a surface from one box a vertex, and their distances at the start; with
     /// `end` also when they meet.
-    pub fn detect(
+    pub async fn detect(
         &mut self,
         gpu: &Gpu,
         boxes: &[Aabb],
@@ -148,16 +198,25 @@ impl Detector {
         self.send(gpu, Slot::Boxes, bytemuck::cast_slice(&self.staging));
         self.send(gpu, Slot::Start, bytemuck::cast_slice(start));
         self.send(gpu, Slot::End, bytemuck::cast_slice(end));
+        self.ticks.clear();
         loop {
             self.submit(gpu);
-            wait(gpu, &self.answer)?;
-            let needed = self.collect(found)?;
+            mapped(gpu, &self.answer, 4 * self.answer_words() as u64).await?;
+            let verdict = self.collect(found)?;
             self.answer.unmap();
-            match needed {
-                None => return Ok(()),
-                Some(capacities) => self.grow(gpu, capacities)?,
+            match verdict {
+                Verdict::Whole => return Ok(()),
+                Verdict::Expect(counts) => self.expect(counts),
+                Verdict::Grow(capacities) => self.grow(gpu, capacities)?,
             }
         }
+    }
+
+    /// What the device took for each stage of the last detection, ms; empty where it has no clocks. A
+    /// stage that was repeated for want of room counts as often.
+    pub fn stage_ms(&self, gpu: &Gpu) -> impl Iterator<Item = (&'static str, f64)> {
+        let tick = gpu.tick.unwrap_or_default();
+        self.ticks.iter().map(move |&(stage, ticks)| (stage, tick * ticks as f64))
     }
 
     /// Records all dispatches and hands them in.
@@ -166,45 +225,49 @@ impl Detector {
         encoder.copy_buffer_to_buffer(&self.fresh, 0, self.buffer(Slot::Plan), 0, None);
         encoder.clear_buffer(self.buffer(Slot::Histogram), 0, None);
         self.work.record(gpu, &mut encoder);
-        let mut at = 0;
-        for (slot, words) in self.answers() {
-            encoder.copy_buffer_to_buffer(self.buffer(slot), 0, &self.answer, at, Some(4 * words as u64));
-            at += 4 * words as u64;
+        for (slot, words) in self.answers().filter(|(_, words)| !words.is_empty()) {
+            let [at, bytes] = [words.start, words.len()].map(|words| 4 * words as u64);
+            encoder.copy_buffer_to_buffer(self.buffer(slot), 0, &self.answer, at, Some(bytes));
         }
+        self.work.copy_ticks(&mut encoder, &self.answer, self.ticks_at());
         gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Reads the answer, or what more room it needs.
-    fn collect(&self, found: &mut Found) -> Result<Option<Capacities>, Failed> {
-        let view = self.answer.slice(..).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
-        let words: &[u32] = bytemuck::cast_slice(&view);
-        let (told, mut rest) = words.split_at(PLAN_WORDS);
+    /// Reads the answer, as far as it is one.
+    fn collect(&mut self, found: &mut Found) -> Result<Verdict, Failed> {
+        let bytes = 4 * self.answer_words() as u64;
+        let view = self.answer.slice(..bytes).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
+        let all: &[u32] = bytemuck::cast_slice(&view);
+        self.work.add_ticks(&all[self.ticks_at()], &mut self.ticks);
+        let told = &all[..PLAN_WORDS];
         if told[plan::STATUS] != 0 {
-            return Ok(Some(self.capacities.grown(told)));
+            return Ok(Verdict::Grow(self.capacities.grown(told)));
         }
         let counts = [plan::VERTEX_TRIANGLE, plan::EDGE_EDGE].map(|at| told[at] as usize);
-        let mut next = |capacity: usize| {
-            let part;
-            (part, rest) = rest.split_at(capacity);
-            part
-        };
-        let Capacities { vertex_triangle, edge_edge, .. } = self.capacities;
-        let rooms = [vertex_triangle, edge_edge];
-        for (pairs, k) in [(&mut found.vertex_triangle, 0), (&mut found.edge_edge, 1)] {
-            pairs.clear();
-            pairs.extend_from_slice(bytemuck::cast_slice(&next(2 * rooms[k])[..2 * counts[k]]));
+        if counts[0] > self.expected[0] || counts[1] > self.expected[1] {
+            return Ok(Verdict::Expect(counts));
         }
-        for (numbers, k) in [(&mut found.vertex_triangle_distances, 0), (&mut found.edge_edge_distances, 1)] {
-            numbers.clear();
-            numbers.extend_from_slice(bytemuck::cast_slice(&next(rooms[k])[..counts[k]]));
-        }
-        if self.continuous {
-            for (numbers, k) in [(&mut found.vertex_triangle_times, 0), (&mut found.edge_edge_times, 1)] {
-                numbers.clear();
-                numbers.extend_from_slice(bytemuck::cast_slice(&next(rooms[k])[..counts[k]]));
+        for (slot, words) in self.answers() {
+            let words = &all[words];
+            match slot {
+                Slot::VertexTriangle => take(words, counts[0], &mut found.vertex_triangle),
+                Slot::EdgeEdge => take(words, counts[1], &mut found.edge_edge),
+                Slot::VertexTriangleDistances => take(words, counts[0], &mut found.vertex_triangle_distances),
+                Slot::EdgeEdgeDistances => take(words, counts[1], &mut found.edge_edge_distances),
+                Slot::VertexTriangleTimes => take(words, counts[0], &mut found.vertex_triangle_times),
+                Slot::EdgeEdgeTimes => take(words, counts[1], &mut found.edge_edge_times),
+                _ => {}
             }
         }
-        Ok(None)
+        drop(view);
+        self.expect(counts);
+        Ok(Verdict::Whole)
+    }
+
+    /// Reads back so many of each kind next time and some more.
+    fn expect(&mut self, counts: [usize; 2]) {
+        let rooms = [self.capacities.vertex_triangle, self.capacities.edge_edge];
+        self.expected = [0, 1].map(|k| (counts[k] + counts[k] / 4 + SPARE).min(rooms[k]));
     }
 
     fn grow(&mut self, gpu: &Gpu, capacities: Capacities) -> Result<(), Failed> {
@@ -226,14 +289,23 @@ impl Capacities {
             let needed = told[at] as usize;
             if needed > now { needed + needed / 4 } else { now }
         };
+        // Candidates are counted when pairs have room: what pairs have in dense scenes saves a round.
+        let pairs = room(self.pairs, plan::PAIRS);
+        let dense = if pairs > self.pairs { pairs } else { 0 };
         Self {
             levels: self.levels.max(told[plan::GRADED] as usize),
             entries: room(self.entries, plan::MOST_ENTRIES),
-            pairs: room(self.pairs, plan::PAIRS),
-            vertex_triangle: room(self.vertex_triangle, plan::VERTEX_TRIANGLE),
-            edge_edge: room(self.edge_edge, plan::EDGE_EDGE),
+            pairs,
+            vertex_triangle: room(self.vertex_triangle, plan::VERTEX_TRIANGLE).max(dense / 2),
+            edge_edge: room(self.edge_edge, plan::EDGE_EDGE).max(dense),
         }
     }
+}
+
+/// Takes the first things out of words.
+fn take<T: bytemuck::Pod>(words: &[u32], count: usize, to: &mut Vec<T>) {
+    to.clear();
+    to.extend_from_slice(&bytemuck::cast_slice(words)[..count]);
 }
 
 /// A box in finite numbers; one that is not valid has its corners exchanged.

@@ -21,6 +21,10 @@ pub struct Gpu {
     pub(crate) programs: Vec<Program>,
     /// Bytes.
     pub(crate) largest_buffer: u64,
+    /// ms from one tick of its clock to the next, where it has one.
+    pub(crate) tick: Option<f64>,
+    /// What was asked for.
+    ask: Ask,
     /// What the driver refused last.
     refused: Arc<Mutex<Option<String>>>,
 }
@@ -40,7 +44,7 @@ impl core::error::Error for NoDevice {}
 /// What may be asked of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ask {
-    /// What every browser has, and nothing else: to test with.
+    /// What every browser has, and clocks where there are any: to test with.
     Web,
     /// As much as the adapter gives.
     Most,
@@ -66,10 +70,11 @@ impl Gpu {
             RequestAdapterOptions { power_preference: PowerPreference::HighPerformance, ..Default::default() };
         let adapter =
             instance(ask).request_adapter(&options).await.map_err(|error| NoDevice(format!("no adapter: {error}")))?;
-        let (required_limits, required_features) = match ask {
-            Ask::Web => (Limits::defaults(), Features::empty()),
-            Ask::Most => (adapter.limits(), adapter.features() & Features::TIMESTAMP_QUERY),
+        let required_limits = match ask {
+            Ask::Web => Limits::defaults(),
+            Ask::Most => adapter.limits(),
         };
+        let required_features = adapter.features() & Features::TIMESTAMP_QUERY;
         let descriptor = DeviceDescriptor { required_limits, required_features, ..Default::default() };
         let opened = adapter.request_device(&descriptor).await;
         let (device, queue) = opened.map_err(|error| NoDevice(format!("no device: {error}")))?;
@@ -80,10 +85,18 @@ impl Gpu {
                 *kept = Some(error.to_string());
             }
         }));
+        let has_clock = device.features().contains(Features::TIMESTAMP_QUERY);
+        let tick = has_clock.then(|| 1e-6 * f64::from(queue.get_timestamp_period()));
         let limits = device.limits();
         let largest_buffer = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         let programs = stages::ALL.into_iter().map(|stage| Program::compile(&device, stage)).collect();
-        Ok(Self { name: adapter.get_info().name, device, queue, programs, largest_buffer, refused })
+        let name = adapter.get_info().name;
+        Ok(Self { name, device, queue, programs, largest_buffer, tick, ask, refused })
+    }
+
+    /// The same anew, where this one is lost.
+    pub async fn reopen(&self) -> Result<Self, NoDevice> {
+        Self::open(self.ask).await
     }
 
     /// Gives the device up: what is asked of it then fails, as where it is lost.

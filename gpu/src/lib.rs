@@ -8,6 +8,7 @@
 
 pub mod alone;
 mod buffer;
+mod clock;
 pub mod detector;
 pub mod device;
 pub mod params;

@@ -107,6 +107,8 @@ impl List<'_> {
         self.scan(4 * triangles);
         self.add(stages::ENTRIES, "write_entries", triangles.div_ceil(GROUP), params);
         self.sort(triangles, entries);
+        self.add(stages::BYTE_BOXES, "write_byte_boxes", triangles.div_ceil(GROUP), params);
+        self.add(stages::BYTE_BOXES, "gather", entries.div_ceil(GROUP), params);
         self.add(stages::PAIRS, "count_pairs", entries.div_ceil(GROUP), params);
         self.scan(entries);
         self.add(stages::PAIRS, "write_pairs", entries.div_ceil(GROUP), params);

@@ -45,6 +45,10 @@ pub enum Slot {
     Entries,
     /// To sort into.
     Spare,
+    /// Least and greatest corner of each triangle in bytes.
+    ByteBoxes,
+    /// Key, object and box of each entry.
+    Boxed,
     /// What is counted, and then scanned.
     Counts,
     /// Sums of blocks of counts.
@@ -71,7 +75,7 @@ pub enum Slot {
 
 impl Slot {
     /// All of them.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 32] = [
         Self::Boxes,
         Self::Triangles,
         Self::TriangleEdges,
@@ -91,6 +95,8 @@ impl Slot {
         Self::Homes,
         Self::Entries,
         Self::Spare,
+        Self::ByteBoxes,
+        Self::Boxed,
         Self::Counts,
         Self::Blocks,
         Self::List,
@@ -120,8 +126,9 @@ impl Slot {
             Self::Histogram => 2048,
             Self::TriangleBoxes => 6 * triangles,
             Self::Spheres => 4 * triangles,
-            Self::Homes => 2 * triangles,
+            Self::Homes | Self::ByteBoxes => 2 * triangles,
             Self::Entries | Self::Spare => 2 * entries,
+            Self::Boxed => 4 * entries,
             Self::Counts => sizes.longest_scan(capacities),
             Self::Blocks => sizes.longest_scan(capacities).div_ceil(SCAN_BLOCK) + 1,
             Self::Pairs => 2 * pairs,

@@ -119,13 +119,34 @@ pub const SORT_BACK: Stage = Stage {
     ..SORT
 };
 
+/// Boxes in bytes, of triangles and of entries.
+pub const BYTE_BOXES: Stage = Stage {
+    name: "broad_phase/byte_boxes",
+    source: wgsl!("broad_phase/byte_boxes.wgsl"),
+    entries: &["write_byte_boxes", "gather"],
+    bindings: &[
+        (Slot::Units, READ),
+        (Slot::Triangles, READ),
+        (Slot::Levels, READ),
+        (Slot::Entries, READ),
+        (Slot::ByteBoxes, WRITE),
+        (Slot::Boxed, WRITE),
+        (Slot::Plan, READ),
+    ],
+};
+
 /// Pairs of triangles.
 pub const PAIRS: Stage = Stage {
     name: "broad_phase/pairs",
-    source: wgsl!("broad_phase/control_bits.wgsl", "broad_phase/pairs.wgsl", "shared/may_pair.wgsl"),
+    source: wgsl!(
+        "broad_phase/control_bits.wgsl",
+        "broad_phase/pairs.wgsl",
+        "shared/may_pair.wgsl",
+        "shared/short.wgsl"
+    ),
     entries: &["count_pairs", "write_pairs", "close_pairs"],
     bindings: &[
-        (Slot::Entries, READ),
+        (Slot::Boxed, READ),
         (Slot::Homes, READ),
         (Slot::TriangleBoxes, READ),
         (Slot::Counts, WRITE),
@@ -138,7 +159,7 @@ pub const PAIRS: Stage = Stage {
 /// Pairs with triangles of the last level.
 pub const PLAIN: Stage = Stage {
     name: "broad_phase/plain",
-    source: wgsl!("broad_phase/plain.wgsl", "shared/may_pair.wgsl"),
+    source: wgsl!("broad_phase/plain.wgsl", "shared/may_pair.wgsl", "shared/short.wgsl"),
     entries: &["count_last", "list_last", "count_plain", "write_plain", "close_plain"],
     bindings: &[
         (Slot::Levels, READ),
@@ -154,7 +175,7 @@ pub const PLAIN: Stage = Stage {
 /// The features of pairs.
 pub const FEATURES: Stage = Stage {
     name: "broad_phase/features",
-    source: wgsl!("shared/sewn.wgsl", "broad_phase/features.wgsl"),
+    source: wgsl!("shared/sewn.wgsl", "broad_phase/features.wgsl", "shared/short.wgsl"),
     entries: &["find_features"],
     bindings: &[
         (Slot::Boxes, READ),
@@ -276,7 +297,7 @@ pub const EDGE_EDGE_CCD: Stage = Stage {
 };
 
 /// All of them, in the order of the data.
-pub const ALL: [Stage; 17] = [
+pub const ALL: [Stage; 18] = [
     BOUNDS,
     LEVELS,
     UNITS,
@@ -286,6 +307,7 @@ pub const ALL: [Stage; 17] = [
     SCAN,
     SORT,
     SORT_BACK,
+    BYTE_BOXES,
     PAIRS,
     PLAIN,
     FEATURES,

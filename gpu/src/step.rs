@@ -15,24 +15,62 @@ pub struct StepDetector {
     /// Made for the first step.
     detector: Option<Detector>,
     found: Found,
+    stage_ms: Vec<(&'static str, f64)>,
+    lost: Option<Failed>,
 }
 
 impl StepDetector {
     /// On a device.
     pub fn new(gpu: Gpu) -> Self {
-        Self { gpu, detector: None, found: Found::default() }
+        Self { gpu, detector: None, found: Found::default(), stage_ms: Vec::new(), lost: None }
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// What the device took for each stage of all steps, ms; empty where it has no clocks.
+    pub fn stage_ms(&self) -> &[(&'static str, f64)] {
+        &self.stage_ms
+    }
+
+    /// Why the device was opened anew since this was last asked.
+    pub fn take_loss(&mut self) -> Option<Failed> {
+        self.lost.take()
     }
 
     /// Finds candidates and their distances, as `muslin_core::step::detect`; where there is too little room
-    /// for them only their counts.
-    pub fn detect(&mut self, model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Result<Counts, Failed> {
-        let Self { gpu, detector, found } = self;
+    /// for them only their counts. A device that is lost is opened anew and asked again.
+    pub async fn detect(
+        &mut self,
+        model: &ContactModel<'_>,
+        contact: &mut ContactScratch<'_>,
+    ) -> Result<Counts, Failed> {
+        match self.find(model, contact).await {
+            Err(lost @ Failed::Lost(_)) => {
+                let Ok(gpu) = self.gpu.reopen().await else { return Err(lost) };
+                (self.gpu, self.detector, self.lost) = (gpu, None, Some(lost));
+                self.find(model, contact).await
+            }
+            found => found,
+        }
+    }
+
+    async fn find(&mut self, model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Result<Counts, Failed> {
+        let Self { gpu, detector, found, stage_ms, .. } = self;
         let detector = match detector {
             Some(detector) => detector,
             None => detector.insert(Detector::new(gpu, &model.surface, model.radii, false)?),
         };
         detector.set_distances(gpu, REACH * model.thickness, 0.0);
-        detector.detect(gpu, contact.boxes, contact.start, contact.start, found)?;
+        detector.detect(gpu, contact.boxes, contact.start, contact.start, found).await?;
+        for (stage, ms) in detector.stage_ms(gpu) {
+            match stage_ms.iter_mut().find(|(known, _)| *known == stage) {
+                Some((_, sum)) => *sum += ms,
+                None => stage_ms.push((stage, ms)),
+            }
+        }
         take(&found.vertex_triangle, &found.vertex_triangle_distances, &mut contact.vertex_triangle);
         take(&found.edge_edge, &found.edge_edge_distances, &mut contact.edge_edge);
         Ok(Counts { vertex_triangle: found.vertex_triangle.len(), edge_edge: found.edge_edge.len() })

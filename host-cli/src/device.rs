@@ -1,11 +1,12 @@
 //! The graphics processor, for what can use it.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use muslin_core::broad_phase::Counts;
 use muslin_core::contact::{ContactModel, ContactScratch};
 use muslin_gpu::device::Ask;
 use muslin_gpu::{Failed, Gpu, step};
+use serde::Serialize;
 
 use crate::failure::{Failure, print_note};
 
@@ -24,10 +25,25 @@ pub fn failed(why: Failed) -> Failure {
     Failure::NoDevice(format!("--backend gpu: {why}; say --backend cpu"))
 }
 
+/// How long a device takes for a stage, by its own clock.
+#[derive(Clone, Debug, Serialize)]
+pub struct StageTime {
+    /// The file that it is in.
+    pub stage: &'static str,
+    /// ms.
+    pub ms: f64,
+}
+
+/// Those of all stages; none where a device has no clocks.
+pub fn stage_times(times: impl Iterator<Item = (&'static str, f64)>) -> Option<Vec<StageTime>> {
+    let all: Vec<_> = times.map(|(stage, ms)| StageTime { stage, ms }).collect();
+    (!all.is_empty()).then_some(all)
+}
+
 /// Finds the candidates of a run's steps on a device.
 pub struct StepDetector {
     name: String,
-    /// None: it was lost and could not be had again.
+    /// None while it is asked, and when it was lost and could not be had again.
     own: Mutex<Option<step::StepDetector>>,
 }
 
@@ -43,19 +59,33 @@ impl StepDetector {
         &self.name
     }
 
-    /// Finds candidates and their distances. A device that is lost is opened again and asked again; where
-    /// that does not help the processor goes on: none.
-    pub fn detect(&self, model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Option<Counts> {
-        let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = own.as_mut()?.detect(model, contact).or_else(|why| {
-            print_note(&format!("warning: --backend gpu: {why}; opening it again"));
-            let again = open().map_err(|_| why)?;
-            own.insert(step::StepDetector::new(again)).detect(model, contact)
-        });
-        if let Err(why) = &found {
-            print_note(&format!("warning: --backend gpu: {why}; the processor goes on"));
-            *own = None;
+    fn own(&self) -> MutexGuard<'_, Option<step::StepDetector>> {
+        self.own.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Mean times of so many steps.
+    pub fn stage_times(&self, steps: u64) -> Option<Vec<StageTime>> {
+        let per_step = |&(stage, ms): &(&'static str, f64)| (stage, ms / steps.max(1) as f64);
+        stage_times(self.own().as_ref()?.stage_ms().iter().map(per_step))
+    }
+
+    /// Finds candidates and their distances. Where a device was lost and could not be had again the processor
+    /// goes on: none.
+    pub async fn detect(&self, model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Option<Counts> {
+        let mut own = self.own().take()?;
+        let found = own.detect(model, contact).await;
+        if let Some(why) = own.take_loss() {
+            print_note(&format!("warning: --backend gpu: {why}; opened it again"));
         }
-        found.ok()
+        match found {
+            Ok(counts) => {
+                *self.own() = Some(own);
+                Some(counts)
+            }
+            Err(why) => {
+                print_note(&format!("warning: --backend gpu: {why}; the processor goes on"));
+                None
+            }
+        }
     }
 }

@@ -96,8 +96,8 @@ impl single::Dispatch for Stopwatch<'_> {
         single::Dispatch::run(self.pool, out, kernel);
     }
 
-    fn detect(&self, model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Option<Counts> {
-        self.pool.detector()?.detect(model, contact)
+    async fn detect(&self, model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Option<Counts> {
+        self.pool.detector()?.detect(model, contact).await
     }
 
     fn enter(&self, stage: Stage) {

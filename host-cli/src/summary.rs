@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::device::StageTime;
 use crate::engine::Report;
 
 /// The keys of the interface, in its order, and a few more.
@@ -29,6 +30,8 @@ pub struct Summary {
     pub verdict: &'static str,
     pub divergence: Option<String>,
     pub stage_ms: StageMs,
+    /// Means per step of what the device took for its stages, where one has clocks.
+    pub gpu_stage_ms: Option<Vec<StageTime>>,
     pub stretch: Stretch,
     pub energy: Energy,
     pub momentum: [f64; 3],
@@ -176,6 +179,14 @@ impl Summary {
         text
     }
 
+    /// What the device took by its own clock; nothing where it has none.
+    fn gpu_line(&self) -> String {
+        let times = self.gpu_stage_ms.iter().flatten();
+        let Some(longest) = times.clone().max_by(|a, b| a.ms.total_cmp(&b.ms)) else { return String::new() };
+        let sum: f64 = times.map(|time| time.ms).sum();
+        format!("\ngpu {sum:.3} ms a step by its clock, most in {}: {:.3}", longest.stage, longest.ms)
+    }
+
     /// What contact came to; nothing where none is modelled and nothing was audited.
     fn contact_lines(&self) -> String {
         let Contacts { candidates, proximity, impacts, zones, failsafe } = self.contacts;
@@ -196,6 +207,7 @@ impl Summary {
                 a_step(proximity),
                 self.rejected_steps,
             );
+            text += &self.gpu_line();
         }
         if let Some(depth) = self.penetration_m {
             text += &format!("\npenetration {:.3} mm into colliders at most", 1e3 * depth);

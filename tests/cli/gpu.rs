@@ -16,6 +16,19 @@ fn is_there(place: &Place) -> bool {
     any
 }
 
+/// Whether an adapter with clocks told a time of every stage, and one without none.
+fn assert_times(place: &Place, stages: &Value) {
+    let devices = place.muslin("devices --json").expect(0).json();
+    if devices["adapters"].as_array().unwrap().iter().any(|adapter| adapter["timestamps"] == false) {
+        return;
+    }
+    let names: Vec<_> = stages.as_array().unwrap().iter().map(|stage| stage["stage"].as_str().unwrap()).collect();
+    let expected = ["broad_phase/bounds", "broad_phase/sort", "broad_phase/pairs", "narrow_phase/proximity"];
+    assert!(expected.iter().all(|name| names.contains(name)), "{names:?}");
+    let total: f64 = stages.as_array().unwrap().iter().map(|stage| stage["ms"].as_f64().unwrap()).sum();
+    assert!(total > 0.0, "{stages}");
+}
+
 #[test]
 fn it_counts_what_the_processor_counts() {
     let place = Place::new();
@@ -46,6 +59,8 @@ fn it_counts_what_the_processor_counts() {
         }
         assert_eq!(cpu["intersections"], gpu["intersections"]);
         assert!(gpu["adapter"].is_string() && gpu["ms"]["gpu"].is_f64() && gpu["ms"]["candidates"].is_null(), "{gpu}");
+        assert!(cpu["ms"]["gpu_stages"].is_null(), "{cpu}");
+        assert_times(&place, &gpu["ms"]["gpu_stages"]);
     }
 }
 
@@ -88,6 +103,8 @@ fn a_run_is_repeatable_and_nothing_passes_through() {
     let [(once, frames), (again, _), (cpu, expected)] = ["--backend gpu", "--backend gpu", "--backend cpu"].map(of);
     assert_eq!(once["state_hash"], again["state_hash"], "twice the same on one adapter");
     assert!(once["backend"] == "gpu" && once["adapter"].is_string() && cpu["adapter"].is_null(), "{once}");
+    assert!(cpu["gpu_stage_ms"].is_null(), "{cpu}");
+    assert_times(&place, &once["gpu_stage_ms"]);
     let contacts = |run: &Value| run["contacts"]["proximity"].as_u64().unwrap_or_else(|| panic!("{run}"));
     println!("{} contacts, on the processor {}", contacts(&once), contacts(&cpu));
     assert!(contacts(&once) > 100, "{once}");

@@ -18,7 +18,8 @@ fn counts_are_exact_and_the_order_is_repeatable() {
     let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], false).unwrap();
     let [once, again] = [(); 2].map(|()| {
         let mut found = Found::default();
-        detector.detect(gpu, &boxes, &start, &start, &mut found).unwrap();
+        pollster::block_on(detector.detect(gpu, &boxes, &start, &start, &mut found)).unwrap();
+        detector.stage_ms(gpu).for_each(|(stage, ms)| println!("{stage}: {ms:.1} ms"));
         found
     });
     assert_eq!([once.vertex_triangle.len(), once.edge_edge.len()], [1_655_541, 5_197_332]);

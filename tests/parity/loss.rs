@@ -1,4 +1,4 @@
-//! A device that is lost is an error and no panic, and another goes on where it stopped.
+//! A device that is lost is an error and no panic; a step is repeated on another and comes out the same.
 
 use muslin_core::real::Vec3;
 use muslin_gpu::device::Ask;
@@ -7,28 +7,50 @@ use muslin_tests::crumpled;
 
 use super::case::Case;
 use super::methods::{columns, gpu};
+use super::on_device::{OnDevice, begin};
+use super::scenes::SCENES;
 
 #[test]
-fn another_device_finds_the_same() {
+fn what_a_lost_device_is_asked_fails() {
     if gpu().is_none() {
         return;
     }
     let mesh = crumpled::sheet(12);
     let (boxes, surface) = columns(&Case::new("", &mesh.positions, &mesh.triangles, 0.25));
     let (start, radii) = (vec![Vec3::ZERO; boxes.len()], vec![0.0; boxes.len()]);
-    let open = || pollster::block_on(Gpu::open(Ask::Web)).unwrap();
-    let detect = |gpu: &Gpu, detector: &mut Detector| {
-        let mut found = Found::default();
-        detector.detect(gpu, &boxes, &start, &start, &mut found).map(|()| found)
-    };
-    let lost = open();
+    let lost = pollster::block_on(Gpu::open(Ask::Web)).unwrap();
     let mut detector = Detector::new(&lost, &surface.view(), &radii, false).unwrap();
-    let before = detect(&lost, &mut detector).unwrap();
+    let mut detect = || {
+        let mut found = Found::default();
+        pollster::block_on(detector.detect(&lost, &boxes, &start, &start, &mut found)).map(|()| found)
+    };
+    let before = detect().unwrap();
     assert!(before.edge_edge.len() > 100, "{} pairs of edges", before.edge_edge.len());
     lost.close();
-    let failed = detect(&lost, &mut detector);
+    let failed = detect();
     assert!(matches!(&failed, Err(Failed::Lost(why)) if !why.is_empty()), "{failed:?}");
-    let another = open();
-    let mut detector = Detector::new(&another, &surface.view(), &radii, false).unwrap();
-    assert!(detect(&another, &mut detector).unwrap() == before, "another device finds something else");
+}
+
+/// Steps before the device is lost, and in all: some are in contact by then.
+const STEPS: [u32; 2] = [15, 30];
+
+#[test]
+fn a_run_whose_device_is_lost_ends_the_same() {
+    if gpu().is_none() {
+        return;
+    }
+    let scene = SCENES.iter().find(|scene| scene.name == "folded").expect("the scene is there");
+    let run = |loses: bool| {
+        let (device, mut sim) = (OnDevice::open(), begin(scene, 0));
+        for step in 0..STEPS[1] {
+            if loses && step == STEPS[0] {
+                device.with(|detector| detector.gpu().close());
+            }
+            sim.step(&device).unwrap();
+        }
+        assert_eq!(device.with(|detector| detector.take_loss().is_some()), loses, "opened anew");
+        assert!(sim.tally().proximity > 0, "nothing touches: {:?}", sim.tally());
+        sim.positions().to_vec()
+    };
+    assert!(run(false) == run(true), "a run whose device was lost ends elsewhere");
 }

@@ -48,7 +48,7 @@ fn on_device(case: &Case, room: [usize; 2]) -> Found {
     let start = vec![Vec3::ZERO; boxes.len()];
     let mut found = OnDevice::default();
     let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], false).unwrap();
-    detector.detect(gpu, &boxes, &start, &start, &mut found).unwrap();
+    pollster::block_on(detector.detect(gpu, &boxes, &start, &start, &mut found)).unwrap();
     let counts = [found.vertex_triangle.len(), found.edge_edge.len()];
     let (mut vertex_triangle, mut edge_edge) = (found.vertex_triangle, found.edge_edge);
     vertex_triangle.truncate(room[0]);

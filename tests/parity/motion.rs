@@ -42,7 +42,7 @@ fn scene() -> Option<Scene> {
     let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], true).unwrap();
     detector.set_distances(gpu, REACH as f32, SEPARATION as f32);
     let mut found = Found::default();
-    detector.detect(gpu, &boxes, &from, &to, &mut found).unwrap();
+    pollster::block_on(detector.detect(gpu, &boxes, &from, &to, &mut found)).unwrap();
     Some(Scene { start, end, triangles: mesh.triangles, edges: surface.view().edges.to_vec(), found })
 }
 

@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// What the device does without, and why.
-const WITHOUT: [(&str, &str); 9] = [
+const WITHOUT: [(&str, &str); 8] = [
     ("broad_phase/mod", "types"),
-    ("broad_phase/byte_boxes", "boxes are compared as they are"),
     ("broad_phase/grid", "the order of the stages: gpu/src/schedule.rs"),
     ("broad_phase/brute_force", "what the core is tested against"),
     ("broad_phase/reference_cell", "what the core is tested against"),

@@ -64,8 +64,8 @@ fn times(pair: Pair, queries: &[Query]) -> Option<Vec<f32>> {
         Params { vertex_triangle: count, edge_edge: count, reach: 1e9, separation: SEPARATION, ..Params::default() };
     let dispatch =
         |stage, entry, group: usize| Dispatch { stage, entry, groups: queries.len().div_ceil(group), params };
-    run(gpu, vec![dispatch(stages[0], "write_distances", 256), dispatch(stages[1], "write_times", 64)], &mut all)
-        .unwrap();
+    let both = vec![dispatch(stages[0], "write_distances", 256), dispatch(stages[1], "write_times", 64)];
+    pollster::block_on(run(gpu, both, &mut all)).unwrap();
     Some(all[&times].iter().map(|&bits| f32::from_bits(bits)).collect())
 }
 

@@ -2,6 +2,7 @@
 
 use bytemuck::cast_slice;
 use glam::DVec3;
+use muslin_core::broad_phase::byte_boxes::{ByteBoxes, write_byte_boxes};
 use muslin_core::broad_phase::cells::{Home, Lattice, write_cells};
 use muslin_core::broad_phase::entries::{Entry, write_entries};
 use muslin_core::broad_phase::sort::sort;
@@ -45,6 +46,9 @@ fn by_the_core(case: &Case) -> Vec<(Slot, Vec<u32>)> {
     write_spheres(&units, surface.triangles, &own_levels, 0, &mut spheres, &Serial);
     let (lattice, mut homes) = (Lattice::new(&spheres), vec![Home::default(); count]);
     write_cells(&spheres, &lattice, &mut homes, &Serial);
+    let mut byte_boxes = vec![ByteBoxes::default(); count];
+    write_byte_boxes(&units, surface.triangles, &own_levels, 0, &mut byte_boxes, &Serial);
+    let corner = |b: &ByteBoxes, first: usize| (0..3).map(|k| u32::from(b.whole(first + k) as u8) << (8 * k)).sum();
     let [mut entries, mut spare] = [(); 2].map(|()| vec![Entry::default(); 8 * count]);
     let length = write_entries(&homes, &own_levels, 0, &lattice, &mut entries);
     let is_spare = sort(&mut entries[..length], &mut spare[..length], lattice.key_bits());
@@ -53,6 +57,7 @@ fn by_the_core(case: &Case) -> Vec<(Slot, Vec<u32>)> {
         (Slot::Units, cast_slice(&units).to_vec()),
         (Slot::Spheres, cast_slice(&spheres).to_vec()),
         (Slot::Homes, cast_slice(&homes).to_vec()),
+        (Slot::ByteBoxes, byte_boxes.iter().flat_map(|b| [corner(b, 0), corner(b, 3)]).collect()),
         (Slot::Entries, cast_slice(sorted).to_vec()),
     ]);
     all
@@ -86,7 +91,7 @@ fn on_the_device(case: &Case) -> Option<Columns> {
     give(Slot::Edges, cast_slice(surface.edges));
     give(Slot::Given, &surface.owned.iter().map(|&owned| owned.into()).collect::<Vec<u32>>());
     give(Slot::Plan, &fresh_plan());
-    run(gpu, dispatches, &mut all).unwrap();
+    pollster::block_on(run(gpu, dispatches, &mut all)).unwrap();
     Some(all)
 }
 
@@ -129,7 +134,7 @@ fn sums_before_each_are_exact() {
         let dispatch = |entry, groups| Dispatch { stage: "shared/scan", entry, groups, params };
         let scan = vec![dispatch("sum_blocks", groups), dispatch("scan_blocks", 1), dispatch("spread", groups)];
         let mut all = Columns::from([(Slot::Counts, numbers), (Slot::Blocks, vec![0; groups + 1])]);
-        run(gpu, scan, &mut all).unwrap();
+        pollster::block_on(run(gpu, scan, &mut all)).unwrap();
         assert!(all[&Slot::Counts] == expected, "the sums of {length} numbers");
         assert_eq!(all[&Slot::Blocks][groups], sum, "the sum of {length} numbers");
     }
@@ -166,7 +171,7 @@ fn the_sort_is_stable() {
             (Slot::Blocks, sums),
             (Slot::Plan, told),
         ]);
-        run(gpu, dispatches, &mut all).unwrap();
+        pollster::block_on(run(gpu, dispatches, &mut all)).unwrap();
         assert!(all[&Slot::Entries] == cast_slice::<_, u32>(&expected), "{count} entries, sorted");
     }
 }

@@ -5,7 +5,7 @@ use super::{Cause, Part, Simulation};
 use crate::audit;
 use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, ContactScratchColumns};
-use crate::dispatch::Dispatch;
+use crate::dispatch::{Dispatch, block_on};
 use crate::integrate::Context;
 use crate::real::{Real, sqrt};
 use crate::response::impact::SEPARATION;
@@ -42,14 +42,14 @@ pub(super) struct Obstacle {
 
 impl Simulation {
     /// The phases between prediction and commit.
-    pub(super) fn resolve(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Result<(), Obstacle> {
+    pub(super) async fn resolve<D: Dispatch>(&mut self, part: Part, hold: bool, dispatch: &D) -> Result<(), Obstacle> {
         let most = if hold { LAST_WIDENINGS } else { MOST_WIDENINGS };
         let touching = self.tally.touching;
         let mut widened = 0;
         loop {
             dispatch.enter(Stage::BroadPhase);
             self.sweep(part, widened);
-            if !self.detect(dispatch) {
+            if !self.detect(dispatch).await {
                 return Err(Obstacle { cause: Cause::TooMuch, particle: self.farthest() });
             }
             if dispatch.stopped() {
@@ -84,9 +84,9 @@ impl Simulation {
 
     /// Contact: finds candidates, with more room where there was too little; false where there are too
     /// many to be looked at.
-    pub fn detect(&mut self, dispatch: &impl Dispatch) -> bool {
+    pub async fn detect<D: Dispatch>(&mut self, dispatch: &D) -> bool {
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return true };
-        let Some(counts) = detect(&model.view(), contact, dispatch) else { return false };
+        let Some(counts) = detect(&model.view(), contact, dispatch).await else { return false };
         let found = (counts.vertex_triangle + counts.edge_edge) as u64;
         self.tally.candidates += found;
         self.looked_at += found;
@@ -208,7 +208,7 @@ impl Simulation {
             let margin = 0.5 * model.thickness * (1 << widened) as Real;
             let sweep = Sweep { time, step: 0.0, margin, widen: widened > 0 };
             step::sweep(model, sweep, positions, positions, &mut contact.view());
-            let Some(counts) = detect(model, contact, dispatch) else { return false };
+            let Some(counts) = block_on(detect(model, contact, dispatch)) else { return false };
             let view = contact.view();
             let pairs = [(&view.vertex_triangle, counts.vertex_triangle), (&view.edge_edge, counts.edge_edge)];
             let apart = |&distance: &Real| distance >= SEPARATION * model.thickness;
@@ -234,13 +234,17 @@ fn most_pairs(model: &ContactModel<'_>) -> usize {
     MOST_PAIRS.max(MOST_PAIRS_PER_VERTEX * model.radii.len())
 }
 
-fn detect(model: &ContactModel<'_>, contact: &mut ContactScratchColumns, dispatch: &impl Dispatch) -> Option<Counts> {
-    let counts = step::detect(model, &mut contact.view(), dispatch);
+async fn detect<D: Dispatch>(
+    model: &ContactModel<'_>,
+    contact: &mut ContactScratchColumns,
+    dispatch: &D,
+) -> Option<Counts> {
+    let counts = step::await_candidates(model, &mut contact.view(), dispatch).await;
     if counts.vertex_triangle.max(counts.edge_edge) > most_pairs(model) {
         return None;
     }
     if contact.grow_pairs(counts) {
-        return Some(step::detect(model, &mut contact.view(), dispatch));
+        return Some(step::await_candidates(model, &mut contact.view(), dispatch).await);
     }
     Some(counts)
 }

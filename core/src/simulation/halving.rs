@@ -18,23 +18,23 @@ struct Kept {
 impl Simulation {
     /// Takes a step in halves, as short as they must be; where that does not help the state is put
     /// back.
-    pub(super) fn step_in_halves(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
+    pub(super) async fn step_in_halves<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Diverged> {
         let kept = self.keep();
-        let taken = self.halves(dispatch);
+        let taken = self.halves(dispatch).await;
         if taken.is_err() {
             self.put_back(&kept);
         }
         taken
     }
 
-    fn halves(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
+    async fn halves<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Diverged> {
         self.tally.rejected += 1;
         let whole = 1u32 << MOST_HALVINGS;
         let (mut done, mut halvings) = (0, 1);
         while done < whole {
             let length = whole >> halvings;
             let part = Part { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
-            match self.try_part(part, halvings == MOST_HALVINGS, dispatch) {
+            match self.try_part(part, halvings == MOST_HALVINGS, dispatch).await {
                 Ok(()) => {
                     done += length;
                     halvings -= u32::from(done % (2 * length) == 0);

@@ -98,7 +98,7 @@ fn find_features(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     let pair = place(group) * GROUP + local;
     if pair < params.pairs {
         masks[pair] = 0u;
-        if pair < plan[PAIRS] {
+        if pair < plan[PAIRS] && !lacks(NO_ROOM_FOR_PAIRS) {
             masks[pair] = features_of(pairs[pair].x, pairs[pair].y);
         }
     }

@@ -2,7 +2,8 @@
 //
 // In a cell, own homes meet everything after them, smaller homes only own phantoms.
 
-@group(0) @binding(1) var<storage, read> entries: array<vec2<u32>>;
+// Key, object and its box in bytes.
+@group(0) @binding(1) var<storage, read> boxed: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> homes: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> triangle_boxes: array<f32>;
 // How many pairs each entry makes, and after the scan how many those before it do.
@@ -13,6 +14,7 @@
 
 const IS_HOME: u32 = 0x80000000u;
 const IS_OWN: u32 = 0x40000000u;
+const ALL: u32 = 0xffffffffu;
 const ID: u32 = 0x3fffffffu;
 
 fn cell_type(key: u32) -> u32 {
@@ -21,9 +23,23 @@ fn cell_type(key: u32) -> u32 {
     return (key & 1u) | (((key >> y) & 1u) << 1u) | (((key >> z) & 1u) << 2u);
 }
 
-// Calls for each partner of an entry; writes them from a place on, if told to, and returns how many.
-fn visit(at: u32, writes: bool, place: u32) -> u32 {
-    let entry = entries[at];
+// The sign of each byte.
+const SIGNS: u32 = 0x00808080u;
+
+// Whether no byte of a difference is negative.
+fn none_below(a: u32, b: u32) -> bool {
+    return ((((a | SIGNS) - (b & ~SIGNS)) ^ (a ^ ~b)) & SIGNS) == 0u;
+}
+
+// Whether boxes in bytes overlap. Those far apart may seem to.
+fn may_overlap(a: vec2<u32>, b: vec2<u32>) -> bool {
+    return none_below(a.y, b.x) && none_below(b.y, a.x);
+}
+
+// Finds so many partners of an entry at most; writes them from a place on, if told to, and returns how
+// many.
+fn visit(at: u32, most: u32, writes: bool, place: u32) -> u32 {
+    let entry = boxed[at];
     if (entry.y & IS_HOME) == 0u {
         return 0u;
     }
@@ -33,15 +49,16 @@ fn visit(at: u32, writes: bool, place: u32) -> u32 {
     let cell = cell_type(entry.x);
     let end = min(plan[ENTRIES], params.entries);
     var found = 0u;
-    for (var other = at + 1u; other < end; other++) {
-        let next = entries[other];
+    for (var other = at + 1u; other < end && found < most; other++) {
+        let next = boxed[other];
         let kind = next.y & (IS_HOME | IS_OWN);
         // Behind own phantoms there are only smaller ones.
         if next.x != entry.x || (!is_own && kind == 0u) {
             break;
         }
         let b = next.y & ID;
-        if (is_own || kind == IS_OWN) && triangles_overlap(a, b) && may_pair(a, b) && !skips(control, homes[b].y, cell) {
+        if (is_own || kind == IS_OWN) && may_overlap(entry.zw, next.zw)
+            && triangles_overlap(a, b) && may_pair(a, b) && !skips(control, homes[b].y, cell) {
             if writes && place + found < params.pairs {
                 pairs[place + found] = vec2<u32>(a, b);
             }
@@ -56,24 +73,33 @@ fn count_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     let at = place(group) * GROUP + local;
     if at < params.entries {
         counts[at] = 0u;
-        if at < plan[ENTRIES] {
-            counts[at] = visit(at, false, 0u);
+        if at < plan[ENTRIES] && !lacks(NO_ROOM_BEFORE_PAIRS) {
+            counts[at] = visit(at, ALL, false, 0u);
         }
     }
+}
+
+// After the scan.
+fn pairs_before(at: u32) -> u32 {
+    if at < params.entries {
+        return counts[at];
+    }
+    return blocks[(params.entries + 2047u) / 2048u];
 }
 
 @compute @workgroup_size(256)
 fn write_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let at = place(group) * GROUP + local;
-    if at < min(plan[ENTRIES], params.entries) {
-        visit(at, true, plan[PAIRS] + counts[at]);
+    if at < min(plan[ENTRIES], params.entries) && !lacks(NO_ROOM_FOR_PAIRS) {
+        let before = pairs_before(at);
+        visit(at, pairs_before(at + 1u) - before, true, plan[PAIRS] + before);
     }
 }
 
 // One invocation: later pairs come behind these.
 @compute @workgroup_size(1)
 fn close_pairs() {
-    plan[PAIRS] += blocks[(params.entries + 2047u) / 2048u];
+    plan[PAIRS] += pairs_before(params.entries);
     if plan[PAIRS] > params.pairs {
         plan[STATUS] |= NO_ROOM_PAIRS;
     }

@@ -48,14 +48,17 @@ fn visit(b: u32, writes: bool, place: u32) -> u32 {
 fn count_plain(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let triangle = place(group) * GROUP + local;
     if triangle < params.triangles {
-        counts[triangle] = visit(triangle, false, 0u);
+        counts[triangle] = 0u;
+        if !lacks(NO_ROOM_BEFORE_PAIRS) {
+            counts[triangle] = visit(triangle, false, 0u);
+        }
     }
 }
 
 @compute @workgroup_size(256)
 fn write_plain(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let triangle = place(group) * GROUP + local;
-    if triangle < params.triangles {
+    if triangle < params.triangles && !lacks(NO_ROOM_FOR_PAIRS) {
         visit(triangle, true, plan[PAIRS] + counts[triangle]);
     }
 }

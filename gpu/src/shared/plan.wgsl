@@ -27,4 +27,9 @@ const NO_ROOM_PAIRS: u32 = 4u;
 const NO_ROOM_VERTEX_TRIANGLE: u32 = 8u;
 const NO_ROOM_EDGE_EDGE: u32 = 16u;
 
+// What pairs are counted without.
+const NO_ROOM_BEFORE_PAIRS: u32 = 3u;
+// And found without.
+const NO_ROOM_FOR_PAIRS: u32 = 7u;
+
 const NO_LEVEL: u32 = 255u;

@@ -20,7 +20,7 @@ pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Re
     detector.set_distances(&gpu, subject.thickness, 0.0);
     let (start, end) = (&subject.positions, next.unwrap_or(&subject.positions));
     let mut found = Found::default();
-    let mut detect = || detector.detect(&gpu, &subject.boxes, start, end, &mut found);
+    let mut detect = || pollster::block_on(detector.detect(&gpu, &subject.boxes, start, end, &mut found));
     detect().map_err(device::failed)?;
     let (again, time) = clocked(detect);
     again.map_err(device::failed)?;
@@ -42,6 +42,7 @@ pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Re
         report.first_impact = times.map(|&time| if time == TOUCHING { 0.0 } else { time }).reduce(f32::min);
     }
     let mut ms = StageMs { gpu: Some(milliseconds(time)), ..StageMs::default() };
+    ms.gpu_stages = device::stage_times(detector.stage_ms(&gpu));
     count_intersections(arguments, subject, &mut report, &mut ms);
     report.ms = ms;
     Ok(report)

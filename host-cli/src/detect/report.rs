@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::mesh::Subject;
 use crate::args::{DetectArguments, Method};
+use crate::device::StageTime;
 
 /// The keys of the interface, and a few more. What was not asked for is null.
 #[derive(Serialize)]
@@ -53,7 +54,7 @@ impl Pairs {
 }
 
 /// How long each stage took, ms.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct StageMs {
     pub candidates: Option<f64>,
     pub contacts: Option<f64>,
@@ -61,6 +62,8 @@ pub struct StageMs {
     pub intersections: Option<f64>,
     /// All that the graphics processor did, with transfers.
     pub gpu: Option<f64>,
+    /// What it took for each stage, by its own clock.
+    pub gpu_stages: Option<Vec<StageTime>>,
 }
 
 impl Report {
@@ -117,6 +120,9 @@ impl Report {
         let stages = [("candidates", candidates), ("contacts", contacts), ("ccd", ccd), ("all on the GPU", gpu)];
         for (name, ms) in stages.into_iter().filter_map(|(name, ms)| Some((name, ms?))) {
             text += &format!("{name:16}{ms:>16.2}{:>14.3e}\n", all.candidates as f64 / (1e-3 * ms));
+        }
+        for StageTime { stage, ms } in self.ms.gpu_stages.iter().flatten() {
+            text += &format!("  {stage:26}{ms:>4.2}\n");
         }
         if let Some(ms) = self.ms.intersections {
             text += &format!("{:16}{ms:>16.2}\n", "intersections");

@@ -64,6 +64,7 @@ impl Course {
                 (None, _) => "ok",
             },
             divergence,
+            gpu_stage_ms: pool.detector().and_then(|detector| detector.stage_times(steps)),
             stage_ms: StageMs { predict, broad_phase, narrow_phase, response, output: per_step(self.output) },
             stretch: Stretch {
                 max: report.stretch[0],
