@@ -6,6 +6,7 @@ use muslin_core::broad_phase::Surface;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::real::Vec3;
 
+use crate::answer::{Answer, Found, Wanted};
 use crate::buffer::{Failed, buffer, column, mapped};
 use crate::device::Gpu;
 use crate::params::{Capacities, PLAN_WORDS, Params, fresh_plan, plan};
@@ -19,61 +20,29 @@ pub struct Detector {
     sizes: Sizes,
     params: Params,
     capacities: Capacities,
-    continuous: bool,
     buffers: Vec<wgpu::Buffer>,
     work: Work,
     fresh: wgpu::Buffer,
-    answer: wgpu::Buffer,
-    /// Candidates of each kind that are read back.
-    expected: [usize; 2],
+    /// What comes back, and where it comes to.
+    answer: Answer,
+    landing: wgpu::Buffer,
     /// Of the last detection, by stage.
     ticks: Vec<(&'static str, u64)>,
     staging: Vec<f32>,
 }
 
-/// Candidates more than last time that are read back.
-const SPARE: usize = 1024;
-
-/// What is read back; the last two where motion is tested.
-const ANSWERS: [Slot; 7] = [
-    Slot::Plan,
-    Slot::VertexTriangle,
-    Slot::EdgeEdge,
-    Slot::VertexTriangleDistances,
-    Slot::EdgeEdgeDistances,
-    Slot::VertexTriangleTimes,
-    Slot::EdgeEdgeTimes,
-];
-
 /// What comes of an answer.
 enum Verdict {
     Whole,
-    /// So many of each kind are to be read back.
+    /// So much is to be read back.
     Expect([usize; 2]),
     /// It takes more room.
     Grow(Capacities),
 }
 
-/// What was found; as the core's, in another order.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Found {
-    /// Vertex and triangle.
-    pub vertex_triangle: Vec<[u32; 2]>,
-    /// Two edges, the lesser first.
-    pub edge_edge: Vec<[u32; 2]>,
-    /// m.
-    pub vertex_triangle_distances: Vec<f32>,
-    /// m.
-    pub edge_edge_distances: Vec<f32>,
-    /// Parts of the step, where motion is tested.
-    pub vertex_triangle_times: Vec<f32>,
-    /// Likewise.
-    pub edge_edge_times: Vec<f32>,
-}
-
 impl Detector {
     /// Makes room and sends what does not change.
-    pub fn new(gpu: &Gpu, surface: &Surface<'_>, radii: &[f32], continuous: bool) -> Result<Self, Failed> {
+    pub fn new(gpu: &Gpu, surface: &Surface<'_>, radii: &[f32], wanted: Wanted) -> Result<Self, Failed> {
         let sizes = Sizes::of(surface, radii.len());
         let triangles = sizes.triangles;
         let capacities = Capacities {
@@ -93,18 +62,18 @@ impl Detector {
         };
         let fresh = buffer(gpu, "fresh", 4 * PLAN_WORDS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST)?;
         gpu.queue.write_buffer(&fresh, 0, bytemuck::cast_slice(&fresh_plan()));
-        let column = |slot: &Slot| column(gpu, *slot, slot.words(&sizes, &capacities));
+        let words = |slot: &Slot| if slot.serves(wanted) { slot.words(&sizes, &capacities) } else { 0 };
+        let column = |slot: &Slot| column(gpu, *slot, words(slot));
         let buffers = Slot::ALL.iter().map(column).collect::<Result<Vec<_>, _>>()?;
         let mut detector = Self {
             sizes,
             params,
             capacities,
-            continuous,
             buffers,
             work: Work::default(),
             fresh,
-            answer: buffer(gpu, "answer", 0, wgpu::BufferUsages::MAP_READ)?,
-            expected: [0; 2],
+            answer: Answer::most(wanted, &capacities),
+            landing: buffer(gpu, "landing", 0, wgpu::BufferUsages::MAP_READ)?,
             ticks: Vec::new(),
             staging: Vec::new(),
         };
@@ -125,14 +94,15 @@ impl Detector {
     }
 
     fn send(&self, gpu: &Gpu, slot: Slot, bytes: &[u8]) {
-        if !bytes.is_empty() {
+        if !bytes.is_empty() && slot.serves(self.answer.wanted) {
             gpu.queue.write_buffer(self.buffer(slot), 0, bytes);
         }
     }
 
     /// Plans the dispatches and binds the columns, for the capacities that there are.
     fn lay_out(&mut self, gpu: &Gpu) -> Result<(), Failed> {
-        let Self { params, sizes, capacities, continuous, .. } = *self;
+        let Self { params, sizes, capacities, .. } = *self;
+        let wanted = self.answer.wanted;
         let params = Params {
             entries: capacities.entries as u32,
             pairs: capacities.pairs as u32,
@@ -140,38 +110,17 @@ impl Detector {
             edge_edge: capacities.edge_edge as u32,
             ..params
         };
-        let dispatches = schedule::of(&Order { params, sizes, capacities, continuous });
+        let dispatches = schedule::of(&Order { params, sizes, capacities, wanted });
         self.work = Work::new(gpu, dispatches, &self.buffers)?;
-        self.expected = [capacities.vertex_triangle, capacities.edge_edge];
+        self.answer = Answer::most(wanted, &capacities);
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        self.answer = buffer(gpu, "answer", 4 * self.answer_words(), usage)?;
+        self.landing = buffer(gpu, "landing", 4 * self.ticks_at().end, usage)?;
         Ok(())
     }
 
-    /// What is read back, and to which words.
-    fn answers(&self) -> impl Iterator<Item = (Slot, Range<usize>)> {
-        let [vertex_triangle, edge_edge] = self.expected;
-        let count = if self.continuous { ANSWERS.len() } else { ANSWERS.len() - 2 };
-        let words = move |slot| match slot {
-            Slot::VertexTriangle => 2 * vertex_triangle,
-            Slot::EdgeEdge => 2 * edge_edge,
-            Slot::VertexTriangleDistances | Slot::VertexTriangleTimes => vertex_triangle,
-            Slot::EdgeEdgeDistances | Slot::EdgeEdgeTimes => edge_edge,
-            _ => PLAN_WORDS,
-        };
-        ANSWERS.into_iter().take(count).scan(0, move |at, slot| {
-            let start = core::mem::replace(at, *at + words(slot));
-            Some((slot, start..*at))
-        })
-    }
-
-    /// Words of an answer, the ticks behind the rest.
-    fn answer_words(&self) -> usize {
-        self.ticks_at().end
-    }
-
+    /// Words of the ticks, behind the answer.
     fn ticks_at(&self) -> Range<usize> {
-        let start = self.answers().last().map_or(0, |(_, words)| words.end);
+        let start = self.answer.words();
         start..start + self.work.tick_words()
     }
 
@@ -183,8 +132,8 @@ impl Detector {
         }
     }
 
-    /// Finds the candidates of a surface from one box a vertex, and their distances at the start; with
-    /// `end` also when they meet.
+    /// Finds the candidates of a surface from one box a vertex, and of what is wanted their distances at
+    /// the start and when they meet on the way to the end.
     pub async fn detect(
         &mut self,
         gpu: &Gpu,
@@ -201,12 +150,12 @@ impl Detector {
         self.ticks.clear();
         loop {
             self.submit(gpu);
-            mapped(gpu, &self.answer, 4 * self.answer_words() as u64).await?;
+            mapped(gpu, &self.landing, 4 * self.ticks_at().end as u64).await?;
             let verdict = self.collect(found)?;
-            self.answer.unmap();
+            self.landing.unmap();
             match verdict {
                 Verdict::Whole => return Ok(()),
-                Verdict::Expect(counts) => self.expect(counts),
+                Verdict::Expect(counted) => self.expect(counted),
                 Verdict::Grow(capacities) => self.grow(gpu, capacities)?,
             }
         }
@@ -225,54 +174,42 @@ impl Detector {
         encoder.copy_buffer_to_buffer(&self.fresh, 0, self.buffer(Slot::Plan), 0, None);
         encoder.clear_buffer(self.buffer(Slot::Histogram), 0, None);
         self.work.record(gpu, &mut encoder);
-        for (slot, words) in self.answers().filter(|(_, words)| !words.is_empty()) {
+        for (slot, words) in self.answer.parts().filter(|(_, words)| !words.is_empty()) {
             let [at, bytes] = [words.start, words.len()].map(|words| 4 * words as u64);
-            encoder.copy_buffer_to_buffer(self.buffer(slot), 0, &self.answer, at, Some(bytes));
+            encoder.copy_buffer_to_buffer(self.buffer(slot), 0, &self.landing, at, Some(bytes));
         }
-        self.work.copy_ticks(&mut encoder, &self.answer, self.ticks_at());
+        self.work.copy_ticks(&mut encoder, &self.landing, self.ticks_at());
         gpu.queue.submit([encoder.finish()]);
     }
 
     /// Reads the answer, as far as it is one.
     fn collect(&mut self, found: &mut Found) -> Result<Verdict, Failed> {
-        let bytes = 4 * self.answer_words() as u64;
-        let view = self.answer.slice(..bytes).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
+        let bytes = 4 * self.ticks_at().end as u64;
+        let view = self.landing.slice(..bytes).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
         let all: &[u32] = bytemuck::cast_slice(&view);
         self.work.add_ticks(&all[self.ticks_at()], &mut self.ticks);
         let told = &all[..PLAN_WORDS];
         if told[plan::STATUS] != 0 {
             return Ok(Verdict::Grow(self.capacities.grown(told)));
         }
-        let counts = [plan::VERTEX_TRIANGLE, plan::EDGE_EDGE].map(|at| told[at] as usize);
-        if counts[0] > self.expected[0] || counts[1] > self.expected[1] {
-            return Ok(Verdict::Expect(counts));
+        let counted = self.answer.counted(told);
+        if counted[0] > self.answer.pairs[0] || counted[1] > self.answer.pairs[1] {
+            return Ok(Verdict::Expect(counted));
         }
-        for (slot, words) in self.answers() {
-            let words = &all[words];
-            match slot {
-                Slot::VertexTriangle => take(words, counts[0], &mut found.vertex_triangle),
-                Slot::EdgeEdge => take(words, counts[1], &mut found.edge_edge),
-                Slot::VertexTriangleDistances => take(words, counts[0], &mut found.vertex_triangle_distances),
-                Slot::EdgeEdgeDistances => take(words, counts[1], &mut found.edge_edge_distances),
-                Slot::VertexTriangleTimes => take(words, counts[0], &mut found.vertex_triangle_times),
-                Slot::EdgeEdgeTimes => take(words, counts[1], &mut found.edge_edge_times),
-                _ => {}
-            }
-        }
+        self.answer.read(all, found);
         drop(view);
-        self.expect(counts);
+        self.expect(counted);
         Ok(Verdict::Whole)
     }
 
-    /// Reads back so many of each kind next time and some more.
-    fn expect(&mut self, counts: [usize; 2]) {
-        let rooms = [self.capacities.vertex_triangle, self.capacities.edge_edge];
-        self.expected = [0, 1].map(|k| (counts[k] + counts[k] / 4 + SPARE).min(rooms[k]));
+    /// Reads back so much next time and some more.
+    fn expect(&mut self, counted: [usize; 2]) {
+        self.answer = self.answer.expecting(counted, &self.capacities);
     }
 
     fn grow(&mut self, gpu: &Gpu, capacities: Capacities) -> Result<(), Failed> {
         let before = core::mem::replace(&mut self.capacities, capacities);
-        for slot in Slot::ALL {
+        for slot in Slot::ALL.into_iter().filter(|slot| slot.serves(self.answer.wanted)) {
             if slot.words(&self.sizes, &capacities) != slot.words(&self.sizes, &before) {
                 self.buffers[slot as usize] = column(gpu, slot, slot.words(&self.sizes, &capacities))?;
             }
@@ -300,12 +237,6 @@ impl Capacities {
             edge_edge: room(self.edge_edge, plan::EDGE_EDGE).max(dense),
         }
     }
-}
-
-/// Takes the first things out of words.
-fn take<T: bytemuck::Pod>(words: &[u32], count: usize, to: &mut Vec<T>) {
-    to.clear();
-    to.extend_from_slice(&bytemuck::cast_slice(words)[..count]);
 }
 
 /// A box in finite numbers; one that is not valid has its corners exchanged.

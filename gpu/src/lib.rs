@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod alone;
+mod answer;
 mod buffer;
 mod clock;
 pub mod detector;
@@ -19,7 +20,8 @@ pub mod stages;
 pub mod step;
 mod work;
 
+pub use answer::{Found, Wanted};
 pub use buffer::Failed;
-pub use detector::{Detector, Found};
+pub use detector::Detector;
 pub use device::Gpu;
 pub use wgpu;

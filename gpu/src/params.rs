@@ -34,10 +34,8 @@ pub struct Params {
     pub reach: f32,
     /// m that moving features keep.
     pub separation: f32,
-    /// m.
-    pub thickness: f32,
     /// To a multiple of sixteen bytes.
-    pub unused: u32,
+    pub unused: [u32; 2],
 }
 
 /// Room, in things; grown to what was counted.
@@ -79,6 +77,8 @@ pub mod plan {
     pub const EDGE_EDGE: usize = 20;
     /// The most entries of any level.
     pub const MOST_ENTRIES: usize = 34;
+    /// Contacts: vertices with triangles, and edges.
+    pub const CONTACTS: usize = 35;
 }
 
 /// The plan before the first stage: no box is around anything.

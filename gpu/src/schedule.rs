@@ -1,5 +1,6 @@
 //! The order in which stages run, for a surface of some size and for some capacities.
 
+use crate::answer::Wanted;
 use crate::params::{Capacities, Params, SCAN_BLOCK};
 use crate::slots::Sizes;
 use crate::stages::{self, Stage};
@@ -35,8 +36,8 @@ pub struct Order {
     pub sizes: Sizes,
     /// Room.
     pub capacities: Capacities,
-    /// Whether motion is tested.
-    pub continuous: bool,
+    /// What is to be found.
+    pub wanted: Wanted,
 }
 
 /// All dispatches of a detection.
@@ -64,7 +65,13 @@ pub fn of(order: &Order) -> Vec<Dispatch> {
     list.each(stages::CANDIDATES, "write_candidates", pairs);
     list.each(stages::VERTEX_TRIANGLE, "write_distances", vertex_triangle);
     list.each(stages::EDGE_EDGE, "write_distances", edge_edge);
-    if order.continuous {
+    if order.wanted == Wanted::Contacts {
+        let both = vertex_triangle + edge_edge;
+        list.each(stages::CONTACTS, "count_contacts", both);
+        list.scan(both);
+        list.each(stages::CONTACTS, "write_contacts", both);
+    }
+    if order.wanted == Wanted::Times {
         for (stage, count) in [(stages::VERTEX_TRIANGLE_CCD, vertex_triangle), (stages::EDGE_EDGE_CCD, edge_edge)] {
             list.add(stage, "write_times", count.div_ceil(SMALL_GROUP), order.params);
         }

@@ -2,6 +2,7 @@
 
 use muslin_core::broad_phase::Surface;
 
+use crate::answer::Wanted;
 use crate::params::{Capacities, PLAN_WORDS, SCAN_BLOCK};
 
 /// A column on the device.
@@ -67,6 +68,8 @@ pub enum Slot {
     VertexTriangleDistances,
     /// m.
     EdgeEdgeDistances,
+    /// Candidates that are near.
+    Contacts,
     /// Parts of the step.
     VertexTriangleTimes,
     /// Likewise.
@@ -75,7 +78,7 @@ pub enum Slot {
 
 impl Slot {
     /// All of them.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 33] = [
         Self::Boxes,
         Self::Triangles,
         Self::TriangleEdges,
@@ -106,9 +109,19 @@ impl Slot {
         Self::EdgeEdge,
         Self::VertexTriangleDistances,
         Self::EdgeEdgeDistances,
+        Self::Contacts,
         Self::VertexTriangleTimes,
         Self::EdgeEdgeTimes,
     ];
+
+    /// Whether anything is written to it, or read from it, where this is wanted.
+    pub fn serves(self, wanted: Wanted) -> bool {
+        match self {
+            Self::Contacts => wanted == Wanted::Contacts,
+            Self::End | Self::VertexTriangleTimes | Self::EdgeEdgeTimes => wanted == Wanted::Times,
+            _ => true,
+        }
+    }
 
     /// Words of four bytes, at least one.
     pub fn words(self, sizes: &Sizes, capacities: &Capacities) -> usize {
@@ -135,6 +148,7 @@ impl Slot {
             Self::Masks => pairs,
             Self::VertexTriangle => 2 * vertex_triangle,
             Self::EdgeEdge => 2 * edge_edge,
+            Self::Contacts => 2 * (vertex_triangle + edge_edge),
             Self::VertexTriangleDistances | Self::VertexTriangleTimes => vertex_triangle,
             Self::EdgeEdgeDistances | Self::EdgeEdgeTimes => edge_edge,
         };
@@ -168,6 +182,7 @@ impl Sizes {
 
     fn longest_scan(&self, capacities: &Capacities) -> usize {
         let digits = 16 * capacities.entries.div_ceil(SCAN_BLOCK);
-        (4 * self.triangles).max(capacities.entries).max(2 * capacities.pairs).max(digits)
+        let contacts = capacities.vertex_triangle + capacities.edge_edge;
+        (4 * self.triangles).max(capacities.entries).max(2 * capacities.pairs).max(contacts).max(digits)
     }
 }

@@ -248,6 +248,23 @@ pub const EDGE_EDGE: Stage = Stage {
     ],
 };
 
+/// Candidates that are near.
+pub const CONTACTS: Stage = Stage {
+    name: "narrow_phase/contacts",
+    source: wgsl!("narrow_phase/contacts.wgsl"),
+    entries: &["count_contacts", "write_contacts"],
+    bindings: &[
+        (Slot::VertexTriangle, READ),
+        (Slot::EdgeEdge, READ),
+        (Slot::VertexTriangleDistances, READ),
+        (Slot::EdgeEdgeDistances, READ),
+        (Slot::Counts, WRITE),
+        (Slot::Blocks, READ),
+        (Slot::Contacts, WRITE),
+        (Slot::Plan, WRITE),
+    ],
+};
+
 /// Times at which vertices and triangles meet.
 pub const VERTEX_TRIANGLE_CCD: Stage = Stage {
     name: "narrow_phase/continuous, vertex_triangle",
@@ -297,7 +314,7 @@ pub const EDGE_EDGE_CCD: Stage = Stage {
 };
 
 /// All of them, in the order of the data.
-pub const ALL: [Stage; 18] = [
+pub const ALL: [Stage; 19] = [
     BOUNDS,
     LEVELS,
     UNITS,
@@ -314,6 +331,7 @@ pub const ALL: [Stage; 18] = [
     CANDIDATES,
     VERTEX_TRIANGLE,
     EDGE_EDGE,
+    CONTACTS,
     VERTEX_TRIANGLE_CCD,
     EDGE_EDGE_CCD,
 ];

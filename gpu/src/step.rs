@@ -4,8 +4,9 @@ use muslin_core::broad_phase::Counts;
 use muslin_core::contact::{ContactModel, ContactScratch, Pairs};
 use muslin_core::response::repulsion::REACH;
 
+use crate::answer::{Found, Wanted};
 use crate::buffer::Failed;
-use crate::detector::{Detector, Found};
+use crate::detector::Detector;
 use crate::device::Gpu;
 
 /// Finds the candidates of one scene's steps.
@@ -61,7 +62,7 @@ impl StepDetector {
         let Self { gpu, detector, found, stage_ms, .. } = self;
         let detector = match detector {
             Some(detector) => detector,
-            None => detector.insert(Detector::new(gpu, &model.surface, model.radii, false)?),
+            None => detector.insert(Detector::new(gpu, &model.surface, model.radii, Wanted::Candidates)?),
         };
         detector.set_distances(gpu, REACH * model.thickness, 0.0);
         detector.detect(gpu, contact.boxes, contact.start, contact.start, found).await?;

@@ -9,6 +9,7 @@ mod stages;
 use std::time::{Duration, Instant};
 
 use muslin_core::audit;
+use muslin_core::narrow_phase::contacts::contacts;
 
 use crate::args::{Backend, DetectArguments, DetectStage, Method};
 use crate::failure::{Failure, print_data};
@@ -49,9 +50,9 @@ fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Report
     if arguments.stage >= DetectStage::Contacts {
         let (distances, time) = clocked(|| stages::distances(&found, subject, pool));
         ms.contacts = Some(milliseconds(time));
-        let near = |distances: &[f32]| Some(distances.iter().filter(|&&d| d < subject.thickness).count());
-        report.vertex_triangle.contacts = near(&distances.vertex_triangle);
-        report.edge_edge.contacts = near(&distances.edge_edge);
+        let near = |pairs: &[[u32; 2]], distances: &[f32]| Some(contacts(pairs, distances, subject.thickness, &mut []));
+        report.vertex_triangle.contacts = near(&found.vertex_triangle, &distances.vertex_triangle);
+        report.edge_edge.contacts = near(&found.edge_edge, &distances.edge_edge);
 
         if let Some(next) = subject.next.as_ref().filter(|_| arguments.stage >= DetectStage::Ccd) {
             let (touch, time) = clocked(|| Touch::find(&found, &distances, subject, next, pool));

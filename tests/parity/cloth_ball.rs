@@ -1,7 +1,7 @@
 //! A real pair of frames: the candidates exactly, twice the same in the same order.
 
 use glam::Vec3;
-use muslin_gpu::{Detector, Found};
+use muslin_gpu::{Detector, Found, Wanted};
 use muslin_tests::cloth_ball;
 
 use super::case::Case;
@@ -15,7 +15,7 @@ fn counts_are_exact_and_the_order_is_repeatable() {
     let case = Case { boxes: swept.collect(), triangles: data.triangles, ..Case::default() };
     let (boxes, surface) = columns(&case);
     let start = vec![Vec3::ZERO; boxes.len()];
-    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], false).unwrap();
+    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], Wanted::Candidates).unwrap();
     let [once, again] = [(); 2].map(|()| {
         let mut found = Found::default();
         pollster::block_on(detector.detect(gpu, &boxes, &start, &start, &mut found)).unwrap();

@@ -31,7 +31,6 @@ fn params_are_those_of_the_host() {
         edge_edge,
         reach,
         separation,
-        thickness,
         unused
     );
     let module = any_stage();
@@ -54,6 +53,7 @@ fn words_of_the_plan_are_those_of_the_host() {
         ("VERTEX_TRIANGLE", plan::VERTEX_TRIANGLE),
         ("EDGE_EDGE", plan::EDGE_EDGE),
         ("MOST_ENTRIES", plan::MOST_ENTRIES),
+        ("CONTACTS", plan::CONTACTS),
     ];
     let module = any_stage();
     for (name, place) in host {

@@ -2,7 +2,7 @@
 
 use muslin_core::real::Vec3;
 use muslin_gpu::device::Ask;
-use muslin_gpu::{Detector, Failed, Found, Gpu};
+use muslin_gpu::{Detector, Failed, Found, Gpu, Wanted};
 use muslin_tests::crumpled;
 
 use super::case::Case;
@@ -19,7 +19,7 @@ fn what_a_lost_device_is_asked_fails() {
     let (boxes, surface) = columns(&Case::new("", &mesh.positions, &mesh.triangles, 0.25));
     let (start, radii) = (vec![Vec3::ZERO; boxes.len()], vec![0.0; boxes.len()]);
     let lost = pollster::block_on(Gpu::open(Ask::Web)).unwrap();
-    let mut detector = Detector::new(&lost, &surface.view(), &radii, false).unwrap();
+    let mut detector = Detector::new(&lost, &surface.view(), &radii, Wanted::Candidates).unwrap();
     let mut detect = || {
         let mut found = Found::default();
         pollster::block_on(detector.detect(&lost, &boxes, &start, &start, &mut found)).map(|()| found)

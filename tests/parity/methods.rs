@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use muslin_core::real::Vec3;
 use muslin_gpu::device::Ask;
-use muslin_gpu::{Detector, Found as OnDevice, Gpu};
+use muslin_gpu::{Detector, Found as OnDevice, Gpu, Wanted};
 
 pub use core_methods::single::columns;
 pub use core_methods::{Found, Method};
@@ -47,7 +47,7 @@ fn on_device(case: &Case, room: [usize; 2]) -> Found {
     let (boxes, surface) = columns(case);
     let start = vec![Vec3::ZERO; boxes.len()];
     let mut found = OnDevice::default();
-    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], false).unwrap();
+    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], Wanted::Candidates).unwrap();
     pollster::block_on(detector.detect(gpu, &boxes, &start, &start, &mut found)).unwrap();
     let counts = [found.vertex_triangle.len(), found.edge_edge.len()];
     let (mut vertex_triangle, mut edge_edge) = (found.vertex_triangle, found.edge_edge);

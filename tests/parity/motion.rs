@@ -3,7 +3,7 @@
 use glam::DVec3;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
-use muslin_gpu::{Detector, Found};
+use muslin_gpu::{Detector, Found, Wanted};
 use muslin_tests::crumpled;
 use muslin_tests::kit::double::distance;
 use muslin_tests::query::{Pair, Query};
@@ -30,7 +30,7 @@ struct Scene {
     found: Found,
 }
 
-fn scene() -> Option<Scene> {
+fn scene(wanted: Wanted) -> Option<Scene> {
     let gpu = gpu()?;
     let (mesh, rng) = (crumpled::sheet(24), &mut Rng::new(11));
     let start: Vec<_> = mesh.positions.iter().map(|&x| single(x)).collect();
@@ -39,7 +39,7 @@ fn scene() -> Option<Scene> {
     let [from, to] = [&start, &end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
     let around = |(a, b): (&glam::Vec3, &glam::Vec3)| Aabb { min: a.min(*b) - 0.25, max: a.max(*b) + 0.25 };
     let boxes: Vec<_> = from.iter().zip(&to).map(around).collect();
-    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], true).unwrap();
+    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], wanted).unwrap();
     detector.set_distances(gpu, REACH as f32, SEPARATION as f32);
     let mut found = Found::default();
     pollster::block_on(detector.detect(gpu, &boxes, &from, &to, &mut found)).unwrap();
@@ -79,7 +79,7 @@ impl Scene {
 
 #[test]
 fn distances_are_right_to_rounding() {
-    let Some(scene) = scene() else { return };
+    let Some(scene) = scene(Wanted::Times) else { return };
     let mut near = 0;
     for (query, told, _) in scene.answers() {
         let (exact, rounding) = (distance(query.pair, &query.start), ROUNDING * query.size());
@@ -93,8 +93,35 @@ fn distances_are_right_to_rounding() {
 }
 
 #[test]
+fn contacts_are_what_is_near_but_for_a_band() {
+    let (Some(all), Some(near)) = (scene(Wanted::Times), scene(Wanted::Contacts)) else { return };
+    assert_eq!(all.found.candidates, near.found.candidates);
+    let [mut inside, mut in_band] = [0, 0];
+    for (pair, candidates, contacts) in [
+        (Pair::VertexTriangle, &all.found.vertex_triangle, &near.found.vertex_triangle),
+        (Pair::EdgeEdge, &all.found.edge_edge, &near.found.edge_edge),
+    ] {
+        let mut left = contacts.iter().peekable();
+        for &candidate in candidates {
+            let query = all.query(pair, candidate);
+            let (exact, band) = (distance(pair, &query.start), ROUNDING * query.size());
+            let is_contact = left.next_if(|&&contact| contact == candidate).is_some();
+            if (exact - REACH).abs() <= band {
+                in_band += 1;
+                continue;
+            }
+            assert_eq!(is_contact, exact < REACH, "{exact} apart: {query}");
+            inside += usize::from(is_contact);
+        }
+        assert_eq!(left.next(), None, "a contact that is no candidate, or in another order");
+    }
+    println!("{inside} contacts, {in_band} at the threshold");
+    assert!(inside > 1000 && in_band < inside / 100, "{inside} contacts, {in_band} at the threshold");
+}
+
+#[test]
 fn times_are_never_late_and_not_needlessly_early() {
-    let Some(scene) = scene() else { return };
+    let Some(scene) = scene(Wanted::Times) else { return };
     let (mut hits, mut misses) = (0, 0);
     for (query, told, time) in scene.answers() {
         let apart = |t: f64| distance(query.pair, &query.at(t));

@@ -1,16 +1,24 @@
-//! Each stage against its twin in the core, on the same columns: integers and boxes exactly.
+//! Each stage against its twin in the core, on the same columns: integers and boxes exactly, distances to
+//! rounding.
 
 use bytemuck::cast_slice;
 use glam::DVec3;
 use muslin_core::broad_phase::byte_boxes::{ByteBoxes, write_byte_boxes};
 use muslin_core::broad_phase::cells::{Home, Lattice, write_cells};
 use muslin_core::broad_phase::entries::{Entry, write_entries};
+use muslin_core::broad_phase::features::add_features;
+use muslin_core::broad_phase::pairs::for_each_pair;
+use muslin_core::broad_phase::plain::for_each_plain_pair;
 use muslin_core::broad_phase::sort::sort;
 use muslin_core::broad_phase::spheres::{Sphere, write_spheres};
 use muslin_core::broad_phase::units::{Quantum, UnitBox, write_units};
-use muslin_core::broad_phase::{bounds::write_bounds, levels};
+use muslin_core::broad_phase::{Candidates, Counts, Surface, bounds::write_bounds, levels};
 use muslin_core::dispatch::Serial;
 use muslin_core::geometry::aabb::Aabb;
+use muslin_core::narrow_phase::contacts::contacts;
+use muslin_core::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
+use muslin_core::real::Vec3;
+use muslin_gpu::Wanted;
 use muslin_gpu::alone::{Columns, run};
 use muslin_gpu::params::{Capacities, PLAN_WORDS, Params, SCAN_BLOCK, fresh_plan, plan};
 use muslin_gpu::schedule::{self, Dispatch, Order};
@@ -37,7 +45,11 @@ fn by_the_core(case: &Case) -> Vec<(Slot, Vec<u32>)> {
         (Slot::Owned, words(&owned)),
         (Slot::Levels, words(&own_levels)),
     ];
+    let mut pairs = Vec::new();
+    let mut add = |found: &[[u32; 2]]| pairs.extend(found.iter().map(|&[a, b]| [a.min(b), a.max(b)]));
+    for_each_plain_pair(&triangle_boxes, &own_levels, sizes.graded, &surface, &mut add);
     if sizes.graded == 0 {
+        all.push((Slot::Pairs, sorted(pairs, &triangle_boxes)));
         return all;
     }
     let quantum = Quantum::new(&sizes.scene, sizes.extents[0]);
@@ -52,15 +64,29 @@ fn by_the_core(case: &Case) -> Vec<(Slot, Vec<u32>)> {
     let [mut entries, mut spare] = [(); 2].map(|()| vec![Entry::default(); 8 * count]);
     let length = write_entries(&homes, &own_levels, 0, &lattice, &mut entries);
     let is_spare = sort(&mut entries[..length], &mut spare[..length], lattice.key_bits());
-    let sorted = if is_spare { &spare[..length] } else { &entries[..length] };
+    let entries = if is_spare { &spare[..length] } else { &entries[..length] };
+    for_each_pair(entries, &homes, &byte_boxes, &lattice, &surface, &mut add);
     all.extend([
         (Slot::Units, cast_slice(&units).to_vec()),
         (Slot::Spheres, cast_slice(&spheres).to_vec()),
         (Slot::Homes, cast_slice(&homes).to_vec()),
         (Slot::ByteBoxes, byte_boxes.iter().flat_map(|b| [corner(b, 0), corner(b, 3)]).collect()),
-        (Slot::Entries, cast_slice(sorted).to_vec()),
+        (Slot::Entries, cast_slice(entries).to_vec()),
+        (Slot::Pairs, sorted(pairs, &triangle_boxes)),
     ]);
     all
+}
+
+/// Those pairs whose boxes do overlap, in ascending order, in words.
+fn sorted(mut pairs: Vec<[u32; 2]>, triangle_boxes: &[Aabb]) -> Vec<u32> {
+    pairs.retain(|&[a, b]| triangle_boxes[a as usize].overlaps(&triangle_boxes[b as usize]));
+    pairs.sort_unstable();
+    pairs.into_flattened()
+}
+
+/// The first pairs of a column.
+fn pairs_of(device: &Columns, slot: Slot, place: usize) -> &[[u32; 2]] {
+    &cast_slice(&device[&slot])[..device[&Slot::Plan][place] as usize]
 }
 
 /// All columns that the device has after a detection with one level.
@@ -80,9 +106,10 @@ fn on_the_device(case: &Case) -> Option<Columns> {
         pairs: room,
         vertex_triangle: room,
         edge_edge: room,
+        reach: REACH,
         ..Params::default()
     };
-    let dispatches = schedule::of(&Order { params, sizes, capacities, continuous: false });
+    let dispatches = schedule::of(&Order { params, sizes, capacities, wanted: Wanted::Contacts });
     let mut all: Columns = Slot::ALL.into_iter().map(|slot| (slot, vec![0; slot.words(&sizes, &capacities)])).collect();
     let mut give = |slot: Slot, words: &[u32]| all.entry(slot).or_default()[..words.len()].copy_from_slice(words);
     give(Slot::Boxes, cast_slice(&boxes));
@@ -90,19 +117,34 @@ fn on_the_device(case: &Case) -> Option<Columns> {
     give(Slot::TriangleEdges, cast_slice(surface.triangle_edges));
     give(Slot::Edges, cast_slice(surface.edges));
     give(Slot::Given, &surface.owned.iter().map(|&owned| owned.into()).collect::<Vec<u32>>());
+    give(Slot::Start, cast_slice(&centers(&boxes)));
     give(Slot::Plan, &fresh_plan());
     pollster::block_on(run(gpu, dispatches, &mut all)).unwrap();
     Some(all)
 }
 
-/// Triangles of about one size, so that there is one level.
+/// How far is looked, m.
+const REACH: f32 = 0.1;
+
+/// Of the size of the scene: what a distance may be off by.
+const ROUNDING: f32 = 1e-5;
+
+fn centers(boxes: &[Aabb]) -> Vec<Vec3> {
+    boxes.iter().map(|b| 0.5 * (b.min + b.max)).collect()
+}
+
+/// Triangles of about one size, so that there is one level, and of many a few that are left over.
 fn alike(count: usize) -> Vec<[DVec3; 3]> {
     let (rng, half) = (&mut Rng::new(count as u64), 0.5 * (count as f64).cbrt());
     let triangle = |_| {
         let corner = rng.cube(half);
         [corner, corner + 0.6 * DVec3::X + rng.cube(0.1), corner + 0.6 * DVec3::Y + rng.cube(0.1)]
     };
-    (0..count).map(triangle).collect()
+    let mut all: Vec<_> = (0..count).map(triangle).collect();
+    if count > 100 {
+        all.iter_mut().step_by(count / 4).for_each(|t| t[1] = t[0] + 12.0 * DVec3::X);
+    }
+    all
 }
 
 #[test]
@@ -112,6 +154,13 @@ fn every_column_is_the_core_s() {
         let Some(device) = on_the_device(&case) else { return };
         assert_eq!(device[&Slot::Plan][plan::STATUS], 0, "{count} triangles have room");
         for (slot, core) in by_the_core(&case) {
+            if slot == Slot::Pairs {
+                let pairs = pairs_of(&device, Slot::Pairs, plan::PAIRS).iter().map(|&[a, b]| [a.min(b), a.max(b)]);
+                let mut pairs: Vec<_> = pairs.collect();
+                pairs.sort_unstable();
+                assert!(pairs.as_flattened() == core, "{count} triangles: pairs {} of {}", pairs.len(), core.len() / 2);
+                continue;
+            }
             let differs = core.iter().zip(&device[&slot]).position(|(a, b)| a != b);
             assert_eq!(differs, None, "{count} triangles: the first word of {slot:?} that differs");
             if slot == Slot::Entries {
@@ -119,6 +168,59 @@ fn every_column_is_the_core_s() {
             }
         }
     }
+}
+
+/// Compares distances of candidates with the core's, and what is near with the core's choice of the same
+/// distances.
+fn compare_distances<P: Pairing>(
+    surface: &Surface<'_>,
+    x: &[Vec3],
+    candidates: &[[u32; 2]],
+    told: &[u32],
+    contacts_told: &[[u32; 2]],
+) {
+    let mut distances = vec![0.0; candidates.len()];
+    proximity::distances::<P>(candidates, surface, x, &vec![0.0; x.len()], REACH, &mut distances, &Serial);
+    let told: &[f32] = &cast_slice(told)[..candidates.len()];
+    let size = x.iter().map(|x| x.abs().max_element()).fold(1.0, f32::max);
+    for ((core, device), candidate) in distances.iter().zip(told).zip(candidates) {
+        let agree = (core - device).abs() <= ROUNDING * size || core.min(*device) > REACH - ROUNDING * size;
+        assert!(agree, "{device} m, in the core {core}: {candidate:?}");
+    }
+    let mut near = vec![[0; 2]; candidates.len()];
+    let count = contacts(candidates, told, REACH, &mut near);
+    assert!(near[..count] == *contacts_told, "{count} are near, the device says {}", contacts_told.len());
+}
+
+#[test]
+fn what_becomes_of_pairs_is_the_core_s() {
+    let mut near = 0;
+    for count in SIZES {
+        let case = Case::soup("alike", &alike(count), 0.01);
+        let Some(device) = on_the_device(&case) else { return };
+        let (boxes, surface) = columns(&case);
+        let surface = surface.view();
+        let (mut triangle_boxes, mut owned) = (vec![Aabb::EMPTY; count], vec![0; count]);
+        write_bounds(&boxes, &surface, &mut triangle_boxes, &mut owned, &Serial);
+        let pairs = pairs_of(&device, Slot::Pairs, plan::PAIRS);
+        let [mut vertices, mut edges] =
+            [plan::VERTEX_TRIANGLE, plan::EDGE_EDGE].map(|place| vec![[0; 2]; device[&Slot::Plan][place] as usize]);
+        let mut out = Candidates { vertex_triangle: &mut vertices, edge_edge: &mut edges };
+        let mut counts = Counts::default();
+        add_features(&boxes, &surface, &triangle_boxes, &owned, None, pairs, &mut out, &mut counts);
+        assert_eq!([counts.vertex_triangle, counts.edge_edge], [vertices.len(), edges.len()], "{count} triangles");
+        assert!(vertices == pairs_of(&device, Slot::VertexTriangle, plan::VERTEX_TRIANGLE), "{count} triangles");
+        assert!(edges == pairs_of(&device, Slot::EdgeEdge, plan::EDGE_EDGE), "{count} triangles");
+
+        let told = &device[&Slot::Plan];
+        let [faces, both] = [told[plan::CONTACTS], told[plan::CONTACTS] + told[plan::CONTACTS + 1]];
+        let (x, all) = (centers(&boxes), &cast_slice(&device[&Slot::Contacts])[..both as usize]);
+        let (on_faces, on_edges) = all.split_at(faces as usize);
+        compare_distances::<VertexTriangle>(&surface, &x, &vertices, &device[&Slot::VertexTriangleDistances], on_faces);
+        compare_distances::<EdgeEdge>(&surface, &x, &edges, &device[&Slot::EdgeEdgeDistances], on_edges);
+        near += all.len();
+    }
+    assert!(near > 1000, "only {near} are near");
 }
 
 #[test]

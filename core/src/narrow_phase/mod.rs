@@ -1,6 +1,7 @@
 //! Candidates in, contacts out: where two features meet, how near, and when.
 
 pub mod advance;
+pub mod contacts;
 pub mod continuous;
 pub mod edge_edge;
 pub mod edge_edge_ccd;

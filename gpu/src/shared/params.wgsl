@@ -20,8 +20,7 @@ struct Params {
     // m.
     reach: f32,
     separation: f32,
-    thickness: f32,
-    unused: u32,
+    unused: vec2<u32>,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

@@ -20,6 +20,8 @@ const SPHERES: u32 = 25u;
 const LATTICE: u32 = 30u;
 // The most entries of any level.
 const MOST_ENTRIES: u32 = 34u;
+// Contacts: vertices with triangles, and edges.
+const CONTACTS: u32 = 35u;
 
 const NO_ROOM_LEVELS: u32 = 1u;
 const NO_ROOM_ENTRIES: u32 = 2u;

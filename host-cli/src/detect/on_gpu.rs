@@ -1,7 +1,8 @@
 //! The same stages on a graphics processor.
 
+use muslin_core::narrow_phase::contacts::contacts;
 use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
-use muslin_gpu::{Detector, Found};
+use muslin_gpu::{Detector, Found, Wanted};
 
 use super::mesh::Subject;
 use super::report::{Pairs, Report, StageMs};
@@ -16,7 +17,8 @@ pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Re
     let gpu = device::open()?;
     let radii = vec![0.0; subject.positions.len()];
     let next = subject.next.as_ref().filter(|_| arguments.stage >= DetectStage::Ccd);
-    let mut detector = Detector::new(&gpu, &subject.surface.view(), &radii, next.is_some()).map_err(device::failed)?;
+    let wanted = if next.is_some() { Wanted::Times } else { Wanted::Contacts };
+    let mut detector = Detector::new(&gpu, &subject.surface.view(), &radii, wanted).map_err(device::failed)?;
     detector.set_distances(&gpu, subject.thickness, 0.0);
     let (start, end) = (&subject.positions, next.unwrap_or(&subject.positions));
     let mut found = Found::default();
@@ -27,12 +29,16 @@ pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Re
 
     let mut report = Report::new(arguments, subject, pool.threads());
     report.adapter = Some(gpu.name.clone());
-    report.vertex_triangle = Pairs::of(found.vertex_triangle.len());
-    report.edge_edge = Pairs::of(found.edge_edge.len());
+    report.vertex_triangle = Pairs::of(found.candidates[0]);
+    report.edge_edge = Pairs::of(found.candidates[1]);
     if arguments.stage >= DetectStage::Contacts {
-        let near = |distances: &[f32]| Some(distances.iter().filter(|&&d| d < subject.thickness).count());
-        report.vertex_triangle.contacts = near(&found.vertex_triangle_distances);
-        report.edge_edge.contacts = near(&found.edge_edge_distances);
+        let [vertices, edges] = [&found.vertex_triangle, &found.edge_edge];
+        let near = |pairs: &[[u32; 2]], distances: &[f32]| match wanted {
+            Wanted::Contacts => Some(pairs.len()),
+            _ => Some(contacts(pairs, distances, subject.thickness, &mut [])),
+        };
+        report.vertex_triangle.contacts = near(vertices, &found.vertex_triangle_distances);
+        report.edge_edge.contacts = near(edges, &found.edge_edge_distances);
     }
     if next.is_some() {
         let meet = |times: &[f32]| Some(times.iter().filter(|&&time| time != NEVER).count());

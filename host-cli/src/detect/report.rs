@@ -122,7 +122,7 @@ impl Report {
             text += &format!("{name:16}{ms:>16.2}{:>14.3e}\n", all.candidates as f64 / (1e-3 * ms));
         }
         for StageTime { stage, ms } in self.ms.gpu_stages.iter().flatten() {
-            text += &format!("  {stage:26}{ms:>4.2}\n");
+            text += &format!("  {stage:24}{ms:>6.2}\n");
         }
         if let Some(ms) = self.ms.intersections {
             text += &format!("{:16}{ms:>16.2}\n", "intersections");
