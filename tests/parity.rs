@@ -1,8 +1,11 @@
 //! The device finds what the core finds: names, shaders, layouts, each stage, and the whole.
 //!
-//! Without an adapter the tests that need one say so and pass; with `MUSLIN_REQUIRE_GPU=1` they fail. Run: `cargo test
-//! --profile checked -p muslin-tests --test parity`.
+//! Without a driver the tests that need one are reported as ignored; with `MUSLIN_REQUIRE_GPU=1` they fail.
+//! Run: `cargo test --profile checked -p muslin-tests --test parity`.
 
+#![cfg_attr(not(gpu), expect(dead_code, reason = "what tests of the device share"))]
+
+#[cfg(gpu)]
 #[path = "broad_phase/agree.rs"]
 mod agree;
 #[path = "broad_phase/case.rs"]

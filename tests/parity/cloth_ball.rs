@@ -8,6 +8,7 @@ use super::case::Case;
 use super::methods::{columns, gpu};
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn counts_are_exact_and_the_order_is_repeatable() {
     let (Some(data), Some(gpu)) = (cloth_ball::load(), gpu()) else { return };
     let [first, second] = data.frames.map(|frame| frame.into_iter().map(Vec3::from_array));

@@ -11,6 +11,7 @@ use super::on_device::{OnDevice, begin};
 use super::scenes::SCENES;
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn what_a_lost_device_is_asked_fails() {
     if gpu().is_none() {
         return;
@@ -35,6 +36,7 @@ fn what_a_lost_device_is_asked_fails() {
 const STEPS: [u32; 2] = [15, 30];
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn a_run_whose_device_is_lost_ends_the_same() {
     if gpu().is_none() {
         return;

@@ -78,6 +78,7 @@ impl Scene {
 }
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn distances_are_right_to_rounding() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let mut near = 0;
@@ -93,6 +94,7 @@ fn distances_are_right_to_rounding() {
 }
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn contacts_are_what_is_near_but_for_a_band() {
     let (Some(all), Some(near)) = (scene(Wanted::Times), scene(Wanted::Contacts)) else { return };
     assert_eq!(all.found.candidates, near.found.candidates);
@@ -120,6 +122,7 @@ fn contacts_are_what_is_near_but_for_a_band() {
 }
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn times_are_never_late_and_not_needlessly_early() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let (mut hits, mut misses) = (0, 0);

@@ -70,6 +70,7 @@ fn times(pair: Pair, queries: &[Query]) -> Option<Vec<f32>> {
 }
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn no_contact_is_missed() {
     for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
         let own: Vec<_> =

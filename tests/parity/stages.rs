@@ -148,6 +148,7 @@ fn alike(count: usize) -> Vec<[DVec3; 3]> {
 }
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn every_column_is_the_core_s() {
     for count in SIZES {
         let case = Case::soup("alike", &alike(count), 0.01);
@@ -193,6 +194,7 @@ fn compare_distances<P: Pairing>(
 }
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn what_becomes_of_pairs_is_the_core_s() {
     let mut near = 0;
     for count in SIZES {
@@ -224,6 +226,7 @@ fn what_becomes_of_pairs_is_the_core_s() {
 }
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn sums_before_each_are_exact() {
     let Some(gpu) = gpu() else { return };
     for length in SIZES.into_iter().chain([2047, 2048, 2049, 600_000]) {
@@ -243,6 +246,7 @@ fn sums_before_each_are_exact() {
 }
 
 #[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn the_sort_is_stable() {
     let Some(gpu) = gpu() else { return };
     for count in SIZES {

@@ -18,7 +18,7 @@ fn check(scene: &Scene, seed: u64) {
 const SOME: [&str; 4] = ["folded", "wrung", "masses", "capsules"];
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[cfg_attr(any(debug_assertions, not(gpu)), ignore = "takes --release and a graphics driver")]
 fn nothing_passes_through_anything() {
     if gpu().is_some() {
         SCENES.iter().filter(|scene| SOME.contains(&scene.name)).for_each(|scene| check(scene, 0));
