@@ -128,7 +128,8 @@ impl Simulation {
     }
 
     /// The same for a host that must not block: awaits candidates that are found in another place
-    /// ([`Dispatch::detect`]).
+    /// ([`Dispatch::detect`]). A future that is dropped before it is done may leave the state within the
+    /// step: [`restore`](Self::restore) what [`state`](Self::state) was before.
     pub async fn await_step<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Diverged> {
         let counted = (self.work, self.tally);
         self.looked_at = 0;

@@ -228,20 +228,38 @@ fn what_becomes_of_pairs_is_the_core_s() {
 #[test]
 #[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
 fn sums_before_each_are_exact() {
-    let Some(gpu) = gpu() else { return };
     for length in SIZES.into_iter().chain([2047, 2048, 2049, 600_000]) {
         let rng = &mut Rng::new(length as u64);
         let numbers: Vec<u32> = (0..length).map(|_| (rng.bits() % 1000) as u32).collect();
         let mut sum = 0;
         let expected: Vec<u32> = numbers.iter().map(|n| (sum, sum += n).0).collect();
-        let params = Params { length: length as u32, ..Params::default() };
-        let groups = length.div_ceil(SCAN_BLOCK);
-        let dispatch = |entry, groups| Dispatch { stage: "shared/scan", entry, groups, params };
-        let scan = vec![dispatch("sum_blocks", groups), dispatch("scan_blocks", 1), dispatch("spread", groups)];
-        let mut all = Columns::from([(Slot::Counts, numbers), (Slot::Blocks, vec![0; groups + 1])]);
-        pollster::block_on(run(gpu, scan, &mut all)).unwrap();
-        assert!(all[&Slot::Counts] == expected, "the sums of {length} numbers");
-        assert_eq!(all[&Slot::Blocks][groups], sum, "the sum of {length} numbers");
+        let Some((sums, all)) = scanned(numbers) else { return };
+        assert!(sums == expected, "the sums of {length} numbers");
+        assert_eq!(all, sum, "the sum of {length} numbers");
+    }
+}
+
+/// A column of numbers scanned: the sums before each, and that of all.
+fn scanned(numbers: Vec<u32>) -> Option<(Vec<u32>, u32)> {
+    let params = Params { length: numbers.len() as u32, ..Params::default() };
+    let groups = numbers.len().div_ceil(SCAN_BLOCK);
+    let dispatch = |entry, groups| Dispatch { stage: "shared/scan", entry, groups, params };
+    let scan = vec![dispatch("sum_blocks", groups), dispatch("scan_blocks", 1), dispatch("spread", groups)];
+    let mut all = Columns::from([(Slot::Counts, numbers), (Slot::Blocks, vec![0; groups + 1])]);
+    pollster::block_on(run(gpu()?, scan, &mut all)).unwrap();
+    Some((all.remove(&Slot::Counts)?, all[&Slot::Blocks][groups]))
+}
+
+#[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+fn sums_too_large_for_a_word_do_not_wrap() {
+    for length in [3, 2048, 5000] {
+        for place in [0, length / 2, length - 2] {
+            let mut numbers = vec![1; length];
+            numbers[place..place + 2].fill(1 << 31);
+            let Some((_, sum)) = scanned(numbers) else { return };
+            assert_eq!(sum, u32::MAX, "{length} numbers, two from {place} on too large together");
+        }
     }
 }
 

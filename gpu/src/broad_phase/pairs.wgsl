@@ -99,7 +99,7 @@ fn write_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 // One invocation: later pairs come behind these.
 @compute @workgroup_size(1)
 fn close_pairs() {
-    plan[PAIRS] += pairs_before(params.entries);
+    plan[PAIRS] = saturated(plan[PAIRS], pairs_before(params.entries));
     if plan[PAIRS] > params.pairs {
         plan[STATUS] |= NO_ROOM_PAIRS;
     }

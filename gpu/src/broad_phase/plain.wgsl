@@ -66,7 +66,7 @@ fn write_plain(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 // One invocation.
 @compute @workgroup_size(1)
 fn close_plain() {
-    plan[PAIRS] += blocks[(params.triangles + 2047u) / 2048u];
+    plan[PAIRS] = saturated(plan[PAIRS], blocks[(params.triangles + 2047u) / 2048u]);
     if plan[PAIRS] > params.pairs {
         plan[STATUS] |= NO_ROOM_PAIRS;
     }

@@ -34,4 +34,9 @@ const NO_ROOM_BEFORE_PAIRS: u32 = 3u;
 // And found without.
 const NO_ROOM_FOR_PAIRS: u32 = 7u;
 
+// A sum that does not wrap: what is too much for a word has no room either.
+fn saturated(a: u32, b: u32) -> u32 {
+    return a + min(b, ~a);
+}
+
 const NO_LEVEL: u32 = 255u;

@@ -16,7 +16,7 @@ fn before(local: u32, own: u32) -> u32 {
     for (var reach = 1u; reach < GROUP; reach <<= 1u) {
         var sum = sums[local];
         if local >= reach {
-            sum += sums[local - reach];
+            sum = saturated(sum, sums[local - reach]);
         }
         workgroupBarrier();
         sums[local] = sum;
@@ -38,13 +38,13 @@ fn sum_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     let start = block * BLOCK + local * EACH;
     var sum = 0u;
     for (var k = 0u; k < EACH; k++) {
-        sum += number(start + k);
+        sum = saturated(sum, number(start + k));
     }
     sums[local] = sum;
     workgroupBarrier();
     for (var reach = GROUP / 2u; reach > 0u; reach >>= 1u) {
         if local < reach {
-            sums[local] += sums[local + reach];
+            sums[local] = saturated(sums[local], sums[local + reach]);
         }
         workgroupBarrier();
     }
@@ -66,9 +66,9 @@ fn scan_blocks(@builtin(local_invocation_index) local: u32) {
         }
         let sum = before(local, own);
         if at < count {
-            blocks[at] = carry + sum;
+            blocks[at] = saturated(carry, sum);
         }
-        carry += sums[GROUP - 1u];
+        carry = saturated(carry, sums[GROUP - 1u]);
         workgroupBarrier();
     }
     if local == 0u {
@@ -82,7 +82,7 @@ fn spread(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
     let start = block * BLOCK + local * EACH;
     var own = 0u;
     for (var k = 0u; k < EACH; k++) {
-        own += number(start + k);
+        own = saturated(own, number(start + k));
     }
     var sum = before(local, own);
     if block * BLOCK >= params.length {
