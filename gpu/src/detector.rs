@@ -45,13 +45,7 @@ impl Detector {
     pub fn new(gpu: &Gpu, surface: &Surface<'_>, radii: &[f32], wanted: Wanted) -> Result<Self, Failed> {
         let sizes = Sizes::of(surface, radii.len());
         let triangles = sizes.triangles;
-        let capacities = Capacities {
-            levels: 1,
-            entries: 4 * triangles.max(64),
-            pairs: 16 * triangles.max(64),
-            vertex_triangle: 4 * triangles.max(64),
-            edge_edge: 8 * triangles.max(64),
-        };
+        let capacities = Capacities::guess(triangles, gpu.largest_buffer);
         let params = Params {
             vertices: sizes.vertices as u32,
             triangles: triangles as u32,
@@ -151,7 +145,7 @@ impl Detector {
         loop {
             self.submit(gpu);
             mapped(gpu, &self.landing, 4 * self.ticks_at().end as u64).await?;
-            let verdict = self.collect(found)?;
+            let verdict = self.collect(gpu.largest_buffer, found)?;
             self.landing.unmap();
             match verdict {
                 Verdict::Whole => return Ok(()),
@@ -183,14 +177,14 @@ impl Detector {
     }
 
     /// Reads the answer, as far as it is one.
-    fn collect(&mut self, found: &mut Found) -> Result<Verdict, Failed> {
+    fn collect(&mut self, largest_buffer: u64, found: &mut Found) -> Result<Verdict, Failed> {
         let bytes = 4 * self.ticks_at().end as u64;
         let view = self.landing.slice(..bytes).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
         let all: &[u32] = bytemuck::cast_slice(&view);
         self.work.add_ticks(&all[self.ticks_at()], &mut self.ticks);
         let told = &all[..PLAN_WORDS];
         if told[plan::STATUS] != 0 {
-            return Ok(Verdict::Grow(self.capacities.grown(told)));
+            return self.capacities.grown(told, largest_buffer).map(Verdict::Grow);
         }
         let counted = self.answer.counted(told);
         if counted[0] > self.answer.pairs[0] || counted[1] > self.answer.pairs[1] {
@@ -219,24 +213,44 @@ impl Detector {
 }
 
 impl Capacities {
-    /// Room for what was counted and a quarter more. A stage that ran short leaves later ones without
-    /// all they would count, so that more than one round may be needed.
-    fn grown(&self, told: &[u32]) -> Self {
+    /// Room in flat cloth, as far as a buffer may be large.
+    fn guess(triangles: usize, largest_buffer: u64) -> Self {
+        let room = |each: usize| (each * triangles.max(64)).min(most_pairs(largest_buffer));
+        Self { levels: 1, entries: room(3), pairs: room(8), vertex_triangle: room(4), edge_edge: room(8) }
+    }
+
+    /// Room for what was counted and a quarter more, as far as a buffer may be large. A stage that ran
+    /// short leaves later ones without all they would count, so that more than one round may be needed.
+    fn grown(&self, told: &[u32], largest_buffer: u64) -> Result<Self, Failed> {
+        let most = most_pairs(largest_buffer);
         let room = |now: usize, at: usize| {
+            let bytes = PAIR * u64::from(told[at]);
             let needed = told[at] as usize;
-            if needed > now { needed + needed / 4 } else { now }
+            match needed > now {
+                true if bytes > largest_buffer => Err(Failed::TooLarge(bytes)),
+                true => Ok(needed.max((needed + needed / 4).min(most))),
+                false => Ok(now),
+            }
         };
         // Candidates are counted when pairs have room: what pairs have in dense scenes saves a round.
-        let pairs = room(self.pairs, plan::PAIRS);
-        let dense = if pairs > self.pairs { pairs } else { 0 };
-        Self {
+        let pairs = room(self.pairs, plan::PAIRS)?;
+        let dense = if pairs > self.pairs { pairs.min(most) } else { 0 };
+        Ok(Self {
             levels: self.levels.max(told[plan::GRADED] as usize),
-            entries: room(self.entries, plan::MOST_ENTRIES),
+            entries: room(self.entries, plan::MOST_ENTRIES)?,
             pairs,
-            vertex_triangle: room(self.vertex_triangle, plan::VERTEX_TRIANGLE).max(dense / 2),
-            edge_edge: room(self.edge_edge, plan::EDGE_EDGE).max(dense),
-        }
+            vertex_triangle: room(self.vertex_triangle, plan::VERTEX_TRIANGLE)?.max(dense / 2),
+            edge_edge: room(self.edge_edge, plan::EDGE_EDGE)?.max(dense),
+        })
     }
+}
+
+/// Bytes of a pair.
+const PAIR: u64 = 8;
+
+/// How many pairs of one kind, or entries with their boxes, a buffer may hold beside as many of another.
+fn most_pairs(largest_buffer: u64) -> usize {
+    usize::try_from(largest_buffer / (2 * PAIR)).unwrap_or(usize::MAX)
 }
 
 /// A box in finite numbers; one that is not valid has its corners exchanged.
