@@ -77,6 +77,27 @@ pub trait Dispatch: Sync {
     }
 }
 
+/// Another's threads, with candidates found on them whatever other place it has.
+#[derive(Clone, Copy, Debug)]
+pub struct Here<'a, D>(pub &'a D);
+
+impl<D: Dispatch> Dispatch for Here<'_, D> {
+    #[inline]
+    fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K) {
+        self.0.run(out, kernel);
+    }
+
+    #[inline]
+    fn enter(&self, stage: Stage) {
+        self.0.enter(stage);
+    }
+
+    #[inline]
+    fn stopped(&self) -> bool {
+        self.0.stopped()
+    }
+}
+
 /// Waits for a future that is soon there; what needs no other place is so at once.
 pub fn block_on<F: Future>(future: F) -> F::Output {
     let (mut future, mut context) = (pin!(future), Context::from_waker(Waker::noop()));

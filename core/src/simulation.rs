@@ -122,7 +122,8 @@ impl Simulation {
     }
 
     /// Takes one step, in halves where surfaces would meet. A step that cannot be taken leaves the
-    /// state as it was.
+    /// state as it was. Waits for candidates that are found in another place, which must not need this
+    /// thread for it: see [`await_step`](Self::await_step).
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), Diverged> {
         block_on(self.await_step(dispatch))
     }

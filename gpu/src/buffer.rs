@@ -12,23 +12,38 @@ pub enum Failed {
     Lost(String),
     /// So many bytes in one buffer are more than the device allows.
     TooLarge(u64),
+    /// Columns of other lengths than the surface's.
+    Lengths {
+        /// Vertices that it has.
+        needed: usize,
+    },
 }
 
 impl core::fmt::Display for Failed {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Lost(why) => write!(f, "the device failed: {why}"),
-            Self::TooLarge(bytes) => write!(f, "the device has no buffers of {} MiB", bytes >> 20),
+            Self::TooLarge(bytes) => write!(f, "the device has no buffers of {} MiB", bytes.div_ceil(1 << 20)),
+            Self::Lengths { needed } => write!(f, "boxes or positions are not one for each of {needed} vertices"),
         }
     }
 }
 
 impl core::error::Error for Failed {}
 
+/// Bytes of the shortest buffer.
+const LEAST: usize = 16;
+
+/// What a column of so many words of four bytes takes.
+pub fn bytes_of(words: usize) -> u64 {
+    (4 * words).max(LEAST) as u64
+}
+
 /// A buffer of at least so many bytes.
 pub fn buffer(gpu: &Gpu, label: &str, bytes: usize, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, Failed> {
-    let size = bytes.max(16) as u64;
-    if size > gpu.largest_buffer {
+    let size = bytes.max(LEAST) as u64;
+    let is_bound = usage.intersects(wgpu::BufferUsages::STORAGE);
+    if size > if is_bound { gpu.largest_buffer } else { gpu.largest_landing } {
         return Err(Failed::TooLarge(size));
     }
     Ok(gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false }))

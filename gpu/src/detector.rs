@@ -7,7 +7,7 @@ use muslin_core::geometry::aabb::Aabb;
 use muslin_core::real::Vec3;
 
 use crate::answer::{Answer, Found, Wanted};
-use crate::buffer::{Failed, buffer, column, mapped};
+use crate::buffer::{Failed, buffer, bytes_of, column, mapped};
 use crate::device::Gpu;
 use crate::params::{Capacities, PLAN_WORDS, Params, fresh_plan, plan};
 use crate::schedule::{self, Order};
@@ -25,7 +25,8 @@ pub struct Detector {
     fresh: wgpu::Buffer,
     /// What comes back, and where it comes to.
     answer: Answer,
-    landing: wgpu::Buffer,
+    /// None while it is mapped: what fails or is given up meanwhile leaves none behind.
+    landing: Option<wgpu::Buffer>,
     /// Of the last detection, by stage.
     ticks: Vec<(&'static str, u64)>,
     staging: Vec<f32>,
@@ -56,21 +57,19 @@ impl Detector {
         };
         let fresh = buffer(gpu, "fresh", 4 * PLAN_WORDS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST)?;
         gpu.queue.write_buffer(&fresh, 0, bytemuck::cast_slice(&fresh_plan()));
-        let words = |slot: &Slot| if slot.serves(wanted) { slot.words(&sizes, &capacities) } else { 0 };
-        let column = |slot: &Slot| column(gpu, *slot, words(slot));
-        let buffers = Slot::ALL.iter().map(column).collect::<Result<Vec<_>, _>>()?;
         let mut detector = Self {
             sizes,
             params,
             capacities,
-            buffers,
+            buffers: Vec::new(),
             work: Work::default(),
             fresh,
-            answer: Answer::most(wanted, &capacities),
-            landing: buffer(gpu, "landing", 0, wgpu::BufferUsages::MAP_READ)?,
+            answer: Answer { wanted, pairs: [0; 2] },
+            landing: None,
             ticks: Vec::new(),
             staging: Vec::new(),
         };
+        detector.grow(gpu, capacities)?;
         detector.send(gpu, Slot::Triangles, bytemuck::cast_slice(surface.triangles));
         detector.send(gpu, Slot::TriangleEdges, bytemuck::cast_slice(surface.triangle_edges));
         detector.send(gpu, Slot::Edges, bytemuck::cast_slice(surface.edges));
@@ -79,7 +78,6 @@ impl Detector {
         detector.send(gpu, Slot::Given, bytemuck::cast_slice(&given));
         let sewn = [surface.sewn.offsets, surface.sewn.others].concat();
         detector.send(gpu, Slot::Sewn, bytemuck::cast_slice(&sewn));
-        detector.lay_out(gpu)?;
         Ok(detector)
     }
 
@@ -93,23 +91,52 @@ impl Detector {
         }
     }
 
-    /// Plans the dispatches and binds the columns, for the capacities that there are.
-    fn lay_out(&mut self, gpu: &Gpu) -> Result<(), Failed> {
-        let Self { params, sizes, capacities, .. } = *self;
-        let wanted = self.answer.wanted;
+    /// Makes room: columns of the new lengths, dispatches planned and bound to them. Where that fails
+    /// nothing is changed.
+    fn grow(&mut self, gpu: &Gpu, capacities: Capacities) -> Result<(), Failed> {
+        let (sizes, wanted) = (self.sizes, self.answer.wanted);
+        let buffers = Slot::ALL.iter().map(|&slot| {
+            let words = if slot.serves(wanted) { slot.words(&sizes, &capacities) } else { 0 };
+            match self.buffers.get(slot as usize) {
+                Some(kept) if kept.size() == bytes_of(words) => Ok(kept.clone()),
+                _ => column(gpu, slot, words),
+            }
+        });
+        let buffers = buffers.collect::<Result<Vec<_>, _>>()?;
         let params = Params {
             entries: capacities.entries as u32,
             pairs: capacities.pairs as u32,
             vertex_triangle: capacities.vertex_triangle as u32,
             edge_edge: capacities.edge_edge as u32,
-            ..params
+            ..self.params
         };
-        let dispatches = schedule::of(&Order { params, sizes, capacities, wanted });
-        self.work = Work::new(gpu, dispatches, &self.buffers)?;
-        self.answer = Answer::most(wanted, &capacities);
-        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        self.landing = buffer(gpu, "landing", 4 * self.ticks_at().end, usage)?;
+        let work = Work::new(gpu, schedule::of(&Order { params, sizes, capacities, wanted }), &buffers)?;
+        (self.capacities, self.buffers, self.work) = (capacities, buffers, work);
+        let none = Answer { wanted, pairs: [0; 2] };
+        self.expect(gpu, [Answer::most(wanted, &capacities), self.answer, none])
+    }
+
+    /// Reads back the first of these from now on whose landing is not too large.
+    fn expect<const N: usize>(&mut self, gpu: &Gpu, answers: [Answer; N]) -> Result<(), Failed> {
+        let bytes = |answer: &Answer| bytes_of(answer.words() + self.work.tick_words());
+        let fitting = answers.iter().find(|answer| bytes(answer) <= gpu.largest_landing);
+        self.answer = *fitting.ok_or_else(|| Failed::TooLarge(answers.last().map_or(0, bytes)))?;
         Ok(())
+    }
+
+    /// Reads back so much next time, and if there may be some more.
+    fn expect_about(&mut self, gpu: &Gpu, pairs: [usize; 2]) -> Result<(), Failed> {
+        let exactly = Answer { pairs, ..self.answer };
+        self.expect(gpu, [self.answer.expecting(pairs, &self.capacities), exactly])
+    }
+
+    /// Takes what answers land in, as large as the next one.
+    fn landing(&mut self, gpu: &Gpu) -> Result<wgpu::Buffer, Failed> {
+        let words = self.ticks_at().end;
+        match self.landing.take() {
+            Some(landing) if landing.size() >= bytes_of(words) => Ok(landing),
+            _ => buffer(gpu, "landing", 4 * words, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
+        }
     }
 
     /// Words of the ticks, behind the answer.
@@ -136,6 +163,12 @@ impl Detector {
         end: &[Vec3],
         found: &mut Found,
     ) -> Result<(), Failed> {
+        let own = self.sizes.vertices;
+        if boxes.len() != own || start.len() != own || end.len() != own {
+            return Err(Failed::Lengths { needed: own });
+        }
+        // What was refused before, or to others.
+        let _ = gpu.error();
         self.staging.clear();
         self.staging.extend(boxes.iter().flat_map(finite));
         self.send(gpu, Slot::Boxes, bytemuck::cast_slice(&self.staging));
@@ -143,13 +176,18 @@ impl Detector {
         self.send(gpu, Slot::End, bytemuck::cast_slice(end));
         self.ticks.clear();
         loop {
-            self.submit(gpu);
-            mapped(gpu, &self.landing, 4 * self.ticks_at().end as u64).await?;
-            let verdict = self.collect(gpu.largest_buffer, found)?;
-            self.landing.unmap();
+            let landing = self.landing(gpu)?;
+            self.submit(gpu, &landing);
+            mapped(gpu, &landing, bytes_of(self.ticks_at().end)).await?;
+            let verdict = self.collect(gpu, &landing, found)?;
+            landing.unmap();
+            self.landing = Some(landing);
             match verdict {
                 Verdict::Whole => return Ok(()),
-                Verdict::Expect(counted) => self.expect(counted),
+                Verdict::Expect(counted) => self.expect_about(gpu, counted)?,
+                Verdict::Grow(capacities) if capacities == self.capacities => {
+                    return Err(Failed::Lost("it asks for more room than it fills".into()));
+                }
                 Verdict::Grow(capacities) => self.grow(gpu, capacities)?,
             }
         }
@@ -163,28 +201,28 @@ impl Detector {
     }
 
     /// Records all dispatches and hands them in.
-    fn submit(&self, gpu: &Gpu) {
+    fn submit(&self, gpu: &Gpu, landing: &wgpu::Buffer) {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(&self.fresh, 0, self.buffer(Slot::Plan), 0, None);
         encoder.clear_buffer(self.buffer(Slot::Histogram), 0, None);
         self.work.record(gpu, &mut encoder);
         for (slot, words) in self.answer.parts().filter(|(_, words)| !words.is_empty()) {
             let [at, bytes] = [words.start, words.len()].map(|words| 4 * words as u64);
-            encoder.copy_buffer_to_buffer(self.buffer(slot), 0, &self.landing, at, Some(bytes));
+            encoder.copy_buffer_to_buffer(self.buffer(slot), 0, landing, at, Some(bytes));
         }
-        self.work.copy_ticks(&mut encoder, &self.landing, self.ticks_at());
+        self.work.copy_ticks(&mut encoder, landing, self.ticks_at());
         gpu.queue.submit([encoder.finish()]);
     }
 
     /// Reads the answer, as far as it is one.
-    fn collect(&mut self, largest_buffer: u64, found: &mut Found) -> Result<Verdict, Failed> {
-        let bytes = 4 * self.ticks_at().end as u64;
-        let view = self.landing.slice(..bytes).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
+    fn collect(&mut self, gpu: &Gpu, landing: &wgpu::Buffer, found: &mut Found) -> Result<Verdict, Failed> {
+        let bytes = bytes_of(self.ticks_at().end);
+        let view = landing.slice(..bytes).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
         let all: &[u32] = bytemuck::cast_slice(&view);
         self.work.add_ticks(&all[self.ticks_at()], &mut self.ticks);
         let told = &all[..PLAN_WORDS];
         if told[plan::STATUS] != 0 {
-            return self.capacities.grown(told, largest_buffer).map(Verdict::Grow);
+            return self.capacities.grown(told, gpu.largest_buffer).map(Verdict::Grow);
         }
         let counted = self.answer.counted(told);
         if counted[0] > self.answer.pairs[0] || counted[1] > self.answer.pairs[1] {
@@ -192,23 +230,8 @@ impl Detector {
         }
         self.answer.read(all, found);
         drop(view);
-        self.expect(counted);
+        self.expect_about(gpu, counted)?;
         Ok(Verdict::Whole)
-    }
-
-    /// Reads back so much next time and some more.
-    fn expect(&mut self, counted: [usize; 2]) {
-        self.answer = self.answer.expecting(counted, &self.capacities);
-    }
-
-    fn grow(&mut self, gpu: &Gpu, capacities: Capacities) -> Result<(), Failed> {
-        let before = core::mem::replace(&mut self.capacities, capacities);
-        for slot in Slot::ALL.into_iter().filter(|slot| slot.serves(self.answer.wanted)) {
-            if slot.words(&self.sizes, &capacities) != slot.words(&self.sizes, &before) {
-                self.buffers[slot as usize] = column(gpu, slot, slot.words(&self.sizes, &capacities))?;
-            }
-        }
-        self.lay_out(gpu)
     }
 }
 

@@ -21,6 +21,8 @@ pub struct Gpu {
     pub(crate) programs: Vec<Program>,
     /// Bytes.
     pub(crate) largest_buffer: u64,
+    /// Bytes, of what no stage works on.
+    pub(crate) largest_landing: u64,
     /// ms from one tick of its clock to the next, where it has one.
     pub(crate) tick: Option<f64>,
     /// What was asked for.
@@ -88,10 +90,11 @@ impl Gpu {
         let has_clock = device.features().contains(Features::TIMESTAMP_QUERY);
         let tick = has_clock.then(|| 1e-6 * f64::from(queue.get_timestamp_period()));
         let limits = device.limits();
-        let largest_buffer = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+        let largest_landing = limits.max_buffer_size;
+        let largest_buffer = largest_landing.min(limits.max_storage_buffer_binding_size);
         let programs = stages::ALL.into_iter().map(|stage| Program::compile(&device, stage)).collect();
         let name = adapter.get_info().name;
-        Ok(Self { name, device, queue, programs, largest_buffer, tick, ask, refused })
+        Ok(Self { name, device, queue, programs, largest_buffer, largest_landing, tick, ask, refused })
     }
 
     /// The same anew, where this one is lost.

@@ -223,11 +223,12 @@ Examples:
   muslin run my.toml --out result --export obj,pc2 --preview png
   muslin run flag --set integrator.method=implicit-midpoint --set integrator.step=0.002
   muslin run fold --audit --set contact.friction=0.6
+  muslin run fold --backend gpu
   muslin run curtain --checkpoint 100; muslin run curtain --resume out/curtain/checkpoint.muslin
 
 Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 diverged, or --audit found surfaces
-that pass through one another (outputs up to then are valid), 130 interrupted (a checkpoint is
-written).")]
+that pass through one another (outputs up to then are valid), 4 no graphics adapter, 130 interrupted
+(a checkpoint is written).")]
 pub struct RunArguments {
     /// The scene
     #[command(flatten)]

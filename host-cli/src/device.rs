@@ -12,12 +12,12 @@ use crate::failure::{Failure, print_note};
 
 /// What to do without one.
 pub const INSTALL: &str = "install the driver of your graphics card, or a software one (Debian and Ubuntu: apt-get \
-                           install mesa-vulkan-drivers), or say --backend cpu";
+                           install mesa-vulkan-drivers)";
 
 /// The fastest adapter.
 pub fn open() -> Result<Gpu, Failure> {
     pollster::block_on(Gpu::open(Ask::Most))
-        .map_err(|why| Failure::NoDevice(format!("--backend gpu: {why}; {INSTALL}")))
+        .map_err(|why| Failure::NoDevice(format!("--backend gpu: {why}; {INSTALL}, or say --backend cpu")))
 }
 
 /// What a device says, as a failure of the command.
@@ -81,6 +81,12 @@ impl StepDetector {
             Ok(counts) => {
                 *self.own() = Some(own);
                 Some(counts)
+            }
+            // Fewer candidates will have room again.
+            Err(why @ Failed::TooLarge(_)) => {
+                print_note(&format!("warning: --backend gpu: {why}; the processor detects once"));
+                *self.own() = Some(own);
+                None
             }
             Err(why) => {
                 print_note(&format!("warning: --backend gpu: {why}; the processor goes on"));

@@ -1,5 +1,7 @@
 //! A device that is lost is an error and no panic; a step is repeated on another and comes out the same.
 
+use glam::DVec3;
+use muslin_core::geometry::aabb::Aabb;
 use muslin_core::real::Vec3;
 use muslin_gpu::device::Ask;
 use muslin_gpu::{Detector, Failed, Found, Gpu, Wanted};
@@ -30,6 +32,32 @@ fn what_a_lost_device_is_asked_fails() {
     lost.close();
     let failed = detect();
     assert!(matches!(&failed, Err(Failed::Lost(why)) if !why.is_empty()), "{failed:?}");
+}
+
+/// Triangles that all lie on one another, or apart.
+fn soup(spread: f64) -> Case {
+    let corner = |i: u32| DVec3::splat(spread * f64::from(i));
+    let corners: Vec<_> = (0..1750).map(|i| [corner(i), corner(i) + DVec3::X, corner(i) + DVec3::Y]).collect();
+    Case::soup("", &corners, 0.0)
+}
+
+#[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+fn what_had_no_room_spoils_nothing_after_it() {
+    let Some(gpu) = gpu() else { return };
+    let [(dense, surface), (sparse, _)] = [0.0, 2.0].map(|spread| columns(&soup(spread)));
+    let (start, radii) = (vec![Vec3::ZERO; dense.len()], vec![0.0; dense.len()]);
+    let detector = || Detector::new(gpu, &surface.view(), &radii, Wanted::Candidates).unwrap();
+    let detect = |detector: &mut Detector, boxes: &[Aabb]| {
+        let mut found = Found::default();
+        pollster::block_on(detector.detect(gpu, boxes, &start, &start, &mut found)).map(|()| found)
+    };
+    let (mut used, expected) = (detector(), detect(&mut detector(), &sparse).unwrap());
+    for boxes in [&dense[..], &dense[..9]] {
+        let failed = detect(&mut used, boxes);
+        assert!(matches!(failed, Err(Failed::TooLarge(_) | Failed::Lengths { .. })), "{failed:?}");
+        assert!(detect(&mut used, &sparse).unwrap() == expected, "after {failed:?} something else is found");
+    }
 }
 
 /// Steps before the device is lost, and in all: some are in contact by then.

@@ -16,6 +16,9 @@ use super::methods::{columns, gpu};
 const SEPARATION: f64 = 0.05;
 const REACH: f64 = 0.5;
 
+/// m around every vertex.
+const RADIUS: f64 = 0.0625;
+
 /// Of the size of a pair: what a distance in single precision may be off by.
 const ROUNDING: f64 = 1e-5;
 
@@ -39,11 +42,16 @@ fn scene(wanted: Wanted) -> Option<Scene> {
     let [from, to] = [&start, &end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
     let around = |(a, b): (&glam::Vec3, &glam::Vec3)| Aabb { min: a.min(*b) - 0.25, max: a.max(*b) + 0.25 };
     let boxes: Vec<_> = from.iter().zip(&to).map(around).collect();
-    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], wanted).unwrap();
+    let mut detector = Detector::new(gpu, &surface.view(), &vec![RADIUS as f32; boxes.len()], wanted).unwrap();
     detector.set_distances(gpu, REACH as f32, SEPARATION as f32);
     let mut found = Found::default();
     pollster::block_on(detector.detect(gpu, &boxes, &from, &to, &mut found)).unwrap();
     Some(Scene { start, end, triangles: mesh.triangles, edges: surface.view().edges.to_vec(), found })
+}
+
+/// How far apart the features of a pair are, less their radii, m.
+fn gap(pair: Pair, x: &[DVec3; 4]) -> f64 {
+    distance(pair, x) - 2.0 * RADIUS
 }
 
 impl Scene {
@@ -83,7 +91,7 @@ fn distances_are_right_to_rounding() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let mut near = 0;
     for (query, told, _) in scene.answers() {
-        let (exact, rounding) = (distance(query.pair, &query.start), ROUNDING * query.size());
+        let (exact, rounding) = (gap(query.pair, &query.start), ROUNDING * query.size());
         match told > REACH {
             true => assert!(told <= exact + rounding, "a bound of {told} for {exact}: {query}"),
             false => assert!((told - exact).abs() <= rounding, "{told} for {exact}: {query}"),
@@ -106,7 +114,7 @@ fn contacts_are_what_is_near_but_for_a_band() {
         let mut left = contacts.iter().peekable();
         for &candidate in candidates {
             let query = all.query(pair, candidate);
-            let (exact, band) = (distance(pair, &query.start), ROUNDING * query.size());
+            let (exact, band) = (gap(pair, &query.start), ROUNDING * query.size());
             let is_contact = left.next_if(|&&contact| contact == candidate).is_some();
             if (exact - REACH).abs() <= band {
                 in_band += 1;
@@ -127,7 +135,7 @@ fn times_are_never_late_and_not_needlessly_early() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let (mut hits, mut misses) = (0, 0);
     for (query, told, time) in scene.answers() {
-        let apart = |t: f64| distance(query.pair, &query.at(t));
+        let apart = |t: f64| gap(query.pair, &query.at(t));
         let keeps = SEPARATION.min(0.5 * told);
         if time == TOUCHING {
             assert!(told <= 1e-3 * SEPARATION, "{told} apart are said to touch: {query}");

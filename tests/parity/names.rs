@@ -3,6 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use muslin_gpu::params::{Capacities, Params};
+use muslin_gpu::schedule::{self, Order};
+use muslin_gpu::slots::Sizes;
+use muslin_gpu::{Wanted, stages};
+
 /// What the device does without, and why.
 const WITHOUT: [(&str, &str); 8] = [
     ("broad_phase/mod", "types"),
@@ -25,6 +30,20 @@ fn stems(of: &str, extension: &str) -> BTreeSet<String> {
     });
     let wanted = files.filter(|(_, path)| path.extension().is_some_and(|own| own == extension));
     wanted.map(|(folder, path)| format!("{folder}/{}", path.file_stem().unwrap().to_string_lossy())).collect()
+}
+
+#[test]
+fn every_dispatch_is_of_a_stage_of_the_table() {
+    let room = 1000;
+    let capacities = Capacities { levels: 2, entries: room, pairs: room, vertex_triangle: room, edge_edge: room };
+    for wanted in [Wanted::Candidates, Wanted::Contacts, Wanted::Times] {
+        let (params, sizes) = (Params::default(), Sizes { triangles: 300, vertices: 200, ..Sizes::default() });
+        for dispatch in schedule::of(&Order { params, sizes, capacities, wanted }) {
+            let stage = stages::ALL.iter().find(|stage| stage.name == dispatch.stage);
+            let stage = stage.unwrap_or_else(|| panic!("no stage is called {}", dispatch.stage));
+            assert!(stage.entries.contains(&dispatch.entry), "{} has no {}", dispatch.stage, dispatch.entry);
+        }
+    }
 }
 
 #[test]

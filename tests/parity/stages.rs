@@ -16,6 +16,7 @@ use muslin_core::broad_phase::{Candidates, Counts, Surface, bounds::write_bounds
 use muslin_core::dispatch::Serial;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::narrow_phase::contacts::contacts;
+use muslin_core::narrow_phase::continuous::TOUCHING;
 use muslin_core::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
 use muslin_core::real::Vec3;
 use muslin_gpu::Wanted;
@@ -28,7 +29,7 @@ use muslin_tests::rng::Rng;
 use super::case::Case;
 use super::methods::{columns, gpu};
 
-/// Around the sizes of groups and of rows of groups.
+/// Around the sizes of groups.
 const SIZES: [usize; 6] = [0, 1, 255, 256, 257, 65_537];
 
 /// What the core writes for the first level, in words.
@@ -237,6 +238,27 @@ fn sums_before_each_are_exact() {
         assert!(sums == expected, "the sums of {length} numbers");
         assert_eq!(all, sum, "the sum of {length} numbers");
     }
+}
+
+#[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+fn groups_beyond_a_row_are_folded() {
+    let Some(gpu) = gpu() else { return };
+    let (group, row) = (64, 65_535);
+    let count = group * row + 100;
+    let params = Params { vertex_triangle: count as u32, separation: 1.0, ..Params::default() };
+    let mut told = vec![0; PLAN_WORDS];
+    told[plan::VERTEX_TRIANGLE] = count as u32;
+    let mut all = Columns::from([
+        (Slot::VertexTriangle, vec![0; 2 * count]),
+        (Slot::VertexTriangleDistances, vec![0; count]),
+        (Slot::VertexTriangleTimes, vec![0; count]),
+        (Slot::Plan, told),
+    ]);
+    let (stage, entry, groups) = ("narrow_phase/continuous, vertex_triangle", "write_times", count.div_ceil(group));
+    pollster::block_on(run(gpu, vec![Dispatch { stage, entry, groups, params }], &mut all)).unwrap();
+    let missed = all[&Slot::VertexTriangleTimes].iter().position(|&time| f32::from_bits(time) != TOUCHING);
+    assert_eq!(missed, None, "the first of {count} that touch and were not told so");
 }
 
 /// A column of numbers scanned: the sums before each, and that of all.

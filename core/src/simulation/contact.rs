@@ -5,7 +5,7 @@ use super::{Cause, Part, Simulation};
 use crate::audit;
 use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, ContactScratchColumns};
-use crate::dispatch::{Dispatch, block_on};
+use crate::dispatch::{Dispatch, Here, block_on};
 use crate::integrate::Context;
 use crate::real::{Real, sqrt};
 use crate::response::impact::SEPARATION;
@@ -208,7 +208,7 @@ impl Simulation {
             let margin = 0.5 * model.thickness * (1 << widened) as Real;
             let sweep = Sweep { time, step: 0.0, margin, widen: widened > 0 };
             step::sweep(model, sweep, positions, positions, &mut contact.view());
-            let Some(counts) = block_on(detect(model, contact, dispatch)) else { return false };
+            let Some(counts) = block_on(detect(model, contact, &Here(dispatch))) else { return false };
             let view = contact.view();
             let pairs = [(&view.vertex_triangle, counts.vertex_triangle), (&view.edge_edge, counts.edge_edge)];
             let apart = |&distance: &Real| distance >= SEPARATION * model.thickness;
