@@ -37,7 +37,13 @@ muslin_tests::both_precisions! {
     use super::{contacts, least_distance, motions};
     use crate::exact;
     use crate::tight_inclusion::{self, Contact};
+    use glam::DVec3;
+    use muslin::dispatch::Serial;
+    use muslin::mesh::SurfaceColumns;
+    use muslin::narrow_phase::VertexTriangle;
     use muslin::narrow_phase::advance::MOST_ADVANCES;
+    use muslin::narrow_phase::continuous::{Motion, NEVER, TOUCHING, times};
+    use muslin::real::Real;
     use muslin_tests::kit::double::distance;
     use muslin_tests::query::{PAIRS, Query};
     use muslin_tests::rng::Rng;
@@ -184,6 +190,20 @@ muslin_tests::both_precisions! {
                 assert_eq!(kit::time_of_impact(&query, 0.99 * apart, size), None, "{query}");
             }
         }
+    }
+
+    /// The vertex comes down on the triangle by less than its move is rounded by.
+    #[test]
+    fn nothing_is_missed_that_moves_far_together() {
+        let surface = SurfaceColumns::build(4, &[[1, 2, 3]], &[]);
+        let (gap, far) = (1e-3, kit::bound(1e5, 1e14));
+        let start = [DVec3::new(0.2, gap, 0.2), DVec3::ZERO, DVec3::X, DVec3::Z];
+        let [start, end] = [start, start.map(|x| DVec3::new(x.x, far, x.z))].map(|x| kit::narrow(&x));
+        let moves: [_; 4] = std::array::from_fn(|i| end[i] - start[i]);
+        let motion = Motion { start: &start, end: &end, moves: &moves, radii: &[0.0; 4], rounds: &[], round: 0 };
+        let (distances, mut found) = ([gap as Real], [NEVER]);
+        times::<VertexTriangle>(&[[0, 0]], &distances, &surface.view(), motion, 0.0, &mut found, &Serial);
+        assert!(found[0] <= 1.0 || found[0] == TOUCHING, "{} for what ends in one plane", found[0]);
     }
 
     #[test]

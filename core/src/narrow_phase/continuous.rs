@@ -31,6 +31,14 @@ pub struct Motion<'a> {
     pub round: u32,
 }
 
+/// Not less than the way that the features come towards one another, m, however far they move together:
+/// each move is rounded.
+#[inline]
+fn farthest<P: Pairing>(moves: &[Vec3; 4]) -> Real {
+    let largest = moves.iter().fold(Vec3::ZERO, |most, x| most.max(x.abs())).max_element();
+    P::approach(moves) * (1.0 + 1e-5) + 4.0 * Real::EPSILON * largest
+}
+
 /// Writes when each candidate's features come within `separation` of one another, or within half
 /// of their distance where they are already nearer. For features that touch at the start there
 /// is no such time: an exact test of the end has to follow.
@@ -58,7 +66,7 @@ pub fn times<P: Pairing>(
             }
             let separation = separation.min(0.5 * distance);
             // Nearly all candidates cannot have come near enough.
-            if P::approach(&gather(vertices, motion.moves)) * (1.0 + 1e-5) < distance - separation {
+            if farthest::<P>(&gather(vertices, motion.moves)) < distance - separation {
                 continue;
             }
             let [start, end] = [motion.start, motion.end].map(|x| gather(vertices, x));
