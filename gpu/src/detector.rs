@@ -9,7 +9,7 @@ use muslin_core::real::Vec3;
 use crate::answer::{Answer, Found, Wanted};
 use crate::buffer::{Failed, buffer, bytes_of, column, mapped};
 use crate::device::Gpu;
-use crate::params::{Capacities, PLAN_WORDS, Params, fresh_plan, plan};
+use crate::params::{Capacities, PLAN_WORDS, Params, ROUND, fresh_plan, plan};
 use crate::schedule::{self, Order};
 use crate::slots::{Sizes, Slot};
 use crate::work::Work;
@@ -105,6 +105,7 @@ impl Detector {
         let buffers = buffers.collect::<Result<Vec<_>, _>>()?;
         let params = Params {
             entries: capacities.entries as u32,
+            tiles: capacities.tiles as u32,
             pairs: capacities.pairs as u32,
             vertex_triangle: capacities.vertex_triangle as u32,
             edge_edge: capacities.edge_edge as u32,
@@ -239,7 +240,15 @@ impl Capacities {
     /// Room in flat cloth, as far as a buffer may be large.
     fn guess(triangles: usize, largest_buffer: u64) -> Self {
         let room = |each: usize| (each * triangles.max(64)).min(most_pairs(largest_buffer));
-        Self { levels: 1, entries: room(3), pairs: room(8), vertex_triangle: room(4), edge_edge: room(8) }
+        Self {
+            levels: 1,
+            entries: room(3),
+            tiles: room(1) / 4,
+            rounds: 1,
+            pairs: room(8),
+            vertex_triangle: room(4),
+            edge_edge: room(8),
+        }
     }
 
     /// Room for what was counted and a quarter more, as far as a buffer may be large. A stage that ran
@@ -261,6 +270,8 @@ impl Capacities {
         Ok(Self {
             levels: self.levels.max(told[plan::GRADED] as usize),
             entries: room(self.entries, plan::MOST_ENTRIES)?,
+            tiles: room(self.tiles, plan::MOST_TILES)?,
+            rounds: self.rounds.max((told[plan::SINGLE] as usize).div_ceil(ROUND)),
             pairs,
             vertex_triangle: room(self.vertex_triangle, plan::VERTEX_TRIANGLE)?.max(dense / 2),
             edge_edge: room(self.edge_edge, plan::EDGE_EDGE)?.max(dense),

@@ -16,14 +16,16 @@ pub struct Params {
     pub own_contact: u32,
     /// 1: some vertices are sewn.
     pub sewn: u32,
-    /// The level; of the division how many are run.
+    /// The level; of pairs with the last level the round, of the division how many levels are run.
     pub level: u32,
     /// Of the sort: the lowest bit of a pass.
     pub shift: u32,
-    /// Of the scan: how many numbers.
+    /// Of the scan: how many numbers; of the division: of the last level how many triangles are compared.
     pub length: u32,
     /// Room for entries.
     pub entries: u32,
+    /// Room for tiles.
+    pub tiles: u32,
     /// Room for pairs of triangles.
     pub pairs: u32,
     /// Room for vertices with triangles.
@@ -35,7 +37,7 @@ pub struct Params {
     /// m that moving features keep.
     pub separation: f32,
     /// To a multiple of sixteen bytes.
-    pub unused: [u32; 2],
+    pub unused: u32,
 }
 
 /// Room, in things; grown to what was counted.
@@ -45,6 +47,10 @@ pub struct Capacities {
     pub levels: usize,
     /// Entries of triangles in cells, in one level.
     pub entries: usize,
+    /// Tiles of comparisons of these.
+    pub tiles: usize,
+    /// Rounds of as many triangles of the last level as [`ROUND`].
+    pub rounds: usize,
     /// Pairs of triangles.
     pub pairs: usize,
     /// Vertices with triangles.
@@ -52,6 +58,12 @@ pub struct Capacities {
     /// Edges with edges.
     pub edge_edge: usize,
 }
+
+/// Entries on either side of a tile.
+pub const SIDE: usize = 64;
+
+/// Triangles of the last level that are compared with all others in one round.
+pub const ROUND: usize = 64;
 
 /// Numbers that a group scans.
 pub const SCAN_BLOCK: usize = 2048;
@@ -65,6 +77,8 @@ pub mod plan {
     pub const STATUS: usize = 0;
     /// Levels with cells.
     pub const GRADED: usize = 1;
+    /// Triangles of the last level.
+    pub const SINGLE: usize = 2;
     /// Around all boxes.
     pub const SCENE: usize = 11;
     /// Entries of the last level that was run.
@@ -79,6 +93,8 @@ pub mod plan {
     pub const MOST_ENTRIES: usize = 34;
     /// Contacts: vertices with triangles, and edges.
     pub const CONTACTS: usize = 35;
+    /// The most tiles of any level.
+    pub const MOST_TILES: usize = 38;
 }
 
 /// The plan before the first stage: no box is around anything.

@@ -1,7 +1,7 @@
 //! The order in which stages run, for a surface of some size and for some capacities.
 
 use crate::answer::Wanted;
-use crate::params::{Capacities, Params, SCAN_BLOCK};
+use crate::params::{Capacities, Params, ROUND, SCAN_BLOCK, SIDE};
 use crate::slots::Sizes;
 use crate::stages::{self, Stage};
 
@@ -44,21 +44,21 @@ pub struct Order {
 pub fn of(order: &Order) -> Vec<Dispatch> {
     let mut list = List { order, all: Vec::new() };
     let Sizes { vertices, triangles, .. } = order.sizes;
-    let Capacities { levels, entries, pairs, vertex_triangle, edge_edge } = order.capacities;
+    let Capacities { levels, rounds, pairs, vertex_triangle, edge_edge, .. } = order.capacities;
     list.each(stages::BOUNDS, "write_bounds", triangles);
     list.each(stages::LEVELS, "count_sizes", triangles);
-    list.add(stages::LEVELS, "divide", 1, Params { level: levels as u32, ..order.params });
+    let division = Params { level: levels as u32, length: (ROUND * rounds) as u32, ..order.params };
+    list.add(stages::LEVELS, "divide", 1, division);
     list.each(stages::LEVELS, "assign", triangles);
     for level in 0..levels {
-        list.level(level as u32, vertices, triangles, entries);
+        list.level(level as u32, vertices, triangles);
     }
     list.each(stages::PLAIN, "count_last", triangles);
     list.scan(triangles);
     list.each(stages::PLAIN, "list_last", triangles);
-    list.each(stages::PLAIN, "count_plain", triangles);
-    list.scan(triangles);
-    list.each(stages::PLAIN, "write_plain", triangles);
-    list.add(stages::PLAIN, "close_plain", 1, order.params);
+    for round in 0..rounds {
+        list.round(round as u32, triangles);
+    }
     list.each(stages::FEATURES, "find_features", pairs);
     list.each(stages::CANDIDATES, "count_candidates", pairs);
     list.scan(2 * pairs);
@@ -102,7 +102,17 @@ impl List<'_> {
         self.add(stages::SCAN, "spread", groups, params);
     }
 
-    fn level(&mut self, level: u32, vertices: usize, triangles: usize, entries: usize) {
+    /// Some triangles of the last level with all others.
+    fn round(&mut self, round: u32, triangles: usize) {
+        let (params, groups) = (Params { level: round, ..self.order.params }, triangles.div_ceil(GROUP));
+        self.add(stages::PLAIN, "count_plain", groups, params);
+        self.scan(triangles);
+        self.add(stages::PLAIN, "write_plain", groups, params);
+        self.add(stages::PLAIN, "close_plain", 1, params);
+    }
+
+    fn level(&mut self, level: u32, vertices: usize, triangles: usize) {
+        let Capacities { entries, tiles, .. } = self.order.capacities;
         let params = Params { level, ..self.order.params };
         let mut each = |stage, entry, count: usize| self.add(stage, entry, count.div_ceil(GROUP), params);
         each(stages::UNITS, "choose_scale", 1);
@@ -116,9 +126,12 @@ impl List<'_> {
         self.sort(triangles, entries);
         self.add(stages::BYTE_BOXES, "write_byte_boxes", triangles.div_ceil(GROUP), params);
         self.add(stages::BYTE_BOXES, "gather", entries.div_ceil(GROUP), params);
-        self.add(stages::PAIRS, "count_pairs", entries.div_ceil(GROUP), params);
-        self.scan(entries);
-        self.add(stages::PAIRS, "write_pairs", entries.div_ceil(GROUP), params);
+        self.add(stages::TILES, "count_tiles", entries.div_ceil(SIDE), params);
+        self.scan(entries.div_ceil(SIDE));
+        self.add(stages::TILES, "write_tiles", entries.div_ceil(SIDE), params);
+        self.add(stages::PAIRS, "count_pairs", tiles, params);
+        self.scan(tiles);
+        self.add(stages::PAIRS, "write_pairs", tiles, params);
         self.add(stages::PAIRS, "close_pairs", 1, params);
     }
 

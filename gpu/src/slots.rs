@@ -3,7 +3,7 @@
 use muslin_core::broad_phase::Surface;
 
 use crate::answer::Wanted;
-use crate::params::{Capacities, PLAN_WORDS, SCAN_BLOCK};
+use crate::params::{Capacities, PLAN_WORDS, SCAN_BLOCK, SIDE};
 
 /// A column on the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -50,6 +50,8 @@ pub enum Slot {
     ByteBoxes,
     /// Key, object and box of each entry.
     Boxed,
+    /// The first entry and the first other of each tile.
+    Tiles,
     /// What is counted, and then scanned.
     Counts,
     /// Sums of blocks of counts.
@@ -78,7 +80,7 @@ pub enum Slot {
 
 impl Slot {
     /// All of them.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 34] = [
         Self::Boxes,
         Self::Triangles,
         Self::TriangleEdges,
@@ -100,6 +102,7 @@ impl Slot {
         Self::Spare,
         Self::ByteBoxes,
         Self::Boxed,
+        Self::Tiles,
         Self::Counts,
         Self::Blocks,
         Self::List,
@@ -126,7 +129,7 @@ impl Slot {
     /// Words of four bytes, at least one.
     pub fn words(self, sizes: &Sizes, capacities: &Capacities) -> usize {
         let Sizes { vertices, triangles, edges, sewn } = *sizes;
-        let Capacities { entries, pairs, vertex_triangle, edge_edge, .. } = *capacities;
+        let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, .. } = *capacities;
         let words = match self {
             Self::Boxes | Self::Units => 6 * vertices,
             Self::Triangles | Self::TriangleEdges => 3 * triangles,
@@ -142,6 +145,7 @@ impl Slot {
             Self::Homes | Self::ByteBoxes => 2 * triangles,
             Self::Entries | Self::Spare => 2 * entries,
             Self::Boxed => 4 * entries,
+            Self::Tiles => 2 * tiles,
             Self::Counts => sizes.longest_scan(capacities),
             Self::Blocks => sizes.longest_scan(capacities).div_ceil(SCAN_BLOCK) + 1,
             Self::Pairs => 2 * pairs,
@@ -181,8 +185,9 @@ impl Sizes {
     }
 
     fn longest_scan(&self, capacities: &Capacities) -> usize {
-        let digits = 16 * capacities.entries.div_ceil(SCAN_BLOCK);
-        let contacts = capacities.vertex_triangle + capacities.edge_edge;
-        (4 * self.triangles).max(capacities.entries).max(2 * capacities.pairs).max(contacts).max(digits)
+        let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, .. } = *capacities;
+        let (digits, rows) = (16 * entries.div_ceil(SCAN_BLOCK), entries.div_ceil(SIDE));
+        let candidates = (2 * pairs).max(vertex_triangle + edge_edge);
+        (4 * self.triangles).max(digits).max(rows).max(tiles).max(candidates)
     }
 }

@@ -84,7 +84,7 @@ pub const CELLS: Stage = Stage {
 /// An entry for each cell that a triangle touches.
 pub const ENTRIES: Stage = Stage {
     name: "broad_phase/entries",
-    source: wgsl!("broad_phase/control_bits.wgsl", "broad_phase/entries.wgsl"),
+    source: wgsl!("broad_phase/control_bits.wgsl", "shared/entry.wgsl", "broad_phase/entries.wgsl"),
     entries: &["count_entries", "write_entries"],
     bindings: &[
         (Slot::Homes, READ),
@@ -122,7 +122,7 @@ pub const SORT_BACK: Stage = Stage {
 /// Boxes in bytes, of triangles and of entries.
 pub const BYTE_BOXES: Stage = Stage {
     name: "broad_phase/byte_boxes",
-    source: wgsl!("broad_phase/byte_boxes.wgsl"),
+    source: wgsl!("shared/entry.wgsl", "broad_phase/byte_boxes.wgsl"),
     entries: &["write_byte_boxes", "gather"],
     bindings: &[
         (Slot::Units, READ),
@@ -135,11 +135,26 @@ pub const BYTE_BOXES: Stage = Stage {
     ],
 };
 
+/// Comparisons of entries in pieces of one size.
+pub const TILES: Stage = Stage {
+    name: "shared/tiles",
+    source: wgsl!("shared/entry.wgsl", "shared/tiles.wgsl", "shared/short.wgsl"),
+    entries: &["count_tiles", "write_tiles"],
+    bindings: &[
+        (Slot::Boxed, READ),
+        (Slot::Counts, WRITE),
+        (Slot::Blocks, READ),
+        (Slot::Tiles, WRITE),
+        (Slot::Plan, WRITE),
+    ],
+};
+
 /// Pairs of triangles.
 pub const PAIRS: Stage = Stage {
     name: "broad_phase/pairs",
     source: wgsl!(
         "broad_phase/control_bits.wgsl",
+        "shared/entry.wgsl",
         "broad_phase/pairs.wgsl",
         "shared/may_pair.wgsl",
         "shared/short.wgsl"
@@ -147,6 +162,7 @@ pub const PAIRS: Stage = Stage {
     entries: &["count_pairs", "write_pairs", "close_pairs"],
     bindings: &[
         (Slot::Boxed, READ),
+        (Slot::Tiles, READ),
         (Slot::Homes, READ),
         (Slot::TriangleBoxes, READ),
         (Slot::Counts, WRITE),
@@ -314,7 +330,7 @@ pub const EDGE_EDGE_CCD: Stage = Stage {
 };
 
 /// All of them, in the order of the data.
-pub const ALL: [Stage; 19] = [
+pub const ALL: [Stage; 20] = [
     BOUNDS,
     LEVELS,
     UNITS,
@@ -325,6 +341,7 @@ pub const ALL: [Stage; 19] = [
     SORT,
     SORT_BACK,
     BYTE_BOXES,
+    TILES,
     PAIRS,
     PLAIN,
     FEATURES,

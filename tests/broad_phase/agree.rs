@@ -118,6 +118,8 @@ fn huge_beside_tiny() {
     let rng = &mut Rng::new(4);
     let corners = random(rng, 700, 2.0, |rng| rng.magnitude(1e-4, 3.0));
     agree_on_some(&Case::soup("every magnitude", &corners, 0.0));
+    let many = random(rng, 700, 1e-3, |rng| rng.magnitude(1e-9, 1e3));
+    agree_on_some(&Case::soup("more magnitudes than levels", &many, 0.0));
     for large in [1, 20, 40, 400] {
         let mut corners = random(rng, 600, 2.0, |_| 0.1);
         corners.extend(random(rng, large, 2.0, |rng| rng.between(1.0, 2.0)));

@@ -26,6 +26,7 @@ fn params_are_those_of_the_host() {
         shift,
         length,
         entries,
+        tiles,
         pairs,
         vertex_triangle,
         edge_edge,
@@ -47,6 +48,7 @@ fn words_of_the_plan_are_those_of_the_host() {
     let host = [
         ("STATUS", plan::STATUS),
         ("GRADED", plan::GRADED),
+        ("SINGLE", plan::SINGLE),
         ("SCENE", plan::SCENE),
         ("ENTRIES", plan::ENTRIES),
         ("PAIRS", plan::PAIRS),
@@ -54,6 +56,7 @@ fn words_of_the_plan_are_those_of_the_host() {
         ("EDGE_EDGE", plan::EDGE_EDGE),
         ("MOST_ENTRIES", plan::MOST_ENTRIES),
         ("CONTACTS", plan::CONTACTS),
+        ("MOST_TILES", plan::MOST_TILES),
     ];
     let module = any_stage();
     for (name, place) in host {

@@ -1,8 +1,11 @@
 //! A crumpled sheet in motion: distances and times of its candidates, judged in double precision.
 
 use glam::DVec3;
+use muslin_core::dispatch::Serial;
 use muslin_core::geometry::aabb::Aabb;
-use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
+use muslin_core::mesh::SurfaceColumns;
+use muslin_core::narrow_phase::continuous::{Motion, NEVER, TOUCHING, times};
+use muslin_core::narrow_phase::{EdgeEdge, VertexTriangle};
 use muslin_gpu::{Detector, Found, Wanted};
 use muslin_tests::crumpled;
 use muslin_tests::kit::double::distance;
@@ -30,6 +33,7 @@ struct Scene {
     end: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     edges: Vec<[u32; 2]>,
+    surface: SurfaceColumns,
     found: Found,
 }
 
@@ -46,7 +50,8 @@ fn scene(wanted: Wanted) -> Option<Scene> {
     detector.set_distances(gpu, REACH as f32, SEPARATION as f32);
     let mut found = Found::default();
     pollster::block_on(detector.detect(gpu, &boxes, &from, &to, &mut found)).unwrap();
-    Some(Scene { start, end, triangles: mesh.triangles, edges: surface.view().edges.to_vec(), found })
+    let edges = surface.view().edges.to_vec();
+    Some(Scene { start, end, triangles: mesh.triangles, edges, surface, found })
 }
 
 /// How far apart the features of a pair are, less their radii, m.
@@ -68,6 +73,22 @@ impl Scene {
         };
         let at = |x: &[DVec3]| vertices.map(|v| x[v as usize]);
         Query { pair, start: at(&self.start), end: at(&self.end) }
+    }
+
+    /// What the core makes of the same candidates and distances, in the same order.
+    fn times_of_the_core(&self) -> Vec<f32> {
+        let [start, end] = [&self.start, &self.end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
+        let moves: Vec<_> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
+        let radii = vec![RADIUS as f32; start.len()];
+        let motion = Motion { start: &start, end: &end, moves: &moves, radii: &radii, rounds: &[], round: 0 };
+        let Found { vertex_triangle, edge_edge, vertex_triangle_distances, edge_edge_distances, .. } = &self.found;
+        let (surface, keeps) = (self.surface.view(), SEPARATION as f32);
+        let [mut faces, mut edges] = [vertex_triangle, edge_edge].map(|all| vec![f32::NAN; all.len()]);
+        let distances = [vertex_triangle_distances, edge_edge_distances];
+        times::<VertexTriangle>(vertex_triangle, distances[0], &surface, motion, keeps, &mut faces, &Serial);
+        times::<EdgeEdge>(edge_edge, distances[1], &surface, motion, keeps, &mut edges, &Serial);
+        faces.extend(edges);
+        faces
     }
 
     /// Candidates of both kinds with their distances and times.
@@ -156,4 +177,28 @@ fn times_are_never_late_and_not_needlessly_early() {
     }
     println!("{hits} meet, {misses} do not");
     assert!(hits > 100 && misses > 1000, "{hits} meet, {misses} do not");
+}
+
+/// The two may differ where features come so near that one still counts it and the other does not, and in
+/// how soon within that band they do.
+#[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+fn times_are_the_core_s_but_for_a_band() {
+    let Some(scene) = scene(Wanted::Times) else { return };
+    let (mut alike, mut in_band, mut nearly_touching) = (0, 0, 0);
+    for ((query, told, time), core) in scene.answers().zip(scene.times_of_the_core()) {
+        let keeps = SEPARATION.min(0.5 * told);
+        assert_eq!(time == TOUCHING, core == TOUCHING, "{time}, by the core {core}, {told} apart: {query}");
+        nearly_touching += usize::from(told > 1e-3 * SEPARATION && told < 0.1 * SEPARATION);
+        if (time - core).abs() <= 1e-3 {
+            alike += 1;
+            continue;
+        }
+        let apart = [time, core].map(|t| gap(query.pair, &query.at(f64::from(t.min(1.0)))));
+        let most = 1.5 * keeps + ROUNDING * query.size();
+        assert!(apart.into_iter().any(|d| d <= most), "{time}, by the core {core}, {apart:?} apart: {query}");
+        in_band += 1;
+    }
+    println!("{alike} alike, {in_band} within the band, {nearly_touching} nearly touching");
+    assert!(in_band < alike / 1000 && nearly_touching > 0, "{in_band} of {alike}, {nearly_touching} nearly touching");
 }

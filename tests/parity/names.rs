@@ -3,10 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use muslin_gpu::params::{Capacities, Params};
+use muslin_gpu::params::Params;
 use muslin_gpu::schedule::{self, Order};
 use muslin_gpu::slots::Sizes;
 use muslin_gpu::{Wanted, stages};
+
+use super::stages::evenly;
 
 /// What the device does without, and why.
 const WITHOUT: [(&str, &str); 8] = [
@@ -34,8 +36,7 @@ fn stems(of: &str, extension: &str) -> BTreeSet<String> {
 
 #[test]
 fn every_dispatch_is_of_a_stage_of_the_table() {
-    let room = 1000;
-    let capacities = Capacities { levels: 2, entries: room, pairs: room, vertex_triangle: room, edge_edge: room };
+    let capacities = evenly(1000);
     for wanted in [Wanted::Candidates, Wanted::Contacts, Wanted::Times] {
         let (params, sizes) = (Params::default(), Sizes { triangles: 300, vertices: 200, ..Sizes::default() });
         for dispatch in schedule::of(&Order { params, sizes, capacities, wanted }) {

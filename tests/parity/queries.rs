@@ -1,6 +1,7 @@
 //! Queries with exact truth, rounded to single precision: no contact is missed on a device.
 
 use bytemuck::{cast_slice, cast_vec};
+use glam::DVec3;
 use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
 use muslin_gpu::alone::{Columns, run};
 use muslin_gpu::params::{PLAN_WORDS, Params, plan};
@@ -86,5 +87,17 @@ fn no_contact_is_missed() {
         }
         println!("{pair:?}: {} queries, {touching} touch, {hits} hit", own.len());
         assert!(own.is_empty() || hits < own.len(), "all are hit: the test says nothing");
+    }
+}
+
+#[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+fn what_is_too_large_or_no_number_is_hit_at_once() {
+    let corners = [DVec3::ZERO, DVec3::new(2.0, 1.0, 3.0), DVec3::new(3.0, 1.0, -1.0), DVec3::new(2.0, 4.0, 1.0)];
+    for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
+        let bad = [1e18, 1e25, 3e38, f64::NAN, f64::INFINITY];
+        let own = bad.map(|bad| Query { pair, start: corners, end: corners.map(|x| DVec3::splat(bad) - x) });
+        let Some(times) = times(pair, &own) else { return };
+        assert_eq!(times, [TOUCHING; 5], "{pair:?} on the way to {bad:?}");
     }
 }

@@ -90,23 +90,32 @@ fn pairs_of(device: &Columns, slot: Slot, place: usize) -> &[[u32; 2]] {
     &cast_slice(&device[&slot])[..device[&Slot::Plan][place] as usize]
 }
 
-/// All columns that the device has after a detection with one level.
+/// As much room for everything, in one level.
+pub fn evenly(room: usize) -> Capacities {
+    Capacities { levels: 1, entries: room, tiles: room, rounds: 1, pairs: room, vertex_triangle: room, edge_edge: room }
+}
+
+/// All columns that the device has after a detection with enough room.
 fn on_the_device(case: &Case) -> Option<Columns> {
+    detected(case, evenly(16 * case.triangles.len().max(64)))
+}
+
+/// All columns that the device has after a detection with one level.
+fn detected(case: &Case, capacities: Capacities) -> Option<Columns> {
     let gpu = gpu()?;
     let (boxes, surface) = columns(case);
     let surface = surface.view();
-    let (sizes, room) = (Sizes::of(&surface, boxes.len()), 16 * case.triangles.len().max(64));
-    let capacities = Capacities { levels: 1, entries: room, pairs: room, vertex_triangle: room, edge_edge: room };
-    let room = room as u32;
+    let sizes = Sizes::of(&surface, boxes.len());
     let params = Params {
         vertices: sizes.vertices as u32,
         triangles: sizes.triangles as u32,
         first_passive: surface.first_passive,
         own_contact: 1,
-        entries: room,
-        pairs: room,
-        vertex_triangle: room,
-        edge_edge: room,
+        entries: capacities.entries as u32,
+        tiles: capacities.tiles as u32,
+        pairs: capacities.pairs as u32,
+        vertex_triangle: capacities.vertex_triangle as u32,
+        edge_edge: capacities.edge_edge as u32,
         reach: REACH,
         ..Params::default()
     };
@@ -169,6 +178,31 @@ fn every_column_is_the_core_s() {
                 assert_eq!(core.len(), 2 * device[&Slot::Plan][plan::ENTRIES] as usize, "{count} triangles: entries");
             }
         }
+    }
+}
+
+/// How many a stage counts that ran with too little room for what it works on: none.
+#[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+fn stages_behind_too_little_room_do_nothing() {
+    let (case, all) = (Case::soup("alike", &alike(3000), 0.3), evenly(200_000));
+    let counts = |capacities| {
+        let told = &detected(&case, capacities)?[&Slot::Plan];
+        Some([plan::STATUS, plan::MOST_TILES, plan::PAIRS, plan::EDGE_EDGE].map(|place| told[place]))
+    };
+    let Some([fits, tiles, pairs, edges]) = counts(all) else { return };
+    assert!(fits == 0 && tiles.min(pairs).min(edges) > 16, "{tiles} tiles, {pairs} pairs, {edges} of edges");
+    let few = 16;
+    for (short, expected) in [
+        (Capacities { levels: 0, ..all }, [0, 0, 0]),
+        (Capacities { entries: few, ..all }, [0, 0, 0]),
+        (Capacities { tiles: few, ..all }, [tiles, 0, 0]),
+        (Capacities { rounds: 0, ..all }, [tiles, 0, 0]),
+        (Capacities { pairs: few, ..all }, [tiles, pairs, 0]),
+        (Capacities { edge_edge: few, ..all }, [tiles, pairs, edges]),
+    ] {
+        let [status, found @ ..] = counts(short).unwrap();
+        assert!(status != 0 && found == expected, "{found:?}, expected {expected:?}: {short:?}");
     }
 }
 

@@ -13,8 +13,6 @@
 @group(0) @binding(6) var<storage, read_write> boxed: array<vec4<u32>>;
 @group(0) @binding(7) var<storage, read> plan: array<u32>;
 
-const ID: u32 = 0x3fffffffu;
-
 // From units of which 2^10 span a triangle to bytes' units of which 60 do.
 fn word(corner: vec3<i32>) -> u32 {
     let bytes = vec3<u32>((corner * 15) >> vec3<u32>(8u)) & vec3<u32>(0xffu);

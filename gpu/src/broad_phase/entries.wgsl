@@ -11,9 +11,6 @@
 @group(0) @binding(5) var<storage, read_write> entries: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read_write> plan: array<u32>;
 
-const IS_HOME: u32 = 0x80000000u;
-const IS_OWN: u32 = 0x40000000u;
-
 @compute @workgroup_size(256)
 fn count_entries(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let triangle = place(group) * GROUP + local;

@@ -114,9 +114,12 @@ fn divide(@builtin(local_invocation_index) local: u32) {
         }
         atomicStore(&plan[GRADED], level);
         atomicStore(&plan[SINGLE], left);
-        // The host runs so many levels.
+        // The host runs so many levels and rounds.
         if level > params.level {
             atomicOr(&plan[STATUS], NO_ROOM_LEVELS);
+        }
+        if left > params.length {
+            atomicOr(&plan[STATUS], NO_ROOM_ROUNDS);
         }
     }
     workgroupBarrier();

@@ -1,21 +1,26 @@
 // Pairs of triangles whose boxes overlap, each from exactly one of their common cells.
 //
-// In a cell, own homes meet everything after them, smaller homes only own phantoms.
+// Found in tiles, a group each: an invocation compares its entry with the tile's others, which the group
+// has read together.
 
 // Key, object and its box in bytes.
 @group(0) @binding(1) var<storage, read> boxed: array<vec4<u32>>;
-@group(0) @binding(2) var<storage, read> homes: array<vec2<u32>>;
-@group(0) @binding(3) var<storage, read> triangle_boxes: array<f32>;
-// How many pairs each entry makes, and after the scan how many those before it do.
-@group(0) @binding(4) var<storage, read_write> counts: array<u32>;
-@group(0) @binding(5) var<storage, read> blocks: array<u32>;
-@group(0) @binding(6) var<storage, read_write> pairs: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read_write> plan: array<u32>;
+// The first entry and the first other.
+@group(0) @binding(2) var<storage, read> tiles: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read> homes: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> triangle_boxes: array<f32>;
+// How many pairs each tile makes, and after the scan how many those before it do.
+@group(0) @binding(5) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(6) var<storage, read> blocks: array<u32>;
+@group(0) @binding(7) var<storage, read_write> pairs: array<vec2<u32>>;
+@group(0) @binding(8) var<storage, read_write> plan: array<u32>;
 
-const IS_HOME: u32 = 0x80000000u;
-const IS_OWN: u32 = 0x40000000u;
-const ALL: u32 = 0xffffffffu;
-const ID: u32 = 0x3fffffffu;
+const WORD: u32 = 32u;
+// A phantom of no cell.
+const NOTHING: vec4<u32> = vec4<u32>(0xffffffffu, 0u, 0u, 0u);
+
+var<workgroup> others: array<vec4<u32>, SIDE>;
+var<workgroup> hits: array<u32, SIDE>;
 
 fn cell_type(key: u32) -> u32 {
     let y = plan[LATTICE + 1u];
@@ -36,70 +41,123 @@ fn may_overlap(a: vec2<u32>, b: vec2<u32>) -> bool {
     return none_below(a.y, b.x) && none_below(b.y, a.x);
 }
 
-// Finds so many partners of an entry at most; writes them from a place on, if told to, and returns how
-// many.
-fn visit(at: u32, most: u32, writes: bool, place: u32) -> u32 {
-    let entry = boxed[at];
-    if (entry.y & IS_HOME) == 0u {
-        return 0u;
+// Reads an entry, and one of the others for all of the group.
+fn load(tile: u32, local: u32) -> vec4<u32> {
+    let place = tiles[tile] + local;
+    let end = min(plan[ENTRIES], params.entries);
+    others[local] = NOTHING;
+    if place.y < end {
+        others[local] = boxed[place.y];
     }
-    let is_own = (entry.y & IS_OWN) != 0u;
+    if place.x < end {
+        return boxed[place.x];
+    }
+    return NOTHING;
+}
+
+// A bit for each partner of an entry among half of the others, of which the first few are not behind it.
+fn among(half: u32, entry: vec4<u32>, few: u32) -> u32 {
+    let is_own = kind_of(entry.y) == OWN_HOME;
     let a = entry.y & ID;
     let control = homes[a].y;
     let cell = cell_type(entry.x);
-    let end = min(plan[ENTRIES], params.entries);
     var found = 0u;
-    for (var other = at + 1u; other < end && found < most; other++) {
-        let next = boxed[other];
-        let kind = next.y & (IS_HOME | IS_OWN);
-        // Behind own phantoms there are only smaller ones.
-        if next.x != entry.x || (!is_own && kind == 0u) {
-            break;
-        }
-        let b = next.y & ID;
-        if (is_own || kind == IS_OWN) && may_overlap(entry.zw, next.zw)
-            && triangles_overlap(a, b) && may_pair(a, b) && !skips(control, homes[b].y, cell) {
-            if writes && place + found < params.pairs {
-                pairs[place + found] = vec2<u32>(a, b);
+    for (var k = max(few, half); k < half + WORD; k++) {
+        let other = others[k];
+        if other.x == entry.x && (is_own || kind_of(other.y) == OWN_PHANTOM) && may_overlap(entry.zw, other.zw) {
+            let b = other.y & ID;
+            if triangles_overlap(a, b) && may_pair(a, b) && !skips(control, homes[b].y, cell) {
+                found |= 1u << (k - half);
             }
-            found++;
         }
     }
     return found;
 }
 
-@compute @workgroup_size(256)
+// A bit for each partner of an entry among the others.
+fn partners(tile: u32, local: u32, entry: vec4<u32>) -> vec2<u32> {
+    if (entry.y & IS_HOME) == 0u {
+        return vec2<u32>(0u);
+    }
+    let place = tiles[tile] + vec2<u32>(local + 1u, 0u);
+    let few = place.x - min(place.x, place.y);
+    return vec2<u32>(among(0u, entry, few), among(WORD, entry, few));
+}
+
+// How many pairs the first invocations of a group found.
+fn hits_before(local: u32) -> u32 {
+    var sum = 0u;
+    for (var k = 0u; k < local; k++) {
+        sum += hits[k];
+    }
+    return sum;
+}
+
+// A group a tile.
+@compute @workgroup_size(64)
 fn count_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let at = place(group) * GROUP + local;
-    if at < params.entries {
-        counts[at] = 0u;
-        if at < plan[ENTRIES] && !lacks(NO_ROOM_BEFORE_PAIRS) {
-            counts[at] = visit(at, ALL, false, 0u);
-        }
+    let tile = place(group);
+    let is_there = tile < min(plan[TILES], params.tiles) && !lacks(NO_ROOM_BEFORE_PAIRS);
+    var entry = NOTHING;
+    if is_there {
+        entry = load(tile, local);
+    }
+    workgroupBarrier();
+    var found = vec2<u32>(0u);
+    if is_there {
+        found = partners(tile, local, entry);
+    }
+    hits[local] = countOneBits(found.x) + countOneBits(found.y);
+    workgroupBarrier();
+    if local == 0u && tile < params.tiles {
+        counts[tile] = hits_before(SIDE);
     }
 }
 
 // After the scan.
-fn pairs_before(at: u32) -> u32 {
-    if at < params.entries {
-        return counts[at];
+fn pairs_before(tile: u32) -> u32 {
+    if tile < params.tiles {
+        return counts[tile];
     }
-    return blocks[(params.entries + 2047u) / 2048u];
+    return blocks[(params.tiles + 2047u) / 2048u];
 }
 
-@compute @workgroup_size(256)
+@compute @workgroup_size(64)
 fn write_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let at = place(group) * GROUP + local;
-    if at < min(plan[ENTRIES], params.entries) && !lacks(NO_ROOM_FOR_PAIRS) {
-        let before = pairs_before(at);
-        visit(at, pairs_before(at + 1u) - before, true, plan[PAIRS] + before);
+    let tile = place(group);
+    let has_some = tile < params.tiles && pairs_before(tile) < pairs_before(tile + 1u) && !lacks(NO_ROOM_FOR_PAIRS);
+    var entry = NOTHING;
+    if has_some {
+        entry = load(tile, local);
+    }
+    workgroupBarrier();
+    var found = vec2<u32>(0u);
+    if has_some {
+        found = partners(tile, local, entry);
+    }
+    hits[local] = countOneBits(found.x) + countOneBits(found.y);
+    workgroupBarrier();
+    if !any(found != vec2<u32>(0u)) {
+        return;
+    }
+    var at = plan[PAIRS] + pairs_before(tile) + hits_before(local);
+    for (var half = 0u; half < 2u; half++) {
+        var left = found[half];
+        while left != 0u {
+            let other = others[half * WORD + firstTrailingBit(left)];
+            left &= left - 1u;
+            if at < params.pairs {
+                pairs[at] = vec2<u32>(entry.y & ID, other.y & ID);
+            }
+            at++;
+        }
     }
 }
 
 // One invocation: later pairs come behind these.
 @compute @workgroup_size(1)
 fn close_pairs() {
-    plan[PAIRS] = saturated(plan[PAIRS], pairs_before(params.entries));
+    plan[PAIRS] = saturated(plan[PAIRS], pairs_before(params.tiles));
     if plan[PAIRS] > params.pairs {
         plan[STATUS] |= NO_ROOM_PAIRS;
     }

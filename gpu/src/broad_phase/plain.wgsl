@@ -1,4 +1,4 @@
-// The last level: each of its triangles against all others, without cells.
+// The last level: each of its triangles against all others, without cells; so many in a round.
 
 @group(0) @binding(1) var<storage, read> levels: array<u32>;
 @group(0) @binding(2) var<storage, read> triangle_boxes: array<f32>;
@@ -25,6 +25,8 @@ fn list_last(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     }
 }
 
+const ROUND: u32 = 64u;
+
 fn visit(b: u32, writes: bool, place: u32) -> u32 {
     let last = plan[GRADED];
     let level = levels[b];
@@ -32,7 +34,8 @@ fn visit(b: u32, writes: bool, place: u32) -> u32 {
         return 0u;
     }
     var found = 0u;
-    for (var k = 0u; k < plan[SINGLE]; k++) {
+    let first = ROUND * params.level;
+    for (var k = first; k < min(first + ROUND, plan[SINGLE]); k++) {
         let a = list[k];
         if (level != last || b > a) && triangles_overlap(a, b) && may_pair(a, b) {
             if writes && place + found < params.pairs {

@@ -52,6 +52,16 @@ fn advance(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>, separation: f32, tole
     return time;
 }
 
+// Whether all coordinates are numbers less than 2^59, by their bits: comparisons may suppose that there are
+// no others.
+fn are_moderate(x: array<vec3<f32>, 4>) -> bool {
+    var most = vec3<u32>(0u);
+    for (var i = 0u; i < 4u; i++) {
+        most = max(most, bitcast<vec3<u32>>(x[i]) & vec3<u32>(0x7fffffffu));
+    }
+    return all(most < vec3<u32>(0x5d000000u));
+}
+
 // When the slab between the features that is perpendicular to a direction is as thin as the goal, at
 // the earliest: 1 if never, `time` if it already is.
 fn closing(along: vec3<f32>, now: array<vec3<f32>, 4>, end: array<vec3<f32>, 4>, time: f32, goal: f32) -> f32 {

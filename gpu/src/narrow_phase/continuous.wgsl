@@ -1,4 +1,5 @@
-// When the features of each candidate meet in the course of a step.
+// When the features of each candidate meet in the course of a step; at once what is too large to square, or
+// no number.
 
 @group(0) @binding(1) var<storage, read> candidates: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> features: array<u32>;
@@ -14,6 +15,15 @@ const TOUCHING: f32 = 3.0;
 
 fn position_at_end(vertex: u32) -> vec3<f32> {
     return vec3<f32>(end_of[3u * vertex], end_of[3u * vertex + 1u], end_of[3u * vertex + 2u]);
+}
+
+// Not less than the way that the features come towards one another, m, however far they move together.
+fn farthest(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>) -> f32 {
+    var most = vec3<f32>(0.0);
+    for (var i = 0u; i < 4u; i++) {
+        most = max(most, abs(y[i] - x[i]));
+    }
+    return fastest(x, y) * (1.0 + 2e-5) + 8.0 * EPSILON * max(max(most.x, most.y), most.z);
 }
 
 @compute @workgroup_size(64)
@@ -34,8 +44,12 @@ fn write_times(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         position_at_end(vertices.x), position_at_end(vertices.y),
         position_at_end(vertices.z), position_at_end(vertices.w)
     );
+    if !are_moderate(x) || !are_moderate(y) {
+        times[at] = TOUCHING;
+        return;
+    }
     // Nearly all candidates cannot have come near enough.
-    if fastest(x, y) * (1.0 + 2e-5) < distance - separation {
+    if farthest(x, y) < distance - separation {
         times[at] = NEVER;
         return;
     }

@@ -1,8 +1,9 @@
 // Words of the plan: what stages tell later ones, and the host.
 
-// Bits of what did not fit: levels 1, entries 2, pairs 4, vertices with triangles 8, edges 16.
+// Bits of what did not fit.
 const STATUS: u32 = 0u;
 const GRADED: u32 = 1u;
+// Triangles of the last level.
 const SINGLE: u32 = 2u;
 // The greatest extent in each level, as bits.
 const EXTENTS: u32 = 3u;
@@ -22,17 +23,24 @@ const LATTICE: u32 = 30u;
 const MOST_ENTRIES: u32 = 34u;
 // Contacts: vertices with triangles, and edges.
 const CONTACTS: u32 = 35u;
+// Tiles of the level, and the most of any.
+const TILES: u32 = 37u;
+const MOST_TILES: u32 = 38u;
 
 const NO_ROOM_LEVELS: u32 = 1u;
 const NO_ROOM_ENTRIES: u32 = 2u;
-const NO_ROOM_PAIRS: u32 = 4u;
-const NO_ROOM_VERTEX_TRIANGLE: u32 = 8u;
-const NO_ROOM_EDGE_EDGE: u32 = 16u;
+const NO_ROOM_TILES: u32 = 4u;
+const NO_ROOM_ROUNDS: u32 = 8u;
+const NO_ROOM_PAIRS: u32 = 16u;
+const NO_ROOM_VERTEX_TRIANGLE: u32 = 32u;
+const NO_ROOM_EDGE_EDGE: u32 = 64u;
 
+// What tiles are counted without.
+const NO_ROOM_BEFORE_TILES: u32 = 3u;
 // What pairs are counted without.
-const NO_ROOM_BEFORE_PAIRS: u32 = 3u;
+const NO_ROOM_BEFORE_PAIRS: u32 = 15u;
 // And found without.
-const NO_ROOM_FOR_PAIRS: u32 = 7u;
+const NO_ROOM_FOR_PAIRS: u32 = 31u;
 
 // A sum that does not wrap: what is too much for a word has no room either.
 fn saturated(a: u32, b: u32) -> u32 {
