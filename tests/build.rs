@@ -1,5 +1,5 @@
 //! Whether tests that need a graphics adapter are run or reported as ignored: `gpu` is set where a driver
-//! is installed, or one is required. Whether it works only those tests can tell.
+//! is installed, or one is required. Whether it works only those tests can tell. For both packages of tests.
 
 use std::path::Path;
 
@@ -11,7 +11,6 @@ const VARIABLES: [&str; 3] = ["MUSLIN_REQUIRE_GPU", "VK_DRIVER_FILES", "VK_ICD_F
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(gpu)");
-    println!("cargo::rerun-if-changed=build.rs");
     VARIABLES.iter().for_each(|name| println!("cargo::rerun-if-env-changed={name}"));
     // What is not there would be looked at again each time.
     let folders = || DRIVERS.iter().filter(|folder| Path::new(folder).is_dir());

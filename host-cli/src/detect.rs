@@ -57,9 +57,7 @@ fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Report
         if let Some(next) = subject.next.as_ref().filter(|_| arguments.stage >= DetectStage::Ccd) {
             let (touch, time) = clocked(|| Touch::find(&found, &distances, subject, next, pool));
             ms.ccd = Some(milliseconds(time));
-            report.vertex_triangle.ccd = Some(touch.vertex_triangle);
-            report.edge_edge.ccd = Some(touch.edge_edge);
-            report.first_impact = touch.first;
+            report.add_touch(&touch);
         }
     }
     count_intersections(arguments, subject, &mut report, &mut ms);

@@ -1,11 +1,11 @@
 //! The same stages on a graphics processor.
 
 use muslin_core::narrow_phase::contacts::contacts;
-use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
 use muslin_gpu::{Detector, Found, Wanted};
 
 use super::mesh::Subject;
 use super::report::{Pairs, Report, StageMs};
+use super::stages::Touch;
 use super::{clocked, count_intersections, milliseconds};
 use crate::args::{DetectArguments, DetectStage};
 use crate::device;
@@ -41,11 +41,7 @@ pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Re
         report.edge_edge.contacts = near(edges, &found.edge_edge_distances);
     }
     if next.is_some() {
-        let meet = |times: &[f32]| Some(times.iter().filter(|&&time| time != NEVER).count());
-        report.vertex_triangle.ccd = meet(&found.vertex_triangle_times);
-        report.edge_edge.ccd = meet(&found.edge_edge_times);
-        let times = found.vertex_triangle_times.iter().chain(&found.edge_edge_times).filter(|&&time| time != NEVER);
-        report.first_impact = times.map(|&time| if time == TOUCHING { 0.0 } else { time }).reduce(f32::min);
+        report.add_touch(&Touch::of(&found.vertex_triangle_times, &found.edge_edge_times));
     }
     let mut ms = StageMs { gpu: Some(milliseconds(time)), ..StageMs::default() };
     ms.gpu_stages = device::stage_times(detector.stage_ms(&gpu));

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::mesh::Subject;
+use super::stages::Touch;
 use crate::args::{DetectArguments, Method};
 use crate::device::StageTime;
 
@@ -90,6 +91,13 @@ impl Report {
             triangles: subject.surface.triangles.len(),
             edges: subject.surface.edges.len(),
         }
+    }
+
+    /// What touches in the course of the motion.
+    pub fn add_touch(&mut self, touch: &Touch) {
+        self.vertex_triangle.ccd = Some(touch.vertex_triangle);
+        self.edge_edge.ccd = Some(touch.edge_edge);
+        self.first_impact = touch.first;
     }
 
     /// For a person.

@@ -3,10 +3,9 @@
 use std::time::{Duration, Instant};
 
 use muslin_core::broad_phase::{self, Candidates, Counts, GridColumns, Surface, brute_force, reference_cell};
-use muslin_core::dispatch::Dispatch;
 use muslin_core::geometry::aabb::Aabb;
-use muslin_core::narrow_phase::continuous::NEVER;
-use muslin_core::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, gather, proximity};
+use muslin_core::narrow_phase::continuous::{self, Motion, NEVER, TOUCHING};
+use muslin_core::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
 use muslin_core::real::Vec3;
 
 use super::mesh::Subject;
@@ -88,12 +87,17 @@ impl Touch {
         let (vertices, edges) = (&found.vertex_triangle, &found.edge_edge);
         let vertex_triangle = times::<VertexTriangle>(vertices, &distances.vertex_triangle, subject, next, pool);
         let edge_edge = times::<EdgeEdge>(edges, &distances.edge_edge, subject, next, pool);
-        let count = |times: &[f32]| times.iter().filter(|&&time| time <= 1.0).count();
-        let first = vertex_triangle.iter().chain(&edge_edge).copied().fold(NEVER, f32::min);
+        Self::of(&vertex_triangle, &edge_edge)
+    }
+
+    /// What times say, by a device or here.
+    pub fn of(vertex_triangle: &[f32], edge_edge: &[f32]) -> Self {
+        let count = |times: &[f32]| times.iter().filter(|&&time| time != NEVER).count();
+        let hits = vertex_triangle.iter().chain(edge_edge).filter(|&&time| time != NEVER);
         Self {
-            vertex_triangle: count(&vertex_triangle),
-            edge_edge: count(&edge_edge),
-            first: Some(first).filter(|&time| time <= 1.0),
+            vertex_triangle: count(vertex_triangle),
+            edge_edge: count(edge_edge),
+            first: hits.map(|&time| if time == TOUCHING { 0.0 } else { time }).reduce(f32::min),
         }
     }
 }
@@ -107,18 +111,9 @@ fn times<P: Pairing>(
     pool: &Pool,
 ) -> Vec<f32> {
     let mut times = vec![NEVER; candidates.len()];
-    let surface = subject.surface.view();
-    let meeting = |candidate: [u32; 2], distance: f32| {
-        let vertices = P::vertices(&surface, candidate);
-        let [start, end] = [&subject.positions, next].map(|x| gather(vertices, x));
-        let moves = std::array::from_fn(|k| end[k] - start[k]);
-        // Nearly all candidates cannot have come near enough.
-        let reaches = P::approach(&moves) * (1.0 + 1e-5) >= distance;
-        reaches.then(|| P::time_of_impact(&start, &end, 0.0, 0.0)).flatten().unwrap_or(NEVER)
-    };
-    pool.run(&mut times[..], |first, part| {
-        let pairs = candidates[first..].iter().zip(&distances[first..]);
-        pairs.zip(part).for_each(|((&candidate, &distance), time)| *time = meeting(candidate, distance));
-    });
+    let (start, radii) = (&subject.positions[..], &vec![0.0; next.len()][..]);
+    let moves: Vec<_> = next.iter().zip(start).map(|(&end, &start)| end - start).collect();
+    let motion = Motion { start, end: next, moves: &moves, radii, rounds: &[], round: 0 };
+    continuous::times::<P>(candidates, distances, &subject.surface.view(), motion, 0.0, &mut times, pool);
     times
 }
