@@ -23,6 +23,7 @@ use crate::traffic::Sizes;
 
 mod contact;
 mod halving;
+mod hold;
 mod refusal;
 
 pub use refusal::{Cause, Diverged};

@@ -108,3 +108,49 @@ fn held_axes_follow_their_path_exactly() {
         }
     }
 }
+
+/// Takes so many steps, after each of which a vertex is to be where it is led, by the part of them taken.
+fn follow(sim: &mut Simulation, vertex: u32, steps: u32, place: impl Fn(f64) -> DVec3) {
+    for n in 1..=steps {
+        sim.step(&Serial).unwrap();
+        let off = (sim.positions()[vertex as usize] - place(f64::from(n) / f64::from(steps))).length();
+        assert!(off < 1e-15, "{}: vertex {vertex} is {off} m off after {n} steps", sim.scheme().method.name());
+    }
+}
+
+#[test]
+fn a_hand_leads_exactly_and_lets_go() {
+    for scheme in Method::ALL.map(linearised) {
+        let mut sim = sheet(scheme);
+        // Free, and one that the scene holds.
+        for vertex in [12, 0] {
+            let grip = sim.positions()[vertex as usize];
+            let target = grip + DVec3::new(0.02, 0.01, -0.03);
+            assert!(sim.lead(vertex, grip, 0.0));
+            follow(&mut sim, vertex, 10, |_| grip);
+            assert!(sim.lead(vertex, target, 20.0 * STEP));
+            follow(&mut sim, vertex, 20, |part| grip + part * (target - grip));
+            assert_eq!(sim.velocities()[vertex as usize], DVec3::ZERO, "it has arrived");
+            follow(&mut sim, vertex, 10, |_| target);
+            assert!(sim.lead(vertex, grip, 0.0));
+            follow(&mut sim, vertex, 1, |_| grip);
+            assert!(sim.release(vertex) && !sim.release(vertex));
+            (0..20).for_each(|_| sim.step(&Serial).unwrap());
+            let moved = (sim.positions()[vertex as usize] - grip).length();
+            assert!(moved > 1e-6, "{}: let go, vertex {vertex} moved {moved} m", scheme.method.name());
+        }
+    }
+}
+
+#[test]
+fn hands_that_come_and_go_need_no_more_room() {
+    let mut sim = sheet(linearised(Method::BackwardEuler));
+    let room = |sim: &Simulation| [sim.pins().table.len(), sim.pins().keys.len()];
+    let (count, before) = (sim.positions().len() as u32, room(&sim));
+    assert!(!sim.lead(count, DVec3::ZERO, 1.0) && !sim.release(count) && sim.pins().vertices.len() < 10);
+    for vertex in (0..count).chain(0..count) {
+        assert!(sim.lead(vertex, DVec3::ONE, 1.0) && sim.lead(vertex, DVec3::ZERO, 1.0) && sim.release(vertex));
+    }
+    assert_eq!(sim.pins().vertices, [0_u32; 0]);
+    assert_eq!(room(&sim), [before[0] + 1, before[1] + 2]);
+}

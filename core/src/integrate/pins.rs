@@ -143,4 +143,44 @@ impl PinColumns {
             keys: &self.keys,
         }
     }
+
+    /// Holds all axes of a vertex, whatever held it, and leads it evenly from one place to another, m, from
+    /// one time to another, s.
+    pub fn lead(&mut self, vertex: u32, [start, end]: [Sum; 2], [from, to]: [Vec3; 2]) {
+        self.release(vertex);
+        let motion = self.spare_motion();
+        let first = self.table[motion as usize].keys[0] as usize;
+        self.keys[first] = Key { time: start, offset: Vec3::ZERO };
+        self.keys[first + 1] = Key { time: end, offset: to - from };
+        self.vertices.push(vertex);
+        self.axes.push(0b111);
+        self.anchors.push(from);
+        self.motions.push(motion);
+    }
+
+    /// Lets go of a vertex; whether anything held it.
+    pub fn release(&mut self, vertex: u32) -> bool {
+        let before = self.vertices.len();
+        while let Some(pin) = self.vertices.iter().position(|&held| held == vertex) {
+            self.vertices.remove(pin);
+            self.axes.remove(pin);
+            self.anchors.remove(pin);
+            self.motions.remove(pin);
+        }
+        self.vertices.len() < before
+    }
+
+    /// A motion between two keys that no pin has, so that hands that come and go need no more room.
+    fn spare_motion(&mut self) -> u32 {
+        let is_free = |&motion: &u32| {
+            let Motion { keys, turn } = self.table[motion as usize];
+            keys[1] == 2 && turn.is_none() && !self.motions.contains(&motion)
+        };
+        let free = (0..self.table.len() as u32).find(is_free);
+        free.unwrap_or_else(|| {
+            self.table.push(Motion { keys: [self.keys.len() as u32, 2], turn: None });
+            self.keys.extend([Key { time: 0.0, offset: Vec3::ZERO }; 2]);
+            self.table.len() as u32 - 1
+        })
+    }
 }
