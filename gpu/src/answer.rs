@@ -51,9 +51,9 @@ const SPARE: usize = 1024;
 impl Answer {
     /// All that there is room for.
     pub fn most(wanted: Wanted, capacities: &Capacities) -> Self {
-        let Capacities { vertex_triangle, edge_edge, .. } = *capacities;
+        let Capacities { vertex_triangle, edge_edge, contacts, .. } = *capacities;
         let pairs = match wanted {
-            Wanted::Contacts => [vertex_triangle + edge_edge, 0],
+            Wanted::Contacts => [contacts, 0],
             _ => [vertex_triangle, edge_edge],
         };
         Self { wanted, pairs }

@@ -106,12 +106,16 @@ impl Detector {
         let params = Params {
             entries: capacities.entries as u32,
             tiles: capacities.tiles as u32,
+            contacts: capacities.contacts as u32,
             pairs: capacities.pairs as u32,
             vertex_triangle: capacities.vertex_triangle as u32,
             edge_edge: capacities.edge_edge as u32,
             ..self.params
         };
         let work = Work::new(gpu, schedule::of(&Order { params, sizes, capacities, wanted }), &buffers)?;
+        if let Some(why) = gpu.error() {
+            return Err(Failed::Lost(why));
+        }
         (self.capacities, self.buffers, self.work) = (capacities, buffers, work);
         let none = Answer { wanted, pairs: [0; 2] };
         self.expect(gpu, [Answer::most(wanted, &capacities), self.answer, none])
@@ -176,16 +180,21 @@ impl Detector {
         self.send(gpu, Slot::Start, bytemuck::cast_slice(start));
         self.send(gpu, Slot::End, bytemuck::cast_slice(end));
         self.ticks.clear();
+        // Whether the columns are whole on the device, so that they need only be copied.
+        let mut is_found = false;
         loop {
             let landing = self.landing(gpu)?;
-            self.submit(gpu, &landing);
+            self.submit(gpu, &landing, is_found);
             mapped(gpu, &landing, bytes_of(self.ticks_at().end)).await?;
-            let verdict = self.collect(gpu, &landing, found)?;
+            let verdict = self.collect(gpu, &landing, is_found, found)?;
             landing.unmap();
             self.landing = Some(landing);
             match verdict {
                 Verdict::Whole => return Ok(()),
-                Verdict::Expect(counted) => self.expect_about(gpu, counted)?,
+                Verdict::Expect(counted) => {
+                    self.expect_about(gpu, counted)?;
+                    is_found = true;
+                }
                 Verdict::Grow(capacities) if capacities == self.capacities => {
                     return Err(Failed::Lost("it asks for more room than it fills".into()));
                 }
@@ -201,12 +210,14 @@ impl Detector {
         self.ticks.iter().map(move |&(stage, ticks)| (stage, tick * ticks as f64))
     }
 
-    /// Records all dispatches and hands them in.
-    fn submit(&self, gpu: &Gpu, landing: &wgpu::Buffer) {
+    /// Records all dispatches, unless all is found, and the copies of the answer, and hands them in.
+    fn submit(&self, gpu: &Gpu, landing: &wgpu::Buffer, is_found: bool) {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(&self.fresh, 0, self.buffer(Slot::Plan), 0, None);
-        encoder.clear_buffer(self.buffer(Slot::Histogram), 0, None);
-        self.work.record(gpu, &mut encoder);
+        if !is_found {
+            encoder.copy_buffer_to_buffer(&self.fresh, 0, self.buffer(Slot::Plan), 0, None);
+            encoder.clear_buffer(self.buffer(Slot::Histogram), 0, None);
+            self.work.record(gpu, &mut encoder);
+        }
         for (slot, words) in self.answer.parts().filter(|(_, words)| !words.is_empty()) {
             let [at, bytes] = [words.start, words.len()].map(|words| 4 * words as u64);
             encoder.copy_buffer_to_buffer(self.buffer(slot), 0, landing, at, Some(bytes));
@@ -216,11 +227,19 @@ impl Detector {
     }
 
     /// Reads the answer, as far as it is one.
-    fn collect(&mut self, gpu: &Gpu, landing: &wgpu::Buffer, found: &mut Found) -> Result<Verdict, Failed> {
+    fn collect(
+        &mut self,
+        gpu: &Gpu,
+        landing: &wgpu::Buffer,
+        is_found: bool,
+        found: &mut Found,
+    ) -> Result<Verdict, Failed> {
         let bytes = bytes_of(self.ticks_at().end);
         let view = landing.slice(..bytes).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
         let all: &[u32] = bytemuck::cast_slice(&view);
-        self.work.add_ticks(&all[self.ticks_at()], &mut self.ticks);
+        if !is_found {
+            self.work.add_ticks(&all[self.ticks_at()], &mut self.ticks);
+        }
         let told = &all[..PLAN_WORDS];
         if told[plan::STATUS] != 0 {
             return self.capacities.grown(told, gpu.largest_buffer).map(Verdict::Grow);
@@ -248,6 +267,7 @@ impl Capacities {
             pairs: room(8),
             vertex_triangle: room(4),
             edge_edge: room(8),
+            contacts: room(4),
         }
     }
 
@@ -255,15 +275,15 @@ impl Capacities {
     /// short leaves later ones without all they would count, so that more than one round may be needed.
     fn grown(&self, told: &[u32], largest_buffer: u64) -> Result<Self, Failed> {
         let most = most_pairs(largest_buffer);
-        let room = |now: usize, at: usize| {
-            let bytes = PAIR * u64::from(told[at]);
-            let needed = told[at] as usize;
+        let room_for = |now: usize, needed: u32| {
+            let (bytes, needed) = (PAIR * u64::from(needed), needed as usize);
             match needed > now {
                 true if bytes > largest_buffer => Err(Failed::TooLarge(bytes)),
                 true => Ok(needed.max((needed + needed / 4).min(most))),
                 false => Ok(now),
             }
         };
+        let room = |now, at: usize| room_for(now, told[at]);
         // Candidates are counted when pairs have room: what pairs have in dense scenes saves a round.
         let pairs = room(self.pairs, plan::PAIRS)?;
         let dense = if pairs > self.pairs { pairs.min(most) } else { 0 };
@@ -275,6 +295,7 @@ impl Capacities {
             pairs,
             vertex_triangle: room(self.vertex_triangle, plan::VERTEX_TRIANGLE)?.max(dense / 2),
             edge_edge: room(self.edge_edge, plan::EDGE_EDGE)?.max(dense),
+            contacts: room_for(self.contacts, told[plan::CONTACTS].saturating_add(told[plan::CONTACTS + 1]))?,
         })
     }
 }
@@ -293,4 +314,26 @@ fn finite(b: &Aabb) -> [f32; 6] {
     let [low, high] = if ordered { [b.min, b.max] } else { [Vec3::MAX, Vec3::MIN] };
     let [low, high] = [low, high].map(|corner| corner.clamp(Vec3::MIN, Vec3::MAX).to_array());
     [low[0], low[1], low[2], high[0], high[1], high[2]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn room_grows_as_far_as_a_buffer_does() {
+        let largest_buffer = 16 * 1000;
+        let now = Capacities::guess(0, largest_buffer);
+        let with = |pairs: u32| {
+            let mut told = fresh_plan();
+            told[plan::PAIRS] = pairs;
+            now.grown(&told, largest_buffer).map(|grown| grown.pairs)
+        };
+        // A quarter more, less where two buffers would not both fit, and no less than needed.
+        for (needed, expected) in [(0, now.pairs), (600, 750), (900, 1000), (1000, 1000), (1001, 1001), (2000, 2000)] {
+            assert_eq!(with(needed), Ok(expected), "{needed} pairs");
+        }
+        assert_eq!(with(2001), Err(Failed::TooLarge(16_008)));
+        assert!(matches!(with(u32::MAX), Err(Failed::TooLarge(_))));
+    }
 }

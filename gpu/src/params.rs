@@ -36,8 +36,8 @@ pub struct Params {
     pub reach: f32,
     /// m that moving features keep.
     pub separation: f32,
-    /// To a multiple of sixteen bytes.
-    pub unused: u32,
+    /// Room for contacts.
+    pub contacts: u32,
 }
 
 /// Room, in things; grown to what was counted.
@@ -57,6 +57,8 @@ pub struct Capacities {
     pub vertex_triangle: usize,
     /// Edges with edges.
     pub edge_edge: usize,
+    /// Contacts of both kinds.
+    pub contacts: usize,
 }
 
 /// Entries on either side of a tile.
@@ -93,6 +95,8 @@ pub mod plan {
     pub const MOST_ENTRIES: usize = 34;
     /// Contacts: vertices with triangles, and edges.
     pub const CONTACTS: usize = 35;
+    /// Tiles of the last level that was run.
+    pub const TILES: usize = 37;
     /// The most tiles of any level.
     pub const MOST_TILES: usize = 38;
 }

@@ -129,7 +129,7 @@ impl Slot {
     /// Words of four bytes, at least one.
     pub fn words(self, sizes: &Sizes, capacities: &Capacities) -> usize {
         let Sizes { vertices, triangles, edges, sewn } = *sizes;
-        let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, .. } = *capacities;
+        let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, contacts, .. } = *capacities;
         let words = match self {
             Self::Boxes | Self::Units => 6 * vertices,
             Self::Triangles | Self::TriangleEdges => 3 * triangles,
@@ -152,7 +152,7 @@ impl Slot {
             Self::Masks => pairs,
             Self::VertexTriangle => 2 * vertex_triangle,
             Self::EdgeEdge => 2 * edge_edge,
-            Self::Contacts => 2 * (vertex_triangle + edge_edge),
+            Self::Contacts => 2 * contacts,
             Self::VertexTriangleDistances | Self::VertexTriangleTimes => vertex_triangle,
             Self::EdgeEdgeDistances | Self::EdgeEdgeTimes => edge_edge,
         };
@@ -188,6 +188,7 @@ impl Sizes {
         let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, .. } = *capacities;
         let (digits, rows) = (16 * entries.div_ceil(SCAN_BLOCK), entries.div_ceil(SIDE));
         let candidates = (2 * pairs).max(vertex_triangle + edge_edge);
+        // Whatever the scans are of: few of these are ever the longest.
         (4 * self.triangles).max(digits).max(rows).max(tiles).max(candidates)
     }
 }

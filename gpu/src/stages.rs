@@ -13,6 +13,9 @@ pub struct Stage {
     pub entries: &'static [&'static str],
     /// Its columns in binding order from 1 on, and whether it writes them.
     pub bindings: &'static [(Slot, bool)],
+    /// How far what it writes may be from the core's: nothing; or of distances so much of the size of what
+    /// they are in, of times so much of the step.
+    pub bound: f32,
 }
 
 /// Joins pieces behind what all stages have.
@@ -25,6 +28,9 @@ macro_rules! wgsl {
         )
     };
 }
+
+/// Integers and copies.
+const EXACT: f32 = 0.0;
 
 const READ: bool = false;
 const WRITE: bool = true;
@@ -41,6 +47,7 @@ pub const BOUNDS: Stage = Stage {
         (Slot::TriangleBoxes, WRITE),
         (Slot::Owned, WRITE),
     ],
+    bound: EXACT,
 };
 
 /// Triangles by size.
@@ -49,6 +56,7 @@ pub const LEVELS: Stage = Stage {
     source: wgsl!("broad_phase/levels.wgsl"),
     entries: &["count_sizes", "divide", "assign"],
     bindings: &[(Slot::TriangleBoxes, READ), (Slot::Levels, WRITE), (Slot::Histogram, WRITE), (Slot::Plan, WRITE)],
+    bound: EXACT,
 };
 
 /// The boxes of vertices in units.
@@ -57,6 +65,7 @@ pub const UNITS: Stage = Stage {
     source: wgsl!("broad_phase/units.wgsl"),
     entries: &["choose_scale", "write_units"],
     bindings: &[(Slot::Boxes, READ), (Slot::Units, WRITE), (Slot::Plan, WRITE)],
+    bound: EXACT,
 };
 
 /// The spheres around triangles.
@@ -71,6 +80,7 @@ pub const SPHERES: Stage = Stage {
         (Slot::Spheres, WRITE),
         (Slot::Plan, WRITE),
     ],
+    bound: EXACT,
 };
 
 /// Home cells and control bits.
@@ -79,6 +89,7 @@ pub const CELLS: Stage = Stage {
     source: wgsl!("broad_phase/control_bits.wgsl", "broad_phase/cells.wgsl"),
     entries: &["choose_lattice", "write_cells"],
     bindings: &[(Slot::Spheres, READ), (Slot::Homes, WRITE), (Slot::Plan, WRITE)],
+    bound: EXACT,
 };
 
 /// An entry for each cell that a triangle touches.
@@ -94,6 +105,7 @@ pub const ENTRIES: Stage = Stage {
         (Slot::Entries, WRITE),
         (Slot::Plan, WRITE),
     ],
+    bound: EXACT,
 };
 
 /// Sums of all numbers before each.
@@ -102,6 +114,7 @@ pub const SCAN: Stage = Stage {
     source: wgsl!("shared/scan.wgsl"),
     entries: &["sum_blocks", "scan_blocks", "spread"],
     bindings: &[(Slot::Counts, WRITE), (Slot::Blocks, WRITE)],
+    bound: EXACT,
 };
 
 /// A pass of the sort.
@@ -110,6 +123,7 @@ pub const SORT: Stage = Stage {
     source: wgsl!("broad_phase/sort.wgsl"),
     entries: &["count_digits", "scatter"],
     bindings: &[(Slot::Entries, READ), (Slot::Spare, WRITE), (Slot::Counts, WRITE), (Slot::Plan, READ)],
+    bound: EXACT,
 };
 
 /// The pass back.
@@ -133,6 +147,7 @@ pub const BYTE_BOXES: Stage = Stage {
         (Slot::Boxed, WRITE),
         (Slot::Plan, READ),
     ],
+    bound: EXACT,
 };
 
 /// Comparisons of entries in pieces of one size.
@@ -147,6 +162,7 @@ pub const TILES: Stage = Stage {
         (Slot::Tiles, WRITE),
         (Slot::Plan, WRITE),
     ],
+    bound: EXACT,
 };
 
 /// Pairs of triangles.
@@ -170,6 +186,7 @@ pub const PAIRS: Stage = Stage {
         (Slot::Pairs, WRITE),
         (Slot::Plan, WRITE),
     ],
+    bound: EXACT,
 };
 
 /// Pairs with triangles of the last level.
@@ -186,6 +203,7 @@ pub const PLAIN: Stage = Stage {
         (Slot::Pairs, WRITE),
         (Slot::Plan, WRITE),
     ],
+    bound: EXACT,
 };
 
 /// The features of pairs.
@@ -203,6 +221,7 @@ pub const FEATURES: Stage = Stage {
         (Slot::Masks, WRITE),
         (Slot::Plan, READ),
     ],
+    bound: EXACT,
 };
 
 /// Features as candidates.
@@ -220,6 +239,7 @@ pub const CANDIDATES: Stage = Stage {
         (Slot::EdgeEdge, WRITE),
         (Slot::Plan, WRITE),
     ],
+    bound: EXACT,
 };
 
 /// Distances of vertices and triangles.
@@ -241,6 +261,7 @@ pub const VERTEX_TRIANGLE: Stage = Stage {
         (Slot::VertexTriangleDistances, WRITE),
         (Slot::Plan, READ),
     ],
+    bound: 1e-5,
 };
 
 /// Distances of edges.
@@ -262,6 +283,7 @@ pub const EDGE_EDGE: Stage = Stage {
         (Slot::EdgeEdgeDistances, WRITE),
         (Slot::Plan, READ),
     ],
+    bound: 1e-5,
 };
 
 /// Candidates that are near.
@@ -279,6 +301,7 @@ pub const CONTACTS: Stage = Stage {
         (Slot::Contacts, WRITE),
         (Slot::Plan, WRITE),
     ],
+    bound: EXACT,
 };
 
 /// Times at which vertices and triangles meet.
@@ -303,6 +326,7 @@ pub const VERTEX_TRIANGLE_CCD: Stage = Stage {
         (Slot::VertexTriangleTimes, WRITE),
         (Slot::Plan, READ),
     ],
+    bound: 1e-3,
 };
 
 /// Times at which edges meet.
@@ -327,6 +351,7 @@ pub const EDGE_EDGE_CCD: Stage = Stage {
         (Slot::EdgeEdgeTimes, WRITE),
         (Slot::Plan, READ),
     ],
+    bound: 1e-3,
 };
 
 /// All of them, in the order of the data.

@@ -19,6 +19,8 @@ const STRIDE: usize = 256;
 #[derive(Debug, Default)]
 pub struct Work {
     dispatches: Vec<Dispatch>,
+    /// Which stage each is of.
+    stages: Vec<usize>,
     /// Dispatches that are timed together, and what they are called.
     passes: Vec<(&'static str, Range<usize>)>,
     /// The params of all dispatches.
@@ -36,7 +38,9 @@ impl Work {
         let groups = gpu.programs.iter().map(|program| program.bind(&gpu.device, &told, buffers)).collect();
         let passes = passes(&dispatches);
         let clock = Clock::new(gpu, passes.len())?;
-        let mut work = Self { dispatches, passes, told: Some(told), groups, clock };
+        let stage_of = |dispatch: &Dispatch| gpu.programs.iter().position(|own| own.stage.name == dispatch.stage);
+        let stages = dispatches.iter().map(|dispatch| stage_of(dispatch).unwrap_or_default()).collect();
+        let mut work = Self { dispatches, stages, passes, told: Some(told), groups, clock };
         work.tell(gpu, |_| ());
         Ok(work)
     }
@@ -67,7 +71,7 @@ impl Work {
 
     fn dispatch(&self, gpu: &Gpu, number: usize, pass: &mut wgpu::ComputePass<'_>) {
         let dispatch = &self.dispatches[number];
-        let at = gpu.programs.iter().position(|program| program.stage.name == dispatch.stage).unwrap_or(0);
+        let at = self.stages[number];
         pass.set_pipeline(gpu.programs[at].entry(dispatch.entry));
         pass.set_bind_group(0, &self.groups[at], &[(STRIDE * number) as u32]);
         let groups = dispatch.groups.max(1);

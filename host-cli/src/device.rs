@@ -40,9 +40,14 @@ pub fn stage_times(times: impl Iterator<Item = (&'static str, f64)>) -> Option<V
     (!all.is_empty()).then_some(all)
 }
 
+fn held<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Finds the candidates of a run's steps on a device.
 pub struct StepDetector {
-    name: String,
+    /// Of the adapter that was asked last.
+    name: Mutex<String>,
     /// None while it is asked, and when it was lost and could not be had again.
     own: Mutex<Option<step::StepDetector>>,
 }
@@ -51,16 +56,16 @@ impl StepDetector {
     /// On the fastest adapter.
     pub fn open() -> Result<Self, Failure> {
         let gpu = open()?;
-        Ok(Self { name: gpu.name.clone(), own: Mutex::new(Some(step::StepDetector::new(gpu))) })
+        Ok(Self { name: Mutex::new(gpu.name.clone()), own: Mutex::new(Some(step::StepDetector::new(gpu))) })
     }
 
-    /// Of the adapter.
-    pub fn name(&self) -> &str {
-        &self.name
+    /// Of the adapter that was asked last.
+    pub fn name(&self) -> String {
+        held(&self.name).clone()
     }
 
     fn own(&self) -> MutexGuard<'_, Option<step::StepDetector>> {
-        self.own.lock().unwrap_or_else(PoisonError::into_inner)
+        held(&self.own)
     }
 
     /// Mean times of so many steps.
@@ -75,6 +80,7 @@ impl StepDetector {
         let mut own = self.own().take()?;
         let found = own.detect(model, contact).await;
         if let Some(why) = own.take_loss() {
+            held(&self.name).clone_from(&own.gpu().name);
             print_note(&format!("warning: --backend gpu: {why}; opened it again"));
         }
         match found {

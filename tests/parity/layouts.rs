@@ -32,7 +32,7 @@ fn params_are_those_of_the_host() {
         edge_edge,
         reach,
         separation,
-        unused
+        contacts
     );
     let module = any_stage();
     let (_, params) =
@@ -56,6 +56,7 @@ fn words_of_the_plan_are_those_of_the_host() {
         ("EDGE_EDGE", plan::EDGE_EDGE),
         ("MOST_ENTRIES", plan::MOST_ENTRIES),
         ("CONTACTS", plan::CONTACTS),
+        ("TILES", plan::TILES),
         ("MOST_TILES", plan::MOST_TILES),
     ];
     let module = any_stage();

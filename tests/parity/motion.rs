@@ -6,7 +6,7 @@ use muslin_core::geometry::aabb::Aabb;
 use muslin_core::mesh::SurfaceColumns;
 use muslin_core::narrow_phase::continuous::{Motion, NEVER, TOUCHING, times};
 use muslin_core::narrow_phase::{EdgeEdge, VertexTriangle};
-use muslin_gpu::{Detector, Found, Wanted};
+use muslin_gpu::{Detector, Found, Wanted, stages};
 use muslin_tests::crumpled;
 use muslin_tests::kit::double::distance;
 use muslin_tests::query::{Pair, Query};
@@ -19,11 +19,21 @@ use super::methods::{columns, gpu};
 const SEPARATION: f64 = 0.05;
 const REACH: f64 = 0.5;
 
-/// m around every vertex.
-const RADIUS: f64 = 0.0625;
+/// m around each vertex, in turn.
+const RADII: [f64; 4] = [0.0625, 0.03125, 0.09375, 0.0];
 
-/// Of the size of a pair: what a distance in single precision may be off by.
-const ROUNDING: f64 = 1e-5;
+fn radius(vertex: u32) -> f64 {
+    RADII[vertex as usize % RADII.len()]
+}
+
+/// What a distance may be off by: of the size of a pair.
+fn rounding(pair: Pair, query: &Query) -> f64 {
+    let stage = match pair {
+        Pair::VertexTriangle => stages::VERTEX_TRIANGLE,
+        Pair::EdgeEdge => stages::EDGE_EDGE,
+    };
+    f64::from(stage.bound) * query.size()
+}
 
 /// Moments at which a motion is looked at.
 const MOMENTS: u32 = 64;
@@ -46,7 +56,8 @@ fn scene(wanted: Wanted) -> Option<Scene> {
     let [from, to] = [&start, &end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
     let around = |(a, b): (&glam::Vec3, &glam::Vec3)| Aabb { min: a.min(*b) - 0.25, max: a.max(*b) + 0.25 };
     let boxes: Vec<_> = from.iter().zip(&to).map(around).collect();
-    let mut detector = Detector::new(gpu, &surface.view(), &vec![RADIUS as f32; boxes.len()], wanted).unwrap();
+    let radii: Vec<_> = (0..boxes.len() as u32).map(|vertex| radius(vertex) as f32).collect();
+    let mut detector = Detector::new(gpu, &surface.view(), &radii, wanted).unwrap();
     detector.set_distances(gpu, REACH as f32, SEPARATION as f32);
     let mut found = Found::default();
     pollster::block_on(detector.detect(gpu, &boxes, &from, &to, &mut found)).unwrap();
@@ -54,13 +65,39 @@ fn scene(wanted: Wanted) -> Option<Scene> {
     Some(Scene { start, end, triangles: mesh.triangles, edges, surface, found })
 }
 
-/// How far apart the features of a pair are, less their radii, m.
-fn gap(pair: Pair, x: &[DVec3; 4]) -> f64 {
-    distance(pair, x) - 2.0 * RADIUS
+/// A candidate, and what was found of it.
+struct Answer {
+    query: Query,
+    /// m around both features.
+    around: f64,
+    /// The distance.
+    told: f64,
+    time: f32,
+}
+
+impl Answer {
+    /// How far apart the features are, less their radii, m.
+    fn gap(&self, x: &[DVec3; 4]) -> f64 {
+        distance(self.query.pair, x) - self.around
+    }
+
+    fn rounding(&self) -> f64 {
+        rounding(self.query.pair, &self.query)
+    }
 }
 
 impl Scene {
-    fn query(&self, pair: Pair, [a, b]: [u32; 2]) -> Query {
+    fn answer(&self, pair: Pair, candidate: [u32; 2], told: f32, time: f32) -> Answer {
+        let (query, r) = self.query(pair, candidate);
+        let around = match pair {
+            Pair::VertexTriangle => r[0] + r[1].max(r[2]).max(r[3]),
+            Pair::EdgeEdge => r[0].max(r[1]) + r[2].max(r[3]),
+        };
+        Answer { query, around, told: told.into(), time }
+    }
+
+    /// A candidate's motion and the radii of its vertices.
+    fn query(&self, pair: Pair, [a, b]: [u32; 2]) -> (Query, [f64; 4]) {
         let vertices = match pair {
             Pair::VertexTriangle => {
                 let [x, y, z] = self.triangles[b as usize];
@@ -72,14 +109,14 @@ impl Scene {
             }
         };
         let at = |x: &[DVec3]| vertices.map(|v| x[v as usize]);
-        Query { pair, start: at(&self.start), end: at(&self.end) }
+        (Query { pair, start: at(&self.start), end: at(&self.end) }, vertices.map(radius))
     }
 
     /// What the core makes of the same candidates and distances, in the same order.
     fn times_of_the_core(&self) -> Vec<f32> {
         let [start, end] = [&self.start, &self.end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
         let moves: Vec<_> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
-        let radii = vec![RADIUS as f32; start.len()];
+        let radii: Vec<_> = (0..start.len() as u32).map(|vertex| radius(vertex) as f32).collect();
         let motion = Motion { start: &start, end: &end, moves: &moves, radii: &radii, rounds: &[], round: 0 };
         let Found { vertex_triangle, edge_edge, vertex_triangle_distances, edge_edge_distances, .. } = &self.found;
         let (surface, keeps) = (self.surface.view(), SEPARATION as f32);
@@ -92,11 +129,11 @@ impl Scene {
     }
 
     /// Candidates of both kinds with their distances and times.
-    fn answers(&self) -> impl Iterator<Item = (Query, f64, f32)> {
+    fn answers(&self) -> impl Iterator<Item = Answer> {
         let Found { vertex_triangle, edge_edge, .. } = &self.found;
         let of = |pair, candidates: &'_ [[u32; 2]], distances: &'_ [f32], times: &'_ [f32]| {
             let all = candidates.iter().zip(distances).zip(times);
-            all.map(|((&c, &d), &t)| (self.query(pair, c), f64::from(d), t)).collect::<Vec<_>>()
+            all.map(|((&c, &d), &t)| self.answer(pair, c, d, t)).collect::<Vec<_>>()
         };
         let found = &self.found;
         let faces =
@@ -111,8 +148,9 @@ impl Scene {
 fn distances_are_right_to_rounding() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let mut near = 0;
-    for (query, told, _) in scene.answers() {
-        let (exact, rounding) = (gap(query.pair, &query.start), ROUNDING * query.size());
+    for answer in scene.answers() {
+        let Answer { query, told, .. } = &answer;
+        let (exact, rounding, told) = (answer.gap(&query.start), answer.rounding(), *told);
         match told > REACH {
             true => assert!(told <= exact + rounding, "a bound of {told} for {exact}: {query}"),
             false => assert!((told - exact).abs() <= rounding, "{told} for {exact}: {query}"),
@@ -134,8 +172,9 @@ fn contacts_are_what_is_near_but_for_a_band() {
     ] {
         let mut left = contacts.iter().peekable();
         for &candidate in candidates {
-            let query = all.query(pair, candidate);
-            let (exact, band) = (gap(pair, &query.start), ROUNDING * query.size());
+            let answer = all.answer(pair, candidate, 0.0, 0.0);
+            let (query, band) = (&answer.query, answer.rounding());
+            let exact = answer.gap(&query.start);
             let is_contact = left.next_if(|&&contact| contact == candidate).is_some();
             if (exact - REACH).abs() <= band {
                 in_band += 1;
@@ -155,8 +194,9 @@ fn contacts_are_what_is_near_but_for_a_band() {
 fn times_are_never_late_and_not_needlessly_early() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let (mut hits, mut misses) = (0, 0);
-    for (query, told, time) in scene.answers() {
-        let apart = |t: f64| gap(query.pair, &query.at(t));
+    for answer in scene.answers() {
+        let Answer { ref query, told, time, .. } = answer;
+        let apart = |t: f64| answer.gap(&query.at(t));
         let keeps = SEPARATION.min(0.5 * told);
         if time == TOUCHING {
             assert!(told <= 1e-3 * SEPARATION, "{told} apart are said to touch: {query}");
@@ -165,7 +205,7 @@ fn times_are_never_late_and_not_needlessly_early() {
         let until = if time == NEVER { 1.0 } else { f64::from(time) };
         let moments = (0..=MOMENTS).map(|i| apart(until * f64::from(i) / f64::from(MOMENTS)));
         let least = moments.fold(f64::INFINITY, f64::min);
-        let rounding = ROUNDING * query.size();
+        let rounding = answer.rounding();
         assert!(least >= keeps - rounding, "{least} apart before {time}, to keep {keeps}: {query}");
         if time == NEVER {
             misses += 1;
@@ -186,16 +226,17 @@ fn times_are_never_late_and_not_needlessly_early() {
 fn times_are_the_core_s_but_for_a_band() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let (mut alike, mut in_band, mut nearly_touching) = (0, 0, 0);
-    for ((query, told, time), core) in scene.answers().zip(scene.times_of_the_core()) {
+    for (answer, core) in scene.answers().zip(scene.times_of_the_core()) {
+        let Answer { ref query, told, time, .. } = answer;
         let keeps = SEPARATION.min(0.5 * told);
         assert_eq!(time == TOUCHING, core == TOUCHING, "{time}, by the core {core}, {told} apart: {query}");
         nearly_touching += usize::from(told > 1e-3 * SEPARATION && told < 0.1 * SEPARATION);
-        if (time - core).abs() <= 1e-3 {
+        if (time - core).abs() <= stages::EDGE_EDGE_CCD.bound.max(stages::VERTEX_TRIANGLE_CCD.bound) {
             alike += 1;
             continue;
         }
-        let apart = [time, core].map(|t| gap(query.pair, &query.at(f64::from(t.min(1.0)))));
-        let most = 1.5 * keeps + ROUNDING * query.size();
+        let apart = [time, core].map(|t| answer.gap(&query.at(f64::from(t.min(1.0)))));
+        let most = 1.5 * keeps + answer.rounding();
         assert!(apart.into_iter().any(|d| d <= most), "{time}, by the core {core}, {apart:?} apart: {query}");
         in_band += 1;
     }

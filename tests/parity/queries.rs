@@ -96,8 +96,51 @@ fn what_is_too_large_or_no_number_is_hit_at_once() {
     let corners = [DVec3::ZERO, DVec3::new(2.0, 1.0, 3.0), DVec3::new(3.0, 1.0, -1.0), DVec3::new(2.0, 4.0, 1.0)];
     for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
         let bad = [1e18, 1e25, 3e38, f64::NAN, f64::INFINITY];
-        let own = bad.map(|bad| Query { pair, start: corners, end: corners.map(|x| DVec3::splat(bad) - x) });
+        let all = bad.map(|bad| Query { pair, start: corners, end: corners.map(|x| DVec3::splat(bad) - x) });
+        let one = bad.map(|bad| Query { pair, start: corners, end: [DVec3::splat(bad), DVec3::X, DVec3::Y, DVec3::Z] });
+        let back =
+            |own: &[Query; 5]| own.clone().map(|Query { start, end, .. }| Query { pair, start: end, end: start });
+        for own in [back(&all), back(&one), all, one] {
+            let Some(times) = times(pair, &own) else { return };
+            assert_eq!(times, [TOUCHING; 5], "{pair:?} on the way to or from {bad:?}");
+        }
+    }
+}
+
+/// A vertex over a triangle, or an edge across another, so high.
+fn above(pair: Pair, height: f64) -> [DVec3; 4] {
+    let up = height * DVec3::Y;
+    match pair {
+        Pair::VertexTriangle => [up, DVec3::new(-1.0, 0.0, -1.0), DVec3::X, DVec3::Z],
+        Pair::EdgeEdge => [up - DVec3::X, up + DVec3::X, -DVec3::Z, DVec3::Z],
+    }
+}
+
+/// Both features end in one plane, far off: the nearer one's way is rounded to the other's.
+#[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+fn nothing_is_missed_that_moves_far_together() {
+    for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
+        let own = [1e-4, 1e-3, 3e-3].map(|height| {
+            let start = above(pair, height);
+            Query { pair, start, end: start.map(|x| DVec3::new(x.x, 1e5, x.z)) }
+        });
         let Some(times) = times(pair, &own) else { return };
-        assert_eq!(times, [TOUCHING; 5], "{pair:?} on the way to {bad:?}");
+        assert!(times.iter().all(|&time| time <= 1.0), "{pair:?}: {times:?}");
+    }
+}
+
+/// Rounding hides what features do that are a few units of it apart.
+#[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+fn what_rounding_hides_is_hit_at_once() {
+    for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
+        let down = |height: f64| {
+            let (start, end) = (above(pair, height), above(pair, -1.0));
+            Query { pair, start, end }
+        };
+        let Some(times) = times(pair, &[3e-6, 3e-5].map(down)) else { return };
+        assert_eq!(times[0], TOUCHING, "{pair:?}: three millionths of the size apart");
+        assert!(times[1] > 0.0 && times[1] < 1e-4, "{pair:?}: ten times as far apart they meet at {}", times[1]);
     }
 }

@@ -24,6 +24,7 @@ use muslin_gpu::alone::{Columns, run};
 use muslin_gpu::params::{Capacities, PLAN_WORDS, Params, SCAN_BLOCK, fresh_plan, plan};
 use muslin_gpu::schedule::{self, Dispatch, Order};
 use muslin_gpu::slots::{Sizes, Slot};
+use muslin_gpu::stages::{EDGE_EDGE, VERTEX_TRIANGLE};
 use muslin_tests::rng::Rng;
 
 use super::case::Case;
@@ -92,7 +93,16 @@ fn pairs_of(device: &Columns, slot: Slot, place: usize) -> &[[u32; 2]] {
 
 /// As much room for everything, in one level.
 pub fn evenly(room: usize) -> Capacities {
-    Capacities { levels: 1, entries: room, tiles: room, rounds: 1, pairs: room, vertex_triangle: room, edge_edge: room }
+    Capacities {
+        levels: 1,
+        entries: room,
+        tiles: room,
+        rounds: 1,
+        pairs: room,
+        vertex_triangle: room,
+        edge_edge: room,
+        contacts: room,
+    }
 }
 
 /// All columns that the device has after a detection with enough room.
@@ -116,6 +126,7 @@ fn detected(case: &Case, capacities: Capacities) -> Option<Columns> {
         pairs: capacities.pairs as u32,
         vertex_triangle: capacities.vertex_triangle as u32,
         edge_edge: capacities.edge_edge as u32,
+        contacts: capacities.contacts as u32,
         reach: REACH,
         ..Params::default()
     };
@@ -135,9 +146,6 @@ fn detected(case: &Case, capacities: Capacities) -> Option<Columns> {
 
 /// How far is looked, m.
 const REACH: f32 = 0.1;
-
-/// Of the size of the scene: what a distance may be off by.
-const ROUNDING: f32 = 1e-5;
 
 fn centers(boxes: &[Aabb]) -> Vec<Vec3> {
     boxes.iter().map(|b| 0.5 * (b.min + b.max)).collect()
@@ -191,8 +199,8 @@ fn stages_behind_too_little_room_do_nothing() {
         Some([plan::STATUS, plan::MOST_TILES, plan::PAIRS, plan::EDGE_EDGE].map(|place| told[place]))
     };
     let Some([fits, tiles, pairs, edges]) = counts(all) else { return };
-    assert!(fits == 0 && tiles.min(pairs).min(edges) > 16, "{tiles} tiles, {pairs} pairs, {edges} of edges");
-    let few = 16;
+    assert!(fits == 0 && tiles.min(pairs).min(edges) > 4, "{tiles} tiles, {pairs} pairs, {edges} of edges");
+    let few = 4;
     for (short, expected) in [
         (Capacities { levels: 0, ..all }, [0, 0, 0]),
         (Capacities { entries: few, ..all }, [0, 0, 0]),
@@ -200,10 +208,28 @@ fn stages_behind_too_little_room_do_nothing() {
         (Capacities { rounds: 0, ..all }, [tiles, 0, 0]),
         (Capacities { pairs: few, ..all }, [tiles, pairs, 0]),
         (Capacities { edge_edge: few, ..all }, [tiles, pairs, edges]),
+        (Capacities { contacts: few, ..all }, [tiles, pairs, edges]),
     ] {
         let [status, found @ ..] = counts(short).unwrap();
         assert!(status != 0 && found == expected, "{found:?}, expected {expected:?}: {short:?}");
     }
+}
+
+#[test]
+#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+fn room_is_for_the_level_with_the_most_tiles() {
+    let mut triangles = alike(3000);
+    // A level of its own, and few of them meet.
+    triangles.extend(alike(300).iter().map(|t| t.map(|x| 40.0 * x + 1000.0)));
+    let case = Case::soup("two levels", &triangles, 0.3);
+    let told = |capacities| detected(&case, capacities)?.remove(&Slot::Plan);
+    let all = Capacities { levels: 2, rounds: 10, ..evenly(200_000) };
+    let Some(enough) = told(all) else { return };
+    let [most, last] = [plan::MOST_TILES, plan::TILES].map(|place| enough[place]);
+    assert_eq!([enough[plan::STATUS], enough[plan::GRADED]], [0, 2]);
+    assert!(last < most, "{last} tiles in the last level, at most {most}");
+    let short = told(Capacities { tiles: most as usize - 1, ..all }).unwrap();
+    assert!(short[plan::STATUS] != 0 && short[plan::MOST_TILES] == most, "room for one too few: {short:?}");
 }
 
 /// Compares distances of candidates with the core's, and what is near with the core's choice of the same
@@ -212,15 +238,15 @@ fn compare_distances<P: Pairing>(
     surface: &Surface<'_>,
     x: &[Vec3],
     candidates: &[[u32; 2]],
-    told: &[u32],
+    (told, bound): (&[u32], f32),
     contacts_told: &[[u32; 2]],
 ) {
     let mut distances = vec![0.0; candidates.len()];
     proximity::distances::<P>(candidates, surface, x, &vec![0.0; x.len()], REACH, &mut distances, &Serial);
     let told: &[f32] = &cast_slice(told)[..candidates.len()];
-    let size = x.iter().map(|x| x.abs().max_element()).fold(1.0, f32::max);
+    let rounding = bound * x.iter().map(|x| x.abs().max_element()).fold(1.0, f32::max);
     for ((core, device), candidate) in distances.iter().zip(told).zip(candidates) {
-        let agree = (core - device).abs() <= ROUNDING * size || core.min(*device) > REACH - ROUNDING * size;
+        let agree = (core - device).abs() <= rounding || core.min(*device) > REACH - rounding;
         assert!(agree, "{device} m, in the core {core}: {candidate:?}");
     }
     let mut near = vec![[0; 2]; candidates.len()];
@@ -253,8 +279,10 @@ fn what_becomes_of_pairs_is_the_core_s() {
         let [faces, both] = [told[plan::CONTACTS], told[plan::CONTACTS] + told[plan::CONTACTS + 1]];
         let (x, all) = (centers(&boxes), &cast_slice(&device[&Slot::Contacts])[..both as usize]);
         let (on_faces, on_edges) = all.split_at(faces as usize);
-        compare_distances::<VertexTriangle>(&surface, &x, &vertices, &device[&Slot::VertexTriangleDistances], on_faces);
-        compare_distances::<EdgeEdge>(&surface, &x, &edges, &device[&Slot::EdgeEdgeDistances], on_edges);
+        let told = (&device[&Slot::VertexTriangleDistances][..], VERTEX_TRIANGLE.bound);
+        compare_distances::<VertexTriangle>(&surface, &x, &vertices, told, on_faces);
+        let told = (&device[&Slot::EdgeEdgeDistances][..], EDGE_EDGE.bound);
+        compare_distances::<EdgeEdge>(&surface, &x, &edges, told, on_edges);
         near += all.len();
     }
     assert!(near > 1000, "only {near} are near");

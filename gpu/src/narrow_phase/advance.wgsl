@@ -52,14 +52,14 @@ fn advance(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>, separation: f32, tole
     return time;
 }
 
-// Whether all coordinates are numbers less than 2^59, by their bits: comparisons may suppose that there are
-// no others.
+// Whether all coordinates are numbers less than 2^29, whose differences have fourth powers, by their bits:
+// compilers may suppose that nothing is infinite or no number.
 fn are_moderate(x: array<vec3<f32>, 4>) -> bool {
     var most = vec3<u32>(0u);
     for (var i = 0u; i < 4u; i++) {
         most = max(most, bitcast<vec3<u32>>(x[i]) & vec3<u32>(0x7fffffffu));
     }
-    return all(most < vec3<u32>(0x5d000000u));
+    return all(most < vec3<u32>(0x4e000000u));
 }
 
 // When the slab between the features that is perpendicular to a direction is as thin as the goal, at
@@ -72,13 +72,13 @@ fn closing(along: vec3<f32>, now: array<vec3<f32>, 4>, end: array<vec3<f32>, 4>,
     let size = sqrt(squared);
     let gap = slab(along, now) / size;
     let last = slab(along, end) / size;
-    if gap <= goal {
-        return time;
-    }
-    if last >= goal {
+    if gap > goal && last >= goal {
         return 1.0;
     }
-    return time + (1.0 - time) * ((gap - goal) / (gap - last));
+    if gap > goal {
+        return time + (1.0 - time) * ((gap - goal) / (gap - last));
+    }
+    return time;
 }
 
 // The thickness of the slab times the length of the direction.

@@ -33,9 +33,13 @@ fn write_contacts(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
     let count = params.vertex_triangle + params.edge_edge;
     if at == 0u {
         plan[CONTACTS] = counts[params.vertex_triangle];
-        plan[CONTACTS + 1u] = blocks[(count + 2047u) / 2048u] - counts[params.vertex_triangle];
+        let all = blocks[(count + 2047u) / 2048u];
+        plan[CONTACTS + 1u] = all - counts[params.vertex_triangle];
+        if all > params.contacts {
+            plan[STATUS] |= NO_ROOM_CONTACTS;
+        }
     }
-    if at < count && is_near(at) {
+    if at < count && is_near(at) && counts[at] < params.contacts {
         if at < params.vertex_triangle {
             contacts[counts[at]] = vertex_triangle[at];
         } else {

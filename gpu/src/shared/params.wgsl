@@ -22,7 +22,7 @@ struct Params {
     // m.
     reach: f32,
     separation: f32,
-    unused: u32,
+    contacts: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

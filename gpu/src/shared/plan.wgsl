@@ -34,6 +34,7 @@ const NO_ROOM_ROUNDS: u32 = 8u;
 const NO_ROOM_PAIRS: u32 = 16u;
 const NO_ROOM_VERTEX_TRIANGLE: u32 = 32u;
 const NO_ROOM_EDGE_EDGE: u32 = 64u;
+const NO_ROOM_CONTACTS: u32 = 128u;
 
 // What tiles are counted without.
 const NO_ROOM_BEFORE_TILES: u32 = 3u;

@@ -79,12 +79,6 @@ fn count_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 fn write_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let row = place(group);
     let own = span(row, local);
-    if row >= row_count() {
-        return;
-    }
-    for (var k = local; k < own.y && counts[row] + k < params.tiles; k += SIDE) {
-        tiles[counts[row] + k] = vec2<u32>(SIDE * row, own.x + SIDE * k);
-    }
     if row == 0u && local == 0u {
         let all = blocks[(row_count() + 2047u) / 2048u];
         plan[TILES] = all;
@@ -92,5 +86,11 @@ fn write_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         if all > params.tiles {
             plan[STATUS] |= NO_ROOM_TILES;
         }
+    }
+    if row >= row_count() || lacks(NO_ROOM_BEFORE_TILES) {
+        return;
+    }
+    for (var k = local; k < own.y && counts[row] + k < params.tiles; k += SIDE) {
+        tiles[counts[row] + k] = vec2<u32>(SIDE * row, own.x + SIDE * k);
     }
 }

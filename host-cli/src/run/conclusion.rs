@@ -44,7 +44,7 @@ impl Course {
             scene: scene.desc.name.clone(),
             precision: self.precision.name(),
             backend: pool.detector().map_or(Backend::Cpu, |_| Backend::Gpu).name(),
-            adapter: pool.detector().map(|detector| detector.name().to_owned()),
+            adapter: pool.detector().map(|detector| detector.name()),
             threads: pool.threads(),
             size_m: self.record.size,
             mass_kg: self.engine.mass(),
