@@ -23,7 +23,13 @@ impl core::fmt::Display for Failed {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Lost(why) => write!(f, "the device failed: {why}"),
-            Self::TooLarge(bytes) => write!(f, "the device has no buffers of {} MiB, or more", bytes.div_ceil(1 << 20)),
+            Self::TooLarge(bytes) => {
+                write!(
+                    f,
+                    "{} MiB or more are needed in one buffer, more than the device allows",
+                    bytes.div_ceil(1 << 20)
+                )
+            }
             Self::Lengths { needed } => write!(f, "boxes or positions are not one for each of {needed} vertices"),
         }
     }

@@ -71,7 +71,8 @@ impl Gpu {
         let options =
             RequestAdapterOptions { power_preference: PowerPreference::HighPerformance, ..Default::default() };
         let adapter =
-            instance(ask).request_adapter(&options).await.map_err(|error| NoDevice(format!("no adapter: {error}")))?;
+            // What wgpu says is a list of all that it was not built for.
+            instance(ask).request_adapter(&options).await.map_err(|_| NoDevice("no adapter was found".into()))?;
         let required_limits = match ask {
             Ask::Web => Limits::defaults(),
             Ask::Most => adapter.limits(),

@@ -280,7 +280,11 @@ the thickness, as MESH stands: with a thickness of 0 there are none. With --next
 of the motion, and ccd counts what touches in its course, things that are too near to tell included.
 Intersections are edges of MESH that pass through triangles, by an exact test. All is in single
 precision. With --backend gpu candidates, contacts and ccd come from one submission and have one
-time, transfers included; a pair as near to the thickness as rounding may be counted otherwise.")]
+time, transfers included, of its second run; a pair as near to the thickness as rounding, or to
+touching, may be counted otherwise.
+
+Exit codes: 0 fine, 1 the tool failed, 2 bad usage or mesh, 4 no graphics adapter, or one whose
+buffers are too small.")]
 pub struct DetectArguments {
     /// An OBJ or PLY file
     pub mesh: PathBuf,

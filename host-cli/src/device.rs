@@ -22,7 +22,11 @@ pub fn open() -> Result<Gpu, Failure> {
 
 /// What a device says, as a failure of the command.
 pub fn failed(why: Failed) -> Failure {
-    Failure::NoDevice(format!("--backend gpu: {why}; say --backend cpu"))
+    let advice = match why {
+        Failed::TooLarge(_) => "take a lesser --thickness, or say --backend cpu",
+        _ => "say --backend cpu",
+    };
+    Failure::NoDevice(format!("--backend gpu: {why}; {advice}"))
 }
 
 /// How long a device takes for a stage, by its own clock.

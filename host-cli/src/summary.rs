@@ -179,12 +179,15 @@ impl Summary {
         text
     }
 
-    /// What the device took by its own clock; nothing where it has none.
+    /// Which device found candidates, and what it took by its own clock where it has one; nothing without.
     fn gpu_line(&self) -> String {
+        let Some(name) = &self.adapter else { return String::new() };
         let times = self.gpu_stage_ms.iter().flatten();
-        let Some(longest) = times.clone().max_by(|a, b| a.ms.total_cmp(&b.ms)) else { return String::new() };
+        let Some(longest) = times.clone().max_by(|a, b| a.ms.total_cmp(&b.ms)) else {
+            return format!("\n{name} found the candidates");
+        };
         let sum: f64 = times.map(|time| time.ms).sum();
-        format!("\ngpu {sum:.3} ms a step by its clock, most in {}: {:.3}", longest.stage, longest.ms)
+        format!("\n{name}: {sum:.3} ms a step by its clock, most in {}: {:.3}", longest.stage, longest.ms)
     }
 
     /// What contact came to; nothing where none is modelled and nothing was audited.
