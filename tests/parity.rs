@@ -30,6 +30,8 @@ mod on_device;
 mod polynomial;
 #[path = "parity/queries.rs"]
 mod queries;
+#[path = "parity/room.rs"]
+mod room;
 #[path = "torture/scenes.rs"]
 mod scenes;
 #[path = "parity/shaders.rs"]

@@ -69,6 +69,8 @@ impl Detector {
             ticks: Vec::new(),
             staging: Vec::new(),
         };
+        // What was refused before, or to others.
+        let _ = gpu.error();
         detector.grow(gpu, capacities)?;
         detector.send(gpu, Slot::Triangles, bytemuck::cast_slice(surface.triangles));
         detector.send(gpu, Slot::TriangleEdges, bytemuck::cast_slice(surface.triangle_edges));
@@ -103,16 +105,8 @@ impl Detector {
             }
         });
         let buffers = buffers.collect::<Result<Vec<_>, _>>()?;
-        let params = Params {
-            entries: capacities.entries as u32,
-            tiles: capacities.tiles as u32,
-            contacts: capacities.contacts as u32,
-            pairs: capacities.pairs as u32,
-            vertex_triangle: capacities.vertex_triangle as u32,
-            edge_edge: capacities.edge_edge as u32,
-            ..self.params
-        };
-        let work = Work::new(gpu, schedule::of(&Order { params, sizes, capacities, wanted }), &buffers)?;
+        let order = Order { params: self.params, sizes, capacities, wanted };
+        let work = Work::new(gpu, schedule::of(&order), &buffers)?;
         if let Some(why) = gpu.error() {
             return Err(Failed::Lost(why));
         }
@@ -217,12 +211,12 @@ impl Detector {
             encoder.copy_buffer_to_buffer(&self.fresh, 0, self.buffer(Slot::Plan), 0, None);
             encoder.clear_buffer(self.buffer(Slot::Histogram), 0, None);
             self.work.record(gpu, &mut encoder);
+            self.work.copy_ticks(&mut encoder, landing, self.ticks_at());
         }
         for (slot, words) in self.answer.parts().filter(|(_, words)| !words.is_empty()) {
             let [at, bytes] = [words.start, words.len()].map(|words| 4 * words as u64);
             encoder.copy_buffer_to_buffer(self.buffer(slot), 0, landing, at, Some(bytes));
         }
-        self.work.copy_ticks(&mut encoder, landing, self.ticks_at());
         gpu.queue.submit([encoder.finish()]);
     }
 

@@ -61,6 +61,22 @@ pub struct Capacities {
     pub contacts: usize,
 }
 
+impl Params {
+    /// The same with this room.
+    pub fn with_room(self, capacities: &Capacities) -> Self {
+        let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, contacts, .. } = *capacities;
+        Self {
+            entries: entries as u32,
+            tiles: tiles as u32,
+            pairs: pairs as u32,
+            vertex_triangle: vertex_triangle as u32,
+            edge_edge: edge_edge as u32,
+            contacts: contacts as u32,
+            ..self
+        }
+    }
+}
+
 /// Entries on either side of a tile.
 pub const SIDE: usize = 64;
 

@@ -30,7 +30,7 @@ const DIGIT: usize = 4;
 /// How to run a detection.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
-    /// What all stages are told.
+    /// What all stages are told, but for the room.
     pub params: Params,
     /// Of the surface.
     pub sizes: Sizes,
@@ -42,6 +42,7 @@ pub struct Order {
 
 /// All dispatches of a detection.
 pub fn of(order: &Order) -> Vec<Dispatch> {
+    let order = &Order { params: order.params.with_room(&order.capacities), ..*order };
     let mut list = List { order, all: Vec::new() };
     let Sizes { vertices, triangles, .. } = order.sizes;
     let Capacities { levels, rounds, pairs, vertex_triangle, edge_edge, .. } = order.capacities;

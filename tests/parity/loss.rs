@@ -1,7 +1,5 @@
 //! A device that is lost is an error and no panic; a step is repeated on another and comes out the same.
 
-use glam::DVec3;
-use muslin_core::geometry::aabb::Aabb;
 use muslin_core::real::Vec3;
 use muslin_gpu::device::Ask;
 use muslin_gpu::{Detector, Failed, Found, Gpu, Wanted};
@@ -32,65 +30,6 @@ fn what_a_lost_device_is_asked_fails() {
     lost.close();
     let failed = detect();
     assert!(matches!(&failed, Err(Failed::Lost(why)) if !why.is_empty()), "{failed:?}");
-}
-
-/// Triangles that all lie on one another, or apart.
-fn soup(spread: f64) -> Case {
-    layers(1750, spread, 0.0)
-}
-
-/// Triangles one over the other, so many of them close, in boxes that are so much larger.
-fn layers(close: u32, spread: f64, inflation: f64) -> Case {
-    let corner = |i: u32| DVec3::splat(spread * f64::from(i.min(close)) + 2.0 * f64::from(i.saturating_sub(close)));
-    let corners: Vec<_> = (0..1750).map(|i| [corner(i), corner(i) + DVec3::X, corner(i) + DVec3::Y]).collect();
-    Case::soup("", &corners, inflation)
-}
-
-#[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
-fn what_had_no_room_spoils_nothing_after_it() {
-    let Some(gpu) = gpu() else { return };
-    let [(dense, surface), (sparse, _)] = [0.0, 2.0].map(|spread| columns(&soup(spread)));
-    let (start, radii) = (vec![Vec3::ZERO; dense.len()], vec![0.0; dense.len()]);
-    let detector = || Detector::new(gpu, &surface.view(), &radii, Wanted::Candidates).unwrap();
-    let detect = |detector: &mut Detector, boxes: &[Aabb]| {
-        let mut found = Found::default();
-        pollster::block_on(detector.detect(gpu, boxes, &start, &start, &mut found)).map(|()| found)
-    };
-    let (mut used, expected) = (detector(), detect(&mut detector(), &sparse).unwrap());
-    for boxes in [&dense[..], &dense[..9]] {
-        let failed = detect(&mut used, boxes);
-        assert!(matches!(failed, Err(Failed::TooLarge(_) | Failed::Lengths { .. })), "{failed:?}");
-        assert!(detect(&mut used, &sparse).unwrap() == expected, "after {failed:?} something else is found");
-    }
-}
-
-#[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
-fn a_detector_finds_what_a_fresh_one_does() {
-    let Some(gpu) = gpu() else { return };
-    // Apart; with more pairs of edges than an answer is made for, and no more of others; with more of all.
-    let cases = [(0, 0.38), (150, 0.38), (1750, 0.15), (0, 0.38), (1750, 0.38), (1750, 0.38)];
-    let cases = cases.map(|(close, spread)| layers(close, spread, 0.2));
-    let radii = vec![0.0; cases[0].boxes.len()];
-    let reaches = [[0.1, 0.02], [0.1, 0.02], [0.3, 0.01], [0.8, 0.01], [0.8, 0.01], [0.8, 0.04]];
-    for wanted in [Wanted::Candidates, Wanted::Contacts, Wanted::Times] {
-        let fresh = || Detector::new(gpu, &columns(&cases[0]).1.view(), &radii, wanted).unwrap();
-        let (mut used, mut most) = (fresh(), [0; 2]);
-        for (case, [reach, separation]) in cases.iter().zip(reaches) {
-            let (boxes, _) = columns(case);
-            let [start, end] = [1.0, -1.0].map(|part| boxes.iter().map(|b| part * b.min).collect::<Vec<_>>());
-            let [found, expected] = [&mut used, &mut fresh()].map(|detector| {
-                let mut found = Found::default();
-                detector.set_distances(gpu, reach, separation);
-                pollster::block_on(detector.detect(gpu, &boxes, &start, &end, &mut found)).unwrap();
-                found
-            });
-            assert!(found == expected, "{wanted:?}: {:?} candidates, {:?}", found.candidates, expected.candidates);
-            most = [0, 1].map(|k| most[k].max(found.candidates[k]));
-        }
-        assert!(most.iter().all(|&most| most > 1500), "{wanted:?}: {most:?} candidates at most say little");
-    }
 }
 
 /// Steps before the device is lost, and in all: some are in contact by then.

@@ -27,8 +27,8 @@ fn radius(vertex: u32) -> f64 {
 }
 
 /// What a distance may be off by: of the size of a pair.
-fn rounding(pair: Pair, query: &Query) -> f64 {
-    let stage = match pair {
+fn rounding(query: &Query) -> f64 {
+    let stage = match query.pair {
         Pair::VertexTriangle => stages::VERTEX_TRIANGLE,
         Pair::EdgeEdge => stages::EDGE_EDGE,
     };
@@ -82,7 +82,7 @@ impl Answer {
     }
 
     fn rounding(&self) -> f64 {
-        rounding(self.query.pair, &self.query)
+        rounding(&self.query)
     }
 }
 

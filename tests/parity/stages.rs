@@ -121,12 +121,6 @@ fn detected(case: &Case, capacities: Capacities) -> Option<Columns> {
         triangles: sizes.triangles as u32,
         first_passive: surface.first_passive,
         own_contact: 1,
-        entries: capacities.entries as u32,
-        tiles: capacities.tiles as u32,
-        pairs: capacities.pairs as u32,
-        vertex_triangle: capacities.vertex_triangle as u32,
-        edge_edge: capacities.edge_edge as u32,
-        contacts: capacities.contacts as u32,
         reach: REACH,
         ..Params::default()
     };

@@ -148,6 +148,11 @@ fn hands_that_come_and_go_need_no_more_room() {
     let room = |sim: &Simulation| [sim.pins().table.len(), sim.pins().keys.len()];
     let (count, before) = (sim.positions().len() as u32, room(&sim));
     assert!(!sim.lead(count, DVec3::ZERO, 1.0) && !sim.release(count) && sim.pins().vertices.len() < 10);
+    let pins = sim.pins().vertices.to_vec();
+    for (place, seconds) in [(DVec3::NAN, 1.0), (DVec3::INFINITY, 1.0), (DVec3::ONE, -1.0), (DVec3::ONE, f64::NAN)] {
+        assert!(!sim.lead(12, place, seconds), "to {place} in {seconds} s");
+    }
+    assert_eq!(sim.pins().vertices, pins, "nothing was done");
     for vertex in (0..count).chain(0..count) {
         assert!(sim.lead(vertex, DVec3::ONE, 1.0) && sim.lead(vertex, DVec3::ZERO, 1.0) && sim.release(vertex));
     }

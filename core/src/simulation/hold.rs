@@ -5,9 +5,13 @@ use crate::real::{Sum, Vec3};
 
 impl Simulation {
     /// Leads a vertex, held until now or not, to a place, m, evenly within so many seconds from now on, at
-    /// once where there are none; there it rests. False, and nothing done, where there is no such vertex.
+    /// once where there are none; there it rests. False, and nothing done, where there is no such vertex, the
+    /// place or the time is not finite, or the time less than nothing.
     pub fn lead(&mut self, vertex: u32, place: Vec3, seconds: Sum) -> bool {
         let Some(&from) = self.positions().get(vertex as usize) else { return false };
+        if !place.is_finite() || !(0.0..Sum::INFINITY).contains(&seconds) {
+            return false;
+        }
         let now = self.time();
         self.built.pins.lead(vertex, [now, now + seconds], [from, place]);
         // A method of two steps cannot look back over what a hand does.

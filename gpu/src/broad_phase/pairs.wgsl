@@ -84,6 +84,23 @@ fn partners(tile: u32, local: u32, entry: vec4<u32>) -> vec2<u32> {
     return vec2<u32>(among(0u, entry, few), among(WORD, entry, few));
 }
 
+// The partners of an invocation's entry, none where the tile is not wanted, and in `hits` how many all of the
+// group have; by all of it.
+fn find(tile: u32, local: u32, is_wanted: bool) -> vec2<u32> {
+    var entry = NOTHING;
+    if is_wanted {
+        entry = load(tile, local);
+    }
+    workgroupBarrier();
+    var found = vec2<u32>(0u);
+    if is_wanted {
+        found = partners(tile, local, entry);
+    }
+    hits[local] = countOneBits(found.x) + countOneBits(found.y);
+    workgroupBarrier();
+    return found;
+}
+
 // How many pairs the first invocations of a group found.
 fn hits_before(local: u32) -> u32 {
     var sum = 0u;
@@ -98,17 +115,7 @@ fn hits_before(local: u32) -> u32 {
 fn count_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let tile = place(group);
     let is_there = tile < min(plan[TILES], params.tiles) && !lacks(NO_ROOM_BEFORE_PAIRS);
-    var entry = NOTHING;
-    if is_there {
-        entry = load(tile, local);
-    }
-    workgroupBarrier();
-    var found = vec2<u32>(0u);
-    if is_there {
-        found = partners(tile, local, entry);
-    }
-    hits[local] = countOneBits(found.x) + countOneBits(found.y);
-    workgroupBarrier();
+    find(tile, local, is_there);
     if local == 0u && tile < params.tiles {
         counts[tile] = hits_before(SIDE);
     }
@@ -126,20 +133,11 @@ fn pairs_before(tile: u32) -> u32 {
 fn write_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let tile = place(group);
     let has_some = tile < params.tiles && pairs_before(tile) < pairs_before(tile + 1u) && !lacks(NO_ROOM_FOR_PAIRS);
-    var entry = NOTHING;
-    if has_some {
-        entry = load(tile, local);
-    }
-    workgroupBarrier();
-    var found = vec2<u32>(0u);
-    if has_some {
-        found = partners(tile, local, entry);
-    }
-    hits[local] = countOneBits(found.x) + countOneBits(found.y);
-    workgroupBarrier();
+    let found = find(tile, local, has_some);
     if !any(found != vec2<u32>(0u)) {
         return;
     }
+    let own = boxed[tiles[tile].x + local].y & ID;
     var at = plan[PAIRS] + pairs_before(tile) + hits_before(local);
     for (var half = 0u; half < 2u; half++) {
         var left = found[half];
@@ -147,7 +145,7 @@ fn write_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
             let other = others[half * WORD + firstTrailingBit(left)];
             left &= left - 1u;
             if at < params.pairs {
-                pairs[at] = vec2<u32>(entry.y & ID, other.y & ID);
+                pairs[at] = vec2<u32>(own, other.y & ID);
             }
             at++;
         }

@@ -85,8 +85,11 @@ impl Touch {
     /// Moves all candidates to `next`.
     pub fn find(found: &Found, distances: &Distances, subject: &Subject, next: &[Vec3], pool: &Pool) -> Self {
         let (vertices, edges) = (&found.vertex_triangle, &found.edge_edge);
-        let vertex_triangle = times::<VertexTriangle>(vertices, &distances.vertex_triangle, subject, next, pool);
-        let edge_edge = times::<EdgeEdge>(edges, &distances.edge_edge, subject, next, pool);
+        let (start, radii) = (&subject.positions[..], &vec![0.0; next.len()][..]);
+        let moves: Vec<_> = next.iter().zip(start).map(|(&end, &start)| end - start).collect();
+        let motion = Motion { start, end: next, moves: &moves, radii, rounds: &[], round: 0 };
+        let vertex_triangle = times::<VertexTriangle>(vertices, &distances.vertex_triangle, subject, motion, pool);
+        let edge_edge = times::<EdgeEdge>(edges, &distances.edge_edge, subject, motion, pool);
         Self::of(&vertex_triangle, &edge_edge)
     }
 
@@ -107,13 +110,10 @@ fn times<P: Pairing>(
     candidates: &[[u32; 2]],
     distances: &[f32],
     subject: &Subject,
-    next: &[Vec3],
+    motion: Motion<'_>,
     pool: &Pool,
 ) -> Vec<f32> {
     let mut times = vec![NEVER; candidates.len()];
-    let (start, radii) = (&subject.positions[..], &vec![0.0; next.len()][..]);
-    let moves: Vec<_> = next.iter().zip(start).map(|(&end, &start)| end - start).collect();
-    let motion = Motion { start, end: next, moves: &moves, radii, rounds: &[], round: 0 };
     continuous::times::<P>(candidates, distances, &subject.surface.view(), motion, 0.0, &mut times, pool);
     times
 }
