@@ -7,17 +7,17 @@ use crate::stages::Stage;
 #[derive(Debug)]
 pub struct Program {
     /// What it is.
-    pub stage: Stage,
+    pub stage: &'static Stage,
     layout: wgpu::BindGroupLayout,
     pipelines: Vec<wgpu::ComputePipeline>,
 }
 
 impl Program {
     /// Compiles all entries.
-    pub fn compile(device: &wgpu::Device, stage: Stage) -> Self {
+    pub fn compile(device: &wgpu::Device, stage: &'static Stage) -> Self {
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(stage.name),
-            source: wgpu::ShaderSource::Wgsl(stage.source.into()),
+            source: wgpu::ShaderSource::Wgsl(stage.source().into()),
         });
         let entry = |binding: usize, ty| wgpu::BindGroupLayoutEntry {
             binding: binding as u32,

@@ -7,8 +7,8 @@ use crate::slots::Slot;
 pub struct Stage {
     /// Its path below `src`, without extension, with what it is joined with where there is a choice.
     pub name: &'static str,
-    /// WGSL, whole.
-    pub source: &'static str,
+    /// WGSL, in pieces of which stages share some.
+    pub pieces: &'static [&'static str],
     /// Its entry points.
     pub entries: &'static [&'static str],
     /// Its columns in binding order from 1 on, and whether it writes them.
@@ -18,14 +18,21 @@ pub struct Stage {
     pub bound: f32,
 }
 
-/// Joins pieces behind what all stages have.
+impl Stage {
+    /// WGSL, whole. Joined when it is asked for: the common pieces are many times as long as what they serve.
+    pub fn source(&self) -> String {
+        self.pieces.concat()
+    }
+}
+
+/// Pieces behind what all stages have, as `build.rs` left them.
 macro_rules! wgsl {
     ($($piece:literal),*) => {
-        concat!(
-            include_str!("shared/params.wgsl"),
-            include_str!("shared/plan.wgsl"),
-            $(include_str!($piece)),*
-        )
+        &[
+            include_str!(concat!(env!("OUT_DIR"), "/shared/params.wgsl")),
+            include_str!(concat!(env!("OUT_DIR"), "/shared/plan.wgsl")),
+            $(include_str!(concat!(env!("OUT_DIR"), "/", $piece))),*
+        ]
     };
 }
 
@@ -36,9 +43,9 @@ const READ: bool = false;
 const WRITE: bool = true;
 
 /// The boxes of triangles.
-pub const BOUNDS: Stage = Stage {
+pub static BOUNDS: Stage = Stage {
     name: "broad_phase/bounds",
-    source: wgsl!("broad_phase/bounds.wgsl"),
+    pieces: wgsl!("broad_phase/bounds.wgsl"),
     entries: &["write_bounds"],
     bindings: &[
         (Slot::Boxes, READ),
@@ -51,27 +58,27 @@ pub const BOUNDS: Stage = Stage {
 };
 
 /// Triangles by size.
-pub const LEVELS: Stage = Stage {
+pub static LEVELS: Stage = Stage {
     name: "broad_phase/levels",
-    source: wgsl!("broad_phase/levels.wgsl"),
+    pieces: wgsl!("broad_phase/levels.wgsl"),
     entries: &["count_sizes", "divide", "assign"],
     bindings: &[(Slot::TriangleBoxes, READ), (Slot::Levels, WRITE), (Slot::Histogram, WRITE), (Slot::Plan, WRITE)],
     bound: EXACT,
 };
 
 /// The boxes of vertices in units.
-pub const UNITS: Stage = Stage {
+pub static UNITS: Stage = Stage {
     name: "broad_phase/units",
-    source: wgsl!("broad_phase/units.wgsl"),
+    pieces: wgsl!("broad_phase/units.wgsl"),
     entries: &["choose_scale", "write_units"],
     bindings: &[(Slot::Boxes, READ), (Slot::Units, WRITE), (Slot::Plan, WRITE)],
     bound: EXACT,
 };
 
 /// The spheres around triangles.
-pub const SPHERES: Stage = Stage {
+pub static SPHERES: Stage = Stage {
     name: "broad_phase/spheres",
-    source: wgsl!("broad_phase/spheres.wgsl"),
+    pieces: wgsl!("broad_phase/spheres.wgsl"),
     entries: &["write_spheres"],
     bindings: &[
         (Slot::Units, READ),
@@ -84,18 +91,18 @@ pub const SPHERES: Stage = Stage {
 };
 
 /// Home cells and control bits.
-pub const CELLS: Stage = Stage {
+pub static CELLS: Stage = Stage {
     name: "broad_phase/cells",
-    source: wgsl!("broad_phase/control_bits.wgsl", "broad_phase/cells.wgsl"),
+    pieces: wgsl!("broad_phase/control_bits.wgsl", "broad_phase/cells.wgsl"),
     entries: &["choose_lattice", "write_cells"],
     bindings: &[(Slot::Spheres, READ), (Slot::Homes, WRITE), (Slot::Plan, WRITE)],
     bound: EXACT,
 };
 
 /// An entry for each cell that a triangle touches.
-pub const ENTRIES: Stage = Stage {
+pub static ENTRIES: Stage = Stage {
     name: "broad_phase/entries",
-    source: wgsl!("broad_phase/control_bits.wgsl", "shared/entry.wgsl", "broad_phase/entries.wgsl"),
+    pieces: wgsl!("broad_phase/control_bits.wgsl", "shared/entry.wgsl", "broad_phase/entries.wgsl"),
     entries: &["count_entries", "write_entries"],
     bindings: &[
         (Slot::Homes, READ),
@@ -109,34 +116,34 @@ pub const ENTRIES: Stage = Stage {
 };
 
 /// Sums of all numbers before each.
-pub const SCAN: Stage = Stage {
+pub static SCAN: Stage = Stage {
     name: "shared/scan",
-    source: wgsl!("shared/scan.wgsl"),
+    pieces: wgsl!("shared/scan.wgsl"),
     entries: &["sum_blocks", "scan_blocks", "spread"],
     bindings: &[(Slot::Counts, WRITE), (Slot::Blocks, WRITE)],
     bound: EXACT,
 };
 
 /// A pass of the sort.
-pub const SORT: Stage = Stage {
+pub static SORT: Stage = Stage {
     name: "broad_phase/sort",
-    source: wgsl!("broad_phase/sort.wgsl"),
+    pieces: wgsl!("broad_phase/sort.wgsl"),
     entries: &["count_digits", "scatter"],
     bindings: &[(Slot::Entries, READ), (Slot::Spare, WRITE), (Slot::Counts, WRITE), (Slot::Plan, READ)],
     bound: EXACT,
 };
 
 /// The pass back.
-pub const SORT_BACK: Stage = Stage {
+pub static SORT_BACK: Stage = Stage {
     name: "broad_phase/sort, back",
     bindings: &[(Slot::Spare, READ), (Slot::Entries, WRITE), (Slot::Counts, WRITE), (Slot::Plan, READ)],
     ..SORT
 };
 
 /// Boxes in bytes, of triangles and of entries.
-pub const BYTE_BOXES: Stage = Stage {
+pub static BYTE_BOXES: Stage = Stage {
     name: "broad_phase/byte_boxes",
-    source: wgsl!("shared/entry.wgsl", "broad_phase/byte_boxes.wgsl"),
+    pieces: wgsl!("shared/entry.wgsl", "broad_phase/byte_boxes.wgsl"),
     entries: &["write_byte_boxes", "gather"],
     bindings: &[
         (Slot::Units, READ),
@@ -151,9 +158,9 @@ pub const BYTE_BOXES: Stage = Stage {
 };
 
 /// Comparisons of entries in pieces of one size.
-pub const TILES: Stage = Stage {
+pub static TILES: Stage = Stage {
     name: "shared/tiles",
-    source: wgsl!("shared/entry.wgsl", "shared/tiles.wgsl", "shared/short.wgsl"),
+    pieces: wgsl!("shared/entry.wgsl", "shared/tiles.wgsl", "shared/short.wgsl"),
     entries: &["count_tiles", "write_tiles"],
     bindings: &[
         (Slot::Boxed, READ),
@@ -166,9 +173,9 @@ pub const TILES: Stage = Stage {
 };
 
 /// Pairs of triangles.
-pub const PAIRS: Stage = Stage {
+pub static PAIRS: Stage = Stage {
     name: "broad_phase/pairs",
-    source: wgsl!(
+    pieces: wgsl!(
         "broad_phase/control_bits.wgsl",
         "shared/entry.wgsl",
         "broad_phase/pairs.wgsl",
@@ -190,9 +197,9 @@ pub const PAIRS: Stage = Stage {
 };
 
 /// Pairs with triangles of the last level.
-pub const PLAIN: Stage = Stage {
+pub static PLAIN: Stage = Stage {
     name: "broad_phase/plain",
-    source: wgsl!("broad_phase/plain.wgsl", "shared/may_pair.wgsl", "shared/short.wgsl"),
+    pieces: wgsl!("broad_phase/plain.wgsl", "shared/may_pair.wgsl", "shared/short.wgsl"),
     entries: &["count_last", "list_last", "count_plain", "write_plain", "close_plain"],
     bindings: &[
         (Slot::Levels, READ),
@@ -207,9 +214,9 @@ pub const PLAIN: Stage = Stage {
 };
 
 /// The features of pairs.
-pub const FEATURES: Stage = Stage {
+pub static FEATURES: Stage = Stage {
     name: "broad_phase/features",
-    source: wgsl!("shared/sewn.wgsl", "broad_phase/features.wgsl", "shared/short.wgsl"),
+    pieces: wgsl!("shared/sewn.wgsl", "broad_phase/features.wgsl", "shared/short.wgsl"),
     entries: &["find_features"],
     bindings: &[
         (Slot::Boxes, READ),
@@ -225,9 +232,9 @@ pub const FEATURES: Stage = Stage {
 };
 
 /// Features as candidates.
-pub const CANDIDATES: Stage = Stage {
+pub static CANDIDATES: Stage = Stage {
     name: "shared/candidates",
-    source: wgsl!("shared/candidates.wgsl"),
+    pieces: wgsl!("shared/candidates.wgsl"),
     entries: &["count_candidates", "write_candidates"],
     bindings: &[
         (Slot::Triangles, READ),
@@ -243,9 +250,9 @@ pub const CANDIDATES: Stage = Stage {
 };
 
 /// Distances of vertices and triangles.
-pub const VERTEX_TRIANGLE: Stage = Stage {
+pub static VERTEX_TRIANGLE: Stage = Stage {
     name: "narrow_phase/proximity, vertex_triangle",
-    source: wgsl!(
+    pieces: wgsl!(
         "geometry/point_edge.wgsl",
         "geometry/point_triangle.wgsl",
         "narrow_phase/vertex_triangle.wgsl",
@@ -265,9 +272,9 @@ pub const VERTEX_TRIANGLE: Stage = Stage {
 };
 
 /// Distances of edges.
-pub const EDGE_EDGE: Stage = Stage {
+pub static EDGE_EDGE: Stage = Stage {
     name: "narrow_phase/proximity, edge_edge",
-    source: wgsl!(
+    pieces: wgsl!(
         "geometry/point_edge.wgsl",
         "geometry/edge_edge.wgsl",
         "narrow_phase/edge_edge.wgsl",
@@ -287,9 +294,9 @@ pub const EDGE_EDGE: Stage = Stage {
 };
 
 /// Candidates that are near.
-pub const CONTACTS: Stage = Stage {
+pub static CONTACTS: Stage = Stage {
     name: "narrow_phase/contacts",
-    source: wgsl!("narrow_phase/contacts.wgsl"),
+    pieces: wgsl!("narrow_phase/contacts.wgsl"),
     entries: &["count_contacts", "write_contacts"],
     bindings: &[
         (Slot::VertexTriangle, READ),
@@ -305,9 +312,9 @@ pub const CONTACTS: Stage = Stage {
 };
 
 /// Times at which vertices and triangles meet.
-pub const VERTEX_TRIANGLE_CCD: Stage = Stage {
+pub static VERTEX_TRIANGLE_CCD: Stage = Stage {
     name: "narrow_phase/continuous, vertex_triangle",
-    source: wgsl!(
+    pieces: wgsl!(
         "geometry/point_edge.wgsl",
         "geometry/point_triangle.wgsl",
         "narrow_phase/vertex_triangle.wgsl",
@@ -330,9 +337,9 @@ pub const VERTEX_TRIANGLE_CCD: Stage = Stage {
 };
 
 /// Times at which edges meet.
-pub const EDGE_EDGE_CCD: Stage = Stage {
+pub static EDGE_EDGE_CCD: Stage = Stage {
     name: "narrow_phase/continuous, edge_edge",
-    source: wgsl!(
+    pieces: wgsl!(
         "geometry/point_edge.wgsl",
         "geometry/edge_edge.wgsl",
         "narrow_phase/edge_edge.wgsl",
@@ -355,25 +362,25 @@ pub const EDGE_EDGE_CCD: Stage = Stage {
 };
 
 /// All of them, in the order of the data.
-pub const ALL: [Stage; 20] = [
-    BOUNDS,
-    LEVELS,
-    UNITS,
-    SPHERES,
-    CELLS,
-    ENTRIES,
-    SCAN,
-    SORT,
-    SORT_BACK,
-    BYTE_BOXES,
-    TILES,
-    PAIRS,
-    PLAIN,
-    FEATURES,
-    CANDIDATES,
-    VERTEX_TRIANGLE,
-    EDGE_EDGE,
-    CONTACTS,
-    VERTEX_TRIANGLE_CCD,
-    EDGE_EDGE_CCD,
+pub static ALL: [&Stage; 20] = [
+    &BOUNDS,
+    &LEVELS,
+    &UNITS,
+    &SPHERES,
+    &CELLS,
+    &ENTRIES,
+    &SCAN,
+    &SORT,
+    &SORT_BACK,
+    &BYTE_BOXES,
+    &TILES,
+    &PAIRS,
+    &PLAIN,
+    &FEATURES,
+    &CANDIDATES,
+    &VERTEX_TRIANGLE,
+    &EDGE_EDGE,
+    &CONTACTS,
+    &VERTEX_TRIANGLE_CCD,
+    &EDGE_EDGE_CCD,
 ];

@@ -11,7 +11,7 @@ macro_rules! offsets {
 }
 
 fn any_stage() -> Module {
-    naga::front::wgsl::parse_str(stages::BOUNDS.source).expect("the stage parses")
+    naga::front::wgsl::parse_str(&stages::BOUNDS.source()).expect("the stage parses")
 }
 
 #[test]

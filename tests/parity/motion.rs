@@ -29,8 +29,8 @@ fn radius(vertex: u32) -> f64 {
 /// What a distance may be off by: of the size of a pair.
 fn rounding(query: &Query) -> f64 {
     let stage = match query.pair {
-        Pair::VertexTriangle => stages::VERTEX_TRIANGLE,
-        Pair::EdgeEdge => stages::EDGE_EDGE,
+        Pair::VertexTriangle => &stages::VERTEX_TRIANGLE,
+        Pair::EdgeEdge => &stages::EDGE_EDGE,
     };
     f64::from(stage.bound) * query.size()
 }

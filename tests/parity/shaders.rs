@@ -10,17 +10,18 @@ const INVOCATIONS: u32 = 256;
 const WORKGROUP_BYTES: u32 = 16 * 1024;
 
 fn parse(stage: &Stage) -> Module {
-    naga::front::wgsl::parse_str(stage.source)
-        .unwrap_or_else(|error| panic!("{}: {}", stage.name, error.emit_to_string(stage.source)))
+    let source = stage.source();
+    naga::front::wgsl::parse_str(&source)
+        .unwrap_or_else(|error| panic!("{}: {}", stage.name, error.emit_to_string(&source)))
 }
 
 #[test]
 fn all_are_valid_without_extensions() {
     for stage in stages::ALL {
-        let module = parse(&stage);
+        let module = parse(stage);
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
         if let Err(error) = validator.validate(&module) {
-            panic!("{}: {}", stage.name, error.emit_to_string(stage.source));
+            panic!("{}: {}", stage.name, error.emit_to_string(&stage.source()));
         }
     }
 }
@@ -28,7 +29,7 @@ fn all_are_valid_without_extensions() {
 #[test]
 fn entries_and_columns_are_those_of_the_table() {
     for stage in stages::ALL {
-        let module = parse(&stage);
+        let module = parse(stage);
         let entries: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
         assert_eq!(entries, stage.entries, "{}", stage.name);
         let mut columns: Vec<_> = module
@@ -49,7 +50,7 @@ fn entries_and_columns_are_those_of_the_table() {
 #[test]
 fn groups_are_as_small_as_browsers_ask() {
     for stage in stages::ALL {
-        let module = parse(&stage);
+        let module = parse(stage);
         for entry in &module.entry_points {
             assert!(entry.workgroup_size.iter().product::<u32>() <= INVOCATIONS, "{} {}", stage.name, entry.name);
         }
