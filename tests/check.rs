@@ -2,6 +2,7 @@
 //! CI runs the same.
 #![forbid(unsafe_code)]
 
+use std::env;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
@@ -14,14 +15,22 @@ const CORES: [&str; 2] = ["muslin-core", "muslin-core-f64"];
 /// What users build, which must also build without what the others' features bring.
 const PACKAGES: [&str; 3] = ["muslin-core", "muslin-core-f64", "muslin-cli"];
 
+/// Where a browser must be tested; without it only where there is what that needs.
+const REQUIRE_BROWSER: &str = "MUSLIN_REQUIRE_BROWSER";
+
 /// One command and the variables that it runs with.
 struct Check {
+    program: &'static str,
     arguments: Vec<String>,
     variables: &'static [(&'static str, &'static str)],
 }
 
+fn check(program: &'static str, arguments: &str) -> Check {
+    Check { program, arguments: arguments.split_whitespace().map(String::from).collect(), variables: &[] }
+}
+
 fn cargo(arguments: &str) -> Check {
-    Check { arguments: arguments.split_whitespace().map(String::from).collect(), variables: &[] }
+    check("cargo", arguments)
 }
 
 fn checks() -> Vec<Check> {
@@ -37,7 +46,17 @@ fn checks() -> Vec<Check> {
         }
     }
     checks.push(cargo("test --workspace --profile checked"));
+    if env::var_os(REQUIRE_BROWSER).is_some() || is_there("npm") {
+        checks.push(cargo("run --package muslin-pack"));
+        checks.push(check("node", "--test --test-concurrency=1 tests/browser/"));
+    } else {
+        println!("npm is not there (https://nodejs.org): the page and the npm package are not tested");
+    }
     checks
+}
+
+fn is_there(program: &str) -> bool {
+    Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
 fn main() -> ExitCode {
@@ -45,11 +64,12 @@ fn main() -> ExitCode {
         return ExitCode::FAILURE;
     }
     for check in checks() {
-        let command = format!("cargo {}", check.arguments.join(" "));
+        let command = format!("{} {}", check.program, check.arguments.join(" "));
         let variables: Vec<_> = check.variables.iter().map(|(name, value)| format!("{name}=\"{value}\" ")).collect();
         println!("==> {}{command}", variables.concat());
         let started = Instant::now();
-        let status = Command::new(env!("CARGO")).args(&check.arguments).envs(check.variables.iter().copied()).status();
+        let program = if check.program == "cargo" { env!("CARGO") } else { check.program };
+        let status = Command::new(program).args(&check.arguments).envs(check.variables.iter().copied()).status();
         match status {
             Ok(status) if status.success() => println!("    passed in {:.0} s", started.elapsed().as_secs_f64()),
             Ok(_) => {
@@ -57,7 +77,7 @@ fn main() -> ExitCode {
                 return ExitCode::FAILURE;
             }
             Err(error) => {
-                println!("\ncannot start cargo: {error}");
+                println!("\ncannot start {program}: {error}");
                 return ExitCode::FAILURE;
             }
         }

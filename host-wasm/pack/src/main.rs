@@ -1,0 +1,154 @@
+//! Makes the npm package with its page: `cargo run -p muslin-pack [-- [--count] FOLDER]`.
+#![forbid(unsafe_code)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::{env, fs};
+
+use wasm_bindgen_cli_support::{Bindgen, Output};
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Vectors are four lanes wide everywhere; a panic has nobody to tell, so that it needs neither text nor place, and
+/// nobody reads debug output; what is unrolled is twice as long and no faster.
+const FLAGS: &str = "-Ctarget-feature=+simd128 -Zunstable-options -Cpanic=immediate-abort -Zlocation-detail=none \
+                     -Zfmt-debug=none -Cllvm-args=-unroll-threshold=30";
+
+/// The standard library is built with the module: for size, and without the texts of panics. That is unstable,
+/// hence `RUSTC_BOOTSTRAP`.
+const STANDARD: [&str; 2] = ["-Zbuild-std=std,panic_abort", "-Zbuild-std-features=optimize_for_size"];
+
+/// What is bundled: its entries and where they go, relative to the package.
+const BUNDLES: [(&str, &str); 3] =
+    [("muslin.js", "muslin.js"), ("page/page.js", "page/page.js"), ("page/worker.js", "page/worker.js")];
+
+/// What is taken as it is, and what without its blanks.
+const COPIED: [(&str, &str); 2] = [("package.json", "package.json"), ("web/muslin.d.ts", "muslin.d.ts")];
+
+fn main() -> ExitCode {
+    let (options, folders): (Vec<_>, Vec<_>) = env::args().skip(1).partition(|argument| argument.starts_with("--"));
+    if options.iter().any(|option| option != "--count") || folders.len() > 1 {
+        println!(
+            "cargo run -p muslin-pack [-- [--count] FOLDER]\n\n\
+             Makes the npm package and its page in FOLDER, host-wasm/dist unless told otherwise.\n\
+             --count  a module that counts what it asks of the allocator, for tests"
+        );
+        return ExitCode::from(2);
+    }
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folder = folders.first().map_or_else(|| own.join("dist"), PathBuf::from);
+    match pack(&own, &folder, !options.is_empty()) {
+        Ok(()) => {
+            println!("{}", folder.display());
+            ExitCode::SUCCESS
+        }
+        Err(why) => {
+            println!("cannot make {}: {why}", folder.display());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
+    install(own)?;
+    let module = build(own, count)?;
+    let web = own.join("web");
+    bind(&module, &web)?;
+    let failed = |path: &Path| {
+        let path = path.display().to_string();
+        move |why| format!("{path}: {why}")
+    };
+    fs::create_dir_all(folder.join("page")).map_err(failed(folder))?;
+    for (from, to) in BUNDLES {
+        bundle(own, &web.join(from), &folder.join(to))?;
+    }
+    bundle(own, &web.join("page/style.css"), &folder.join("page/style.css"))?;
+    for (from, to) in COPIED {
+        fs::copy(own.join(from), folder.join(to)).map_err(failed(&own.join(from)))?;
+    }
+    let page = web.join("page/index.html");
+    let text = fs::read_to_string(&page).map_err(failed(&page))?;
+    let text: String = text.lines().map(|line| format!("{}\n", line.trim())).collect();
+    fs::write(folder.join("page/index.html"), text).map_err(failed(&page))?;
+    let bound = web.join("muslin_wasm_bg.wasm");
+    fs::rename(&bound, folder.join("muslin_wasm_bg.wasm")).map_err(failed(&bound))
+}
+
+/// Fetches the tools that `package.json` names, once.
+fn install(own: &Path) -> Result<(), String> {
+    if own.join("node_modules/.package-lock.json").is_file() {
+        return Ok(());
+    }
+    let mut npm = Command::new("npm");
+    npm.args(["ci", "--no-audit", "--no-fund"]).current_dir(own);
+    run(npm, "npm is needed: install Node.js 20 or newer (https://nodejs.org)")
+}
+
+fn build(own: &Path, count: bool) -> Result<PathBuf, String> {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo
+        .args(["build", "--package", "muslin-wasm", "--lib", "--profile", "wasm", "--target", TARGET])
+        .args(STANDARD)
+        .args(count.then_some("--features=count"))
+        .env("RUSTC_BOOTSTRAP", "1")
+        .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", FLAGS)
+        .current_dir(own);
+    run(cargo, &format!("rustup target add {TARGET} and rustup component add rust-src may be missing"))?;
+    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| own.join("../target"), PathBuf::from);
+    Ok(target.join(TARGET).join("wasm/muslin_wasm.wasm"))
+}
+
+/// Writes the module as pages load it, and `muslin_wasm.js` that does.
+fn bind(module: &Path, to: &Path) -> Result<(), String> {
+    let failed = |why: anyhow::Error| format!("{}: {why:#}", module.display());
+    let mut bindgen = Bindgen::new();
+    bindgen.input_path(module).web(true).map_err(failed)?;
+    bindgen.omit_default_module_path(false).typescript(false).remove_name_section(true).remove_producers_section(true);
+    let mut output = bindgen.generate_output().map_err(failed)?;
+    let names = shorten(&mut output);
+    output.emit(to).map_err(failed)?;
+    let script = to.join("muslin_wasm.js");
+    let told = |why| format!("{}: {why}", script.display());
+    let text = fs::read_to_string(&script).map_err(told)?;
+    let text = names
+        .iter()
+        .fold(text, |text, (long, short)| text.replace(&format!("{long}: function"), &format!("{short}: function")));
+    fs::write(&script, text).map_err(told)
+}
+
+/// What the module imports has names of fifty letters, there and in the script: two hundred of them. Gives them
+/// short ones in the module, and tells which.
+fn shorten(output: &mut Output) -> Vec<(String, String)> {
+    let imports = output.wasm_mut().imports.iter_mut().filter(|import| import.name.starts_with("__wb"));
+    let renamed = imports.enumerate().map(|(k, import)| {
+        let short = format!("i{k}");
+        (std::mem::replace(&mut import.name, short.clone()), short)
+    });
+    renamed.collect()
+}
+
+/// One file of an entry and all that it imports, but for the package itself where a page asks for it.
+fn bundle(own: &Path, entry: &Path, to: &Path) -> Result<(), String> {
+    let mut esbuild = Command::new(own.join("node_modules/.bin/esbuild"));
+    esbuild
+        .arg(entry)
+        .args([
+            "--bundle",
+            "--minify",
+            "--format=esm",
+            "--target=es2022",
+            "--log-level=warning",
+            "--legal-comments=none",
+        ])
+        .args(["--external:../muslin.js", "--loader:.wgsl=text"])
+        .arg(format!("--outfile={}", to.display()));
+    run(esbuild, "remove host-wasm/node_modules and try again")
+}
+
+fn run(mut command: Command, hint: &str) -> Result<(), String> {
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("{} failed ({status}); {hint}", command.get_program().display())),
+        Err(why) => Err(format!("{}: {why}; {hint}", command.get_program().display())),
+    }
+}

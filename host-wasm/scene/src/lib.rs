@@ -1,0 +1,311 @@
+//! Scenes as JavaScript has them: objects, arrays, numbers, words.
+//!
+//! `serde-wasm-bindgen` would pass over keys that nobody knows; a scene with one is refused here, as everywhere.
+
+use js_sys::{Array, Object};
+use muslin_core::scene::SceneDesc;
+use serde::de::value::{StrDeserializer, StringDeserializer};
+use serde::de::{Deserialize, VariantAccess};
+use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error as _, MapAccess, SeqAccess, Unexpected, Visitor};
+use wasm_bindgen::{JsCast, JsValue};
+
+/// What is wrong, and the keys that lead to it, the last first.
+#[derive(Debug)]
+struct Error {
+    why: String,
+    path: Vec<String>,
+}
+
+impl Error {
+    fn at(mut self, key: impl Into<String>) -> Self {
+        self.path.push(key.into());
+        self
+    }
+}
+
+impl std::fmt::Display for Error {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.why)
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl serde::de::Error for Error {
+    fn custom<T: std::fmt::Display>(why: T) -> Self {
+        Self { why: why.to_string(), path: Vec::new() }
+    }
+}
+
+/// Reads a scene.
+pub fn read(scene: JsValue) -> Result<SceneDesc, String> {
+    SceneDesc::deserialize(Value(scene)).map_err(|error| explain(&error))
+}
+
+/// The message where it belongs, with the nearest known key where one is unknown.
+fn explain(error: &Error) -> String {
+    // The names of Rust types mean nothing to who writes a scene.
+    let why = match error.why.split_once("expected struct ") {
+        Some((before, _)) => format!("{before}expected a section of keys"),
+        None => error.why.replace(", expected f64", ", expected a number"),
+    };
+    let path: Vec<_> = error.path.iter().rev().map(String::as_str).collect();
+    let place = if path.is_empty() { String::new() } else { format!("{}: ", path.join(".")) };
+    let quoted: Vec<&str> = why.split('`').skip(1).step_by(2).collect();
+    let hint = match quoted.split_first() {
+        Some((unknown, known)) if why.starts_with("unknown") => nearest(unknown, known.iter().copied()),
+        _ => None,
+    };
+    let hint = hint.map(|known| format!("\ndid you mean `{known}`?")).unwrap_or_default();
+    format!("{place}{why}{hint}")
+}
+
+/// The most similar of some names, where it is similar at all.
+fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .filter(|(similarity, _)| *similarity > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+struct Value(JsValue);
+
+impl Value {
+    /// A list of a scene is an array here, or an array of numbers of one type.
+    fn list(&self) -> Option<Array> {
+        self.0.dyn_ref::<Array>().cloned()
+    }
+
+    fn section(&self) -> Option<Array> {
+        // What a parser made may have no prototype, and is no instance of anything.
+        (self.0.is_object() && !self.0.is_array()).then(|| Object::entries(self.0.unchecked_ref()))
+    }
+
+    fn is_not<'de, V: Visitor<'de>>(&self, visitor: &V) -> Error {
+        let text = self.0.as_string();
+        let unexpected = match (&text, self.0.as_f64(), self.0.as_bool()) {
+            (Some(text), ..) => Unexpected::Str(text),
+            (_, Some(number), _) => Unexpected::Float(number),
+            (_, _, Some(truth)) => Unexpected::Bool(truth),
+            _ if self.0.is_array() => Unexpected::Seq,
+            _ if self.0.is_object() => Unexpected::Map,
+            _ => Unexpected::Unit,
+        };
+        Error::invalid_type(unexpected, visitor)
+    }
+
+    fn whole<'de, V: Visitor<'de>>(&self, visitor: &V) -> Result<f64, Error> {
+        self.0.as_f64().filter(|number| number.fract() == 0.0).ok_or_else(|| self.is_not(visitor))
+    }
+}
+
+macro_rules! wholes {
+    ($($name:ident $visit:ident $type:ty),*) => {
+        $(fn $name<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+            let number = self.whole(&visitor)?;
+            visitor.$visit(number as $type)
+        })*
+    };
+}
+
+// Each asks its visitor for one thing, so that only that is compiled.
+impl<'de> Deserializer<'de> for Value {
+    type Error = Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        if let Some(number) = self.0.as_f64() {
+            visitor.visit_f64(number)
+        } else if let Some(truth) = self.0.as_bool() {
+            visitor.visit_bool(truth)
+        } else if let Some(text) = self.0.as_string() {
+            visitor.visit_string(text)
+        } else if self.0.is_array() {
+            self.deserialize_seq(visitor)
+        } else {
+            self.deserialize_map(visitor)
+        }
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        match self.0.as_bool() {
+            Some(truth) => visitor.visit_bool(truth),
+            None => Err(self.is_not(&visitor)),
+        }
+    }
+
+    wholes!(
+        deserialize_u8 visit_u64 u64, deserialize_u16 visit_u64 u64, deserialize_u32 visit_u64 u64,
+        deserialize_u64 visit_u64 u64, deserialize_i8 visit_i64 i64, deserialize_i16 visit_i64 i64,
+        deserialize_i32 visit_i64 i64, deserialize_i64 visit_i64 i64
+    );
+
+    fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        self.deserialize_f64(visitor)
+    }
+
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        match self.0.as_f64() {
+            Some(number) => visitor.visit_f64(number),
+            None => Err(self.is_not(&visitor)),
+        }
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        match self.0.as_string() {
+            Some(text) => visitor.visit_string(text),
+            None => Err(self.is_not(&visitor)),
+        }
+    }
+
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        self.deserialize_string(visitor)
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Error> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        match self.list() {
+            Some(items) => visitor.visit_seq(Items { items, next: 0 }),
+            None => Err(self.is_not(&visitor)),
+        }
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, count: usize, visitor: V) -> Result<V::Value, Error> {
+        match self.list() {
+            Some(items) if items.length() as usize != count => {
+                Err(Error::invalid_length(items.length() as usize, &visitor))
+            }
+            _ => self.deserialize_seq(visitor),
+        }
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        match self.section() {
+            Some(items) => visitor.visit_map(Entries { items, next: 0, key: String::new() }),
+            None => Err(self.is_not(&visitor)),
+        }
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        self.deserialize_map(visitor)
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        if let Some(name) = self.0.as_string() {
+            return visitor.visit_enum(Choice { name, value: JsValue::UNDEFINED });
+        }
+        match self.section().filter(|entries| entries.length() == 1) {
+            Some(entries) => {
+                let entry: Array = entries.get(0).unchecked_into();
+                let name = entry.get(0).as_string().unwrap_or_default();
+                visitor.visit_enum(Choice { name, value: entry.get(1) })
+            }
+            None => Err(self.is_not(&visitor)),
+        }
+    }
+
+    serde::forward_to_deserialize_any! {
+        i128 u128 char bytes byte_buf unit unit_struct tuple_struct identifier ignored_any
+    }
+}
+
+struct Items {
+    items: Array,
+    next: u32,
+}
+
+impl<'de> SeqAccess<'de> for Items {
+    type Error = Error;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
+        if self.next == self.items.length() {
+            return Ok(None);
+        }
+        let index = self.next;
+        self.next += 1;
+        seed.deserialize(Value(self.items.get(index))).map(Some).map_err(|error| error.at(index.to_string()))
+    }
+}
+
+struct Entries {
+    items: Array,
+    next: u32,
+    key: String,
+}
+
+impl<'de> MapAccess<'de> for Entries {
+    type Error = Error;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Error> {
+        // A key without a value is as good as none.
+        let entry = loop {
+            if self.next == self.items.length() {
+                return Ok(None);
+            }
+            let entry: Array = self.items.get(self.next).unchecked_into();
+            if !entry.get(1).is_undefined() {
+                break entry;
+            }
+            self.next += 1;
+        };
+        self.key = entry.get(0).as_string().unwrap_or_default();
+        seed.deserialize(StrDeserializer::new(&self.key)).map(Some)
+    }
+
+    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Error> {
+        let entry: Array = self.items.get(self.next).unchecked_into();
+        self.next += 1;
+        seed.deserialize(Value(entry.get(1))).map_err(|error| error.at(&self.key))
+    }
+}
+
+struct Choice {
+    name: String,
+    value: JsValue,
+}
+
+impl<'de> EnumAccess<'de> for Choice {
+    type Error = Error;
+    type Variant = Value;
+
+    fn variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<(T::Value, Value), Error> {
+        Ok((seed.deserialize(StringDeserializer::new(self.name))?, Value(self.value)))
+    }
+}
+
+impl<'de> VariantAccess<'de> for Value {
+    type Error = Error;
+
+    fn unit_variant(self) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Error> {
+        seed.deserialize(self)
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, count: usize, visitor: V) -> Result<V::Value, Error> {
+        self.deserialize_tuple(count, visitor)
+    }
+
+    fn struct_variant<V: Visitor<'de>>(self, _: &'static [&'static str], visitor: V) -> Result<V::Value, Error> {
+        self.deserialize_map(visitor)
+    }
+}

@@ -1,0 +1,292 @@
+//! A cloth that a page steps, holds and looks at.
+
+use muslin_core::colliders::Form;
+use muslin_core::diagnostics::StateHash;
+use muslin_core::real::{Vec3, vec3};
+use muslin_core::scene::SceneDesc;
+use muslin_core::simulation::{Diverged, Simulation as Cloth, State};
+use muslin_gpu::Gpu;
+use muslin_gpu::device::Ask;
+use muslin_gpu::step::StepDetector;
+use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};
+
+use crate::clock::{Clock, PARTS};
+use crate::surface::{write_normals, write_strains};
+
+/// Columns of a simulation, as addresses and lengths in the memory of the module: a page looks at them there.
+#[wasm_bindgen]
+pub struct Simulation {
+    own: Cloth,
+    clock: Clock,
+    frame: Frame,
+    chain: StateHash,
+    /// Vertices that the page holds, and those that it let go: they stay so when the scene is changed.
+    held: Vec<u32>,
+    released: Vec<u32>,
+    normals: Vec<Vec3>,
+    strains: Vec<f32>,
+}
+
+/// Times of a scene, s.
+#[derive(Clone, Copy)]
+struct Frame {
+    rate: f64,
+    duration: f64,
+}
+
+impl Frame {
+    fn of(desc: &SceneDesc) -> Self {
+        Self { rate: desc.frame_rate, duration: desc.duration }
+    }
+}
+
+fn error(why: impl std::fmt::Display) -> JsError {
+    JsError::new(&why.to_string())
+}
+
+#[wasm_bindgen]
+impl Simulation {
+    /// Of a scene, as an object.
+    #[wasm_bindgen(constructor)]
+    pub fn new(scene: JsValue) -> Result<Self, JsError> {
+        let desc = muslin_wasm_scene::read(scene).map_err(error)?;
+        let own = Cloth::new(&desc, &[]).map_err(error)?;
+        let count = own.positions().len();
+        let mut chain = StateHash::default();
+        chain.add(own.positions(), own.velocities());
+        Ok(Self {
+            own,
+            clock: Clock::default(),
+            frame: Frame::of(&desc),
+            chain,
+            held: Vec::new(),
+            released: Vec::new(),
+            normals: vec![Vec3::ZERO; count],
+            strains: vec![0.0; count],
+        })
+    }
+
+    /// Takes one step on this thread.
+    pub fn step(&mut self) -> Result<(), JsError> {
+        self.clock.stay_here(true);
+        let taken = self.own.step(&self.clock);
+        self.stepped(taken)
+    }
+
+    /// Takes one step whose candidates a device finds, where there is one.
+    #[wasm_bindgen(js_name = awaitStep)]
+    pub async fn await_step(&mut self) -> Result<(), JsError> {
+        self.clock.stay_here(false);
+        let taken = self.own.await_step(&self.clock).await;
+        self.stepped(taken)
+    }
+
+    fn stepped(&mut self, taken: Result<(), Diverged>) -> Result<(), JsError> {
+        self.clock.pause();
+        taken.map_err(error)?;
+        self.chain.add(self.own.positions(), self.own.velocities());
+        Ok(())
+    }
+
+    /// Opens a device for the candidates of [`await_step`](Self::await_step); its name.
+    #[wasm_bindgen(js_name = openDevice)]
+    pub async fn open_device(&mut self) -> Result<String, JsError> {
+        let gpu = Gpu::open(Ask::Most).await.map_err(error)?;
+        let name = gpu.name.clone();
+        self.clock.ask(Some(StepDetector::new(gpu)));
+        Ok(name)
+    }
+
+    /// Whether a device finds the candidates of awaited steps.
+    #[wasm_bindgen(getter, js_name = hasDevice)]
+    pub fn has_device(&self) -> bool {
+        self.clock.has_device()
+    }
+
+    /// What a device said that it should not, once.
+    #[wasm_bindgen(js_name = takeNote)]
+    pub fn take_note(&self) -> Option<String> {
+        self.clock.note()
+    }
+
+    /// Goes on with another scene; the cloth stays where it is if it has as many vertices still.
+    #[wasm_bindgen(js_name = goOnAs)]
+    pub fn go_on_as(&mut self, scene: JsValue) -> Result<(), JsError> {
+        let desc = muslin_wasm_scene::read(scene).map_err(error)?;
+        let mut next = Cloth::new(&desc, &[]).map_err(error)?;
+        let state = self.own.state();
+        let steps = (self.own.time() / f64::from(next.step_length())).round() as u64;
+        // Another method or another step looks back at nothing.
+        let state = State { steps, previous: [&[]; 2], ..state };
+        if next.restore(&state, self.own.work(), self.own.tally()) {
+            self.released.iter().for_each(|&vertex| _ = next.release(vertex));
+            for &vertex in &self.held {
+                next.lead(vertex, self.own.positions()[vertex as usize], 0.0);
+            }
+        } else {
+            (self.held, self.released) = (Vec::new(), Vec::new());
+        }
+        let count = next.positions().len();
+        self.normals.resize(count, Vec3::ZERO);
+        self.strains.resize(count, 0.0);
+        (self.own, self.frame) = (next, Frame::of(&desc));
+        Ok(())
+    }
+
+    /// Leads a vertex to a place, m, within so many seconds; it is held from then on.
+    pub fn lead(&mut self, vertex: u32, x: f32, y: f32, z: f32, seconds: f64) -> Result<(), JsError> {
+        if ![f64::from(x), f64::from(y), f64::from(z), seconds].iter().all(|x| x.is_finite()) || seconds < 0.0 {
+            return Err(JsError::new("a place and a time must be finite numbers"));
+        }
+        if !self.own.lead(vertex, vec3([x, y, z].map(f64::from)), seconds) {
+            return Err(self.no_vertex(vertex));
+        }
+        self.released.retain(|&other| other != vertex);
+        if !self.held.contains(&vertex) {
+            self.held.push(vertex);
+        }
+        Ok(())
+    }
+
+    /// Lets go of a vertex, whatever held it; whether anything did.
+    pub fn release(&mut self, vertex: u32) -> Result<bool, JsError> {
+        if vertex as usize >= self.own.positions().len() {
+            return Err(self.no_vertex(vertex));
+        }
+        self.held.retain(|&other| other != vertex);
+        let released = self.own.release(vertex);
+        if released && !self.released.contains(&vertex) {
+            self.released.push(vertex);
+        }
+        Ok(released)
+    }
+
+    fn no_vertex(&self, vertex: u32) -> JsError {
+        error(format!("there is no vertex {vertex}; there are {}, from 0", self.own.positions().len()))
+    }
+
+    /// Vertices that are held.
+    pub fn pins(&self) -> Vec<u32> {
+        self.own.pins().vertices.to_vec()
+    }
+
+    /// Bodies, one after the other: shape (0 plane, 1 sphere, 2 capsule, 3 box, 4 mesh), radius, m, normal, how
+    /// many points, and where these are now, m.
+    pub fn bodies(&self) -> Vec<f32> {
+        let Some(contact) = self.own.contact() else { return Vec::new() };
+        let places = self.own.collider_positions();
+        let mut out = Vec::new();
+        for body in contact.colliders.view().bodies {
+            let (shape, normal) = match body.form {
+                Form::Plane(normal) => (0.0, normal),
+                Form::Sphere => (1.0, Vec3::ZERO),
+                Form::Capsule => (2.0, Vec3::ZERO),
+                Form::Box => (3.0, Vec3::ZERO),
+                Form::Mesh => (4.0, Vec3::ZERO),
+            };
+            let points = &places[body.range()];
+            out.extend([shape, body.radius]);
+            out.extend(normal.to_array());
+            out.push(points.len() as f32);
+            points.iter().for_each(|point| out.extend(point.to_array()));
+        }
+        out
+    }
+
+    /// How many vertices there are.
+    #[wasm_bindgen(getter, js_name = vertexCount)]
+    pub fn vertex_count(&self) -> usize {
+        self.own.positions().len()
+    }
+
+    /// How many triangles there are.
+    #[wasm_bindgen(getter, js_name = triangleCount)]
+    pub fn triangle_count(&self) -> usize {
+        self.own.triangles().len()
+    }
+
+    /// Three vertices a triangle.
+    pub fn triangles(&self) -> *const u32 {
+        self.own.triangles().as_ptr().cast()
+    }
+
+    /// Three coordinates a vertex, m.
+    pub fn positions(&self) -> *const f32 {
+        self.own.positions().as_ptr().cast()
+    }
+
+    /// Three coordinates a vertex, m/s.
+    pub fn velocities(&self) -> *const f32 {
+        self.own.velocities().as_ptr().cast()
+    }
+
+    /// Three coordinates a vertex, of unit length, of the positions now.
+    pub fn normals(&mut self) -> *const f32 {
+        write_normals(self.own.positions(), self.own.triangles(), &mut self.normals);
+        self.normals.as_ptr().cast()
+    }
+
+    /// The greatest strain of each vertex's edges now.
+    pub fn strains(&mut self) -> *const f32 {
+        let scene = self.own.scene();
+        write_strains(self.own.positions(), &scene.edges, &scene.rest_lengths, &mut self.strains);
+        self.strains.as_ptr()
+    }
+
+    /// Steps taken.
+    #[wasm_bindgen(getter)]
+    pub fn steps(&self) -> f64 {
+        self.own.state().steps as f64
+    }
+
+    /// Simulated time, s.
+    #[wasm_bindgen(getter)]
+    pub fn time(&self) -> f64 {
+        self.own.time()
+    }
+
+    /// Length of a step, s.
+    #[wasm_bindgen(getter, js_name = stepLength)]
+    pub fn step_length(&self) -> f64 {
+        self.own.step_length().into()
+    }
+
+    /// Frames of the scene per simulated second.
+    #[wasm_bindgen(getter, js_name = frameRate)]
+    pub fn frame_rate(&self) -> f64 {
+        self.frame.rate
+    }
+
+    /// Simulated time of the scene, s.
+    #[wasm_bindgen(getter)]
+    pub fn duration(&self) -> f64 {
+        self.frame.duration
+    }
+
+    /// The chain over the states after every step, as `muslin run` prints it.
+    #[wasm_bindgen(js_name = stateHash)]
+    pub fn state_hash(&self) -> String {
+        format!("fnv1a:{:016x}", self.chain.0)
+    }
+
+    /// ms in predict, broad phase, narrow phase and response since this was last asked.
+    #[wasm_bindgen(js_name = takeTimes)]
+    pub fn take_times(&self) -> Vec<f64> {
+        let times: [f64; PARTS] = self.clock.take();
+        times.to_vec()
+    }
+
+    /// Stretch, largest and mean; kinetic, stretch, shear, bend, seam and gravity's energy, J; candidates,
+    /// proximity, impacts, zones and halved steps so far; evaluations of forces and iterations of conjugate
+    /// gradients so far.
+    pub fn numbers(&self) -> Vec<f64> {
+        let (stretch, e) = (self.own.stretch(), self.own.energy());
+        let (tally, work) = (self.own.tally(), self.own.work());
+        let counts =
+            [tally.candidates, tally.proximity, tally.impacts, tally.zones, tally.rejected, work.force_evaluations];
+        [stretch.max, stretch.mean, e.kinetic, e.stretch, e.shear, e.bend, e.seam, e.gravity]
+            .into_iter()
+            .chain(counts.into_iter().chain([work.cg_iterations]).map(|count| count as f64))
+            .collect()
+    }
+}

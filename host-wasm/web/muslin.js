@@ -1,0 +1,248 @@
+// Muslin for pages: scenes in, columns of numbers out. All units are SI; types are in muslin.d.ts.
+
+import init, * as wasm from "./muslin_wasm.js";
+import { changed, read, value } from "./scene.js";
+
+const { Simulation, sceneNames, sceneText } = wasm;
+
+/** How often the module asked for memory, where it was made to count it. */
+export const { allocations } = wasm;
+
+let memory;
+let loading;
+
+/** Fetches and starts the module, once. */
+export function load(source) {
+  loading ??= init(source === undefined ? undefined : { module_or_path: source }).then((exports) => {
+    memory = exports.memory;
+  });
+  return loading;
+}
+
+const ready = () => {
+  if (memory === undefined) throw new Error("await load() first");
+};
+
+export function scenes() {
+  ready();
+  return sceneNames();
+}
+
+/** The object of a scene: of a text in TOML, or of the built-in scene of that name. */
+export function scene(given) {
+  ready();
+  if (typeof given !== "string") return given;
+  const text = sceneText(given.trim());
+  if (text === undefined && !/[=[\n]/.test(given)) {
+    throw new Error(`there is no scene ${given}; there are ${sceneNames().join(", ")}`);
+  }
+  return read(text ?? given);
+}
+
+export { changed, value };
+
+const ENERGIES = ["kinetic", "stretch", "shear", "bend", "seam", "gravity"];
+const COUNTS = ["candidates", "proximity", "impacts", "zones", "rejected", "forceEvaluations", "cgIterations"];
+const PARTS = ["predict", "broadPhase", "narrowPhase", "response"];
+const SHAPES = ["plane", "sphere", "capsule", "box", "mesh"];
+
+const named = (names, numbers, from = 0) => Object.fromEntries(names.map((name, k) => [name, numbers[from + k]]));
+
+/** Runs what is asked of the module; what breaks off inside it says so. */
+function guarded(work) {
+  try {
+    return work();
+  } catch (error) {
+    throw told(error);
+  }
+}
+
+function told(error) {
+  if (!(error instanceof WebAssembly.RuntimeError)) return error;
+  const text = `muslin broke off inside (${error.message}): a mistake of its own; make a new Cloth, and please report it`;
+  return new Error(text, { cause: error });
+}
+
+/** A cloth in motion. */
+export class Cloth {
+  #own;
+  #scene;
+  // Views of columns by address: the memory of the module may have moved since.
+  #views = new Map();
+  #busy = false;
+
+  constructor(given) {
+    this.#scene = scene(given);
+    this.#own = guarded(() => new Simulation(this.#scene));
+  }
+
+  /** The module's part, unless it is at work on a step. */
+  get #free() {
+    if (this.#busy) throw new Error("a step is under way; await awaitStep() first");
+    return this.#own;
+  }
+
+  #view(kind, address, length) {
+    const known = this.#views.get(address);
+    if (known?.buffer === memory.buffer && known.length === length) return known;
+    if (known?.buffer !== memory.buffer) this.#views.clear();
+    const view = new kind(memory.buffer, address, length);
+    this.#views.set(address, view);
+    return view;
+  }
+
+  step(count = 1) {
+    const own = this.#free;
+    guarded(() => {
+      for (let k = 0; k < count; k++) own.step();
+    });
+  }
+
+  async awaitStep(count = 1) {
+    const own = this.#free;
+    this.#busy = true;
+    try {
+      for (let k = 0; k < count; k++) await own.awaitStep();
+    } catch (error) {
+      throw told(error);
+    } finally {
+      this.#busy = false;
+    }
+  }
+
+  async openDevice() {
+    const own = this.#free;
+    this.#busy = true;
+    try {
+      // Browsers need not tell.
+      return (await own.openDevice()) || "a GPU without a name";
+    } finally {
+      this.#busy = false;
+    }
+  }
+
+  /** Whether a step is under way: nothing else can be asked before it is over. */
+  get busy() {
+    return this.#busy;
+  }
+
+  get hasDevice() {
+    return this.#free.hasDevice;
+  }
+
+  takeNote() {
+    return this.#free.takeNote();
+  }
+
+  positions() {
+    return this.#view(Float32Array, this.#free.positions(), 3 * this.#own.vertexCount);
+  }
+
+  velocities() {
+    return this.#view(Float32Array, this.#free.velocities(), 3 * this.#own.vertexCount);
+  }
+
+  normals() {
+    return this.#view(Float32Array, this.#free.normals(), 3 * this.#own.vertexCount);
+  }
+
+  strains() {
+    return this.#view(Float32Array, this.#free.strains(), this.#own.vertexCount);
+  }
+
+  triangles() {
+    return this.#view(Uint32Array, this.#free.triangles(), 3 * this.#own.triangleCount);
+  }
+
+  bodies() {
+    const all = this.#free.bodies();
+    const bodies = [];
+    for (let at = 0; at < all.length; ) {
+      const [shape, radius, x, y, z, count] = all.subarray(at, at + 6);
+      const points = all.subarray(at + 6, (at += 6 + 3 * count));
+      bodies.push({ shape: SHAPES[shape], radius, normal: [x, y, z], points });
+    }
+    return bodies;
+  }
+
+  /** The scene as it is now. */
+  get scene() {
+    return structuredClone(this.#scene);
+  }
+
+  set(key, value) {
+    const own = this.#free;
+    const next = changed(this.#scene, typeof key === "string" ? { [key]: value } : key);
+    guarded(() => own.goOnAs(next));
+    this.#scene = next;
+  }
+
+  wind(velocity) {
+    const drag = { normal: 0.6, tangential: 0.03, ...this.#scene.drag?.wind, velocity };
+    this.set("drag.wind", drag);
+  }
+
+  lead(vertex, [x, y, z], seconds = 0) {
+    const own = this.#free;
+    guarded(() => own.lead(vertex, x, y, z, seconds));
+  }
+
+  pin(vertex) {
+    const x = this.positions();
+    this.lead(vertex, x.subarray(3 * vertex, 3 * vertex + 3));
+  }
+
+  release(vertex) {
+    const own = this.#free;
+    return guarded(() => own.release(vertex));
+  }
+
+  pins() {
+    return this.#free.pins();
+  }
+
+  get vertexCount() {
+    return this.#free.vertexCount;
+  }
+
+  get steps() {
+    return this.#free.steps;
+  }
+
+  get time() {
+    return this.#free.time;
+  }
+
+  get stepLength() {
+    return this.#free.stepLength;
+  }
+
+  get frameRate() {
+    return this.#free.frameRate;
+  }
+
+  get duration() {
+    return this.#free.duration;
+  }
+
+  stateHash() {
+    return this.#free.stateHash();
+  }
+
+  takeTimes() {
+    return named(PARTS, this.#free.takeTimes());
+  }
+
+  summary() {
+    const numbers = this.#free.numbers();
+    return {
+      stretch: named(["max", "mean"], numbers),
+      energy: named(ENERGIES, numbers, 2),
+      ...named(COUNTS, numbers, 2 + ENERGIES.length),
+    };
+  }
+
+  free() {
+    this.#free.free();
+  }
+}

@@ -1,0 +1,101 @@
+// Where the page looks from: turned about a point, in matrices by columns.
+
+const sub = (a, b) => a.map((x, k) => x - b[k]);
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => a.map((x) => x / Math.hypot(...a));
+
+const OPENING = 0.7; // rad, of the shorter side
+
+export class Camera {
+  constructor() {
+    Object.assign(this, { yaw: 0.6, pitch: 0.25, distance: 3, centre: [0, 0.5, 0], size: [1, 1] });
+  }
+
+  /** Looks at all of these positions. */
+  frame(positions) {
+    const low = [Infinity, Infinity, Infinity];
+    const high = low.map((x) => -x);
+    positions.forEach((x, k) => {
+      low[k % 3] = Math.min(low[k % 3], x);
+      high[k % 3] = Math.max(high[k % 3], x);
+    });
+    // Down to the floor: that is where cloth goes.
+    low[1] = Math.min(low[1], Math.max(0, low[1] - 1));
+    this.centre = low.map((x, k) => (x + high[k]) / 2);
+    this.distance = 1.5 * Math.hypot(...sub(high, low)) + 0.1;
+  }
+
+  turn(x, y) {
+    this.yaw -= x;
+    this.pitch = Math.max(-1.5, Math.min(1.5, this.pitch + y));
+  }
+
+  zoom(factor) {
+    this.distance = Math.max(0.05, Math.min(100, this.distance * factor));
+  }
+
+  get axes() {
+    const [cy, sy, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
+    const back = [sy * cp, sp, cy * cp];
+    const right = unit(cross([0, 1, 0], back));
+    return [right, cross(back, right), back];
+  }
+
+  get eye() {
+    return this.centre.map((x, k) => x + this.distance * this.axes[2][k]);
+  }
+
+  /** From the world to clips of depth 0 to 1, or -1 to 1. */
+  matrix(fromZero) {
+    const [width, height] = this.size;
+    const focus = 1 / Math.tan(OPENING / 2) / Math.max(1, height / width);
+    const [near, far] = [this.distance * 0.02, this.distance * 20];
+    const [depth, shift] = fromZero
+      ? [far / (near - far), (near * far) / (near - far)]
+      : [(far + near) / (near - far), (2 * near * far) / (near - far)];
+    const [right, up, back] = this.axes;
+    const eye = this.eye;
+    const rows = [
+      [right.map((x) => (x * focus * height) / width), (-dot(right, eye) * focus * height) / width],
+      [up.map((x) => x * focus), -dot(up, eye) * focus],
+      [back.map((x) => x * depth), -dot(back, eye) * depth + shift],
+      [back.map((x) => -x), dot(back, eye)],
+    ];
+    const out = new Float32Array(16);
+    rows.forEach(([axis, last], row) => [...axis, last].forEach((x, column) => (out[4 * column + row] = x)));
+    return out;
+  }
+
+  /** Pixels from the left and from the top, and how far before the eye. */
+  project(matrix, [x, y, z]) {
+    const at = (row) => matrix[row] * x + matrix[4 + row] * y + matrix[8 + row] * z + matrix[12 + row];
+    const w = at(3);
+    return [((at(0) / w + 1) / 2) * this.size[0], ((1 - at(1) / w) / 2) * this.size[1], w];
+  }
+
+  /** The vertex that is seen nearest to a pixel, within so many of them; undefined where there is none. */
+  pick(positions, x, y, within) {
+    const matrix = this.matrix(true);
+    let [best, least] = [undefined, within];
+    let nearest = Infinity;
+    for (let v = 0; v < positions.length / 3; v++) {
+      const [px, py, depth] = this.project(matrix, positions.subarray(3 * v, 3 * v + 3));
+      const off = Math.hypot(px - x, py - y);
+      // Of what lies about as near to the pixel, what is before the rest.
+      if (depth > 0 && (off < least - 8 || (off < least + 8 && off < within && depth < nearest))) {
+        [best, least, nearest] = [v, Math.min(off, least), depth];
+      }
+    }
+    return best;
+  }
+
+  /** What a way over the screen, in pixels, is at a place: parallel to the screen, m. */
+  moved(place, x, y) {
+    const [right, up, back] = this.axes;
+    const depth = dot(back, sub(this.eye, place));
+    const [width, height] = this.size;
+    const scale = (2 * depth * Math.tan(OPENING / 2) * Math.max(1, height / width)) / height;
+    return place.map((p, k) => p + scale * (x * right[k] - y * up[k]));
+  }
+}

@@ -1,0 +1,71 @@
+// Speed against accuracy of the scene in view, drawn while a worker measures.
+
+import { length } from "./error.js";
+
+const COLOURS = ["#c33", "#e80", "#a70", "#380", "#07a", "#44c", "#a3a"];
+const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [360, 300, 56, 38, 10];
+
+/** Measures in a worker and draws into a figure; a function that gives it up. */
+export function chart(figure, scene, seconds, over) {
+  const state = { points: [], doing: "", failed: [] };
+  const worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
+  const end = () => {
+    worker.terminate();
+    over();
+  };
+  worker.onmessage = ({ data }) => {
+    if (data.kind === "failed") state.doing = data.why;
+    state.doing = data.doing ?? state.doing;
+    state.until = data.until ?? state.until;
+    state.reference = data.reference ?? state.reference;
+    if (data.point) (data.point.failed || !(data.point.error < 1e3) ? state.failed : state.points).push(data.point);
+    state.done ||= data.done || data.kind === "failed";
+    figure.innerHTML = drawn(state);
+    if (state.done) end();
+  };
+  worker.postMessage({ ask: "chart", scene, seconds });
+  figure.hidden = false;
+  figure.innerHTML = drawn(state);
+  return end;
+}
+
+const powers = (values) => [Math.floor(Math.log10(Math.min(...values))), Math.ceil(Math.log10(Math.max(...values)))];
+
+function drawn({ points, doing, failed, until, reference, done }) {
+  const seen = points.filter(({ error }) => error > 0);
+  if (seen.length === 0) return `<figcaption>${doing || "Measuring"} …</figcaption>`;
+  const [x0, x1] = powers(seen.map(({ ms }) => ms));
+  const [y0, y1] = powers([...seen.map(({ error }) => error), reference || Infinity].filter(isFinite));
+  const x = (ms) => LEFT + ((Math.log10(ms) - x0) / (x1 - x0 || 1)) * (WIDTH - LEFT - 16);
+  const y = (m) => HEIGHT - BOTTOM - ((Math.log10(m) - y0) / (y1 - y0 || 1)) * (HEIGHT - BOTTOM - TOP);
+  const parts = [];
+  for (let k = x0; k <= x1; k++) {
+    parts.push(`<path d="M${x(10 ** k)} ${TOP}V${HEIGHT - BOTTOM}" stroke="#ddd"/>`);
+    parts.push(`<text x="${x(10 ** k)}" y="${HEIGHT - 22}" text-anchor="middle">${10 ** k}</text>`);
+  }
+  for (let k = y0; k <= y1; k++) {
+    parts.push(`<path d="M${LEFT} ${y(10 ** k)}H${WIDTH - 16}" stroke="#ddd"/>`);
+    parts.push(`<text x="${LEFT - 4}" y="${y(10 ** k) + 4}" text-anchor="end">${length(10 ** k)}</text>`);
+  }
+  const methods = [...new Set(points.concat(failed).map(({ method }) => method))];
+  methods.forEach((method, k) => {
+    const own = seen.filter((point) => point.method === method).sort((a, b) => a.ms - b.ms);
+    const line = own.map(({ ms, error }, k) => `${k ? "L" : "M"}${x(ms)} ${y(error)}`).join("");
+    parts.push(`<path d="${line}" fill="none" stroke="${COLOURS[k]}" stroke-width="1.5"/>`);
+    for (const { ms, error, step } of own) {
+      const title = `${method}, ${(1000 * step).toPrecision(3)} ms steps: ${length(error)}, ${ms.toPrecision(3)} ms a second`;
+      parts.push(`<circle cx="${x(ms)}" cy="${y(error)}" r="4" fill="${COLOURS[k]}"><title>${title}</title></circle>`);
+    }
+  });
+  if (reference > 0) {
+    parts.push(`<path d="M${LEFT} ${y(reference)}H${WIDTH - 16}" stroke="#000" stroke-dasharray="4 3"/>`);
+  }
+  const legend = methods.map((method, k) => {
+    const lost = failed.filter((point) => point.method === method).length;
+    return `<span style="color:${COLOURS[k]}">● ${method}</span>${lost ? ` (${lost} unstable)` : ""}`;
+  });
+  return `<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label="Error against time for each method" font-size="11" font-family="system-ui">
+    ${parts.join("")}<text x="${WIDTH / 2}" y="${HEIGHT - 5}" text-anchor="middle">ms of this machine for a second of cloth</text></svg>
+    <figcaption>${legend.join(", ")}. RMS error after ${until.toPrecision(3)} s; dashed: how well the reference knows itself.
+    ${done ? "" : `<br>${doing} …`}</figcaption>`;
+}

@@ -1,0 +1,121 @@
+// The hand of who looks: takes hold of vertices, leads them, pins them, turns the view.
+
+/** px within which a vertex is taken. */
+const REACH = 40;
+/** m/s: what goes faster is no hand. */
+const FASTEST = 4;
+const KEY = 0.02; // of the distance, m a press
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+export class Hand {
+  #canvas;
+  #camera;
+  #cloth;
+  #pointers = new Map();
+  #held;
+
+  /** `cloth` gives {positions, pins, lead, release} of what is in view. */
+  constructor(canvas, camera, cloth) {
+    Object.assign(this, { changed: () => {} });
+    this.#canvas = canvas;
+    this.#camera = camera;
+    this.#cloth = cloth;
+    canvas.addEventListener("pointerdown", (event) => this.#down(event));
+    canvas.addEventListener("pointermove", (event) => this.#move(event));
+    for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => this.#up(event));
+    canvas.addEventListener("dblclick", (event) => this.pin(...this.#at(event)));
+    canvas.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      camera.zoom(Math.exp(event.deltaY / 500));
+    });
+  }
+
+  /** Nothing is held any more: another cloth is in view. */
+  drop() {
+    this.#held = undefined;
+    this.#pointers.clear();
+  }
+
+  #at(event) {
+    const { left, top } = this.#canvas.getBoundingClientRect();
+    return [event.clientX - left, event.clientY - top];
+  }
+
+  #take(x, y, within) {
+    const vertex = this.#camera.pick(this.#cloth.positions(), x, y, within);
+    if (vertex === undefined) return false;
+    const place = Array.from(this.#cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
+    this.#held = { vertex, at: place, to: place, pinned: this.#cloth.pins().includes(vertex) };
+    return true;
+  }
+
+  #let_go() {
+    const { vertex, pinned } = this.#held;
+    this.#held = undefined;
+    if (!pinned) this.#cloth.release(vertex);
+  }
+
+  #down(event) {
+    this.#canvas.focus();
+    this.#canvas.setPointerCapture(event.pointerId);
+    const [x, y] = this.#at(event);
+    this.#pointers.set(event.pointerId, [x, y]);
+    if (this.#pointers.size === 1 && event.button === 0 && !event.shiftKey) this.#take(x, y, REACH);
+    else if (this.#held) this.#let_go();
+  }
+
+  #move(event) {
+    const before = this.#pointers.get(event.pointerId);
+    if (!before) return;
+    const now = this.#at(event);
+    const [x, y] = [now[0] - before[0], now[1] - before[1]];
+    if (this.#pointers.size === 2) {
+      const [other] = [...this.#pointers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
+      const apart = (place) => Math.hypot(place[0] - other[0], place[1] - other[1]) || 1;
+      this.#camera.zoom(apart(before) / apart(now));
+    } else if (this.#held) {
+      this.#held.to = this.#camera.moved(this.#held.to, x, y);
+    } else {
+      this.#camera.turn(x / 150, y / 150);
+    }
+    this.#pointers.set(event.pointerId, now);
+  }
+
+  #up(event) {
+    if (this.#pointers.delete(event.pointerId) && this.#pointers.size === 0 && this.#held) this.#let_go();
+  }
+
+  /** Pins the vertex at a pixel, or lets it go where it is pinned. */
+  pin(x = this.#camera.size[0] / 2, y = this.#camera.size[1] / 2) {
+    const vertex = this.#held?.vertex ?? this.#camera.pick(this.#cloth.positions(), x, y, REACH);
+    if (vertex === undefined) return;
+    if (this.#held) this.#held.pinned = !this.#held.pinned;
+    else if (this.#cloth.pins().includes(vertex)) this.#cloth.release(vertex);
+    else this.#cloth.lead(vertex, Array.from(this.#cloth.positions().subarray(3 * vertex, 3 * vertex + 3)), 0);
+  }
+
+  /** Whether a key was meant for the hand. */
+  key(key) {
+    if (key === "g") {
+      if (this.#held) this.#let_go();
+      else this.#take(this.#camera.size[0] / 2, this.#camera.size[1] / 2, Infinity);
+    } else if (key === "p") this.pin();
+    else if (ARROWS[key] && this.#held) {
+      const [x, y] = ARROWS[key].map((way) => way * KEY * this.#camera.size[1]);
+      this.#held.to = this.#camera.moved(this.#held.to, x, y);
+    } else if (ARROWS[key]) this.#camera.turn(...ARROWS[key].map((way) => way * 0.1));
+    else if (key === "+" || key === "-") this.#camera.zoom(key === "+" ? 0.9 : 1.1);
+    else return false;
+    return true;
+  }
+
+  /** Leads what is held, for so many simulated seconds. */
+  lead(seconds) {
+    if (!this.#held) return;
+    const { at, to, vertex } = this.#held;
+    const way = Math.hypot(...to.map((x, k) => x - at[k]));
+    const part = Math.min(1, (FASTEST * seconds) / (way || 1));
+    this.#held.at = at.map((x, k) => x + part * (to[k] - x));
+    this.#cloth.lead(vertex, this.#held.at, seconds);
+  }
+}

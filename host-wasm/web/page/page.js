@@ -1,0 +1,286 @@
+// The page: what is chosen becomes a scene with changes, the run does it, the address keeps it.
+
+import { load, scene as read, scenes } from "../muslin.js";
+import * as address from "./address.js";
+import { Camera } from "./camera.js";
+import { chart } from "./chart.js";
+import { Hand } from "./hand.js";
+import { materials } from "./materials.js";
+import { Numbers } from "./numbers.js";
+import { Picture } from "./picture.js";
+import { Run } from "./run.js";
+
+const METHODS = ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
+/** Terms by name: their key, and what they are where a scene has none. */
+const TERMS = {
+  shear: ["cloth.shear", { stiffness: 200 }],
+  bend: ["cloth.bend", { model: "hinge", rigidity: 1e-5, damping: 0.001 }],
+  drag: ["drag", { linear: 0.05 }],
+  "own contact": ["contact.self", true],
+  friction: ["contact.friction", 0.3],
+};
+/** Simulated seconds that the chart measures. */
+const CHARTED = 0.5;
+
+const el = (id) => document.getElementById(id);
+const list = (id, names) => el(id).append(...names.map((name) => new Option(name)));
+
+const DETAILS = ["quick", "as in the scene"];
+
+const state = { scene: "ball", changes: {}, shown: {} };
+let base;
+let run;
+let stop;
+let firstFrame;
+
+const pad = el("pad");
+const camera = new Camera();
+
+function say(text, bad = false) {
+  const detect = run?.device ? `detection: ${run.device}, WebGPU` : "detection: processor";
+  const banner = el("banner");
+  banner.textContent = text || `${detect} · picture: ${picture.name ?? "…"}`;
+  banner.classList.toggle("bad", bad);
+}
+
+const picture = new Picture(el("picture"), camera, new URLSearchParams(location.hash.slice(1)).get("draw"), say);
+const hand = new Hand(pad, camera, {
+  positions: () => run.positions(),
+  pins: () => run.pins(),
+  lead: (...given) => run.lead(...given),
+  release: (vertex) => run.release(vertex),
+});
+const numbers = new Numbers(el("numbers"));
+
+/** What a key of the scene in view is now. */
+function valueAt(scene, key) {
+  return key.split(".").reduce((owner, part) => (Array.isArray(owner) ? owner[0] : owner)?.[part], scene);
+}
+
+/** What makes a scene quick: half of the cells each way, and a solver that stops early; the error tells its price. */
+function quick(scene) {
+  const changes = { "integrator.tolerance": 0.01 };
+  scene.cloth?.forEach?.(({ grid, tube, disc }, k) => {
+    for (const [kind, of] of Object.entries({ grid, tube })) {
+      if (of) changes[`cloth.${k}.${kind}.cells`] = of.cells.map((count) => Math.max(3, Math.ceil(count / 2)));
+    }
+    if (disc) changes[`cloth.${k}.disc.rings`] = Math.max(2, Math.ceil(disc.rings / 2));
+  });
+  return changes;
+}
+
+/** Puts the controls where the scene is. */
+function show() {
+  const { scene } = run.cloth;
+  el("scene").value = state.scene;
+  el("about").textContent = scene.description ?? "";
+  el("detail").value = state.shown.detail ? DETAILS[1] : DETAILS[0];
+  el("material").value = state.shown.material ?? "as in the scene";
+  el("method").value = scene.integrator.method;
+  el("length").value = +(1000 * scene.integrator.step).toPrecision(4);
+  const wind = Math.hypot(...(scene.drag?.wind?.velocity ?? [0]));
+  el("wind").value = el("speed").value = wind.toFixed(1);
+  for (const [name, [key]] of Object.entries(TERMS)) {
+    const box = el(name);
+    const value = valueAt(scene, key);
+    const assumed = key === "contact.self" && scene.contact !== undefined;
+    box.checked = Boolean(value ?? assumed) && value !== 0;
+    box.disabled = key.startsWith("contact.") && scene.contact === undefined;
+  }
+  el("strain").checked = picture.strain;
+  address.write(state);
+}
+
+function change(changes) {
+  Object.assign(state.changes, changes);
+  run.set(changes);
+  run.ask(show);
+}
+
+/** Begins with a scene, of the built-in ones or of a text. */
+function open(name, text = name) {
+  const scene = read(text);
+  const changes = { ...(state.shown.detail ? {} : quick(scene)), ...state.changes };
+  if (run) run.open(scene, changes);
+  else run = new Run(scene, changes, picture, hand, say);
+  base = scene;
+  state.scene = name;
+  hand.drop();
+  camera.frame(run.positions());
+  el("text").value = typeof text === "string" && text !== name ? text : el("text").value;
+  say("");
+  show();
+}
+
+/** The same, where a mistake is no more than said; the cloth in view stays. */
+function attempt(what) {
+  run.ask(() => {
+    const before = { ...state, changes: { ...state.changes } };
+    try {
+      what();
+    } catch (error) {
+      Object.assign(state, before);
+      show();
+      throw error;
+    }
+  });
+}
+
+function reset() {
+  run.paused = false;
+  pause();
+  attempt(() => open(state.scene, base));
+}
+
+function pause(whether = run.paused) {
+  run.paused = whether;
+  el("pause").textContent = whether ? "Go on" : "Pause";
+}
+
+function strain(whether) {
+  picture.strain = whether;
+  if (whether) state.shown.strain = "1";
+  else delete state.shown.strain;
+  show();
+}
+
+function wind(speed) {
+  const old = run.cloth.scene.drag?.wind;
+  const way = old && Math.hypot(...old.velocity) > 0 ? old.velocity : [0.3, 0, -1];
+  const size = Math.hypot(...way);
+  const velocity = way.map((x) => (x / size) * speed);
+  change({ "drag.wind": { normal: 0.6, tangential: 0.03, ...old, velocity }, "drag.linear": undefined });
+}
+
+async function device(whether) {
+  run.detect(whether);
+  run.ask(() => say(""));
+}
+
+const KEYS = {
+  " ": () => pause(!run.paused),
+  ".": () => (pause(true), run.one()),
+  r: reset,
+  s: () => strain(!picture.strain),
+};
+
+function listen() {
+  el("scene").onchange = () => {
+    state.changes = {};
+    delete state.shown.material;
+    attempt(() => open(el("scene").value));
+  };
+  el("detail").onchange = () => {
+    if (el("detail").value === DETAILS[0]) delete state.shown.detail;
+    else state.shown.detail = "scene";
+    reset();
+  };
+  el("pause").onclick = KEYS[" "];
+  el("step").onclick = KEYS["."];
+  el("reset").onclick = reset;
+  el("material").onchange = () => {
+    const values = materials[el("material").value];
+    state.shown.material = el("material").value;
+    if (values) return change(values);
+    delete state.shown.material;
+    const keys = Object.keys(materials.silk);
+    change(Object.fromEntries(keys.map((key) => [key, valueAt(base, key)])));
+    keys.forEach((key) => delete state.changes[key]);
+  };
+  el("method").onchange = () => change({ "integrator.method": el("method").value });
+  el("length").onchange = () => {
+    const step = el("length").valueAsNumber / 1000;
+    if (step > 0) change({ "integrator.step": step });
+    else show();
+  };
+  el("wind").oninput = () => (el("speed").value = el("wind").value);
+  el("wind").onchange = () => wind(el("wind").valueAsNumber);
+  el("strain").onchange = () => strain(el("strain").checked);
+  el("compare").onchange = () => run.ask(() => run.compare(el("compare").checked));
+  el("device").onchange = () => device(el("device").checked);
+  el("chart").onclick = () => {
+    if (stop) return stop();
+    el("chart").textContent = "Give it up";
+    stop = chart(el("plot"), run.cloth.scene, CHARTED, () => {
+      el("chart").textContent = "Speed against accuracy";
+      stop = undefined;
+    });
+  };
+  el("use").onclick = () => {
+    state.changes = {};
+    attempt(() => open("own", el("text").value));
+  };
+  addEventListener("keydown", (event) => {
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const typing = event.target.closest("select, textarea, input:not([type=checkbox])");
+    if (event.ctrlKey || event.metaKey || event.altKey || typing) return;
+    if (key === " " && event.target !== pad && event.target !== document.body) return;
+    if (KEYS[key]) KEYS[key]();
+    else if (!hand.key(key)) return;
+    event.preventDefault();
+  });
+}
+
+/** Terms as boxes. */
+function terms() {
+  for (const [name, [key, fallback]] of Object.entries(TERMS)) {
+    const label = document.createElement("label");
+    const box = Object.assign(document.createElement("input"), { type: "checkbox", id: name });
+    box.onchange = () => {
+      const off = key === "contact.self" ? false : key === "contact.friction" ? 0 : undefined;
+      change({ [key]: box.checked ? (valueAt(base, key) || fallback) : off });
+    };
+    label.append(box, ` ${name}`);
+    el("terms").append(label);
+  }
+}
+
+/** Whether there is a GPU, and whether it is worth asking: a processor that plays one is slower than ours. */
+async function offered() {
+  const adapter = await navigator.gpu?.requestAdapter();
+  const software = adapter?.info?.isFallbackAdapter || /swiftshader|llvmpipe/i.test(`${adapter?.info?.architecture} ${adapter?.info?.description}`);
+  return { some: Boolean(adapter), worth: Boolean(adapter) && !software };
+}
+
+async function start() {
+  await load();
+  list("scene", scenes());
+  list("detail", DETAILS);
+  list("material", ["as in the scene", ...Object.keys(materials)]);
+  list("method", METHODS);
+  terms();
+  const asked = address.read();
+  Object.assign(state, { ...asked, scene: asked.scene ?? state.scene });
+  picture.strain = asked.shown.strain === "1";
+  try {
+    open(state.scene);
+  } catch (error) {
+    Object.assign(state, { changes: {} });
+    open("ball");
+    say(error.message, true);
+  }
+  el("text").value = "";
+  listen();
+  await picture.ready;
+  el("banner").classList.contains("bad") || say("");
+  run.compare(true);
+  let before = performance.now();
+  const frame = async (now) => {
+    await run.tick((now - before) / 1000);
+    before = now;
+    firstFrame ??= performance.now();
+    requestAnimationFrame(frame);
+  };
+  requestAnimationFrame(frame);
+  setInterval(() => run.cloth.busy || numbers.show(run), 250);
+  const { some, worth } = await offered();
+  el("device").disabled = !some;
+  if (worth && run.cloth.scene.contact) {
+    el("device").checked = true;
+    await device(true);
+  }
+}
+
+// For tests and the curious.
+window.muslin = { camera, picture, run: () => run, firstFrame: () => firstFrame };
+start().catch((error) => say(error.message, true));

@@ -1,0 +1,74 @@
+// The canvas, whichever way it is drawn.
+
+import { corners } from "./bodies.js";
+import { webgl } from "./draw_webgl.js";
+import { webgpu } from "./draw_webgpu.js";
+
+const DARK = matchMedia("(prefers-color-scheme: dark)");
+/** Strain at which the colours end. */
+const STRAINED = 0.05;
+
+export class Picture {
+  #renderer;
+  #triangles;
+  #find;
+
+  /** `only`: "webgl" for the fallback; `say` is told when a renderer is lost. */
+  constructor(canvas, camera, only, say) {
+    Object.assign(this, { canvas, camera, strain: false });
+    this.#find = async (only) => {
+      const lost = (why) => this.#replace(`the picture was lost (${why}); drawn anew`, only, say);
+      this.#renderer = (only === "webgl" ? undefined : await webgpu(this.canvas, lost).catch(() => undefined)) ??
+        webgl(this.canvas, lost);
+      if (!this.#renderer) throw new Error("this browser has neither WebGPU nor WebGL2, or they are switched off");
+      if (this.#triangles) this.#renderer.triangles(this.#triangles);
+    };
+    this.ready = this.#find(only);
+    new ResizeObserver(() => this.#fit()).observe(canvas.parentElement);
+    this.#fit();
+  }
+
+  get name() {
+    return this.#renderer?.name;
+  }
+
+  get renderer() {
+    return this.#renderer;
+  }
+
+  // A canvas serves one kind of context for life, and a lost one serves none: its listeners are kept, though.
+  async #replace(why, only, say) {
+    this.#renderer = undefined;
+    const fresh = document.createElement("canvas");
+    fresh.className = "picture";
+    this.canvas.replaceWith(fresh);
+    this.canvas = fresh;
+    this.#fit();
+    await this.#find(only).then(() => say(why), (error) => say(error.message));
+  }
+
+  #fit() {
+    const { clientWidth, clientHeight } = this.canvas.parentElement;
+    const ratio = Math.min(2, devicePixelRatio);
+    this.canvas.width = Math.max(1, Math.round(clientWidth * ratio));
+    this.canvas.height = Math.max(1, Math.round(clientHeight * ratio));
+    this.camera.size = [Math.max(1, clientWidth), Math.max(1, clientHeight)];
+  }
+
+  triangles(list) {
+    this.#triangles = list.slice();
+    this.#renderer?.triangles(this.#triangles);
+  }
+
+  draw({ positions, normals, strains, bodies }) {
+    this.#renderer?.draw({
+      positions,
+      normals,
+      strains,
+      bodies: corners(bodies),
+      matrix: this.camera.matrix(this.name === "WebGPU"),
+      look: [...this.camera.eye, this.strain ? STRAINED : 0],
+      paper: DARK.matches ? [0.115, 0.12, 0.13] : [0.965, 0.957, 0.937],
+    });
+  }
+}

@@ -1,0 +1,52 @@
+// The error of the run in view, live: a worker takes the same scene in shorter steps, and is told of every hand.
+
+import { rms } from "./error.js";
+
+/** Pictures that may wait for the reference; it is given up when it falls farther behind. */
+const MOST = 600;
+
+export class Reference {
+  #worker;
+  #waiting = new Map();
+  /** {time, error}, s and m, of the last picture that the reference has reached. */
+  last;
+  /** Why there is none. */
+  why;
+
+  constructor(scene, step) {
+    this.#worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
+    this.#worker.onmessage = ({ data }) => this.#hear(data);
+    this.tell({ ask: "start", scene, step });
+  }
+
+  tell(what) {
+    if (this.why === undefined) this.#worker.postMessage(what);
+  }
+
+  /** The page's run is at this time, with these positions. */
+  reached(time, positions) {
+    if (this.why !== undefined) return;
+    if (this.#waiting.size >= MOST) {
+      this.#give_up("the reference is too slow for this scene");
+      return;
+    }
+    this.#waiting.set(time, positions.slice());
+    this.tell({ ask: "until", time });
+  }
+
+  #hear({ kind, time, positions, why }) {
+    if (kind === "failed") return this.#give_up(why);
+    const own = this.#waiting.get(time);
+    this.#waiting.delete(time);
+    if (own?.length === positions.length) this.last = { time, error: rms(own, positions) };
+  }
+
+  #give_up(why) {
+    this.why = why;
+    this.#waiting.clear();
+  }
+
+  end() {
+    this.#worker.terminate();
+  }
+}

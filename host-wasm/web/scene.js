@@ -1,0 +1,49 @@
+// Scenes as objects: read from TOML, with other values at their keys.
+
+import { parse } from "smol-toml";
+
+/** The object of a scene's text; a syntax error tells line and column. */
+export function read(text) {
+  return parse(text);
+}
+
+/** A value as the command line takes it: TOML, or a bare word. */
+export function value(text) {
+  try {
+    return parse(`value = ${text}`).value;
+  } catch {
+    return text;
+  }
+}
+
+/** A copy of the scene with other values at keys such as "integrator.step"; without those that are `undefined`. */
+export function changed(scene, changes) {
+  const copy = structuredClone(scene);
+  for (const [key, value] of Object.entries(changes)) {
+    const path = key.split(".");
+    if (path.includes("")) throw new Error(`"${key}" is no key; write one such as integrator.step`);
+    put(copy, path, value, key);
+  }
+  return copy;
+}
+
+function put(owner, [first, ...rest], value, key) {
+  if (Array.isArray(owner)) {
+    if (owner.length === 0) throw new Error(`${key}: there is nothing that could have ${first}: the list is empty`);
+    const index = /^\d+$/.test(first) ? Number(first) : undefined;
+    // A key of a list is that of each of its items.
+    if (index === undefined) return owner.forEach((item) => put(item, [first, ...rest], value, key));
+    if (index >= owner.length) throw new Error(`${key}: there is no number ${index}; the last is ${owner.length - 1}`);
+    first = index;
+  } else if (typeof owner !== "object") {
+    throw new Error(`${key}: ${first} is inside a value that is no section`);
+  }
+  if (rest.length > 0) {
+    if (owner[first] === undefined && value === undefined) return;
+    put((owner[first] ??= {}), rest, value, key);
+  } else if (value === undefined) {
+    delete owner[first];
+  } else {
+    owner[first] = value;
+  }
+}

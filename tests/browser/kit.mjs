@@ -1,0 +1,75 @@
+// A browser and a server for tests: Debian's Chromium, headless, with a WebGPU of software.
+
+import { createRequire } from "node:module";
+import { createServer } from "node:http";
+import { existsSync } from "node:fs";
+import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { extname, join, normalize } from "node:path";
+import { fileURLToPath } from "node:url";
+
+export const root = fileURLToPath(new URL("../..", import.meta.url));
+export const dist = join(root, "host-wasm/dist");
+const require = createRequire(join(root, "host-wasm/package.json"));
+
+const CHROMIUM = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+const executablePath = process.env.CHROMIUM ?? CHROMIUM.find((path) => existsSync(path));
+
+/** Why tests that need a browser are skipped; false where they run. */
+export const skip =
+  executablePath || process.env.MUSLIN_REQUIRE_BROWSER
+    ? false
+    : "no Chromium: apt-get install chromium, or name one in CHROMIUM";
+
+const FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking"].concat(
+  ["--disable-component-update", "--disable-sync", "--enable-unsafe-swiftshader"],
+);
+// Without Vulkan and ANGLE by software as well, canvases of WebGPU stay blank.
+const WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan"].concat(
+  ["--use-vulkan=swiftshader", "--use-angle=swiftshader"],
+);
+
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
+
+/** How commands of the project are run; what they say is seen where they fail. */
+export const pack = { cwd: root, stdio: ["ignore", "ignore", "inherit"] };
+
+/** Serves `host-wasm` and a blank page on this machine alone; the address, and how to end it. */
+async function serve() {
+  const server = createServer(async (request, response) => {
+    const path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname));
+    try {
+      const body = ["/blank.html", "/favicon.ico"].includes(path) ? "" : await readFile(join(root, "host-wasm", path));
+      response.writeHead(200, { "content-type": TYPES[extname(path)] ?? "text/plain" }).end(body);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
+  return { address: `http://127.0.0.1:${server.address().port}`, end: () => server.close() };
+}
+
+/** A browser, with WebGPU or without, that notes what pages complain of. */
+export async function browser({ webgpu }) {
+  const folder = await mkdtemp(join(tmpdir(), "muslin-browser-"));
+  const args = webgpu ? [...FLAGS, ...WEBGPU] : [...FLAGS, "--disable-features=WebGPU"];
+  const context = await require("playwright-core").chromium.launchPersistentContext(folder, { executablePath, args, headless: true });
+  const server = await serve();
+  return {
+    /** A page at an address below `host-wasm`; `errors` fills with what it throws and complains of. */
+    async open(path, viewport = { width: 1200, height: 800 }) {
+      const page = await context.newPage();
+      await page.setViewportSize(viewport);
+      const errors = [];
+      page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+      page.on("pageerror", (error) => errors.push(String(error)));
+      await page.goto(`${server.address}/${path}`);
+      return { page, errors };
+    },
+    async close() {
+      await context.close();
+      server.end();
+      await rm(folder, { recursive: true, force: true });
+    },
+  };
+}

@@ -1,0 +1,62 @@
+// The npm package as others get it: installed from its tarball, typed, and drawn by three.js.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { test } from "node:test";
+import { browser, dist, root, skip } from "./kit.mjs";
+
+const USE = `
+import { Cloth, load, scenes } from "muslin";
+import { readFileSync } from "node:fs";
+await load(readFileSync(new URL(import.meta.resolve("muslin/muslin_wasm_bg.wasm"))));
+const cloth = new Cloth("cantilever");
+cloth.step(10);
+console.log(scenes().length, cloth.positions().length, cloth.steps);
+`;
+const TYPED = `
+import { Cloth, load, type Summary } from "muslin";
+export async function run(): Promise<Summary> {
+  await load();
+  const cloth = new Cloth("flag");
+  cloth.set({ "integrator.step": 0.005 });
+  cloth.wind([1, 0, 0]);
+  const x: Float32Array = cloth.positions();
+  cloth.lead(0, x.subarray(0, 3), 0.1);
+  // @ts-expect-error: a step is no word
+  cloth.step("one");
+  return cloth.summary();
+}
+`;
+
+test("it is installed from its tarball, runs in Node.js and has types", { skip }, () => {
+  const folder = mkdtempSync(join(tmpdir(), "muslin-package-"));
+  try {
+    const tarball = execFileSync("npm", ["pack", "--silent", "--pack-destination", folder], { cwd: dist, encoding: "utf8" }).trim();
+    writeFileSync(join(folder, "package.json"), '{ "type": "module", "private": true }');
+    execFileSync("npm", ["install", "--no-audit", "--no-fund", "--offline", join(folder, tarball)], { cwd: folder });
+    writeFileSync(join(folder, "use.mjs"), USE);
+    assert.equal(execFileSync("node", ["use.mjs"], { cwd: folder, encoding: "utf8" }), "13 423 10\n");
+    writeFileSync(join(folder, "typed.ts"), TYPED);
+    const tsc = join(root, "host-wasm/node_modules/.bin/tsc");
+    const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom"];
+    execFileSync(tsc, [...options, "--types", "", "typed.ts"], { cwd: folder, stdio: "inherit" });
+  } finally {
+    rmSync(folder, { recursive: true, force: true });
+  }
+});
+
+test("three.js draws it", { skip }, async () => {
+  const chromium = await browser({ webgpu: false });
+  try {
+    const { page, errors } = await chromium.open("examples/three.html");
+    await page.waitForFunction(() => window.cloth?.steps >= 20, null, { timeout: 60_000 });
+    mkdirSync(join(root, "target/browser"), { recursive: true });
+    await page.screenshot({ path: join(root, "target/browser/three.png") });
+    assert.deepEqual(errors, []);
+  } finally {
+    await chromium.close();
+  }
+});

@@ -1,0 +1,209 @@
+// The page on its fallback path: no WebGPU, the processor detects, WebGL2 draws.
+
+import assert from "node:assert/strict";
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { browser, root, skip } from "./kit.mjs";
+
+const PAGE = "dist/page/index.html";
+const pictures = join(root, "target/browser");
+
+let chromium;
+before(async () => {
+  if (skip) return;
+  mkdirSync(pictures, { recursive: true });
+  chromium = await browser({ webgpu: false });
+});
+after(() => chromium?.close());
+
+/** Opens the page, waits until it has taken so many steps. */
+async function open(hash = "", viewport) {
+  const { page, errors } = await chromium.open(`${PAGE}${hash}`, viewport);
+  await steps(page, 2);
+  return { page, errors };
+}
+
+const steps = (page, count) => page.waitForFunction((count) => window.muslin?.run()?.cloth.steps >= count, count, { timeout: 60_000 });
+const inPage = (page, what, given) => page.evaluate(what, given);
+const shot = (page, name) => page.screenshot({ path: join(pictures, `${name}.png`) });
+/** How many pixels of the canvas are not as bright as the paper. */
+const drawn = (page) =>
+  inPage(page, () => {
+    const { picture, run } = muslin;
+    picture.draw(run().view);
+    const copy = Object.assign(document.createElement("canvas"), { width: 200, height: 150 });
+    const context = copy.getContext("2d");
+    context.drawImage(picture.canvas, 0, 0, 200, 150);
+    const { data } = context.getImageData(0, 0, 200, 150);
+    return data.filter((value, k) => k % 4 === 0 && value < 230 && data[k + 3] > 0).length;
+  });
+
+test("it opens without an error, draws, and the cloth falls on the ball", { skip }, async () => {
+  const { page, errors } = await open();
+  const height = () => inPage(page, () => muslin.run().cloth.positions()[1]);
+  const first = await height();
+  await steps(page, 10);
+  assert.ok((await height()) < first, "a corner falls");
+  assert.ok((await drawn(page)) > 2000, "the picture shows cloth and ball");
+  assert.equal(await page.locator("#banner").textContent(), "detection: processor · picture: WebGL2");
+  await page.waitForFunction(() => /\d (µm|mm|m) at/.test(document.getElementById("numbers").textContent), null, { timeout: 60_000 });
+  for (const name of ["largest stretch", "energy", "contacts a step", "ms a step", "error (RMS"]) {
+    assert.ok((await page.locator("#numbers").textContent()).includes(name), name);
+  }
+  const ms = await inPage(page, () => muslin.firstFrame());
+  console.log(`first picture ${ms.toFixed(0)} ms after the page was asked for`);
+  await shot(page, "ball");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("a hand drags the cloth, pins it and lets it go", { skip }, async () => {
+  const { page, errors } = await open("#scene=flag&compare=0");
+  const seen = () =>
+    inPage(page, () => {
+      const { camera, run } = muslin;
+      const vertex = run().cloth.vertexCount - 1;
+      const place = Array.from(run().cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
+      return { place, at: camera.project(camera.matrix(true), place), pins: Array.from(run().cloth.pins()), vertex };
+    });
+  const before = await seen();
+  await page.mouse.move(before.at[0], before.at[1]);
+  await page.mouse.down();
+  for (let k = 1; k <= 10; k++) {
+    await page.mouse.move(before.at[0] + 10 * k, before.at[1] - 12 * k);
+    await page.waitForTimeout(50);
+  }
+  await inPage(page, () => (window.from = muslin.run().cloth.steps));
+  await page.waitForFunction(() => muslin.run().cloth.steps > window.from + 20, null, { timeout: 60_000 });
+  const led = await seen();
+  assert.equal(led.pins.length, before.pins.length + 1, "what is dragged is held");
+  const off = Math.min(...led.pins.filter((pin) => !before.pins.includes(pin)).map((pin) => Math.abs(pin - before.vertex)));
+  assert.ok(off < 60, "the vertex under the pointer, or a neighbour, is taken");
+  assert.ok(led.place[1] - before.place[1] > 0.1, `dragging up moves it up: ${before.place[1]} to ${led.place[1]}`);
+  await page.keyboard.press("p");
+  await page.mouse.up();
+  await page.waitForTimeout(300);
+  assert.equal((await seen()).pins.length, before.pins.length + 1, "pinned, it stays");
+  const pin = led.pins.find((pin) => !before.pins.includes(pin));
+  await inPage(page, (pin) => muslin.run().release(pin), pin);
+  await page.waitForTimeout(300);
+  assert.equal((await seen()).pins.length, before.pins.length);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("what is chosen is done, kept in the address, and found there again", { skip }, async () => {
+  const { page, errors } = await open("#scene=cantilever");
+  await page.selectOption("#material", "leather");
+  await page.selectOption("#method", "bdf2");
+  await page.fill("#length", "2");
+  await page.locator("#length").blur();
+  await page.check("#strain");
+  await page.uncheck("#shear");
+  await page.waitForFunction(() => muslin.run().cloth.scene.cloth[0].shear === undefined);
+  const scene = await inPage(page, () => muslin.run().cloth.scene);
+  assert.equal(scene.integrator.method, "bdf2");
+  assert.equal(scene.integrator.step, 0.002);
+  assert.equal(scene.cloth[0].density, 0.9);
+  const address = page.url();
+  await page.close();
+  const { page: again } = await open(address.slice(address.indexOf("#")));
+  const found = await inPage(again, () => muslin.run().cloth.scene);
+  assert.deepEqual(found, scene);
+  assert.ok(await again.isChecked("#strain"));
+  assert.equal(await again.inputValue("#material"), "leather");
+  await again.close();
+  assert.deepEqual(errors, []);
+});
+
+test("a mistake is told and the cloth in view goes on", { skip }, async () => {
+  const { page } = await open("#scene=cantilever");
+  await page.locator("summary", { hasText: "Scene as text" }).click();
+  await page.fill("#text", 'name = "x"\nduration = 1\n[[clot]]\n');
+  await page.click("#use");
+  await page.waitForFunction(() => document.getElementById("banner").className === "bad");
+  assert.match(await page.locator("#banner").textContent(), /unknown field `clot`.*did you mean `cloth`\?/s);
+  const at = await inPage(page, () => muslin.run().cloth.steps);
+  await steps(page, at + 3);
+  // What blows up pauses, says so, and begins anew.
+  await page.selectOption("#scene", "hanging");
+  await page.selectOption("#method", "explicit-euler");
+  await page.waitForFunction(() => /diverged/.test(document.getElementById("banner").textContent), null, { timeout: 60_000 });
+  await page.selectOption("#method", "backward-euler");
+  await page.click("#reset");
+  await page.waitForFunction(() => muslin.run().cloth.steps > 2 && !muslin.run().paused, null, { timeout: 60_000 });
+  await page.close();
+});
+
+test("keys do what buttons do", { skip }, async () => {
+  const { page, errors } = await open("#scene=cantilever");
+  await page.locator("#pad").focus();
+  await page.keyboard.press(" ");
+  await page.waitForTimeout(300);
+  const at = () => inPage(page, () => muslin.run().cloth.steps);
+  const paused = await at();
+  await page.waitForTimeout(300);
+  assert.equal(await at(), paused, "paused");
+  await page.keyboard.press(".");
+  await page.waitForFunction((paused) => muslin.run().cloth.steps === paused + 1, paused);
+  const yaw = await inPage(page, () => muslin.camera.yaw);
+  await page.keyboard.press("ArrowLeft");
+  assert.notEqual(await inPage(page, () => muslin.camera.yaw), yaw);
+  await page.keyboard.press("g");
+  await page.keyboard.press("ArrowUp");
+  await page.keyboard.press(".");
+  await page.waitForFunction((paused) => muslin.run().cloth.steps === paused + 2, paused);
+  await page.keyboard.press("s");
+  assert.ok(await page.isChecked("#strain"));
+  await page.keyboard.press("r");
+  await page.waitForFunction((paused) => muslin.run().cloth.steps <= paused && !muslin.run().paused, paused);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("the chart measures in a worker while the page goes on", { skip }, async () => {
+  const { page, errors } = await open("#scene=cantilever");
+  await page.click("#chart");
+  const before = await inPage(page, () => muslin.run().cloth.steps);
+  await page.waitForFunction(() => document.querySelectorAll("#plot circle").length >= 8, null, { timeout: 120_000 });
+  assert.ok((await inPage(page, () => muslin.run().cloth.steps)) > before + 5, "the cloth moves meanwhile");
+  await page.waitForFunction(() => document.getElementById("chart").textContent === "Speed against accuracy", null, { timeout: 240_000 });
+  assert.match(await page.locator("#plot figcaption").textContent(), /unstable.*RMS error after 0\.500 s/s);
+  await shot(page, "chart");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("it fits a phone, by touch as well", { skip }, async () => {
+  const { page, errors } = await open("#scene=poncho", { width: 390, height: 844 });
+  const wide = await inPage(page, () => document.documentElement.scrollWidth);
+  assert.ok(wide <= 390, `nothing is wider than the screen: ${wide} px`);
+  await page.setViewportSize({ width: 844, height: 390 });
+  await page.waitForFunction(() => muslin.camera.size[0] > 400);
+  assert.ok((await drawn(page)) > 500, "after turning the phone the picture is still there");
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.waitForTimeout(300);
+  await shot(page, "phone");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("behind another tab it stands still, and goes on afterwards; a lost context is drawn anew", { skip }, async () => {
+  const { page } = await open("#scene=cantilever");
+  // A stall of the page is what a hidden tab is for it: no pictures for a while.
+  const [before, after] = await inPage(page, async () => {
+    const before = muslin.run().cloth.time;
+    const until = performance.now() + 2000;
+    while (performance.now() < until);
+    await new Promise((next) => requestAnimationFrame(() => requestAnimationFrame(next)));
+    return [before, muslin.run().cloth.time];
+  });
+  assert.ok(after - before < 0.5, `two seconds of stall are not caught up: ${before} to ${after} s`);
+  await inPage(page, () => muslin.picture.canvas.getContext("webgl2").getExtension("WEBGL_lose_context").loseContext());
+  await page.waitForFunction(() => /drawn anew/.test(document.getElementById("banner").textContent));
+  assert.ok((await drawn(page)) > 200, "drawn again on a fresh canvas");
+  const at = await inPage(page, () => muslin.run().cloth.steps);
+  await steps(page, at + 3);
+  await page.close();
+});

@@ -1,0 +1,100 @@
+// The page where there is WebGPU: it draws with it, and detects with it what the processor detects.
+
+import assert from "node:assert/strict";
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { browser, root, skip } from "./kit.mjs";
+
+const pictures = join(root, "target/browser");
+
+let chromium;
+before(async () => {
+  if (skip) return;
+  mkdirSync(pictures, { recursive: true });
+  chromium = await browser({ webgpu: true });
+});
+after(() => chromium?.close());
+
+test("it draws with WebGPU, and again when the device is lost", { skip }, async () => {
+  const { page, errors } = await chromium.open("dist/page/index.html#scene=poncho");
+  const steps = (count) => page.waitForFunction((count) => window.muslin?.run()?.cloth.busy === false && muslin.run().cloth.steps >= count, count, { timeout: 120_000 });
+  await steps(3);
+  const shades = () =>
+    page.evaluate(() => {
+      const { picture, run } = muslin;
+      picture.draw(run().view);
+      const copy = Object.assign(document.createElement("canvas"), { width: 200, height: 150 });
+      const context = copy.getContext("2d");
+      context.drawImage(picture.canvas, 0, 0, 200, 150);
+      const { data } = context.getImageData(0, 0, 200, 150);
+      return data.filter((value, k) => k % 4 === 0 && value < 230 && data[k + 3] > 0).length;
+    });
+  assert.equal(await page.locator("#banner").textContent(), "detection: processor · picture: WebGPU");
+  assert.ok((await shades()) > 1000, "cloth and figure are seen");
+  await page.screenshot({ path: join(pictures, "webgpu.png") });
+  await page.evaluate(() => {
+    // As a driver does that gives up: not by the page's own wish.
+    const { renderer } = muslin.picture;
+    renderer.lose("test");
+  });
+  await page.waitForFunction(() => /test.*drawn anew/.test(document.getElementById("banner").textContent));
+  assert.ok((await shades()) > 1000, "drawn anew");
+  const at = await page.evaluate(() => muslin.run().cloth.steps);
+  await steps(at + 2);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("from one state the device finds the contacts that the processor finds", { skip }, async () => {
+  const { page, errors } = await chromium.open("blank.html");
+  const told = await page.evaluate(async () => {
+    const m = await import("/dist/muslin.js");
+    await m.load();
+    const scene = m.changed(m.scene("fold"), { "cloth.grid.cells": [4, 20], "cloth.position": [0, 0.5, 0] });
+    const counts = ({ candidates, proximity, impacts }) => [candidates, proximity, impacts];
+    const rows = [];
+    // As it falls on the plane and lies on itself; later states differ in their last bits, as distances do.
+    for (const before of [30, 60, 90, 120]) {
+      const [ours, theirs] = [new m.Cloth(scene), new m.Cloth(scene)];
+      ours.step(before);
+      theirs.step(before);
+      const from = counts(ours.summary());
+      const device = await theirs.openDevice();
+      ours.step();
+      await theirs.awaitStep();
+      const [own, others] = [ours, theirs].map((cloth) => counts(cloth.summary()).map((count, k) => count - from[k]));
+      rows.push({ device, own, others, kept: theirs.hasDevice, note: theirs.takeNote() });
+      [ours, theirs].forEach((cloth) => cloth.free());
+    }
+    return rows;
+  });
+  for (const { device, own, others, kept, note } of told) {
+    assert.ok(device.length > 0 && kept, `the device was asked, and answered: ${note}`);
+    assert.deepEqual(others, own, "candidates, what is near, impacts");
+  }
+  assert.ok(told.some(({ own }) => own[1] > 20), "there is contact");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("with a step under way nothing else is asked of the module", { skip }, async () => {
+  const { page } = await chromium.open("blank.html");
+  const why = await page.evaluate(async () => {
+    const m = await import("/dist/muslin.js");
+    await m.load();
+    const cloth = new m.Cloth("cantilever");
+    await cloth.openDevice();
+    const step = cloth.awaitStep();
+    let why = "nothing";
+    try {
+      cloth.positions();
+    } catch (error) {
+      why = error.message;
+    }
+    await step;
+    return `${why}; then ${cloth.steps}`;
+  });
+  assert.equal(why, "a step is under way; await awaitStep() first; then 1");
+  await page.close();
+});
