@@ -41,6 +41,11 @@ impl StepDetector {
         self.lost.take()
     }
 
+    /// Takes what comes for another scene: surface, radii and seams are the device's from the first step on.
+    pub fn forget(&mut self) {
+        self.detector = None;
+    }
+
     /// Finds candidates and their distances, as `muslin_core::step::detect`; where there is too little room
     /// for them only their counts. A device that is lost is opened anew and asked again.
     pub async fn detect(

@@ -82,6 +82,13 @@ impl Clock {
         *own(&self.detector) = detector;
     }
 
+    /// Another scene comes.
+    pub fn forget(&self) {
+        if let Some(detector) = own(&self.detector).as_mut() {
+            detector.forget();
+        }
+    }
+
     /// What a device said that it should not, once.
     pub fn note(&self) -> Option<String> {
         own(&self.note).take()

@@ -126,6 +126,7 @@ impl Simulation {
         } else {
             (self.held, self.released) = (Vec::new(), Vec::new());
         }
+        self.clock.forget();
         let count = next.positions().len();
         self.normals.resize(count, Vec3::ZERO);
         self.strains.resize(count, 0.0);

@@ -12,6 +12,9 @@ export type Scene = { [key: string]: unknown };
 /** The scene of a text in TOML, or the built-in scene of that name. */
 export function scene(given: string | Scene): Scene;
 
+/** The text of a built-in scene, in TOML. */
+export function source(name: string): string | undefined;
+
 /** Other values at keys such as "integrator.step"; a key of a list is that of each item; undefined removes it. */
 export type Changes = { [key: string]: unknown };
 

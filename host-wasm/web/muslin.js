@@ -13,9 +13,16 @@ let loading;
 
 /** Fetches and starts the module, once. */
 export function load(source) {
-  loading ??= init(source === undefined ? undefined : { module_or_path: source }).then((exports) => {
-    memory = exports.memory;
-  });
+  loading ??= init(source === undefined ? undefined : { module_or_path: source }).then(
+    (exports) => {
+      memory = exports.memory;
+    },
+    (error) => {
+      // Another try may find it.
+      loading = undefined;
+      throw error;
+    },
+  );
   return loading;
 }
 
@@ -31,12 +38,18 @@ export function scenes() {
 /** The object of a scene: of a text in TOML, or of the built-in scene of that name. */
 export function scene(given) {
   ready();
-  if (typeof given !== "string") return given;
+  if (typeof given !== "string") return structuredClone(given);
   const text = sceneText(given.trim());
   if (text === undefined && !/[=[\n]/.test(given)) {
     throw new Error(`there is no scene ${given}; there are ${sceneNames().join(", ")}`);
   }
   return read(text ?? given);
+}
+
+/** The text of a built-in scene, in TOML; undefined where there is none of that name. */
+export function source(name) {
+  ready();
+  return sceneText(name);
 }
 
 export { changed, value };
@@ -77,14 +90,15 @@ export class Cloth {
   }
 
   /** The module's part, unless it is at work on a step. */
-  get #free() {
+  get #idle() {
     if (this.#busy) throw new Error("a step is under way; await awaitStep() first");
+    if (!this.#own) throw new Error("this cloth was given back by free()");
     return this.#own;
   }
 
   #view(kind, address, length) {
     const known = this.#views.get(address);
-    if (known?.buffer === memory.buffer && known.length === length) return known;
+    if (known?.buffer === memory.buffer && known.length === length && known instanceof kind) return known;
     if (known?.buffer !== memory.buffer) this.#views.clear();
     const view = new kind(memory.buffer, address, length);
     this.#views.set(address, view);
@@ -92,14 +106,14 @@ export class Cloth {
   }
 
   step(count = 1) {
-    const own = this.#free;
+    const own = this.#idle;
     guarded(() => {
       for (let k = 0; k < count; k++) own.step();
     });
   }
 
   async awaitStep(count = 1) {
-    const own = this.#free;
+    const own = this.#idle;
     this.#busy = true;
     try {
       for (let k = 0; k < count; k++) await own.awaitStep();
@@ -111,11 +125,13 @@ export class Cloth {
   }
 
   async openDevice() {
-    const own = this.#free;
+    const own = this.#idle;
     this.#busy = true;
     try {
       // Browsers need not tell.
       return (await own.openDevice()) || "a GPU without a name";
+    } catch (error) {
+      throw told(error);
     } finally {
       this.#busy = false;
     }
@@ -127,35 +143,35 @@ export class Cloth {
   }
 
   get hasDevice() {
-    return this.#free.hasDevice;
+    return this.#idle.hasDevice;
   }
 
   takeNote() {
-    return this.#free.takeNote();
+    return this.#idle.takeNote();
   }
 
   positions() {
-    return this.#view(Float32Array, this.#free.positions(), 3 * this.#own.vertexCount);
+    return this.#view(Float32Array, this.#idle.positions(), 3 * this.#own.vertexCount);
   }
 
   velocities() {
-    return this.#view(Float32Array, this.#free.velocities(), 3 * this.#own.vertexCount);
+    return this.#view(Float32Array, this.#idle.velocities(), 3 * this.#own.vertexCount);
   }
 
   normals() {
-    return this.#view(Float32Array, this.#free.normals(), 3 * this.#own.vertexCount);
+    return this.#view(Float32Array, this.#idle.normals(), 3 * this.#own.vertexCount);
   }
 
   strains() {
-    return this.#view(Float32Array, this.#free.strains(), this.#own.vertexCount);
+    return this.#view(Float32Array, this.#idle.strains(), this.#own.vertexCount);
   }
 
   triangles() {
-    return this.#view(Uint32Array, this.#free.triangles(), 3 * this.#own.triangleCount);
+    return this.#view(Uint32Array, this.#idle.triangles(), 3 * this.#own.triangleCount);
   }
 
   bodies() {
-    const all = this.#free.bodies();
+    const all = this.#idle.bodies();
     const bodies = [];
     for (let at = 0; at < all.length; ) {
       const [shape, radius, x, y, z, count] = all.subarray(at, at + 6);
@@ -171,7 +187,7 @@ export class Cloth {
   }
 
   set(key, value) {
-    const own = this.#free;
+    const own = this.#idle;
     const next = changed(this.#scene, typeof key === "string" ? { [key]: value } : key);
     guarded(() => own.goOnAs(next));
     this.#scene = next;
@@ -183,58 +199,58 @@ export class Cloth {
   }
 
   lead(vertex, [x, y, z], seconds = 0) {
-    const own = this.#free;
+    const own = this.#idle;
     guarded(() => own.lead(vertex, x, y, z, seconds));
   }
 
   pin(vertex) {
-    const x = this.positions();
-    this.lead(vertex, x.subarray(3 * vertex, 3 * vertex + 3));
+    const place = this.positions().subarray(3 * vertex, 3 * vertex + 3);
+    this.lead(vertex, place.length === 3 ? place : [0, 0, 0]);
   }
 
   release(vertex) {
-    const own = this.#free;
+    const own = this.#idle;
     return guarded(() => own.release(vertex));
   }
 
   pins() {
-    return this.#free.pins();
+    return this.#idle.pins();
   }
 
   get vertexCount() {
-    return this.#free.vertexCount;
+    return this.#idle.vertexCount;
   }
 
   get steps() {
-    return this.#free.steps;
+    return this.#idle.steps;
   }
 
   get time() {
-    return this.#free.time;
+    return this.#idle.time;
   }
 
   get stepLength() {
-    return this.#free.stepLength;
+    return this.#idle.stepLength;
   }
 
   get frameRate() {
-    return this.#free.frameRate;
+    return this.#idle.frameRate;
   }
 
   get duration() {
-    return this.#free.duration;
+    return this.#idle.duration;
   }
 
   stateHash() {
-    return this.#free.stateHash();
+    return this.#idle.stateHash();
   }
 
   takeTimes() {
-    return named(PARTS, this.#free.takeTimes());
+    return named(PARTS, this.#idle.takeTimes());
   }
 
   summary() {
-    const numbers = this.#free.numbers();
+    const numbers = this.#idle.numbers();
     return {
       stretch: named(["max", "mean"], numbers),
       energy: named(ENERGIES, numbers, 2),
@@ -243,6 +259,7 @@ export class Cloth {
   }
 
   free() {
-    this.#free.free();
+    this.#idle.free();
+    this.#own = undefined;
   }
 }

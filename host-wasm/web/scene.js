@@ -16,12 +16,15 @@ export function value(text) {
   }
 }
 
+/** What is no key of anything, and what would change more than the scene. */
+const FORBIDDEN = ["", "__proto__", "constructor", "prototype"];
+
 /** A copy of the scene with other values at keys such as "integrator.step"; without those that are `undefined`. */
 export function changed(scene, changes) {
   const copy = structuredClone(scene);
   for (const [key, value] of Object.entries(changes)) {
     const path = key.split(".");
-    if (path.includes("")) throw new Error(`"${key}" is no key; write one such as integrator.step`);
+    if (path.some((part) => FORBIDDEN.includes(part))) throw new Error(`"${key}" is no key; write one such as integrator.step`);
     put(copy, path, value, key);
   }
   return copy;
@@ -44,6 +47,7 @@ function put(owner, [first, ...rest], value, key) {
   } else if (value === undefined) {
     delete owner[first];
   } else {
-    owner[first] = value;
+    // Each item of a list gets its own.
+    owner[first] = structuredClone(value);
   }
 }

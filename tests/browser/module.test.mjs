@@ -71,6 +71,8 @@ test("what is wrong with a scene is said with its place and what to do", { skip 
   assert.match(await said({ ...rest, cloth: [{ ...cloth, densty: 1 }], integrator }), /^cloth\.0: unknown field `densty`.*\ndid you mean `density`\?$/s);
   assert.match(await said({ ...rest, cloth: [{ ...cloth, density: "heavy" }], integrator }), /^cloth\.0\.density: invalid type: string "heavy", expected a number/);
   assert.match(await said({ ...rest, cloth: [{ ...cloth, grid: { size: [1], cells: [4, 4] } }], integrator }), /^cloth\.0\.grid\.size: invalid length 1/);
+  const pin = [{ select: { corners: [-1] } }];
+  assert.match(await said({ ...rest, cloth: [{ ...cloth, pin }], integrator }), /corners\.0: invalid value: integer `-1`/);
   assert.match(await said({ ...rest, cloth: [{ ...cloth, density: -1 }], integrator }), /density/);
   assert.match(await said({ ...rest, cloth: [{ ...cloth, grid: undefined, mesh: "dress.obj" }], integrator }), /its mesh file was not loaded/);
 });
@@ -88,7 +90,7 @@ test("keys are set as on the command line; what is refused changes nothing", { s
         return error.message;
       }
     };
-    const refused = [why("integrator.method", "rk5"), why("cloth.7.density", 1), why("integrator.step", -1), why("a..b", 1)];
+    const refused = [why("integrator.method", "rk5"), why("cloth.7.density", 1), why("integrator.step", -1), why("a..b", 1), why("__proto__.x", 1)];
     const before = JSON.stringify(cloth.scene);
     cloth.set("integrator.step", 0.002);
     cloth.set({ "cloth.density": 0.3, "cloth.bend": undefined });
@@ -102,6 +104,7 @@ test("keys are set as on the command line; what is refused changes nothing", { s
   assert.match(told.refused[1], /there is no number 7; the last is 0/);
   assert.match(told.refused[2], /step/);
   assert.match(told.refused[3], /is no key/);
+  assert.match(told.refused[4], /is no key/);
   assert.equal(JSON.parse(told.before).integrator.method, "backward-euler");
   assert.ok(told.kept, "the cloth stays where it was");
   assert.equal(told.scene.cloth[0].density, 0.3);

@@ -22,8 +22,13 @@ const STANDARD: [&str; 2] = ["-Zbuild-std=std,panic_abort", "-Zbuild-std-feature
 const BUNDLES: [(&str, &str); 3] =
     [("muslin.js", "muslin.js"), ("page/page.js", "page/page.js"), ("page/worker.js", "page/worker.js")];
 
-/// What is taken as it is, and what without its blanks.
-const COPIED: [(&str, &str); 2] = [("package.json", "package.json"), ("web/muslin.d.ts", "muslin.d.ts")];
+/// What is taken as it is.
+const COPIED: [(&str, &str); 4] = [
+    ("package.json", "package.json"),
+    ("web/muslin.d.ts", "muslin.d.ts"),
+    ("../LICENSE-MIT", "LICENSE-MIT"),
+    ("../LICENSE-APACHE", "LICENSE-APACHE"),
+];
 
 fn main() -> ExitCode {
     let (options, folders): (Vec<_>, Vec<_>) = env::args().skip(1).partition(|argument| argument.starts_with("--"));
@@ -71,12 +76,14 @@ fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
     let text: String = text.lines().map(|line| format!("{}\n", line.trim())).collect();
     fs::write(folder.join("page/index.html"), text).map_err(failed(&page))?;
     let bound = web.join("muslin_wasm_bg.wasm");
-    fs::rename(&bound, folder.join("muslin_wasm_bg.wasm")).map_err(failed(&bound))
+    fs::copy(&bound, folder.join("muslin_wasm_bg.wasm")).map_err(failed(&bound))?;
+    fs::remove_file(&bound).map_err(failed(&bound))
 }
 
-/// Fetches the tools that `package.json` names, once.
+/// Fetches the tools that `package-lock.json` names, where it is not older than those that are there.
 fn install(own: &Path) -> Result<(), String> {
-    if own.join("node_modules/.package-lock.json").is_file() {
+    let written = |path: &str| fs::metadata(own.join(path)).and_then(|file| file.modified()).ok();
+    if written("node_modules/.package-lock.json") > written("package-lock.json") {
         return Ok(());
     }
     let mut npm = Command::new("npm");
@@ -138,7 +145,7 @@ fn bundle(own: &Path, entry: &Path, to: &Path) -> Result<(), String> {
             "--format=esm",
             "--target=es2022",
             "--log-level=warning",
-            "--legal-comments=none",
+            "--legal-comments=external",
         ])
         .args(["--external:../muslin.js", "--loader:.wgsl=text"])
         .arg(format!("--outfile={}", to.display()));

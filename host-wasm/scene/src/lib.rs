@@ -104,7 +104,8 @@ macro_rules! wholes {
     ($($name:ident $visit:ident $type:ty),*) => {
         $(fn $name<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
             let number = self.whole(&visitor)?;
-            visitor.$visit(number as $type)
+            // What is below nothing is refused by who asks for a count.
+            if number < 0.0 { visitor.visit_i64(number as i64) } else { visitor.$visit(number as $type) }
         })*
     };
 }

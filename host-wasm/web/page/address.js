@@ -1,5 +1,8 @@
 // What is in view as the page's address: the scene's name, other values at its keys, what is shown.
 
+/** What is shown, in words; all other names are keys of the scene. */
+const SHOWN = ["material", "detail", "strain", "compare", "text", "draw"];
+
 /** {scene, changes: {key: value}, shown: {name: text}} of the address. */
 export function read() {
   const changes = {};
@@ -7,10 +10,19 @@ export function read() {
   let scene;
   for (const [name, text] of new URLSearchParams(location.hash.slice(1))) {
     if (name === "scene") scene = text;
-    else if (name.includes(".")) changes[name] = text === "none" ? undefined : JSON.parse(text);
-    else shown[name] = text;
+    else if (SHOWN.includes(name)) shown[name] = text;
+    else changes[name] = valued(text);
   }
   return { scene, changes, shown };
+}
+
+/** As it was written, or a word that somebody typed. */
+function valued(text) {
+  try {
+    return text === "none" ? undefined : JSON.parse(text);
+  } catch {
+    return text;
+  }
 }
 
 export function write({ scene, changes, shown }) {

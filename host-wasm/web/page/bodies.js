@@ -1,19 +1,25 @@
-// Bodies as triangles: three coordinates a corner and its normal, anew for each picture, for they move.
+// Bodies as triangles: three coordinates a corner and its normal, anew when they have moved.
+
+import { add, cross, sub, unit } from "./vector.js";
 
 const AROUND = 32;
 const RINGS = 16;
 const FLOOR = 4; // m, half of what is drawn of a plane
 
-const sub = (a, b) => a.map((x, k) => x - b[k]);
-const add = (a, b, f) => a.map((x, k) => x + f * b[k]);
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1));
 const across = (n) => unit(cross(n, Math.abs(n[1]) < 0.9 ? [0, 1, 0] : [1, 0, 0]));
 
 const point = (points, k) => Array.from(points.subarray(3 * k, 3 * k + 3));
 
+let last = { bodies: [], corners: new Float32Array() };
+
 /** Corners of all bodies: [position, normal] after one another, six numbers each. */
 export function corners(bodies) {
+  const rest = (body, k) => body.points.every((x, i) => x === last.bodies[k].points[i]);
+  if (bodies.length !== last.bodies.length || !bodies.every(rest)) last = { bodies, corners: made(bodies) };
+  return last.corners;
+}
+
+function made(bodies) {
   const out = [];
   for (const body of bodies) shapes[body.shape]?.(body, (place, normal) => out.push(...place, ...normal));
   return new Float32Array(out);

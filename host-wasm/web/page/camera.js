@@ -1,9 +1,6 @@
 // Where the page looks from: turned about a point, in matrices by columns.
 
-const sub = (a, b) => a.map((x, k) => x - b[k]);
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const unit = (a) => a.map((x) => x / Math.hypot(...a));
+import { cross, dot, sub, unit } from "./vector.js";
 
 const OPENING = 0.7; // rad, of the shorter side
 

@@ -7,7 +7,7 @@ const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [360, 300, 56, 38, 10];
 
 /** Measures in a worker and draws into a figure; a function that gives it up. */
 export function chart(figure, scene, seconds, over) {
-  const state = { points: [], doing: "", failed: [] };
+  const state = { name: scene.name, points: [], doing: "", failed: [] };
   const worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
   const end = () => {
     worker.terminate();
@@ -23,17 +23,19 @@ export function chart(figure, scene, seconds, over) {
     figure.innerHTML = drawn(state);
     if (state.done) end();
   };
+  worker.onerror = ({ message }) => worker.onmessage({ data: { kind: "failed", why: message ?? "the worker does not start" } });
   worker.postMessage({ ask: "chart", scene, seconds });
   figure.hidden = false;
   figure.innerHTML = drawn(state);
   return end;
 }
 
+const escaped = (text) => text.replace(/[<&]/g, (letter) => (letter === "<" ? "&lt;" : "&amp;"));
 const powers = (values) => [Math.floor(Math.log10(Math.min(...values))), Math.ceil(Math.log10(Math.max(...values)))];
 
-function drawn({ points, doing, failed, until, reference, done }) {
+function drawn({ name, points, doing, failed, until, reference, done }) {
   const seen = points.filter(({ error }) => error > 0);
-  if (seen.length === 0) return `<figcaption>${doing || "Measuring"} …</figcaption>`;
+  if (seen.length === 0) return `<figcaption>${escaped(doing || "Measuring")} …</figcaption>`;
   const [x0, x1] = powers(seen.map(({ ms }) => ms));
   const [y0, y1] = powers([...seen.map(({ error }) => error), reference || Infinity].filter(isFinite));
   const x = (ms) => LEFT + ((Math.log10(ms) - x0) / (x1 - x0 || 1)) * (WIDTH - LEFT - 16);
@@ -66,6 +68,6 @@ function drawn({ points, doing, failed, until, reference, done }) {
   });
   return `<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label="Error against time for each method" font-size="11" font-family="system-ui">
     ${parts.join("")}<text x="${WIDTH / 2}" y="${HEIGHT - 5}" text-anchor="middle">ms of this machine for a second of cloth</text></svg>
-    <figcaption>${legend.join(", ")}. RMS error after ${until.toPrecision(3)} s; dashed: how well the reference knows itself.
-    ${done ? "" : `<br>${doing} …`}</figcaption>`;
+    <figcaption>${legend.join(", ")}. ${escaped(name)}: RMS error after ${until.toPrecision(3)} s; dashed: how well the reference knows itself.
+    ${done ? "" : `<br>${escaped(doing)} …`}</figcaption>`;
 }

@@ -27,11 +27,8 @@ const SAMPLES = 4;
 export async function webgpu(canvas, lost) {
   const adapter = await navigator.gpu?.requestAdapter();
   const device = await adapter?.requestDevice();
-  const context = device && canvas.getContext("webgpu");
-  if (!context) return undefined;
-  device.lost.then(({ reason, message }) => reason === "destroyed" || lost(message));
+  if (!device) return undefined;
   const format = navigator.gpu.getPreferredCanvasFormat();
-  context.configure({ device, format, alphaMode: "opaque" });
   const module = device.createShaderModule({ code: CODE });
   const three = (shaderLocation, offset = 0) => ({ shaderLocation, offset, format: "float32x3" });
   const pipeline = (entryPoint, buffers) =>
@@ -51,6 +48,11 @@ export async function webgpu(canvas, lost) {
     pipeline("cloth", columns),
     pipeline("body", [{ arrayStride: 24, attributes: [three(0), three(1, 12)] }]),
   ]);
+  // Last: a canvas that has one kind of context gets no other.
+  const context = canvas.getContext("webgpu");
+  if (!context) return undefined;
+  context.configure({ device, format, alphaMode: "opaque" });
+  device.lost.then(({ message }) => lost(message || "no reason given"));
   const { VERTEX, INDEX, UNIFORM, COPY_DST } = GPUBufferUsage;
   const uniform = device.createBuffer({ size: 80, usage: UNIFORM | COPY_DST });
   const groups = pipelines.map((pipeline) =>
@@ -79,10 +81,7 @@ export async function webgpu(canvas, lost) {
   return {
     name: "WebGPU",
     // For who wants to see what happens when it is lost: that a driver gives it up cannot be ordered.
-    lose(why) {
-      device.destroy();
-      lost(why);
-    },
+    lose: () => device.destroy(),
     triangles(list) {
       indices = list.length;
       write("triangles", list, INDEX);

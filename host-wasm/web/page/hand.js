@@ -13,17 +13,18 @@ export class Hand {
   #cloth;
   #pointers = new Map();
   #held;
+  /** What the last press took, and whether it was pinned before: by its second click it is led, hence held. */
+  #pressed;
 
   /** `cloth` gives {positions, pins, lead, release} of what is in view. */
   constructor(canvas, camera, cloth) {
-    Object.assign(this, { changed: () => {} });
     this.#canvas = canvas;
     this.#camera = camera;
     this.#cloth = cloth;
     canvas.addEventListener("pointerdown", (event) => this.#down(event));
     canvas.addEventListener("pointermove", (event) => this.#move(event));
     for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => this.#up(event));
-    canvas.addEventListener("dblclick", (event) => this.pin(...this.#at(event)));
+    canvas.addEventListener("dblclick", () => this.#pressed && this.#toggle(this.#pressed));
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
       camera.zoom(Math.exp(event.deltaY / 500));
@@ -32,7 +33,7 @@ export class Hand {
 
   /** Nothing is held any more: another cloth is in view. */
   drop() {
-    this.#held = undefined;
+    this.#held = this.#pressed = undefined;
     this.#pointers.clear();
   }
 
@@ -44,9 +45,13 @@ export class Hand {
   #take(x, y, within) {
     const vertex = this.#camera.pick(this.#cloth.positions(), x, y, within);
     if (vertex === undefined) return false;
-    const place = Array.from(this.#cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
+    const place = this.#place(vertex);
     this.#held = { vertex, at: place, to: place, pinned: this.#cloth.pins().includes(vertex) };
     return true;
+  }
+
+  #place(vertex) {
+    return Array.from(this.#cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
   }
 
   #let_go() {
@@ -60,8 +65,15 @@ export class Hand {
     this.#canvas.setPointerCapture(event.pointerId);
     const [x, y] = this.#at(event);
     this.#pointers.set(event.pointerId, [x, y]);
-    if (this.#pointers.size === 1 && event.button === 0 && !event.shiftKey) this.#take(x, y, REACH);
+    if (this.#pointers.size === 1 && event.button === 0 && !event.shiftKey) {
+      this.#pressed = this.#take(x, y, REACH) ? this.#held : undefined;
+    }
     else if (this.#held) this.#let_go();
+  }
+
+  #toggle({ vertex, pinned }) {
+    if (pinned) this.#cloth.release(vertex);
+    else this.#cloth.lead(vertex, this.#place(vertex), 0);
   }
 
   #move(event) {
@@ -85,13 +97,15 @@ export class Hand {
     if (this.#pointers.delete(event.pointerId) && this.#pointers.size === 0 && this.#held) this.#let_go();
   }
 
-  /** Pins the vertex at a pixel, or lets it go where it is pinned. */
-  pin(x = this.#camera.size[0] / 2, y = this.#camera.size[1] / 2) {
-    const vertex = this.#held?.vertex ?? this.#camera.pick(this.#cloth.positions(), x, y, REACH);
-    if (vertex === undefined) return;
-    if (this.#held) this.#held.pinned = !this.#held.pinned;
-    else if (this.#cloth.pins().includes(vertex)) this.#cloth.release(vertex);
-    else this.#cloth.lead(vertex, Array.from(this.#cloth.positions().subarray(3 * vertex, 3 * vertex + 3)), 0);
+  /** Pins what is held or at the middle, or lets it go where it is pinned. */
+  pin() {
+    if (this.#held) {
+      this.#held.pinned = !this.#held.pinned;
+      return;
+    }
+    const [x, y] = this.#camera.size.map((pixels) => pixels / 2);
+    const vertex = this.#camera.pick(this.#cloth.positions(), x, y, Infinity);
+    if (vertex !== undefined) this.#toggle({ vertex, pinned: this.#cloth.pins().includes(vertex) });
   }
 
   /** Whether a key was meant for the hand. */
@@ -109,13 +123,13 @@ export class Hand {
     return true;
   }
 
-  /** Leads what is held, for so many simulated seconds. */
-  lead(seconds) {
+  /** Leads what is held, for so many simulated seconds from now on. */
+  lead(seconds, lead) {
     if (!this.#held) return;
     const { at, to, vertex } = this.#held;
     const way = Math.hypot(...to.map((x, k) => x - at[k]));
     const part = Math.min(1, (FASTEST * seconds) / (way || 1));
     this.#held.at = at.map((x, k) => x + part * (to[k] - x));
-    this.#cloth.lead(vertex, this.#held.at, seconds);
+    lead(vertex, this.#held.at, seconds);
   }
 }

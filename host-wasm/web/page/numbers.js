@@ -6,26 +6,41 @@ const PARTS = [["predict", "forces, solver"], ["broadPhase", "broad phase"], ["n
 
 export class Numbers {
   #list;
-  #before = { steps: 0, contacts: 0 };
+  #before = {};
+  #last;
+  #times;
 
   constructor(list) {
     this.#list = list;
   }
 
-  show({ cloth, reference, speed, paused }) {
-    const { stretch, energy, proximity, impacts } = cloth.summary();
+  /** Steps and contacts between the last two lists of this cloth that differed; another step counts anew. */
+  #since(cloth, contacts) {
     const before = this.#before;
-    this.#before = { steps: cloth.steps, contacts: proximity + impacts };
-    const steps = Math.max(1, cloth.steps - before.steps);
-    const times = cloth.takeTimes();
+    if (before.cloth !== cloth || cloth.steps < before.steps) {
+      this.#before = { cloth, steps: cloth.steps, contacts };
+      this.#last = { steps: 1, contacts: 0 };
+      this.#times = { ...cloth.takeTimes(), ...Object.fromEntries(PARTS.map(([part]) => [part, 0])) };
+    } else if (cloth.steps > before.steps) {
+      this.#last = { steps: cloth.steps - before.steps, contacts: contacts - before.contacts };
+      this.#before = { cloth, steps: cloth.steps, contacts };
+      this.#times = cloth.takeTimes();
+    }
+    return this.#last;
+  }
+
+  show({ cloth, reference, comparing, speed, paused }) {
+    const { stretch, energy, proximity, impacts } = cloth.summary();
+    const { steps, contacts } = this.#since(cloth, proximity + impacts);
+    const times = this.#times;
     const error = reference && (reference.why ?? (reference.last ? `${length(reference.last.error)} at ${reference.last.time.toFixed(2)} s` : "…"));
     const joules = Object.values(energy).reduce((sum, part) => sum + part, 0);
     const rows = [
       ["time", `${cloth.time.toFixed(2)} s, ${paused ? "paused" : `${speed.toFixed(2)} × real`}`],
-      ["error (RMS, against 1/4 of the step)", error ?? "from the next reset on"],
+      ["error (RMS, against 1/4 of the step)", error ?? (comparing ? "from the next reset on" : "off")],
       ["largest stretch", `${(100 * (stretch.max - 1)).toFixed(2)} %`],
       ["energy", `${joules.toPrecision(4)} J`],
-      ["contacts a step", (Math.max(0, proximity + impacts - before.contacts) / steps).toFixed(0)],
+      ["contacts a step", (contacts / steps).toFixed(0)],
       ...PARTS.filter(([part]) => part === "predict" || times[part] > 0).map(([part, name]) => [name, `${(times[part] / steps).toFixed(2)} ms a step`]),
     ];
     this.#list.replaceChildren(

@@ -1,16 +1,16 @@
 // The page: what is chosen becomes a scene with changes, the run does it, the address keeps it.
 
-import { load, scene as read, scenes } from "../muslin.js";
+import { load, scene as read, scenes, source } from "../muslin.js";
 import * as address from "./address.js";
 import { Camera } from "./camera.js";
 import { chart } from "./chart.js";
 import { Hand } from "./hand.js";
 import { materials } from "./materials.js";
+import { METHODS } from "./methods.js";
 import { Numbers } from "./numbers.js";
 import { Picture } from "./picture.js";
 import { Run } from "./run.js";
 
-const METHODS = ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
 /** Terms by name: their key, and what they are where a scene has none. */
 const TERMS = {
   shear: ["cloth.shear", { stiffness: 200 }],
@@ -25,6 +25,8 @@ const CHARTED = 0.5;
 const el = (id) => document.getElementById(id);
 const list = (id, names) => el(id).append(...names.map((name) => new Option(name)));
 
+/** The name of a scene that was typed in. */
+const OWN = "own";
 const DETAILS = ["quick", "as in the scene"];
 
 const state = { scene: "ball", changes: {}, shown: {} };
@@ -41,6 +43,7 @@ function say(text, bad = false) {
   const banner = el("banner");
   banner.textContent = text || `${detect} · picture: ${picture.name ?? "…"}`;
   banner.classList.toggle("bad", bad);
+  if (bad && !run?.device) el("device").checked = false;
 }
 
 const picture = new Picture(el("picture"), camera, new URLSearchParams(location.hash.slice(1)).get("draw"), say);
@@ -72,6 +75,7 @@ function quick(scene) {
 /** Puts the controls where the scene is. */
 function show() {
   const { scene } = run.cloth;
+  if (state.scene === OWN && !el("scene").querySelector(`[value=${OWN}]`)) list("scene", [OWN]);
   el("scene").value = state.scene;
   el("about").textContent = scene.description ?? "";
   el("detail").value = state.shown.detail ? DETAILS[1] : DETAILS[0];
@@ -91,10 +95,24 @@ function show() {
   address.write(state);
 }
 
+/** The latest values last, and none for a key inside another that is set anew. */
+function keep(changes) {
+  for (const [key, value] of Object.entries(changes)) {
+    for (const old of Object.keys(state.changes)) {
+      if (old === key || old.startsWith(`${key}.`)) delete state.changes[old];
+    }
+    state.changes[key] = value;
+  }
+}
+
+/** Other values; where one is refused all is as before, the controls too. */
 function change(changes) {
-  Object.assign(state.changes, changes);
-  run.set(changes);
-  run.ask(show);
+  attempt(() => {
+    run.set(changes);
+    keep(changes);
+    say("");
+    show();
+  });
 }
 
 /** Begins with a scene, of the built-in ones or of a text. */
@@ -107,15 +125,19 @@ function open(name, text = name) {
   state.scene = name;
   hand.drop();
   camera.frame(run.positions());
-  el("text").value = typeof text === "string" && text !== name ? text : el("text").value;
+  // A text of one's own is part of the address.
+  if (name === OWN) state.shown.text = text;
+  else delete state.shown.text;
+  el("text").value = source(text) ?? text;
   say("");
   show();
+  if (el("device").checked) device();
 }
 
 /** The same, where a mistake is no more than said; the cloth in view stays. */
 function attempt(what) {
   run.ask(() => {
-    const before = { ...state, changes: { ...state.changes } };
+    const before = { ...state, changes: { ...state.changes }, shown: { ...state.shown } };
     try {
       what();
     } catch (error) {
@@ -129,7 +151,7 @@ function attempt(what) {
 function reset() {
   run.paused = false;
   pause();
-  attempt(() => open(state.scene, base));
+  attempt(() => open(state.scene, state.shown.text));
 }
 
 function pause(whether = run.paused) {
@@ -146,15 +168,21 @@ function strain(whether) {
 
 function wind(speed) {
   const old = run.cloth.scene.drag?.wind;
-  const way = old && Math.hypot(...old.velocity) > 0 ? old.velocity : [0.3, 0, -1];
+  const way = [old?.velocity, base.drag?.wind?.velocity, [0.3, 0, -1]].find((way) => way && Math.hypot(...way) > 0);
   const size = Math.hypot(...way);
   const velocity = way.map((x) => (x / size) * speed);
   change({ "drag.wind": { normal: 0.6, tangential: 0.03, ...old, velocity }, "drag.linear": undefined });
 }
 
-async function device(whether) {
-  run.detect(whether);
-  run.ask(() => say(""));
+/** Asks the GPU from the next step on, where it is to, and where there is anything to detect. */
+function device() {
+  run.ask(async () => {
+    await run.detect(el("device").checked && run.cloth.scene.contact !== undefined).catch((error) => {
+      el("device").checked = false;
+      throw error;
+    });
+    say("");
+  });
 }
 
 const KEYS = {
@@ -165,11 +193,13 @@ const KEYS = {
 };
 
 function listen() {
-  el("scene").onchange = () => {
-    state.changes = {};
-    delete state.shown.material;
-    attempt(() => open(el("scene").value));
-  };
+  const anew = (name, text) =>
+    attempt(() => {
+      state.changes = {};
+      delete state.shown.material;
+      open(name, text);
+    });
+  el("scene").onchange = () => el("scene").value === OWN || anew(el("scene").value);
   el("detail").onchange = () => {
     if (el("detail").value === DETAILS[0]) delete state.shown.detail;
     else state.shown.detail = "scene";
@@ -178,15 +208,21 @@ function listen() {
   el("pause").onclick = KEYS[" "];
   el("step").onclick = KEYS["."];
   el("reset").onclick = reset;
-  el("material").onchange = () => {
-    const values = materials[el("material").value];
-    state.shown.material = el("material").value;
-    if (values) return change(values);
-    delete state.shown.material;
-    const keys = Object.keys(materials.silk);
-    change(Object.fromEntries(keys.map((key) => [key, valueAt(base, key)])));
-    keys.forEach((key) => delete state.changes[key]);
-  };
+  el("material").onchange = () =>
+    attempt(() => {
+      const name = el("material").value;
+      const keys = Object.keys(materials.silk);
+      const values = materials[name] ?? Object.fromEntries(keys.map((key) => [key, valueAt(base, key)]));
+      run.set(values);
+      keep(values);
+      if (materials[name]) state.shown.material = name;
+      else {
+        delete state.shown.material;
+        keys.forEach((key) => delete state.changes[key]);
+      }
+      say("");
+      show();
+    });
   el("method").onchange = () => change({ "integrator.method": el("method").value });
   el("length").onchange = () => {
     const step = el("length").valueAsNumber / 1000;
@@ -196,8 +232,14 @@ function listen() {
   el("wind").oninput = () => (el("speed").value = el("wind").value);
   el("wind").onchange = () => wind(el("wind").valueAsNumber);
   el("strain").onchange = () => strain(el("strain").checked);
-  el("compare").onchange = () => run.ask(() => run.compare(el("compare").checked));
-  el("device").onchange = () => device(el("device").checked);
+  el("compare").onchange = () =>
+    run.ask(() => {
+      run.compare(el("compare").checked);
+      if (el("compare").checked) delete state.shown.compare;
+      else state.shown.compare = "0";
+      show();
+    });
+  el("device").onchange = device;
   el("chart").onclick = () => {
     if (stop) return stop();
     el("chart").textContent = "Give it up";
@@ -206,10 +248,7 @@ function listen() {
       stop = undefined;
     });
   };
-  el("use").onclick = () => {
-    state.changes = {};
-    attempt(() => open("own", el("text").value));
-  };
+  el("use").onclick = () => anew(OWN, el("text").value);
   addEventListener("keydown", (event) => {
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     const typing = event.target.closest("select, textarea, input:not([type=checkbox])");
@@ -253,31 +292,37 @@ async function start() {
   Object.assign(state, { ...asked, scene: asked.scene ?? state.scene });
   picture.strain = asked.shown.strain === "1";
   try {
-    open(state.scene);
+    open(state.scene, asked.shown.text);
   } catch (error) {
-    Object.assign(state, { changes: {} });
+    Object.assign(state, { changes: {}, shown: {} });
     open("ball");
     say(error.message, true);
   }
-  el("text").value = "";
   listen();
   await picture.ready;
   el("banner").classList.contains("bad") || say("");
-  run.compare(true);
+  el("compare").checked = state.shown.compare !== "0";
+  run.compare(el("compare").checked);
   let before = performance.now();
   const frame = async (now) => {
-    await run.tick((now - before) / 1000);
+    try {
+      await run.tick((now - before) / 1000);
+    } catch (error) {
+      pause(true);
+      say(error.message, true);
+    }
     before = now;
     firstFrame ??= performance.now();
     requestAnimationFrame(frame);
   };
   requestAnimationFrame(frame);
   setInterval(() => run.cloth.busy || numbers.show(run), 250);
+  addEventListener("hashchange", () => location.reload());
   const { some, worth } = await offered();
   el("device").disabled = !some;
   if (worth && run.cloth.scene.contact) {
     el("device").checked = true;
-    await device(true);
+    device();
   }
 }
 

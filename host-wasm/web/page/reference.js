@@ -2,8 +2,8 @@
 
 import { rms } from "./error.js";
 
-/** Pictures that may wait for the reference; it is given up when it falls farther behind. */
-const MOST = 600;
+/** Pictures that wait for the reference; those after them are passed over until there is room. */
+const MOST = 8;
 
 export class Reference {
   #worker;
@@ -16,20 +16,18 @@ export class Reference {
   constructor(scene, step) {
     this.#worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
     this.#worker.onmessage = ({ data }) => this.#hear(data);
+    this.#worker.onerror = ({ message }) => this.#give_up(message ?? "the worker does not start");
     this.tell({ ask: "start", scene, step });
   }
 
+  /** Lets it go on to the page's time, and do there what the page did. */
   tell(what) {
     if (this.why === undefined) this.#worker.postMessage(what);
   }
 
   /** The page's run is at this time, with these positions. */
   reached(time, positions) {
-    if (this.why !== undefined) return;
-    if (this.#waiting.size >= MOST) {
-      this.#give_up("the reference is too slow for this scene");
-      return;
-    }
+    if (this.why !== undefined || this.#waiting.size >= MOST) return;
     this.#waiting.set(time, positions.slice());
     this.tell({ ask: "until", time });
   }
@@ -44,6 +42,7 @@ export class Reference {
   #give_up(why) {
     this.why = why;
     this.#waiting.clear();
+    this.end();
   }
 
   end() {

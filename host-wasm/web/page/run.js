@@ -11,7 +11,9 @@ const BUDGET = 24;
 export class Run {
   #todo = [];
   #due = 0;
-  #compare = false;
+  #ones = 0;
+  /** Whether a reference follows the run from its start on. */
+  comparing = false;
   paused = false;
   /** Simulated over real time. */
   speed = 1;
@@ -24,12 +26,17 @@ export class Run {
   /** Begins with a scene, another or the same; throws where that is none. */
   open(scene, changes) {
     const cloth = new Cloth(changed(scene, changes));
-    this.device = undefined;
-    this.cloth?.free();
+    const last = this.cloth;
     this.cloth = cloth;
+    this.device = undefined;
+    try {
+      last?.free();
+    } catch {
+      // What broke off inside cannot be given back.
+    }
     this.picture.triangles(cloth.triangles());
     this.#look();
-    this.compare(this.#compare);
+    this.compare(this.comparing);
   }
 
   /** Does something between steps. */
@@ -40,51 +47,46 @@ export class Run {
   // What the hand needs.
   positions = () => this.view.positions;
   pins = () => this.view.pins;
-  lead = (vertex, place, seconds) =>
-    this.ask(() => {
-      this.cloth.lead(vertex, place, seconds);
-      this.reference?.tell({ ask: "lead", vertex, place, seconds });
-    });
+  lead = (...given) => this.ask(() => this.#lead(...given));
   release = (vertex) =>
     this.ask(() => {
       this.cloth.release(vertex);
-      this.reference?.tell({ ask: "release", vertex });
+      this.reference?.tell({ ask: "release", vertex, time: this.cloth.time });
     });
 
+  #lead = (vertex, place, seconds) => {
+    this.cloth.lead(vertex, place, seconds);
+    this.reference?.tell({ ask: "lead", vertex, place, seconds, time: this.cloth.time });
+  };
+
+  /** Between steps: other values at keys of the scene. */
   set(changes) {
-    this.ask(() => {
-      this.cloth.set(changes);
-      const { scene, stepLength: step } = this.cloth;
-      this.reference?.tell({ ask: "change", changes, step, tolerance: scene.integrator.tolerance });
-      this.say("");
-    });
+    const before = this.cloth.time;
+    this.cloth.set(changes);
+    const { scene, stepLength: step, time: after } = this.cloth;
+    this.reference?.tell({ ask: "change", changes, step, time: before, after, tolerance: scene.integrator.tolerance });
   }
 
   /** Follows the run with a reference from its next start on, or from now where it has not begun. */
   compare(whether) {
-    this.#compare = whether;
+    this.comparing = whether;
     this.reference?.end();
     this.reference = whether && this.cloth.steps === 0 ? new Reference(this.cloth.scene, this.cloth.stepLength) : undefined;
   }
 
-  /** Detects on the GPU from now on, or no more. */
-  detect(whether) {
-    this.ask(async () => {
-      this.device = whether ? await this.cloth.openDevice() : undefined;
-    });
+  /** Between steps: detects on the GPU from now on, or no more. */
+  async detect(whether) {
+    this.device = whether ? await this.cloth.openDevice() : undefined;
   }
 
   #look() {
     const { cloth } = this;
-    // With a device a step may be under way while the views are looked at.
-    const kept = (view) => (this.device ? view.slice() : view);
-    this.view = {
-      positions: kept(cloth.positions()),
-      normals: kept(cloth.normals()),
-      strains: kept(cloth.strains()),
-      bodies: cloth.bodies(),
-      pins: Array.from(cloth.pins()),
-    };
+    // What makes copies comes first: it may move the memory that the others are views of. With a device a step may
+    // be under way while they are looked at.
+    const view = { bodies: cloth.bodies(), pins: Array.from(cloth.pins()) };
+    const kept = (column) => (this.device ? column.slice() : column);
+    for (const name of ["positions", "normals", "strains"]) view[name] = kept(cloth[name]());
+    this.view = view;
   }
 
   async #drain() {
@@ -99,11 +101,10 @@ export class Run {
 
   async #step(count) {
     const { cloth } = this;
-    this.hand.lead(count * cloth.stepLength);
-    await this.#drain();
     const began = performance.now();
     let taken = 0;
     while (taken < count && (taken === 0 || performance.now() - began < BUDGET)) {
+      this.hand.lead(cloth.stepLength, this.#lead);
       if (this.device) await cloth.awaitStep();
       else cloth.step();
       taken += 1;
@@ -112,9 +113,9 @@ export class Run {
     return taken * cloth.stepLength;
   }
 
-  /** Goes on by one step. */
+  /** Goes on by one step, paused or not. */
   one() {
-    this.ask(() => this.#advance(this.cloth.stepLength));
+    this.#ones += 1;
   }
 
   async #advance(seconds) {
@@ -132,6 +133,7 @@ export class Run {
   /** A picture's worth of time. */
   async tick(seconds) {
     await this.#drain();
+    for (; this.#ones > 0; this.#ones--) await this.#advance(this.cloth.stepLength);
     if (!this.paused) {
       this.#due = Math.min(this.#due + Math.min(seconds, LONGEST), Math.max(LONGEST, this.cloth.stepLength));
       const passed = await this.#advance(this.#due);
@@ -140,6 +142,7 @@ export class Run {
       this.speed += 0.05 * (passed / Math.max(seconds, 1e-3) - this.speed);
     }
     const note = this.cloth.takeNote();
+    if (this.device && !this.cloth.hasDevice) this.device = undefined;
     if (note) this.say(note, true);
     this.#look();
     this.picture.draw(this.view);

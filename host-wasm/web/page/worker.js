@@ -2,6 +2,7 @@
 
 import { Cloth, changed, load } from "../muslin.js";
 import { rms } from "./error.js";
+import { METHODS } from "./methods.js";
 
 /** The reference takes so many steps where the page takes one. */
 const FINER = 4;
@@ -10,10 +11,13 @@ const SHARPER = 0.01;
 const SHARPEST = 1e-5;
 
 let reference;
+/** The page's time less the reference's, s: another step moves both clocks to whole ones of their own. */
+let ahead = 0;
 
 /** What makes a run the reference of one with this step and tolerance. */
 const finer = (step, tolerance = 1e-4, by) => ({
-  "integrator.step": step / by,
+  // A hair more, so that single precision makes no further step of it.
+  "integrator.step": (step / by) * (1 + 1e-6),
   "integrator.tolerance": Math.min(tolerance, Math.max(SHARPEST, SHARPER * tolerance)),
 });
 const reference_of = (scene, step, by) => changed(scene, finer(step, scene.integrator.tolerance, by));
@@ -23,25 +27,36 @@ const asks = {
   start({ scene, step }) {
     reference?.free();
     reference = new Cloth(reference_of(scene, step, FINER));
+    ahead = 0;
   },
-  change({ changes, step, tolerance }) {
-    reference?.set({ ...changes, ...finer(step, tolerance, FINER) });
+  // All happens at the page's time.
+  change({ changes, step, tolerance, time, after }) {
+    go_on(time);
+    reference.set({ ...changes, ...finer(step, tolerance, FINER) });
+    ahead = after - reference.time;
   },
-  lead: ({ vertex, place, seconds }) => reference?.lead(vertex, place, seconds),
-  release: ({ vertex }) => reference?.release(vertex),
-  // What was asked before happened before this time.
+  lead({ vertex, place, seconds, time }) {
+    go_on(time);
+    reference.lead(vertex, place, seconds);
+  },
+  release({ vertex, time }) {
+    go_on(time);
+    reference.release(vertex);
+  },
   until({ time }) {
-    if (!reference) return;
-    reference.step(Math.max(0, Math.round((time - reference.time) / reference.stepLength)));
+    go_on(time);
     const positions = reference.positions().slice();
     postMessage({ kind: "reached", time, positions }, [positions.buffer]);
   },
   chart: ({ scene, seconds }) => chart({ frame_rate: 30, ...scene }, seconds),
 };
 
-const METHODS = ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
 const COARSER = [4, 2, 1, 0.5, 0.25];
 const TRUTH = 32;
+
+function go_on(time) {
+  reference.step(Math.max(0, Math.round((time - ahead - reference.time) / reference.stepLength)));
+}
 
 /** Positions after so many seconds, and what they cost, ms. */
 function ran(scene, seconds) {
@@ -51,7 +66,7 @@ function ran(scene, seconds) {
     const began = performance.now();
     cloth.step(count);
     const ms = performance.now() - began;
-    return { positions: cloth.positions().slice(), ms };
+    return { positions: cloth.positions().slice(), ms, step: cloth.stepLength };
   } finally {
     cloth.free();
   }
@@ -69,15 +84,17 @@ function chart(scene, seconds) {
   const truth = ran(reference_of(best, step, TRUTH), until).positions;
   const own = rms(ran(reference_of(best, step, TRUTH / 2), until).positions, truth);
   tell({ reference: own });
-  for (const other of METHODS) {
-    for (const coarser of COARSER) {
-      tell({ doing: `${other} in steps of ${(1000 * step * coarser).toPrecision(3)} ms` });
-      const point = { method: other, step: step * coarser };
+  // Of steps that come to the same number in a picture, one is enough.
+  const steps_of = (coarser) => Math.max(1, Math.ceil(1 / (step * coarser * scene.frame_rate) - 1e-9));
+  const tried = [...new Set(COARSER.map(steps_of))].map((count) => 1 / scene.frame_rate / count);
+  for (const method of METHODS) {
+    for (const step of tried) {
+      tell({ doing: `${method} in steps of ${(1000 * step).toPrecision(3)} ms` });
       try {
-        const { positions, ms } = ran(changed(scene, { "integrator.method": other, "integrator.step": point.step }), until);
-        tell({ point: { ...point, ms: ms / until, error: rms(positions, truth) } });
+        const run = ran(changed(scene, { "integrator.method": method, "integrator.step": step }), until);
+        tell({ point: { method, step: run.step, ms: run.ms / until, error: rms(run.positions, truth) } });
       } catch (error) {
-        tell({ point: { ...point, failed: error.message } });
+        tell({ point: { method, step, failed: error.message } });
       }
     }
   }

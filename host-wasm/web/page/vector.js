@@ -1,0 +1,7 @@
+// Vectors of three numbers.
+
+export const sub = (a, b) => a.map((x, k) => x - b[k]);
+export const add = (a, b, f) => a.map((x, k) => x + f * b[k]);
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+export const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1));
