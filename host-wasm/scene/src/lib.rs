@@ -83,9 +83,10 @@ impl Value {
     }
 
     fn is_not<'de, V: Visitor<'de>>(&self, visitor: &V) -> Error {
-        let text = self.0.as_string();
+        // Its own words: those for strings are debug output, which the module is built without.
+        let text = self.0.as_string().map(|text| format!("string \"{text}\""));
         let unexpected = match (&text, self.0.as_f64(), self.0.as_bool()) {
-            (Some(text), ..) => Unexpected::Str(text),
+            (Some(text), ..) => Unexpected::Other(text),
             (_, Some(number), _) => Unexpected::Float(number),
             (_, _, Some(truth)) => Unexpected::Bool(truth),
             _ if self.0.is_array() => Unexpected::Seq,
