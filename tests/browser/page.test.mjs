@@ -103,11 +103,21 @@ test("a double click pins, and another lets go", { skip }, async () => {
   const { page } = await open("#scene=cantilever");
   const pinned = () => inPage(page, () => Array.from(muslin.run().cloth.pins()));
   const press = async (vertex) => {
+    // It stands still while it is aimed at; what is pressed is led, so that it must go on.
+    await inPage(page, () => (muslin.run().paused = true));
+    await page.waitForTimeout(200);
     const [x, y] = await inPage(page, (vertex) => {
       const { camera, run } = muslin;
       return camera.project(camera.matrix(true), run().positions().slice(3 * vertex, 3 * vertex + 3));
     }, vertex);
-    await page.mouse.dblclick(x, y, { delay: 120 });
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await inPage(page, () => (muslin.run().paused = false));
+    await page.waitForTimeout(100);
+    await page.mouse.up();
+    await page.mouse.down({ clickCount: 2 });
+    await page.waitForTimeout(100);
+    await page.mouse.up({ clickCount: 2 });
     await more(page, 5);
     return pinned();
   };
