@@ -48,7 +48,9 @@ fn checks() -> Vec<Check> {
     checks.push(cargo("test --workspace --profile checked"));
     if env::var_os(REQUIRE_BROWSER).is_some() || is_there("npm") {
         checks.push(cargo("run --package muslin-pack"));
-        checks.push(check("node", &format!("--test --test-concurrency=1 {}", browser_tests())));
+        let mut browser = check("node", "--test --test-concurrency=1");
+        browser.arguments.extend(browser_tests());
+        checks.push(browser);
     } else {
         println!("npm is not there (https://nodejs.org): the page and the npm package are not tested");
     }
@@ -56,12 +58,13 @@ fn checks() -> Vec<Check> {
 }
 
 /// Files, because versions of Node.js differ in what they make of a folder.
-fn browser_tests() -> String {
-    let files = std::fs::read_dir("tests/browser").into_iter().flatten().flatten();
+fn browser_tests() -> Vec<String> {
+    let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/browser")).into_iter().flatten().flatten();
     let names = files.map(|file| file.path().display().to_string()).filter(|name| name.ends_with(".test.mjs"));
     let mut names: Vec<_> = names.collect();
     names.sort_unstable();
-    names.join(" ")
+    assert!(!names.is_empty(), "no tests in tests/browser");
+    names
 }
 
 fn is_there(program: &str) -> bool {

@@ -2,6 +2,7 @@
 
 mod change;
 mod comments;
+mod hint;
 
 pub use change::Change;
 
@@ -152,7 +153,7 @@ fn read(scene: &str, directory: &Path) -> Result<(String, String, PathBuf), Fail
         Ok(text) => Ok((label, text, path.parent().unwrap_or(Path::new(".")).into())),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             let names = BUILT_IN.iter().map(|(name, _)| *name);
-            let hint = match nearest(scene, names.clone()) {
+            let hint = match hint::nearest(scene, names.clone()) {
                 Some(name) => format!("did you mean the built-in scene {name}?"),
                 None => format!("built-in scenes are {}", names.collect::<Vec<_>>().join(", ")),
             };
@@ -165,11 +166,6 @@ fn read(scene: &str, directory: &Path) -> Result<(String, String, PathBuf), Fail
 /// The parser's message, with the nearest known key where one is unknown.
 pub fn explain(error: &toml::de::Error) -> String {
     let message = error.message();
-    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let hint = match quoted.split_first() {
-        Some((unknown, known)) if message.starts_with("unknown") => nearest(unknown, known.iter().copied()),
-        _ => None,
-    };
     // The names of Rust types mean nothing to who writes a scene.
     let text = error.to_string().replace(", expected f64", ", expected a number");
     let text = match text.split_once("expected struct ") {
@@ -185,19 +181,10 @@ pub fn explain(error: &toml::de::Error) -> String {
             text.trim_end()
         );
     }
-    match hint {
+    match hint::known(message) {
         Some(known) => format!("{}\ndid you mean `{known}`?", text.trim_end()),
         None => text.trim_end().into(),
     }
-}
-
-/// The most similar of some names, where it is similar at all.
-fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    known
-        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
-        .filter(|(similarity, _)| *similarity > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
 }
 
 /// Names in a scene are relative to its file.

@@ -21,6 +21,9 @@ export type Changes = { [key: string]: unknown };
 /** A copy of the scene with other values. */
 export function changed(scene: Scene, changes: Changes): Scene;
 
+/** The wind section of a scene with this velocity, m/s. */
+export function windy(scene: Scene, velocity: [number, number, number]): { [key: string]: unknown };
+
 /** A value as the command line takes it: TOML, or a bare word. */
 export function value(text: string): unknown;
 

@@ -1,7 +1,7 @@
 // Muslin for pages: scenes in, columns of numbers out. All units are SI; types are in muslin.d.ts.
 
 import init, * as wasm from "./muslin_wasm.js";
-import { changed, read, value } from "./scene.js";
+import { changed, read, value, windy } from "./scene.js";
 
 const { Simulation, sceneNames, sceneText } = wasm;
 
@@ -52,7 +52,7 @@ export function source(name) {
   return sceneText(name);
 }
 
-export { changed, value };
+export { changed, value, windy };
 
 const ENERGIES = ["kinetic", "stretch", "shear", "bend", "seam", "gravity"];
 const COUNTS = ["candidates", "proximity", "impacts", "zones", "rejected", "forceEvaluations", "cgIterations"];
@@ -194,8 +194,7 @@ export class Cloth {
   }
 
   wind(velocity) {
-    const drag = { normal: 0.6, tangential: 0.03, ...this.#scene.drag?.wind, velocity };
-    this.set("drag.wind", drag);
+    this.set("drag.wind", windy(this.#scene, velocity));
   }
 
   lead(vertex, [x, y, z], seconds = 0) {

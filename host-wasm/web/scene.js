@@ -30,6 +30,11 @@ export function changed(scene, changes) {
   return copy;
 }
 
+/** The wind section of a scene with this velocity, m/s; coefficients are its own, or those of light cloth. */
+export function windy(scene, velocity) {
+  return { normal: 0.6, tangential: 0.03, ...scene.drag?.wind, velocity };
+}
+
 function put(owner, [first, ...rest], value, key) {
   if (Array.isArray(owner)) {
     if (owner.length === 0) throw new Error(`${key}: there is nothing that could have ${first}: the list is empty`);

@@ -34,6 +34,25 @@ const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/cs
 /** How commands of the project are run; what they say is seen where they fail. */
 export const pack = { cwd: root, stdio: ["ignore", "ignore", "inherit"] };
 
+/** Where pictures of pages are left to be looked at. */
+export const shot = (page, name) => page.screenshot({ path: join(root, "target/browser", `${name}.png`) });
+
+/** Waits until the page's run has taken so many steps. */
+export const steps = (page, count) =>
+  page.waitForFunction((count) => window.muslin?.run()?.cloth.busy === false && muslin.run().cloth.steps >= count, count, { timeout: 120_000 });
+
+/** How many of 30,000 points of the page's picture are darker than the paper. */
+export const drawn = (page) =>
+  page.evaluate(() => {
+    const { picture, run } = muslin;
+    picture.draw(run().view);
+    const copy = Object.assign(document.createElement("canvas"), { width: 200, height: 150 });
+    const context = copy.getContext("2d");
+    context.drawImage(picture.canvas, 0, 0, 200, 150);
+    const { data } = context.getImageData(0, 0, 200, 150);
+    return data.filter((value, k) => k % 4 === 0 && value < 230 && data[k + 3] > 0).length;
+  });
+
 /** Serves `host-wasm` and a blank page on this machine alone; the address, and how to end it. */
 async function serve() {
   const server = createServer(async (request, response) => {

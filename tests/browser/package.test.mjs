@@ -2,11 +2,11 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
-import { browser, dist, root, skip } from "./kit.mjs";
+import { browser, dist, root, shot, skip } from "./kit.mjs";
 
 const USE = `
 import { Cloth, load, scenes } from "muslin";
@@ -53,8 +53,7 @@ test("three.js draws it", { skip }, async () => {
   try {
     const { page, errors } = await chromium.open("examples/three.html");
     await page.waitForFunction(() => window.cloth?.steps >= 20, null, { timeout: 60_000 });
-    mkdirSync(join(root, "target/browser"), { recursive: true });
-    await page.screenshot({ path: join(root, "target/browser/three.png") });
+    await shot(page, "three");
     assert.deepEqual(errors, []);
   } finally {
     await chromium.close();

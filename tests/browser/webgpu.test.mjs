@@ -1,45 +1,29 @@
 // The page where there is WebGPU: it draws with it, and detects with it what the processor detects.
 
 import assert from "node:assert/strict";
-import { mkdirSync } from "node:fs";
-import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { browser, root, skip } from "./kit.mjs";
-
-const pictures = join(root, "target/browser");
+import { browser, drawn, shot, skip, steps } from "./kit.mjs";
 
 let chromium;
 before(async () => {
   if (skip) return;
-  mkdirSync(pictures, { recursive: true });
   chromium = await browser({ webgpu: true });
 });
 after(() => chromium?.close());
 
 test("it draws with WebGPU, and again when the device is lost", { skip }, async () => {
   const { page, errors } = await chromium.open("dist/page/index.html#scene=poncho");
-  const steps = (count) => page.waitForFunction((count) => window.muslin?.run()?.cloth.busy === false && muslin.run().cloth.steps >= count, count, { timeout: 120_000 });
-  await steps(3);
-  const shades = () =>
-    page.evaluate(() => {
-      const { picture, run } = muslin;
-      picture.draw(run().view);
-      const copy = Object.assign(document.createElement("canvas"), { width: 200, height: 150 });
-      const context = copy.getContext("2d");
-      context.drawImage(picture.canvas, 0, 0, 200, 150);
-      const { data } = context.getImageData(0, 0, 200, 150);
-      return data.filter((value, k) => k % 4 === 0 && value < 230 && data[k + 3] > 0).length;
-    });
+  await steps(page, 3);
   assert.equal(await page.locator("#banner").textContent(), "detection: processor · picture: WebGPU");
-  assert.ok((await shades()) > 1000, "cloth and figure are seen");
-  await page.screenshot({ path: join(pictures, "webgpu.png") });
+  assert.ok((await drawn(page)) > 1000, "cloth and figure are seen");
+  await shot(page, "webgpu");
   await page.evaluate(() => {
     muslin.picture.renderer.lose();
   });
   await page.waitForFunction(() => /the picture was lost .*drawn anew/.test(document.getElementById("banner").textContent));
-  assert.ok((await shades()) > 1000, "drawn anew");
+  assert.ok((await drawn(page)) > 1000, "drawn anew");
   const at = await page.evaluate(() => muslin.run().cloth.steps);
-  await steps(at + 2);
+  await steps(page, at + 2);
   assert.deepEqual(errors, []);
   await page.close();
 });

@@ -18,9 +18,8 @@ const FLAGS: &str = "-Ctarget-feature=+simd128 -Zunstable-options -Cpanic=immedi
 /// hence `RUSTC_BOOTSTRAP`.
 const STANDARD: [&str; 2] = ["-Zbuild-std=std,panic_abort", "-Zbuild-std-features=optimize_for_size"];
 
-/// What is bundled: its entries and where they go, relative to the package.
-const BUNDLES: [(&str, &str); 3] =
-    [("muslin.js", "muslin.js"), ("page/page.js", "page/page.js"), ("page/worker.js", "page/worker.js")];
+/// What is bundled: its entries below `web` and in the package.
+const BUNDLES: [&str; 4] = ["muslin.js", "page/page.js", "page/worker.js", "page/style.css"];
 
 /// What is taken as it is.
 const COPIED: [(&str, &str); 4] = [
@@ -64,10 +63,9 @@ fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
         move |why| format!("{path}: {why}")
     };
     fs::create_dir_all(folder.join("page")).map_err(failed(folder))?;
-    for (from, to) in BUNDLES {
-        bundle(own, &web.join(from), &folder.join(to))?;
+    for file in BUNDLES {
+        bundle(own, &web.join(file), &folder.join(file))?;
     }
-    bundle(own, &web.join("page/style.css"), &folder.join("page/style.css"))?;
     for (from, to) in COPIED {
         fs::copy(own.join(from), folder.join(to)).map_err(failed(&own.join(from)))?;
     }
@@ -147,7 +145,7 @@ fn bundle(own: &Path, entry: &Path, to: &Path) -> Result<(), String> {
             "--log-level=warning",
             "--legal-comments=external",
         ])
-        .args(["--external:../muslin.js", "--loader:.wgsl=text"])
+        .args(["--external:../muslin.js"])
         .arg(format!("--outfile={}", to.display()));
     run(esbuild, "remove host-wasm/node_modules and try again")
 }

@@ -2,6 +2,9 @@
 //!
 //! `serde-wasm-bindgen` would pass over keys that nobody knows; a scene with one is refused here, as everywhere.
 
+#[path = "../../../host-cli/src/scene_file/hint.rs"]
+mod hint;
+
 use js_sys::{Array, Object};
 use muslin_core::scene::SceneDesc;
 use serde::de::value::{StrDeserializer, StringDeserializer};
@@ -51,22 +54,8 @@ fn explain(error: &Error) -> String {
     };
     let path: Vec<_> = error.path.iter().rev().map(String::as_str).collect();
     let place = if path.is_empty() { String::new() } else { format!("{}: ", path.join(".")) };
-    let quoted: Vec<&str> = why.split('`').skip(1).step_by(2).collect();
-    let hint = match quoted.split_first() {
-        Some((unknown, known)) if why.starts_with("unknown") => nearest(unknown, known.iter().copied()),
-        _ => None,
-    };
-    let hint = hint.map(|known| format!("\ndid you mean `{known}`?")).unwrap_or_default();
+    let hint = hint::known(&why).map(|known| format!("\ndid you mean `{known}`?")).unwrap_or_default();
     format!("{place}{why}{hint}")
-}
-
-/// The most similar of some names, where it is similar at all.
-fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    known
-        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
-        .filter(|(similarity, _)| *similarity > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
 }
 
 struct Value(JsValue);

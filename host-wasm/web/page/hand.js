@@ -67,8 +67,7 @@ export class Hand {
     this.#pointers.set(event.pointerId, [x, y]);
     if (this.#pointers.size === 1 && event.button === 0 && !event.shiftKey) {
       this.#pressed = this.#take(x, y, REACH) ? this.#held : undefined;
-    }
-    else if (this.#held) this.#let_go();
+    } else if (this.#held) this.#let_go();
   }
 
   #toggle({ vertex, pinned }) {

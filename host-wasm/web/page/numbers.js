@@ -20,7 +20,8 @@ export class Numbers {
     if (before.cloth !== cloth || cloth.steps < before.steps) {
       this.#before = { cloth, steps: cloth.steps, contacts };
       this.#last = { steps: 1, contacts: 0 };
-      this.#times = { ...cloth.takeTimes(), ...Object.fromEntries(PARTS.map(([part]) => [part, 0])) };
+      cloth.takeTimes();
+      this.#times = { predict: 0 };
     } else if (cloth.steps > before.steps) {
       this.#last = { steps: cloth.steps - before.steps, contacts: contacts - before.contacts };
       this.#before = { cloth, steps: cloth.steps, contacts };

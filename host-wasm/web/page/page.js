@@ -1,6 +1,6 @@
 // The page: what is chosen becomes a scene with changes, the run does it, the address keeps it.
 
-import { load, scene as read, scenes, source } from "../muslin.js";
+import { load, scene as read, scenes, source, windy } from "../muslin.js";
 import * as address from "./address.js";
 import { Camera } from "./camera.js";
 import { chart } from "./chart.js";
@@ -43,7 +43,6 @@ function say(text, bad = false) {
   const banner = el("banner");
   banner.textContent = text || `${detect} · picture: ${picture.name ?? "…"}`;
   banner.classList.toggle("bad", bad);
-  if (bad && !run?.device) el("device").checked = false;
 }
 
 const picture = new Picture(el("picture"), camera, new URLSearchParams(location.hash.slice(1)).get("draw"), say);
@@ -167,11 +166,11 @@ function strain(whether) {
 }
 
 function wind(speed) {
-  const old = run.cloth.scene.drag?.wind;
-  const way = [old?.velocity, base.drag?.wind?.velocity, [0.3, 0, -1]].find((way) => way && Math.hypot(...way) > 0);
+  const { scene } = run.cloth;
+  const way = [scene.drag?.wind?.velocity, base.drag?.wind?.velocity, [0.3, 0, -1]].find((way) => way && Math.hypot(...way) > 0);
   const size = Math.hypot(...way);
   const velocity = way.map((x) => (x / size) * speed);
-  change({ "drag.wind": { normal: 0.6, tangential: 0.03, ...old, velocity }, "drag.linear": undefined });
+  change({ "drag.wind": windy(scene, velocity) });
 }
 
 /** Asks the GPU from the next step on, where it is to, and where there is anything to detect. */

@@ -11,19 +11,15 @@ const STRAINED = 0.05;
 export class Picture {
   #renderer;
   #triangles;
-  #find;
+  #only;
+  #say;
 
   /** `only`: "webgl" for the fallback; `say` is told when a renderer is lost. */
   constructor(canvas, camera, only, say) {
     Object.assign(this, { canvas, camera, strain: false });
-    this.#find = async (only) => {
-      const lost = (why) => this.#replace(`the picture was lost (${why}); drawn anew`, only, say);
-      this.#renderer = (only === "webgl" ? undefined : await webgpu(this.canvas, lost).catch(() => undefined)) ??
-        webgl(this.canvas, lost);
-      if (!this.#renderer) throw new Error("this browser has neither WebGPU nor WebGL2, or they are switched off");
-      if (this.#triangles) this.#renderer.triangles(this.#triangles);
-    };
-    this.ready = this.#find(only);
+    this.#only = only;
+    this.#say = say;
+    this.ready = this.#find();
     new ResizeObserver(() => this.#fit()).observe(canvas.parentElement);
     this.#fit();
   }
@@ -36,15 +32,23 @@ export class Picture {
     return this.#renderer;
   }
 
-  // A canvas serves one kind of context for life, and a lost one serves none: its listeners are kept, though.
-  async #replace(why, only, say) {
+  async #find() {
+    const lost = (why) => this.#replace(`the picture was lost (${why}); drawn anew`);
+    const best = this.#only === "webgl" ? undefined : await webgpu(this.canvas, lost).catch(() => undefined);
+    this.#renderer = best ?? webgl(this.canvas, lost);
+    if (!this.#renderer) throw new Error("this browser has neither WebGPU nor WebGL2, or they are switched off");
+    if (this.#triangles) this.#renderer.triangles(this.#triangles);
+  }
+
+  // A canvas serves one kind of context for life, and a lost one serves none.
+  async #replace(why) {
     this.#renderer = undefined;
     const fresh = document.createElement("canvas");
     fresh.className = "picture";
     this.canvas.replaceWith(fresh);
     this.canvas = fresh;
     this.#fit();
-    await this.#find(only).then(() => say(why), (error) => say(error.message));
+    await this.#find().then(() => this.#say(why), (error) => this.#say(error.message, true));
   }
 
   #fit() {
