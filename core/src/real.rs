@@ -49,6 +49,9 @@ pub use precision::*;
 /// both precisions: they cost little and would otherwise be the first thing to round.
 pub type Sum = f64;
 
+/// Four sums that are multiplied and added at once.
+pub type SumLanes = wide::f64x4;
+
 /// Below this fraction of its rest size a length counts as zero: direction unknown, no force.
 pub const DEGENERATE: Real = 1e-6;
 

@@ -8,7 +8,7 @@
 
 use super::conjugate_gradient::System;
 use super::coupling::Hold;
-use crate::real::{Real, Sum, Vec3, to_f64};
+use crate::real::{Real, Sum, SumLanes, Vec3, to_f64};
 
 /// Motions of a patch: three axes times (1, u, v) in its own coordinates.
 pub const MODES: usize = 9;
@@ -206,22 +206,38 @@ fn shares(patches: &Patches<'_>, hold: &Hold) -> ([Share; 4], usize) {
     (shares, count)
 }
 
-/// Cholesky's factor within the envelope, row by row.
+/// Rows that are factorised side by side: they have the same first column, being of one patch.
+const TOGETHER: usize = 3;
+
+/// Cholesky's factor within the envelope, a few rows at a time.
 fn factorise(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
-    for row in 0..patches.first_columns.len() {
-        let first = patches.first_columns[row] as usize;
+    for row in (0..patches.first_columns.len()).step_by(TOGETHER) {
         let (above, from_here) = factor.values.split_at_mut(patches.offsets[row] as usize);
-        let values = &mut from_here[..=row - first];
+        let first = patches.first_columns[row] as usize;
+        let width = row - first;
+        let (top, from_middle) = from_here.split_at_mut(width + 1);
+        let (middle, from_bottom) = from_middle.split_at_mut(width + 2);
+        let mut rows: [_; TOGETHER] = [top, middle, &mut from_bottom[..width + 3]];
         for column in first..row {
             let column_first = patches.first_columns[column] as usize;
             let common = first.max(column_first);
             let other = &above[patches.row(column)][common - column_first..column - column_first];
-            let product = dot(&values[common - first..column - first], other);
-            values[column - first] = (values[column - first] - product) * factor.inverse_diagonal[column];
+            let products = dots(rows.each_ref().map(|row| &row[common - first..column - first]), other);
+            for (values, product) in rows.iter_mut().zip(products) {
+                values[column - first] = (values[column - first] - product) * factor.inverse_diagonal[column];
+            }
         }
-        let (left, diagonal) = values.split_at(row - first);
-        let pivot = diagonal[0] - dot(left, left);
-        factor.inverse_diagonal[row] = if pivot > LEAST_PIVOT * diagonal[0] { 1.0 / libm::sqrt(pivot) } else { 0.0 };
+        for k in 0..TOGETHER {
+            let (done, [values, ..]) = rows.split_at_mut(k) else { return };
+            for (column, other) in (width..).zip(done) {
+                let product = dot(&values[..column], &other[..column]);
+                values[column] = (values[column] - product) * factor.inverse_diagonal[first + column];
+            }
+            let (left, diagonal) = values.split_at(width + k);
+            let pivot = diagonal[0] - dot(left, left);
+            let inverse = if pivot > LEAST_PIVOT * diagonal[0] { 1.0 / libm::sqrt(pivot) } else { 0.0 };
+            factor.inverse_diagonal[row + k] = inverse;
+        }
     }
 }
 
@@ -270,18 +286,37 @@ fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     }
 }
 
-/// Inner product in four interleaved sums, which compilers turn into vector instructions.
+/// Inner product in four interleaved sums.
+#[inline(never)]
 fn dot(a: &[Sum], b: &[Sum]) -> Sum {
-    let (a_fours, a_rest) = a.as_chunks::<4>();
-    let (b_fours, b_rest) = b.as_chunks::<4>();
-    let mut sums = [0.0; 4];
-    for (a, b) in a_fours.iter().zip(b_fours) {
-        for lane in 0..4 {
-            sums[lane] += a[lane] * b[lane];
-        }
+    let (a, b) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = SumLanes::ZERO;
+    for (&a, &b) in a.0.iter().zip(b.0) {
+        sums += SumLanes::new(a) * SumLanes::new(b);
     }
-    let rest: Sum = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    total(sums, a.1, b.1)
+}
+
+/// Inner products of three rows with another, read once. Written out, not as loops over the three: these are
+/// not unrolled where code must be small.
+fn dots([a, b, c]: [&[Sum]; TOGETHER], other: &[Sum]) -> [Sum; TOGETHER] {
+    let [a, b, c] = [a, b, c].map(|row| row.as_chunks::<4>());
+    let (fours, rest) = other.as_chunks::<4>();
+    let [mut x, mut y, mut z] = [SumLanes::ZERO; TOGETHER];
+    for (((&a, &b), &c), &other) in a.0.iter().zip(b.0).zip(c.0).zip(fours) {
+        let other = SumLanes::new(other);
+        x += SumLanes::new(a) * other;
+        y += SumLanes::new(b) * other;
+        z += SumLanes::new(c) * other;
+    }
+    [total(x, a.1, rest), total(y, b.1, rest), total(z, c.1, rest)]
+}
+
+/// Of four sums and what was left over.
+#[inline]
+fn total(sums: SumLanes, a: &[Sum], b: &[Sum]) -> Sum {
+    let [x, y, z, w] = sums.to_array();
+    (x + y) + (z + w) + a.iter().zip(b).map(|(a, b)| a * b).sum::<Sum>()
 }
 
 #[cfg(feature = "alloc")]

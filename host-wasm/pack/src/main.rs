@@ -12,7 +12,7 @@ const TARGET: &str = "wasm32-unknown-unknown";
 /// Vectors are four lanes wide everywhere; a panic has nobody to tell, so that it needs neither text nor place, and
 /// nobody reads debug output; what is unrolled is twice as long and no faster.
 const FLAGS: &str = "-Ctarget-feature=+simd128 -Zunstable-options -Cpanic=immediate-abort -Zlocation-detail=none \
-                     -Zfmt-debug=none -Cllvm-args=-unroll-threshold=30";
+                     -Zfmt-debug=none -Cllvm-args=-unroll-threshold=25";
 
 /// The standard library is built with the module: for size, and without the texts of panics. That is unstable,
 /// hence `RUSTC_BOOTSTRAP`.
@@ -94,7 +94,7 @@ fn build(own: &Path, count: bool) -> Result<PathBuf, String> {
     cargo
         .args(["build", "--package", "muslin-wasm", "--lib", "--profile", "wasm", "--target", TARGET])
         .args(STANDARD)
-        .args(count.then_some("--features=count"))
+        .args(["--features", if count { "instructions,count" } else { "instructions" }])
         .env("RUSTC_BOOTSTRAP", "1")
         .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", FLAGS)
         .current_dir(own);
@@ -110,26 +110,34 @@ fn bind(module: &Path, to: &Path) -> Result<(), String> {
     bindgen.input_path(module).web(true).map_err(failed)?;
     bindgen.omit_default_module_path(false).typescript(false).remove_name_section(true).remove_producers_section(true);
     let mut output = bindgen.generate_output().map_err(failed)?;
+    // What the linker was told: nobody reads it.
+    output.wasm_mut().customs.remove_raw("target_features");
     let names = shorten(&mut output);
     output.emit(to).map_err(failed)?;
     let script = to.join("muslin_wasm.js");
     let told = |why| format!("{}: {why}", script.display());
     let text = fs::read_to_string(&script).map_err(told)?;
-    let text = names
-        .iter()
-        .fold(text, |text, (long, short)| text.replace(&format!("{long}: function"), &format!("{short}: function")));
+    let text = names.iter().fold(text, |text, (long, short)| text.replace(long, short));
     fs::write(&script, text).map_err(told)
 }
 
-/// What the module imports has names of fifty letters, there and in the script: two hundred of them. Gives them
-/// short ones in the module, and tells which.
+/// What the module imports has names of fifty letters, there and in the script: two hundred of them; closures that
+/// it exports have longer ones. Gives them short ones in the module, and tells what of the script to replace.
 fn shorten(output: &mut Output) -> Vec<(String, String)> {
-    let imports = output.wasm_mut().imports.iter_mut().filter(|import| import.name.starts_with("__wb"));
-    let renamed = imports.enumerate().map(|(k, import)| {
+    let module = output.wasm_mut();
+    let imports = module.imports.iter_mut().filter(|import| import.name.starts_with("__wb"));
+    let imports = imports.enumerate().map(|(k, import)| {
         let short = format!("i{k}");
-        (std::mem::replace(&mut import.name, short.clone()), short)
+        let long = std::mem::replace(&mut import.name, short.clone());
+        (format!("{long}: function"), format!("{short}: function"))
     });
-    renamed.collect()
+    let exports = module.exports.iter_mut().filter(|export| export.name.starts_with("wasm_bindgen_"));
+    let exports = exports.enumerate().map(|(k, export)| {
+        let short = format!("e{k}");
+        let long = std::mem::replace(&mut export.name, short.clone());
+        (format!("wasm.{long}("), format!("wasm.{short}("))
+    });
+    imports.chain(exports).collect()
 }
 
 /// One file of an entry and all that it imports, but for the package itself where a page asks for it.
