@@ -41,6 +41,12 @@ export const shot = (page, name) => page.screenshot({ path: join(root, "target/b
 export const steps = (page, count) =>
   page.waitForFunction((count) => window.muslin?.run()?.cloth.busy === false && muslin.run().cloth.steps >= count, count, { timeout: 120_000 });
 
+/** Waits for so many further steps. */
+export async function more(page, count) {
+  const now = await page.waitForFunction(() => muslin.run().cloth.busy === false && String(muslin.run().cloth.steps));
+  await steps(page, Number(await now.jsonValue()) + count);
+}
+
 /** How many of 30,000 points of the page's picture are darker than the paper. */
 export const drawn = (page) =>
   page.evaluate(() => {

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { browser, drawn, shot, skip, steps } from "./kit.mjs";
+import { browser, drawn, more, shot, skip, steps } from "./kit.mjs";
 
 const PAGE = "dist/page/index.html";
 
@@ -20,8 +20,6 @@ async function open(hash = "", viewport) {
   return { page, errors };
 }
 
-/** Waits for so many further steps. */
-const more = async (page, count) => steps(page, (await inPage(page, () => muslin.run().cloth.steps)) + count);
 const inPage = (page, what, given) => page.evaluate(what, given);
 
 test("it opens without an error, draws, and the cloth falls on the ball", { skip }, async () => {
@@ -78,6 +76,42 @@ test("a hand drags the cloth, pins it and lets it go", { skip }, async () => {
   await inPage(page, (pin) => muslin.run().release(pin), pin);
   await more(page, 5);
   assert.equal((await seen()).pins.length, before.pins.length);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("a finger drags the cloth, two come nearer, and the page stays where it is", { skip }, async () => {
+  const { page, errors } = await open("#scene=flag&compare=0", { width: 390, height: 844 });
+  const touches = await page.context().newCDPSession(page);
+  await touches.send("Emulation.setTouchEmulationEnabled", { enabled: true });
+  const touch = (type, ...points) =>
+    touches.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  const seen = () =>
+    inPage(page, () => {
+      const { camera, run } = muslin;
+      const vertex = run().cloth.vertexCount - 1;
+      const place = Array.from(run().cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
+      return { at: camera.project(camera.matrix(true), place), pins: run().cloth.pins().length, distance: camera.distance };
+    });
+  await page.click("#pause");
+  await page.waitForTimeout(300);
+  const before = await seen();
+  const [x, y] = before.at;
+  await touch("touchStart", [x, y]);
+  await inPage(page, () => (muslin.run().paused = false));
+  for (let k = 1; k <= 10; k++) await touch("touchMove", [x - 6 * k, y - 8 * k]);
+  await more(page, 10);
+  assert.equal((await seen()).pins, before.pins + 1, "what a finger is on is held");
+  await touch("touchEnd");
+  await more(page, 5);
+  assert.equal((await seen()).pins, before.pins, "and let go");
+  await touch("touchStart", [150, 200], [250, 300]);
+  await touch("touchMove", [100, 150], [300, 350]);
+  await touch("touchEnd");
+  const after = await seen();
+  assert.ok(after.distance < 0.9 * before.distance, `nearer: ${before.distance} m, then ${after.distance} m`);
+  assert.equal(after.pins, before.pins, "two fingers hold nothing");
+  assert.equal(await inPage(page, () => scrollY), 0);
   assert.deepEqual(errors, []);
   await page.close();
 });

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { browser, drawn, shot, skip, steps } from "./kit.mjs";
+import { browser, drawn, more, shot, skip, steps } from "./kit.mjs";
 
 let chromium;
 before(async () => {
@@ -22,8 +22,36 @@ test("it draws with WebGPU, and again when the device is lost", { skip }, async 
   });
   await page.waitForFunction(() => /the picture was lost .*drawn anew/.test(document.getElementById("banner").textContent));
   assert.ok((await drawn(page)) > 1000, "drawn anew");
-  const at = await page.evaluate(() => muslin.run().cloth.steps);
-  await steps(page, at + 2);
+  await more(page, 2);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("the page detects on the device while a hand drags, and here again", { skip }, async () => {
+  const { page, errors } = await chromium.open("dist/page/index.html#scene=ball&compare=0");
+  await steps(page, 2);
+  const banner = () => page.locator("#banner").textContent();
+  // A device that a processor plays is not worth asking: nobody does unless told to.
+  assert.equal(await page.isChecked("#device"), false);
+  await page.check("#device");
+  await page.waitForFunction(() => /detection: .+, WebGPU · picture: WebGPU/.test(document.getElementById("banner").textContent));
+  const [x, y] = await page.evaluate(() => {
+    const { camera, run } = muslin;
+    return camera.project(camera.matrix(true), run().positions().slice(0, 3));
+  });
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x, y - 150, { steps: 5 });
+  await more(page, 20);
+  const pins = () => page.evaluate(() => muslin.run().pins());
+  const [held, ...others] = await pins();
+  assert.ok(held !== undefined && others.length === 0, `one vertex is held: ${held}, ${others}`);
+  await page.mouse.up();
+  await page.uncheck("#device");
+  await page.waitForFunction(() => /detection: processor/.test(document.getElementById("banner").textContent));
+  await more(page, 2);
+  assert.deepEqual(await pins(), []);
+  assert.equal(await banner(), "detection: processor · picture: WebGPU");
   assert.deepEqual(errors, []);
   await page.close();
 });

@@ -15,6 +15,8 @@ export class Hand {
   #held;
   /** What the last press took, and whether it was pinned before: by its second click it is led, hence held. */
   #pressed;
+  /** What the hand let go last: it may be seen as pinned until the next step. */
+  #free;
 
   /** `cloth` gives {positions, pins, lead, release} of what is in view. */
   constructor(canvas, camera, cloth) {
@@ -33,7 +35,7 @@ export class Hand {
 
   /** Nothing is held any more: another cloth is in view. */
   drop() {
-    this.#held = this.#pressed = undefined;
+    this.#held = this.#pressed = this.#free = undefined;
     this.#pointers.clear();
   }
 
@@ -46,8 +48,12 @@ export class Hand {
     const vertex = this.#camera.pick(this.#cloth.positions(), x, y, within);
     if (vertex === undefined) return false;
     const place = this.#place(vertex);
-    this.#held = { vertex, at: place, to: place, pinned: this.#cloth.pins().includes(vertex) };
+    this.#held = { vertex, at: place, to: place, pinned: this.#pinned(vertex) };
     return true;
+  }
+
+  #pinned(vertex) {
+    return vertex !== this.#free && this.#cloth.pins().includes(vertex);
   }
 
   #place(vertex) {
@@ -57,7 +63,13 @@ export class Hand {
   #let_go() {
     const { vertex, pinned } = this.#held;
     this.#held = undefined;
-    if (!pinned) this.#cloth.release(vertex);
+    if (!pinned) this.#release(vertex);
+    else if (vertex === this.#free) this.#free = undefined;
+  }
+
+  #release(vertex) {
+    this.#free = vertex;
+    this.#cloth.release(vertex);
   }
 
   #down(event) {
@@ -71,8 +83,9 @@ export class Hand {
   }
 
   #toggle({ vertex, pinned }) {
-    if (pinned) this.#cloth.release(vertex);
-    else this.#cloth.lead(vertex, this.#place(vertex), 0);
+    if (pinned) return this.#release(vertex);
+    this.#free = undefined;
+    this.#cloth.lead(vertex, this.#place(vertex), 0);
   }
 
   #move(event) {
@@ -104,7 +117,7 @@ export class Hand {
     }
     const [x, y] = this.#camera.size.map((pixels) => pixels / 2);
     const vertex = this.#camera.pick(this.#cloth.positions(), x, y, Infinity);
-    if (vertex !== undefined) this.#toggle({ vertex, pinned: this.#cloth.pins().includes(vertex) });
+    if (vertex !== undefined) this.#toggle({ vertex, pinned: this.#pinned(vertex) });
   }
 
   /** Whether a key was meant for the hand. */
