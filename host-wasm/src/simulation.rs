@@ -135,13 +135,12 @@ impl Simulation {
     }
 
     /// Leads a vertex to a place, m, within so many seconds; it is held from then on.
-    pub fn lead(&mut self, vertex: u32, x: f32, y: f32, z: f32, seconds: f64) -> Result<(), JsError> {
+    pub fn lead(&mut self, vertex: f64, x: f32, y: f32, z: f32, seconds: f64) -> Result<(), JsError> {
+        let vertex = self.vertex(vertex)?;
         if ![f64::from(x), f64::from(y), f64::from(z), seconds].iter().all(|x| x.is_finite()) || seconds < 0.0 {
             return Err(JsError::new("a place and a time must be finite numbers"));
         }
-        if !self.own.lead(vertex, vec3([x, y, z].map(f64::from)), seconds) {
-            return Err(self.no_vertex(vertex));
-        }
+        self.own.lead(vertex, vec3([x, y, z].map(f64::from)), seconds);
         self.released.retain(|&other| other != vertex);
         if !self.held.contains(&vertex) {
             self.held.push(vertex);
@@ -150,10 +149,8 @@ impl Simulation {
     }
 
     /// Lets go of a vertex, whatever held it; whether anything did.
-    pub fn release(&mut self, vertex: u32) -> Result<bool, JsError> {
-        if vertex as usize >= self.own.positions().len() {
-            return Err(self.no_vertex(vertex));
-        }
+    pub fn release(&mut self, vertex: f64) -> Result<bool, JsError> {
+        let vertex = self.vertex(vertex)?;
         self.held.retain(|&other| other != vertex);
         let released = self.own.release(vertex);
         if released && !self.released.contains(&vertex) {
@@ -162,8 +159,12 @@ impl Simulation {
         Ok(released)
     }
 
-    fn no_vertex(&self, vertex: u32) -> JsError {
-        error(format!("there is no vertex {vertex}; there are {}, from 0", self.own.positions().len()))
+    fn vertex(&self, number: f64) -> Result<u32, JsError> {
+        let (vertex, count) = (number as u32, self.own.positions().len());
+        if f64::from(vertex) == number && (vertex as usize) < count {
+            return Ok(vertex);
+        }
+        Err(error(format!("there is no vertex {number}; there are {count}, from 0")))
     }
 
     /// Vertices that are held.

@@ -1,6 +1,9 @@
 // Muslin for pages. All units are SI: metres, kilograms, seconds, newtons, joules.
 
-/** Fetches and starts the module, once; `source` where it does not lie beside this file. */
+/**
+ * Fetches and starts the module, once; `source` where it does not lie beside this file: its address (bundlers), or
+ * its bytes (Node.js).
+ */
 export function load(source?: string | URL | Response | BufferSource | WebAssembly.Module): Promise<void>;
 
 /** The names of the built-in scenes; after `await load()`. */
@@ -115,7 +118,10 @@ export class Cloth {
   /** A steady wind, m/s. */
   wind(velocity: [number, number, number]): void;
 
-  /** Leads a vertex to a place, m, evenly within so many simulated seconds; it is held from then on. */
+  /**
+   * Leads a vertex to a place, m, evenly within so many simulated seconds, or at once; it is held from then on.
+   * Farther than an edge at once is more than many scenes can stand.
+   */
   lead(vertex: number, place: ArrayLike<number>, seconds?: number): void;
   /** Holds a vertex where it is. */
   pin(vertex: number): void;
@@ -125,7 +131,7 @@ export class Cloth {
   pins(): Uint32Array;
 
   readonly vertexCount: number;
-  /** Steps taken. */
+  /** Steps taken; after another step length was set, how many of these the time is. */
   readonly steps: number;
   /** Simulated time, s. */
   readonly time: number;
@@ -142,6 +148,6 @@ export class Cloth {
   takeTimes(): Times;
   /** Numbers about the state and the work. */
   summary(): Summary;
-  /** Gives the memory back. */
+  /** Gives the memory back; the cloth cannot be asked anything afterwards. */
   free(): void;
 }

@@ -72,7 +72,7 @@ function guarded(work) {
 
 function told(error) {
   if (!(error instanceof WebAssembly.RuntimeError)) return error;
-  const text = `muslin broke off inside (${error.message}): a mistake of its own; make a new Cloth, and please report it`;
+  const text = `muslin broke off inside (${error.message}): no memory was left, or it made a mistake; make a new Cloth, of fewer cells`;
   return new Error(text, { cause: error });
 }
 
@@ -126,6 +126,7 @@ export class Cloth {
 
   async openDevice() {
     const own = this.#idle;
+    if (!globalThis.navigator?.gpu) throw new Error("there is no WebGPU here");
     this.#busy = true;
     try {
       // Browsers need not tell.

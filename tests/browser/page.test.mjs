@@ -116,6 +116,46 @@ test("a finger drags the cloth, two come nearer, and the page stays where it is"
   await page.close();
 });
 
+test("one hand holds one vertex, and its pins are seen", { skip }, async () => {
+  const { page } = await open("#scene=cantilever&compare=0");
+  const pinned = () => inPage(page, () => Array.from(muslin.run().cloth.pins()));
+  const before = await pinned();
+  const dark = () =>
+    inPage(page, () => {
+      let seen = 0;
+      const { renderer } = muslin.picture;
+      const draw = renderer.draw;
+      renderer.draw = (what) => (seen = what.strains.filter((strain) => strain > 1e8).length);
+      muslin.picture.draw(muslin.run().view);
+      renderer.draw = draw;
+      return seen;
+    });
+  assert.equal(await dark(), before.length, "what is pinned is drawn so");
+  await page.focus("#pad");
+  await page.keyboard.press("g");
+  await more(page, 3);
+  const byKey = (await pinned()).filter((pin) => !before.includes(pin));
+  assert.equal(byKey.length, 1);
+  await inPage(page, () => (muslin.run().paused = true));
+  await page.waitForTimeout(200);
+  const [x, y] = await inPage(page, () => {
+    const { camera, run } = muslin;
+    const last = run().cloth.vertexCount - 1;
+    return camera.project(camera.matrix(true), run().positions().slice(3 * last, 3 * last + 3));
+  });
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await inPage(page, () => (muslin.run().paused = false));
+  await more(page, 3);
+  const byHand = (await pinned()).filter((pin) => !before.includes(pin));
+  assert.ok(byHand.length === 1 && byHand[0] !== byKey[0], `one, and another: ${byKey}, ${byHand}`);
+  assert.equal(await dark(), before.length + 1);
+  await page.mouse.up();
+  await more(page, 3);
+  assert.deepEqual(await pinned(), before);
+  await page.close();
+});
+
 test("a double click pins, and another lets go", { skip }, async () => {
   const { page } = await open("#scene=cantilever");
   const pinned = () => inPage(page, () => Array.from(muslin.run().cloth.pins()));
@@ -211,6 +251,13 @@ step = 0.002
   const { page: again } = await open(address.slice(address.indexOf("#")));
   assert.equal(await inPage(again, () => muslin.run().cloth.scene.cloth[0].density), 0.3);
   assert.equal(await again.inputValue("#text"), text);
+  // It stays to be chosen, once, when another was looked at.
+  for (const [name, density] of [["cantilever", 0.2], ["own", 0.3]]) {
+    await again.selectOption("#scene", name);
+    await again.click("#strain");
+    await again.waitForFunction((density) => muslin.run().cloth.scene.cloth[0].density === density, density);
+  }
+  assert.equal(await again.locator("#scene option", { hasText: "own" }).count(), 1);
   await again.close();
 });
 
@@ -222,6 +269,31 @@ test("a value that is refused changes neither controls nor address", { skip }, a
   await page.waitForFunction(() => document.getElementById("banner").className === "bad");
   assert.equal(page.url(), address);
   assert.ok(Number(await page.inputValue("#length")) < 10);
+  await page.close();
+});
+
+test("two choices at once are both done", { skip }, async () => {
+  const { page } = await open("#scene=cantilever");
+  await inPage(page, () => {
+    for (const [id, value] of [["length", "2"], ["material", "leather"]]) {
+      const control = document.getElementById(id);
+      control.value = value;
+      control.dispatchEvent(new Event("change"));
+    }
+  });
+  await more(page, 2);
+  const { integrator, cloth } = await inPage(page, () => muslin.run().cloth.scene);
+  assert.equal(integrator.step, 0.002);
+  const leather = await page.inputValue("#material");
+  assert.ok(leather === "leather" && cloth[0].density > 0.3, `${leather}, ${cloth[0].density} kg/m^2`);
+  await page.close();
+});
+
+test("a run that stops by itself can be gone on with", { skip }, async () => {
+  const { page } = await open("#scene=hanging&compare=0");
+  await page.selectOption("#method", "explicit-euler");
+  await page.locator("#pause", { hasText: "Go on" }).waitFor({ timeout: 60_000 });
+  assert.match(await page.locator("#banner").textContent(), /Reset begins anew/);
   await page.close();
 });
 

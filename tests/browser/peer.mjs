@@ -12,12 +12,14 @@ const SECOND = 60;
 const ITERATIONS = [20, 80, 160, 240, 280, 320];
 
 const require = createRequire(join(root, "host-wasm/package.json"));
-const found = await import(pathToFileURL(require.resolve("jolt-physics/wasm-compat"))).catch(() => undefined);
-if (!found) {
+let peer;
+try {
+  peer = require.resolve("jolt-physics/wasm-compat");
+} catch {
   console.log("the peer is missing: npm install --no-save --prefix host-wasm jolt-physics@1.1.0");
   process.exit(1);
 }
-const Jolt = await found.default();
+const Jolt = await (await import(pathToFileURL(peer))).default();
 const muslin = await import(pathToFileURL(join(dist, "muslin.js")));
 await muslin.load(readFileSync(join(dist, "muslin_wasm_bg.wasm")));
 

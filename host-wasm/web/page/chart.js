@@ -11,6 +11,8 @@ export function chart(figure, scene, seconds, over) {
   const worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
   const end = () => {
     worker.terminate();
+    state.done = true;
+    figure.innerHTML = drawn(state);
     over();
   };
   worker.onmessage = ({ data }) => {
@@ -19,9 +21,8 @@ export function chart(figure, scene, seconds, over) {
     state.until = data.until ?? state.until;
     state.reference = data.reference ?? state.reference;
     if (data.point) (data.point.failed || !(data.point.error < 1e3) ? state.failed : state.points).push(data.point);
-    state.done ||= data.done || data.kind === "failed";
-    figure.innerHTML = drawn(state);
-    if (state.done) end();
+    if (data.done || data.kind === "failed") end();
+    else figure.innerHTML = drawn(state);
   };
   worker.onerror = ({ message }) => worker.onmessage({ data: { kind: "failed", why: message ?? "the worker does not start" } });
   worker.postMessage({ ask: "chart", scene, seconds });
@@ -34,8 +35,10 @@ const escaped = (text) => text.replace(/[<&]/g, (letter) => (letter === "<" ? "&
 const powers = (values) => [Math.floor(Math.log10(Math.min(...values))), Math.ceil(Math.log10(Math.max(...values)))];
 
 function drawn({ name, points, doing, failed, until, reference, done }) {
-  const seen = points.filter(({ error }) => error > 0);
-  if (seen.length === 0) return `<figcaption>${escaped(doing || "Measuring")} …</figcaption>`;
+  // Clocks of browsers are coarse: what took no time cannot be drawn.
+  const seen = points.filter(({ error, ms }) => error > 0 && ms > 0);
+  const now = done ? "" : `${escaped(doing || "Measuring")} …`;
+  if (seen.length === 0) return `<figcaption>${now || "Nothing was measured that could be drawn."}</figcaption>`;
   const [x0, x1] = powers(seen.map(({ ms }) => ms));
   const [y0, y1] = powers([...seen.map(({ error }) => error), reference || Infinity].filter(isFinite));
   const x = (ms) => LEFT + ((Math.log10(ms) - x0) / (x1 - x0 || 1)) * (WIDTH - LEFT - 16);
@@ -69,5 +72,5 @@ function drawn({ name, points, doing, failed, until, reference, done }) {
   return `<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label="Error against time for each method" font-size="11" font-family="system-ui">
     ${parts.join("")}<text x="${WIDTH / 2}" y="${HEIGHT - 5}" text-anchor="middle">ms of this machine for a second of cloth</text></svg>
     <figcaption>${legend.join(", ")}. ${escaped(name)}: RMS error after ${until.toPrecision(3)} s; dashed: how well the reference knows itself.
-    ${done ? "" : `<br>${escaped(doing)} …`}</figcaption>`;
+    <br>${now}</figcaption>`;
 }

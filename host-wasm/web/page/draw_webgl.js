@@ -6,7 +6,7 @@ uniform mat4 matrix; uniform vec4 look; uniform bool body; out vec3 p, n, colour
 void main() {
   float s = clamp(strain / max(look.w, 1e-9), -1., 1.);
   vec3 strained = mix(vec3(.92), s > 0. ? vec3(.8, .1, .1) : vec3(.1, .3, .8), abs(s));
-  colour = body ? vec3(.5, .53, .56) : look.w > 0. ? strained : vec3(.85, .62, .45);
+  colour = body ? vec3(.5, .53, .56) : strain > 1e8 ? vec3(.1) : look.w > 0. ? strained : vec3(.85, .62, .45);
   p = place; n = normal; gl_Position = matrix * vec4(place, 1.);
 }`;
 const SHADE = `#version 300 es

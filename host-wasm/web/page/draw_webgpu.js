@@ -8,7 +8,7 @@ struct Seen { @builtin(position) clip: vec4f, @location(0) place: vec3f, @locati
 @vertex fn cloth(@location(0) place: vec3f, @location(1) normal: vec3f, @location(2) strain: f32) -> Seen {
   let s = clamp(strain / max(u.look.w, 1e-9), -1.0, 1.0);
   let strained = mix(vec3f(.92), select(vec3f(.1, .3, .8), vec3f(.8, .1, .1), s > 0.0), abs(s));
-  return Seen(u.matrix * vec4f(place, 1.0), place, normal, select(vec3f(.85, .62, .45), strained, u.look.w > 0.0));
+  return Seen(u.matrix * vec4f(place, 1.0), place, normal, select(select(vec3f(.85, .62, .45), strained, u.look.w > 0.0), vec3f(.1), strain > 1e8));
 }
 @vertex fn body(@location(0) place: vec3f, @location(1) normal: vec3f) -> Seen {
   return Seen(u.matrix * vec4f(place, 1.0), place, normal, vec3f(.5, .53, .56));

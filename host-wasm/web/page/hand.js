@@ -45,6 +45,7 @@ export class Hand {
   }
 
   #take(x, y, within) {
+    if (this.#held) this.#let_go();
     const vertex = this.#camera.pick(this.#cloth.positions(), x, y, within);
     if (vertex === undefined) return false;
     const place = this.#place(vertex);

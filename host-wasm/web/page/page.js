@@ -23,13 +23,15 @@ const TERMS = {
 const CHARTED = 0.5;
 
 const el = (id) => document.getElementById(id);
-const list = (id, names) => el(id).append(...names.map((name) => new Option(name)));
+const list = (id, names) => el(id).append(...names.map((name) => new Option(name, name)));
 
 /** The name of a scene that was typed in. */
 const OWN = "own";
 const DETAILS = ["quick", "as in the scene"];
 
 const state = { scene: "ball", changes: {}, shown: {} };
+/** The text that was typed in last. */
+let own;
 let base;
 let run;
 let stop;
@@ -62,11 +64,12 @@ function valueAt(scene, key) {
 /** What makes a scene quick: half of the cells each way, and a solver that stops early; the error tells its price. */
 function quick(scene) {
   const changes = { "integrator.tolerance": 0.01 };
+  const halved = (count) => (count > 5 ? Math.ceil(count / 2) : count);
   scene.cloth?.forEach?.(({ grid, tube, disc }, k) => {
     for (const [kind, of] of Object.entries({ grid, tube })) {
-      if (of) changes[`cloth.${k}.${kind}.cells`] = of.cells.map((count) => Math.max(3, Math.ceil(count / 2)));
+      if (Array.isArray(of?.cells)) changes[`cloth.${k}.${kind}.cells`] = of.cells.map(halved);
     }
-    if (disc) changes[`cloth.${k}.disc.rings`] = Math.max(2, Math.ceil(disc.rings / 2));
+    if (disc) changes[`cloth.${k}.disc.rings`] = halved(disc.rings);
   });
   return changes;
 }
@@ -80,7 +83,7 @@ function show() {
   el("detail").value = state.shown.detail ? DETAILS[1] : DETAILS[0];
   el("material").value = state.shown.material ?? "as in the scene";
   el("method").value = scene.integrator.method;
-  el("length").value = +(1000 * scene.integrator.step).toPrecision(4);
+  el("length").value = +(1000 * run.cloth.stepLength).toPrecision(4);
   const wind = Math.hypot(...(scene.drag?.wind?.velocity ?? [0]));
   el("wind").value = el("speed").value = wind.toFixed(1);
   for (const [name, [key]] of Object.entries(TERMS)) {
@@ -125,7 +128,7 @@ function open(name, text = name) {
   hand.drop();
   camera.frame(run.positions());
   // A text of one's own is part of the address.
-  if (name === OWN) state.shown.text = text;
+  if (name === OWN) state.shown.text = own = text;
   else delete state.shown.text;
   el("text").value = source(text) ?? text;
   say("");
@@ -198,7 +201,7 @@ function listen() {
       delete state.shown.material;
       open(name, text);
     });
-  el("scene").onchange = () => el("scene").value === OWN || anew(el("scene").value);
+  el("scene").onchange = () => anew(el("scene").value, el("scene").value === OWN ? own : undefined);
   el("detail").onchange = () => {
     if (el("detail").value === DETAILS[0]) delete state.shown.detail;
     else state.shown.detail = "scene";
@@ -207,9 +210,9 @@ function listen() {
   el("pause").onclick = KEYS[" "];
   el("step").onclick = KEYS["."];
   el("reset").onclick = reset;
-  el("material").onchange = () =>
+  el("material").onchange = () => {
+    const name = el("material").value;
     attempt(() => {
-      const name = el("material").value;
       const keys = Object.keys(materials.silk);
       const values = materials[name] ?? Object.fromEntries(keys.map((key) => [key, valueAt(base, key)]));
       run.set(values);
@@ -222,6 +225,7 @@ function listen() {
       say("");
       show();
     });
+  };
   el("method").onchange = () => change({ "integrator.method": el("method").value });
   el("length").onchange = () => {
     const step = el("length").valueAsNumber / 1000;
@@ -253,7 +257,7 @@ function listen() {
     const typing = event.target.closest("select, textarea, input:not([type=checkbox])");
     if (event.ctrlKey || event.metaKey || event.altKey || typing) return;
     if (key === " " && event.target !== pad && event.target !== document.body) return;
-    if (KEYS[key]) KEYS[key]();
+    if (KEYS[key]) event.repeat || KEYS[key]();
     else if (!hand.key(key)) return;
     event.preventDefault();
   });
@@ -315,7 +319,11 @@ async function start() {
     requestAnimationFrame(frame);
   };
   requestAnimationFrame(frame);
-  setInterval(() => run.cloth.busy || numbers.show(run), 250);
+  setInterval(() => {
+    // What diverges stops by itself.
+    pause();
+    run.cloth.busy || numbers.show(run);
+  }, 250);
   addEventListener("hashchange", () => location.reload());
   const { some, worth } = await offered();
   el("device").disabled = !some;

@@ -7,6 +7,8 @@ import { webgpu } from "./draw_webgpu.js";
 const DARK = matchMedia("(prefers-color-scheme: dark)");
 /** Strain at which the colours end. */
 const STRAINED = 0.05;
+/** What shaders take for a pin, and draw dark. */
+const PINNED = 1e9;
 
 export class Picture {
   #renderer;
@@ -64,11 +66,13 @@ export class Picture {
     this.#renderer?.triangles(this.#triangles);
   }
 
-  draw({ positions, normals, strains, bodies }) {
+  draw({ positions, normals, strains, bodies, pins }) {
+    const marked = strains.slice();
+    for (const pin of pins) marked[pin] = PINNED;
     this.#renderer?.draw({
       positions,
       normals,
-      strains,
+      strains: marked,
       bodies: corners(bodies),
       matrix: this.camera.matrix(this.name === "WebGPU"),
       look: [...this.camera.eye, this.strain ? STRAINED : 0],
