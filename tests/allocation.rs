@@ -3,7 +3,7 @@
 //!
 //! Run with `cargo test -p muslin-tests --test allocation`.
 
-use muslin_core::dispatch::Serial;
+use harness::steps::Steps;
 use muslin_core::integrate::{Method, Preconditioner};
 use muslin_core::scene::SceneDesc;
 use muslin_core::simulation::Simulation;
@@ -44,7 +44,7 @@ fn a_step_allocates_nothing() {
             let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
             let counted = allocation_counter::measure(|| {
                 for _ in 0..4 {
-                    cloth.step(&Serial).expect("the scene of this test stays finite");
+                    cloth.take_step().expect("the scene of this test stays finite");
                 }
             });
             assert_eq!(
@@ -101,7 +101,7 @@ fn a_step_with_contact_allocates_nothing_once_there_is_room() {
         let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
         let (start, steps) = (cloth.clone(), (0.25 / scene.timing().step) as u32);
         let run = |cloth: &mut Simulation| {
-            (0..steps).for_each(|_| cloth.step(&Serial).expect("the scene of this test stays finite"));
+            (0..steps).for_each(|_| cloth.take_step().expect("the scene of this test stays finite"));
         };
         run(&mut cloth);
         assert!(cloth.tally().proximity > 1000, "{}: hardly anything touches", method.name());
@@ -116,6 +116,73 @@ fn a_step_with_contact_allocates_nothing_once_there_is_room() {
             counted.count_total,
             counted.bytes_total
         );
+    }
+}
+
+/// What no step can follow: a pinned edge led through the plane.
+const REFUSED: (&str, &str) = (
+    "bend = { model = \"hinge\", rigidity = 1e-6 }",
+    "bend = { model = \"hinge\", rigidity = 1e-6 }\npin = [{ select = { edge = \"left\" }, motion = { keys = [[0, 0, 0, 0], \
+     [0.1, 0, -0.2, 0]] } }]",
+);
+
+/// What takes halves: a ball that goes farther in a step than what it pushes is looked for.
+const FAST: (&str, &str) = ("radius = 0.05", "radius = 0.05\nmotion = { keys = [[0, 0, 0, 0], [1, 0, 40, 0]] }");
+
+/// A second sheet all but on the first: pairs that only an exact test of the end tells apart.
+const NEARLY: (&str, &str) = (
+    "[contact]",
+    "[[cloth]]\ngrid = { size = [0.2, 0.2], cells = [12, 12] }\nposition = [0.003, 1e-8, 0.007]\ndensity = 0.2\n\
+     stretch = { model = \"membrane\", stiffness = 50.0 }\n\n[contact]",
+);
+
+/// Counts what a second run of a step or several allocates, once there is room.
+fn allocated(cloth: &mut Simulation, what: &str, run: impl Fn(&mut Simulation)) {
+    let start = cloth.clone();
+    run(cloth);
+    assert!(cloth.restore(&start.state(), start.work(), start.tally()), "a simulation restores its own start");
+    let counted = allocation_counter::measure(|| run(cloth));
+    assert_eq!(
+        counted.count_total, 0,
+        "{what}: allocated {} times, {} bytes",
+        counted.count_total, counted.bytes_total
+    );
+}
+
+/// Neither where it is refused, nor where it is taken in halves, nor where its end is tested exactly.
+#[test]
+fn a_step_that_is_taken_back_allocates_nothing() {
+    for method in [Method::SymplecticEuler, Method::BackwardEuler, Method::Bdf2] {
+        let build = |text: &str| {
+            let mut scene: SceneDesc = toml::from_str(text).expect("the scene of this test parses");
+            scene.integrator.method = method;
+            scene.integrator.step = if method.is_implicit() { 0.005 } else { 0.0004 };
+            Simulation::new(&scene, &[]).expect("the scene of this test builds")
+        };
+        let (name, taken) = (method.name(), "the step is taken");
+
+        let mut refused = build(&TOUCHING.replace(REFUSED.0, REFUSED.1));
+        while refused.take_step().is_ok() {
+            assert!(refused.time() < 0.2, "{name}: pins led through a plane are not refused");
+        }
+        allocated(&mut refused, &format!("{name}, refused"), |cloth| {
+            assert!(cloth.take_step().is_err(), "{name}: refused once, then taken");
+        });
+
+        let mut halved = build(&TOUCHING.replace("thickness = 0.004", "thickness = 0.0001").replace(FAST.0, FAST.1));
+        let mut before = halved.clone();
+        while halved.tally().rejected == 0 {
+            assert!(halved.time() < 0.2, "{name}: no step is taken in halves, {:?}", halved.tally());
+            before = halved.clone();
+            halved.take_step().expect(taken);
+        }
+        allocated(&mut before, &format!("{name}, halved"), |cloth| cloth.take_step().expect(taken));
+
+        let mut nearly = build(&TOUCHING.replace(NEARLY.0, NEARLY.1));
+        allocated(&mut nearly, &format!("{name}, nearly touching"), |cloth| {
+            (0..10).for_each(|_| cloth.take_step().expect(taken));
+        });
+        assert!(nearly.tally().touching > 0, "{name}: no end was tested exactly, {:?}", nearly.tally());
     }
 }
 

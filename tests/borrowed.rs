@@ -4,7 +4,7 @@
 //!
 //! Run: `cargo test -p muslin-tests --test borrowed`. A failure names method and step.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 /// Rows and columns of the sheet, cut along one diagonal.
 const SIDE: usize = 3;
@@ -39,6 +39,7 @@ const fn springs() -> [[u32; 2]; SPRINGS] {
 both_precisions! {
     use super::{BLOCKS, ENDS, SIDE, SPRINGS, STEP, STEPS, VERTICES, springs};
     use muslin::dispatch::Serial;
+    use harness::steps::Steps;
     use muslin::forces::spring::{Spring, SpringColumns, Springs};
     use muslin::forces::{Model, ModelColumns};
     use muslin::forces::matrix::{Block, BlockMatrix, Mirrored, NOT_STORED, Targets};
@@ -218,7 +219,7 @@ both_precisions! {
         let mut sim = owned(method);
         let name = format!("{} {}", muslin::real::NAME, method.name());
         borrowed(method, |n, x, v| {
-            sim.step(&Serial).expect("finite");
+            sim.take_step().expect("finite");
             let same = x == sim.positions() && v == sim.velocities();
             assert!(same, "{name}: over arrays, step {n} gives\n{x:?}\n{v:?}\nowned, it gives\n{:?}\n{:?}", sim.positions(), sim.velocities());
         });

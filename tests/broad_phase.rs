@@ -2,8 +2,8 @@
 //! brute force name the same pairs, in f32 and in f64, each once; and the pairs of a real mesh are
 //! as many as an exact count elsewhere says.
 //!
-//! Run: `cargo test -p muslin-tests --test broad_phase`. How fast it is, in a release build:
-//! `cargo test --release -p muslin-tests --test broad_phase -- --ignored --nocapture speed`.
+//! Run: `cargo test -p muslin-tests --test broad_phase`. How fast it is:
+//! `cargo test -p muslin-tests --test broad_phase --release -- --ignored --nocapture long_form`.
 //!
 //! Each of these changes to the code has made it fail: covers without sqrt(2), or compared with <;
 //! cells of 1.5 diameters; a mask without its last bit; no skipping, or also at the lowest type;

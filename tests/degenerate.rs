@@ -9,7 +9,7 @@
 #[path = "degenerate/cases.rs"]
 mod cases;
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 both_precisions! {
     use std::fmt::Debug;
@@ -19,10 +19,10 @@ both_precisions! {
     use muslin::forces::element::Element;
     use muslin::forces::spring::{Spring, SpringColumns};
     use muslin::integrate::Jacobian;
-    use muslin_tests::dense::{from_blocks, size};
-    use muslin_tests::rng::Rng;
-    use muslin_tests::states::{State, single3};
-    use muslin_tests::worst::{Worst, norm};
+    use harness::dense::{from_blocks, size};
+    use harness::rng::Rng;
+    use harness::states::{State, single3};
+    use harness::worst::{Worst, norm};
 
     use super::cases::{self, Limits};
 

@@ -8,6 +8,8 @@
 mod floats;
 #[path = "intersect/garments.rs"]
 mod garments;
+#[path = "intersect/growth.rs"]
+mod growth;
 #[path = "intersect/lattice.rs"]
 mod lattice;
 #[path = "intersect/oracle.rs"]

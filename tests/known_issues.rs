@@ -5,15 +5,15 @@
 //! Run with `cargo test -p muslin-tests --test known_issues`.
 
 use glam::DVec3;
-use muslin_core_f64::dispatch::Serial;
+use harness::belt::{belt, drum, hanging, holding_end};
+use harness::kit::double as kit;
+use harness::steps::Steps;
 use muslin_core_f64::forces::TangentScale;
 use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::forces::hinge::HingeColumns;
 use muslin_core_f64::forces::seam::SeamColumns;
 use muslin_core_f64::scene::SceneDesc;
 use muslin_core_f64::simulation::Simulation;
-use muslin_tests::belt::{belt, drum, hanging, holding_end};
-use muslin_tests::kit::double as kit;
 
 /// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
 fn hinge() -> HingeColumns {
@@ -84,18 +84,18 @@ fn one_linear_step_of_a_stiff_sheet_can_overshoot() {
         let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
         let mut largest = 0.0_f64;
         for _ in 0..10 {
-            cloth.step(&Serial).expect("the scene of this test stays finite");
+            cloth.take_step().expect("the scene of this test stays finite");
             largest = largest.max(cloth.stretch().max);
         }
         largest
     };
-    let (linear, converged) = (stretch(1), stretch(50));
-    assert!(converged < 1.2, "converged, the sheet is stretched to {converged}");
-    assert!(linear > 1.5 * converged, "one linear step stretches to {linear}, converged to {converged}");
+    let (linear, converged) = (stretch(1), stretch(20));
+    assert!((1.02..1.03).contains(&converged), "converged, the sheet is stretched to {converged}");
+    assert!(linear > 3.0, "one linear step stretches to {linear}, converged to {converged}");
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn by_long_steps_a_belt_holds_on_a_drum_of_edges_where_it_should_slip() {
     let resources = [kit::resource("belt", belt(0.5 * holding_end(0.3))), kit::resource("drum", drum(24))];
     let collider = "shape = \"mesh\"\nfile = \"drum\"";

@@ -4,20 +4,20 @@
 //! What explicit methods bear is foretold by the fastest mode at the start; implicit ones are
 //! foretold to bear every step. Where that is not so, [`EXCEPTIONS`] says it and why.
 //!
-//! Run: `cargo test --release -p muslin-tests --test matrix -- --nocapture` prints the matrix.
+//! Run: `cargo test -p muslin-tests --test matrix -- --nocapture` prints the matrix.
 
 #[path = "matrix/contact.rs"]
 mod contact;
 
 use glam::DVec3;
-use muslin_core_f64::dispatch::Serial;
+use harness::kit::double as kit;
+use harness::rng::Rng;
+use harness::steps::Steps;
 use muslin_core_f64::integrate::stability::longest_step;
 use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::fastest_modes;
-use muslin_tests::kit::double as kit;
-use muslin_tests::rng::Rng;
 
 /// A free sheet, evenly damped.
 const SHEET: &str = r#"
@@ -167,7 +167,7 @@ fn bears(built: &BuiltScene, method: Method, newton: u32, step: f64) -> bool {
     let mut sim = Simulation::from_columns(built.clone(), scheme(method, newton), step);
     let start = sim.energy().total();
     let steps = if method.is_implicit() { 200 } else { 2000 };
-    (0..steps).all(|_| sim.step(&Serial).is_ok() && sim.energy().total() <= 10.0 * start)
+    (0..steps).all(|_| sim.take_step().is_ok() && sim.energy().total() <= 10.0 * start)
 }
 
 /// `+` and `x` for each step.
@@ -205,26 +205,26 @@ fn check(seed: u64) {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn outcomes_of_seed_0_are_as_foretold() {
     check(0);
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn outcomes_of_seed_1_are_as_foretold() {
     check(1);
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn outcomes_of_seed_2_are_as_foretold() {
     check(2);
 }
 
 /// Mid-run, from 0.3 to 30 ms.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn backward_euler_bears_a_step_that_jumps_a_hundredfold() {
     for name in ["flat", "half its size", "mirrored", "stretched x10"] {
         let start = STARTS.iter().find(|start| start.name == name).expect("in the table");
@@ -232,10 +232,10 @@ fn backward_euler_bears_a_step_that_jumps_a_hundredfold() {
             let mut sim = Simulation::from_columns(start.build(seed), scheme(Method::BackwardEuler, newton), 3e-4);
             let most = sim.energy().total();
             for _ in 0..50 {
-                sim.step(&Serial).expect("a short step is borne");
+                sim.take_step().expect("a short step is borne");
             }
             let mut sim = Simulation::from_columns(sim.scene().clone(), *sim.scheme(), 3e-2);
-            let borne = (0..50).all(|_| sim.step(&Serial).is_ok() && sim.energy().total() <= 10.0 * most);
+            let borne = (0..50).all(|_| sim.take_step().is_ok() && sim.energy().total() <= 10.0 * most);
             assert!(borne, "{name}, newton = {newton}, seed {seed}: {} J, {most} J before", sim.energy().total());
         }
     }
@@ -243,7 +243,7 @@ fn backward_euler_bears_a_step_that_jumps_a_hundredfold() {
 
 /// Symplectic Euler by half its limit, without damping: its energy neither grows nor drains away.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn a_million_steps_keep_the_energy_within_bounds() {
     let mut built = kit::build(&SHEET.replace(", damping = 1e-4", ""));
     roughen(&mut built.particles.positions, &mut Rng::new(0));
@@ -253,7 +253,7 @@ fn a_million_steps_keep_the_energy_within_bounds() {
     let start = sim.energy().total();
     let (mut least, mut most) = (start, start);
     for _ in 0..1_000_000 {
-        sim.step(&Serial).expect("within the limit");
+        sim.take_step().expect("within the limit");
         let energy = sim.energy().total();
         (least, most) = (least.min(energy), most.max(energy));
     }

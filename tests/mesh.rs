@@ -17,8 +17,8 @@ mod seams;
 #[path = "mesh/topology.rs"]
 mod topology;
 
+use harness::kit::double as kit;
 use muslin_core_f64::scene::BuiltScene;
-use muslin_tests::kit::double as kit;
 
 /// A scene with one cloth of 1 kg/m^2, built.
 fn cloth(lines: &str) -> BuiltScene {

@@ -9,13 +9,13 @@
 use std::fmt::Debug;
 
 use glam::{DMat3, DVec3};
+use harness::dense::{Dense, from_blocks, size};
+use harness::kit::{double, single};
+use harness::rng::Rng;
+use harness::states::{self, State, bar, hinge, many, single3, stitch, triangle};
+use harness::worst::{Worst, norm};
 use muslin_core::forces::element::Element as Single;
 use muslin_core_f64::forces::element::Element as Double;
-use muslin_tests::dense::{Dense, from_blocks, size};
-use muslin_tests::kit::{double, single};
-use muslin_tests::rng::Rng;
-use muslin_tests::states::{self, State, bar, hinge, many, single3, stitch, triangle};
-use muslin_tests::worst::{Worst, norm};
 
 /// Of each regime.
 const COUNT: usize = 500;

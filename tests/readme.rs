@@ -3,7 +3,7 @@
 //! Run with `cargo test -p muslin-tests --test readme`; its Rust is compiled by
 //! `cargo test -p muslin-tests --doc`.
 
-use muslin_core::dispatch::Serial;
+use harness::steps::Steps;
 use muslin_core::integrate::Method;
 use muslin_core::scene::{BUILT_IN, SceneDesc};
 use muslin_core::simulation::Simulation;
@@ -18,7 +18,7 @@ fn its_scene_runs() {
         toml::from_str(&format!("name{text}")).unwrap_or_else(|error| panic!("the README's scene: {error}"));
     let mut cloth = Simulation::new(&scene, &[]).expect("the README's scene builds");
     for _ in 0..10 {
-        cloth.step(&Serial).expect("the README's scene stays finite");
+        cloth.take_step().expect("the README's scene stays finite");
     }
 }
 

@@ -1,11 +1,13 @@
 //! What contact does: friction, momentum and energy, that nothing passes through anything, and that
 //! too little room loses nothing.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response`; with `-- --nocapture` it prints
+//! Run: `cargo test -p muslin-tests --test response`; with `-- --nocapture` it prints
 //! every measured value beside its bound.
 
 #![expect(clippy::useless_conversion, reason = "conversions to double, of doubles")]
 
+#[path = "response/afresh.rs"]
+mod afresh;
 #[path = "response/belt.rs"]
 mod belt;
 #[path = "response/capacity.rs"]
@@ -16,10 +18,16 @@ mod cone;
 mod constraint;
 #[path = "response/coupling.rs"]
 mod coupling;
+#[path = "response/exact.rs"]
+mod exact;
 #[path = "response/friction.rs"]
 mod friction;
+#[path = "response/hands.rs"]
+mod hands;
 #[path = "response/impact.rs"]
 mod impact;
+#[path = "response/last_resort.rs"]
+mod last_resort;
 #[path = "response/momentum.rs"]
 mod momentum;
 #[path = "response/refusal.rs"]

@@ -5,13 +5,13 @@
 //! limits beside theory.
 
 use glam::DVec3;
-use muslin_core_f64::dispatch::Serial;
+use harness::net::{Net, XYZ, linearised};
+use harness::oscillator::{spectral_radius, stable_limit, update};
+use harness::steps::Steps;
 use muslin_core_f64::integrate::stability::{self, Mode};
 use muslin_core_f64::integrate::{Jacobian, Method};
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::{Tangent, fastest_modes};
-use muslin_tests::net::{Net, XYZ, linearised};
-use muslin_tests::oscillator::{spectral_radius, stable_limit, update};
 
 const EXPLICIT: [Method; 4] = [Method::ExplicitEuler, Method::SymplecticEuler, Method::Midpoint, Method::Rk4];
 
@@ -113,7 +113,7 @@ fn blows_up(method: Method, omega: f64, mode: &[DVec3], damping: f64, step: f64)
     let mut sim = Simulation::from_columns(built, linearised(method), step);
     let start = sim.energy().total();
     for _ in 0..2000 {
-        sim.step(&Serial).expect("finite below tenfold energy");
+        sim.take_step().expect("finite below tenfold energy");
         let energy = sim.energy().total();
         if energy > 10.0 * start {
             return true;
@@ -168,7 +168,7 @@ fn undamped_growth_is_exact() {
         let mut sim = Simulation::from_columns(built, linearised(method), z / lambda.sqrt());
         for n in 0..20 {
             let before = sim.energy().total();
-            sim.step(&Serial).expect("finite");
+            sim.take_step().expect("finite");
             let factor = sim.energy().total() / before;
             // The vector of the mode is right to 1e-6, its neighbours' energies to 1e-12.
             assert!(

@@ -2,8 +2,8 @@
 //! on light, stiff on soft, slivers, fast capsules. From seeded starts without crossings, the exact
 //! audit finds none after any step, and no vertex is inside a collider.
 //!
-//! Run: `cargo test --release -p muslin-tests --test torture`. The long form prints a table:
-//! `cargo test --release -p muslin-tests --test torture -- --ignored --nocapture`.
+//! Run: `cargo test -p muslin-tests --test torture`. The long form prints a table:
+//! `cargo test -p muslin-tests --test torture -- --ignored --nocapture long_form`.
 
 #[path = "torture/numbers.rs"]
 mod numbers;
@@ -12,7 +12,7 @@ mod scenes;
 
 use scenes::{SCENES, Scene};
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 /// Seeds in CI and in the long form.
 const SEEDS: [u64; 2] = [10, 100];
@@ -21,8 +21,9 @@ both_precisions! {
     use super::{SCENES, Scene};
     use glam::DVec3;
     use muslin::dispatch::Serial;
+    use harness::steps::Steps;
     use muslin::real::{to_f64, vec3};
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
 
     /// What the runs of a scene came to.
     #[derive(Debug, Default)]
@@ -46,14 +47,14 @@ both_precisions! {
         for (x, start) in sim.state_mut().0.iter_mut().zip(start) {
             *x = vec3(start.into());
         }
-        assert_eq!(sim.crossings(), 0, "{}, seed {seed}: choose a start without crossings", scene.name);
+        assert_eq!(sim.crossings(&Serial), 0, "{}, seed {seed}: choose a start without crossings", scene.name);
         row.runs += 1;
         for step in 1..=scene.steps {
-            if let Err(diverged) = sim.step(&Serial) {
+            if let Err(diverged) = sim.take_step() {
                 row.first.get_or_insert(format!("seed {seed}: {diverged}"));
                 break;
             }
-            let (crossings, depth) = (sim.crossings(), sim.penetration().map_or(0.0, f64::from));
+            let (crossings, depth) = (sim.crossings(&Serial), sim.penetration().map_or(0.0, f64::from));
             row.crossings += crossings;
             row.depth = row.depth.max(depth);
             row.stretch = row.stretch.max(sim.stretch().max);
@@ -85,12 +86,12 @@ macro_rules! scenes {
     ($($name:ident),*) => {
         mod in_single {
             $(#[test]
-            #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+            #[ignore = "slow"]
             fn $name() { super::single::check(stringify!($name)); })*
         }
         mod in_double {
             $(#[test]
-            #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+            #[ignore = "slow"]
             fn $name() { super::double::check(stringify!($name)); })*
         }
 
@@ -105,8 +106,8 @@ macro_rules! scenes {
 scenes!(crumpled, line, plane, stretched, folded, wrung, funnel, masses, stiffnesses, slivers, capsules, pressed);
 
 #[test]
-#[ignore = "takes minutes: the table of 100 seeds"]
-fn a_hundred_seeds() {
+#[ignore = "a command of its own"]
+fn long_form_of_100_seeds() {
     println!(
         "{:24} {:>5} {:>9} {:>9} {:>10} {:>10} {:>8}",
         "scene", "runs", "rejected", "fail-safe", "stretch", "crossings", "depth"

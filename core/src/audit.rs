@@ -8,124 +8,231 @@
 //! own hinge. Only faces and their edges count, and none passive against passive; without
 //! [`Surface::own_contact`] none of the cloth against itself. Positions must be finite.
 //!
-//! Boxes are sorted along the axis on which the vertices are furthest spread. Where all of n
-//! triangles overlap it takes n^2 exact tests.
+//! Edges that are near one another ask a [`tree`] of the triangles' boxes which of them overlap their own, and
+//! only those are tested exactly. Where all of n triangles overlap it takes n^2 exact tests. All is found in a
+//! [`Room`] that is sized once.
 
-use alloc::vec;
-use alloc::vec::Vec;
+pub mod tree;
 
 use crate::broad_phase::{IS_FACE, Surface};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::intersect::edge_meets_triangle;
 use crate::real::Vec3;
+use tree::{Boxed, Tree};
 
-/// Number of crossings; needs no room for them.
-pub fn count(surface: &Surface<'_>, positions: &[Vec3]) -> usize {
-    let mut count = 0;
-    visit(surface, positions, |_, _| count += 1);
-    count
+/// Edges that ask together.
+const GROUP: usize = 8;
+
+/// Room for the trees of a surface and for its edges.
+#[derive(Debug)]
+pub struct Room<'a> {
+    /// As many as there are triangles.
+    pub boxes: &'a mut [Boxed],
+    /// Twice the [`nodes`](tree::nodes) of a tree over all triangles.
+    pub bounds: &'a mut [Aabb],
+    /// As many as there are edges.
+    pub edges: &'a mut [u32],
+    /// As many as there are edges.
+    pub taken: &'a mut [bool],
 }
 
-/// The crossings, `[edge, triangle]` in rising order.
-pub fn crossings(surface: &Surface<'_>, positions: &[Vec3]) -> Vec<[u32; 2]> {
-    let mut found = Vec::new();
-    visit(surface, positions, |edge, triangle| found.push([edge, triangle]));
-    found.sort_unstable();
-    found
+/// Edges of faces, near ones together, and the trees of the triangles that they may cross.
+struct Question<'a> {
+    edges: &'a [u32],
+    trees: [Option<Tree<'a>>; 2],
 }
 
-/// The pairs of triangles that some crossings make, the lesser first, in rising order: each
-/// triangle that a crossing edge is of, with the one that the edge crosses.
-pub fn triangle_pairs(surface: &Surface<'_>, crossings: &[[u32; 2]]) -> Vec<[u32; 2]> {
-    let mut sides: Vec<[u32; 2]> = faces(surface)
-        .flat_map(|triangle| surface.triangle_edges[triangle as usize].map(|edge| [edge, triangle]))
-        .collect();
-    sides.sort_unstable();
-    let mut pairs = Vec::new();
-    for &[edge, crossed] in crossings {
-        let first = sides.partition_point(|side| side[0] < edge);
-        let owners = sides[first..].iter().take_while(|side| side[0] == edge);
-        pairs.extend(owners.map(|&[_, owner]| [owner.min(crossed), owner.max(crossed)]));
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
-}
-
-/// Calls `found` with the edge and the triangle of every crossing, once, in no particular order.
-pub fn visit(surface: &Surface<'_>, positions: &[Vec3], mut found: impl FnMut(u32, u32)) {
-    let corners = |triangle: u32| surface.triangles[triangle as usize];
-    let ends = |edge: u32| surface.edges[edge as usize];
-    let axis = widest_axis(positions);
-    let triangles = sorted(faces(surface).map(|t| (t, boxed(positions, &corners(t)))), axis);
-    let (moving, passive) = edges_of_faces(surface);
-    let near = |edge: u32, triangle: u32| {
-        let sewn = |a: u32| corners(triangle).iter().any(|&b| a == b || surface.sewn.joins(a, b));
-        ends(edge).into_iter().any(sewn)
-    };
-    let mut test = |edge: u32, triangle: u32| {
-        let place = |vertex: u32| positions[vertex as usize];
-        if !near(edge, triangle) && edge_meets_triangle(ends(edge).map(place), corners(triangle).map(place)) {
-            found(edge, triangle);
+/// The least crossing, `[edge, triangle]`, that there is `after` a motion and was not `before`. However many
+/// come free meanwhile.
+pub fn new_crossing(surface: &Surface<'_>, before: &[Vec3], after: &[Vec3], room: &mut Room<'_>) -> Option<[u32; 2]> {
+    let mut least: Option<[u32; 2]> = None;
+    for Question { edges, trees } in questions(surface, after, room) {
+        for group in edges.chunks(GROUP) {
+            visit(surface, after, group, &trees, &mut |crossing| {
+                if !crosses(surface, before, crossing) {
+                    least = Some(least.map_or(crossing, |least| least.min(crossing)));
+                }
+            });
         }
-    };
-    let boxes = |edges: Vec<u32>| sorted(edges.into_iter().map(|e| (e, boxed(positions, &ends(e)))), axis);
-    let (cloth, others): (Vec<_>, Vec<_>) = triangles.iter().partition(|(t, _)| *t < surface.first_passive);
-    let against = if surface.own_contact { &triangles } else { &others };
-    sweep(&boxes(moving), against, axis, &mut test);
-    sweep(&boxes(passive), &cloth, axis, &mut test);
+    }
+    least
 }
 
-/// A feature and its box.
-type Boxed = (u32, Aabb);
+/// All edges of faces that may cross something, in two parts: the cloth's, and the passive ones.
+#[inline(never)]
+fn questions<'a>(surface: &Surface<'_>, positions: &[Vec3], room: &'a mut Room<'_>) -> [Question<'a>; 2] {
+    let (mut cloth, mut total) = (0, 0);
+    for (slot, triangle) in room.boxes.iter_mut().zip(faces(surface)) {
+        *slot = (triangle, around(&places(positions, surface.triangles[triangle as usize])));
+        cloth += usize::from(triangle < surface.first_passive);
+        total += 1;
+    }
+    let (of_cloth, passive) = room.boxes[..total].split_at_mut(cloth);
+    let (bounds, others) = room.bounds.split_at_mut(tree::nodes(cloth));
+    let [cloth, passive] = [Tree::build(of_cloth, bounds), Tree::build(passive, others)];
+    room.taken.fill(false);
+    let mut count = 0;
+    let [mut moving, mut held] = [0; 2];
+    // An edge of both is the cloth's.
+    for (tree, end) in [(&cloth, &mut moving), (&passive, &mut held)] {
+        for edge in tree.numbers().flat_map(|face| surface.triangle_edges[face as usize]) {
+            if !core::mem::replace(&mut room.taken[edge as usize], true) {
+                room.edges[count] = edge;
+                count += 1;
+            }
+        }
+        *end = count;
+    }
+    let (moving, held) = room.edges[..held].split_at(moving);
+    let own = surface.own_contact.then_some(cloth);
+    [Question { edges: moving, trees: [own, Some(passive)] }, Question { edges: held, trees: [Some(cloth), None] }]
+}
+
+/// Calls `found` with all crossings, `[edge, triangle]`, of some edges, at most a group, with the triangles of trees.
+/// Compiled once, whoever asks: it is long.
+#[inline(never)]
+fn visit(
+    surface: &Surface<'_>,
+    positions: &[Vec3],
+    edges: &[u32],
+    trees: &[Option<Tree<'_>>; 2],
+    found: &mut dyn FnMut([u32; 2]),
+) {
+    let mut boxes = [Aabb::EMPTY; GROUP];
+    for (bounds, &edge) in boxes.iter_mut().zip(edges) {
+        *bounds = around(&places(positions, surface.edges[edge as usize]));
+    }
+    let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
+    for tree in trees.iter().flatten() {
+        tree.overlapping(&all, &mut |&(triangle, bounds)| {
+            for (&edge, _) in edges.iter().zip(&boxes).filter(|(_, own)| own.overlaps(&bounds)) {
+                if crosses(surface, positions, [edge, triangle]) {
+                    found([edge, triangle]);
+                }
+            }
+        });
+    }
+}
+
+/// Whether an edge and a triangle are no neighbours and meet.
+#[inline(never)]
+fn crosses(surface: &Surface<'_>, positions: &[Vec3], [edge, triangle]: [u32; 2]) -> bool {
+    let (ends, corners) = (surface.edges[edge as usize], surface.triangles[triangle as usize]);
+    let is_sewn = |a: u32| corners.iter().any(|&b| surface.sewn.joins(a, b));
+    let is_near = |a: u32| corners.contains(&a) || !surface.sewn.offsets.is_empty() && is_sewn(a);
+    !ends.into_iter().any(is_near) && edge_meets_triangle(places(positions, ends), places(positions, corners))
+}
 
 /// The triangles that are faces.
 fn faces(surface: &Surface<'_>) -> impl Iterator<Item = u32> {
     (0..surface.triangles.len() as u32).filter(|&triangle| surface.owned[triangle as usize] & IS_FACE != 0)
 }
 
-/// The edges of faces: those of at least one that is not passive, and the others.
-fn edges_of_faces(surface: &Surface<'_>) -> (Vec<u32>, Vec<u32>) {
-    let mut least = vec![u32::MAX; surface.edges.len()];
-    for triangle in faces(surface) {
-        for edge in surface.triangle_edges[triangle as usize] {
-            least[edge as usize] = least[edge as usize].min(triangle);
+fn places<const N: usize>(positions: &[Vec3], vertices: [u32; N]) -> [Vec3; N] {
+    vertices.map(|vertex| positions[vertex as usize])
+}
+
+#[inline(never)]
+fn around(points: &[Vec3]) -> Aabb {
+    points.iter().fold(Aabb::EMPTY, |all, &point| all.union(&Aabb { min: point, max: point }))
+}
+
+/// What needs an allocator.
+#[cfg(feature = "alloc")]
+pub use owned::{RoomColumns, count, crossings, triangle_pairs};
+
+#[cfg(feature = "alloc")]
+mod owned {
+    use alloc::vec;
+    use alloc::vec::Vec;
+
+    use super::{Aabb, Boxed, GROUP, Question, Room, Surface, Vec3, faces, questions, tree, visit};
+    use crate::dispatch::Dispatch;
+
+    /// The owned columns of [`Room`].
+    #[derive(Clone, Debug, Default)]
+    pub struct RoomColumns {
+        boxes: Vec<Boxed>,
+        bounds: Vec<Aabb>,
+        edges: Vec<u32>,
+        taken: Vec<bool>,
+    }
+
+    impl RoomColumns {
+        /// Room for a surface.
+        pub fn build(surface: &Surface<'_>) -> Self {
+            let (triangles, edges) = (surface.triangles.len(), surface.edges.len());
+            Self {
+                boxes: vec![(0, Aabb::EMPTY); triangles],
+                bounds: vec![Aabb::EMPTY; 2 * tree::nodes(triangles)],
+                edges: vec![0; edges],
+                taken: vec![false; edges],
+            }
+        }
+
+        /// The borrowed view.
+        pub fn view(&mut self) -> Room<'_> {
+            let Self { boxes, bounds, edges, taken } = self;
+            Room { boxes, bounds, edges, taken }
+        }
+
+        /// Bytes held.
+        pub fn bytes(&self) -> usize {
+            let (trees, edges) = (size_of_val(&self.boxes[..]) + size_of_val(&self.bounds[..]), self.edges.len());
+            trees + edges * (size_of::<u32>() + size_of::<bool>())
         }
     }
-    let edges = (0..surface.edges.len() as u32).filter(|&edge| least[edge as usize] != u32::MAX);
-    edges.partition(|&edge| least[edge as usize] < surface.first_passive)
-}
 
-/// Calls `test` with every pair of an edge and a triangle whose boxes overlap. Of two boxes that
-/// do, the one that begins first along the axis ends after the other's beginning.
-fn sweep(edges: &[Boxed], triangles: &[Boxed], axis: usize, test: &mut impl FnMut(u32, u32)) {
-    let (mut edges, mut triangles) = (edges, triangles);
-    let begun = |of: &Boxed, by: &Boxed| of.1.min[axis] <= by.1.max[axis];
-    while let ([edge, later_edges @ ..], [triangle, later_triangles @ ..]) = (edges, triangles) {
-        if edge.1.min[axis] <= triangle.1.min[axis] {
-            let reached = triangles.iter().take_while(|triangle| begun(triangle, edge));
-            reached.filter(|triangle| triangle.1.overlaps(&edge.1)).for_each(|triangle| test(edge.0, triangle.0));
-            edges = later_edges;
-        } else {
-            let reached = edges.iter().take_while(|edge| begun(edge, triangle));
-            reached.filter(|edge| edge.1.overlaps(&triangle.1)).for_each(|edge| test(edge.0, triangle.0));
-            triangles = later_triangles;
-        }
+    /// Number of crossings.
+    pub fn count(surface: &Surface<'_>, positions: &[Vec3], dispatch: &impl Dispatch) -> usize {
+        let counts = of_groups(surface, positions, dispatch, |count: &mut u32, _| *count += 1);
+        counts.into_iter().map(|count| count as usize).sum()
     }
-}
 
-fn sorted(features: impl Iterator<Item = Boxed>, axis: usize) -> Vec<Boxed> {
-    let mut features: Vec<Boxed> = features.collect();
-    features.sort_unstable_by(|a, b| a.1.min[axis].total_cmp(&b.1.min[axis]).then(a.0.cmp(&b.0)));
-    features
-}
+    /// The crossings, `[edge, triangle]` in rising order.
+    pub fn crossings(surface: &Surface<'_>, positions: &[Vec3], dispatch: &impl Dispatch) -> Vec<[u32; 2]> {
+        let found = of_groups(surface, positions, dispatch, |found: &mut Vec<_>, crossing| found.push(crossing));
+        let mut found = found.concat();
+        found.sort_unstable();
+        found
+    }
 
-fn boxed(positions: &[Vec3], vertices: &[u32]) -> Aabb {
-    let points = vertices.iter().map(|&vertex| positions[vertex as usize]);
-    points.fold(Aabb::EMPTY, |all, point| all.union(&Aabb { min: point, max: point }))
-}
+    /// For each group of edges `add` of all their crossings, in no particular order.
+    fn of_groups<T: Clone + Default + Send>(
+        surface: &Surface<'_>,
+        positions: &[Vec3],
+        dispatch: &impl Dispatch,
+        add: impl Fn(&mut T, [u32; 2]) + Sync,
+    ) -> Vec<T> {
+        let mut room = RoomColumns::build(surface);
+        let mut out = Vec::new();
+        for Question { edges, trees } in questions(surface, positions, &mut room.view()) {
+            let mut of_these = vec![T::default(); edges.len().div_ceil(GROUP)];
+            dispatch.run(&mut of_these[..], |start, out: &mut [T]| {
+                for (group, out) in edges.chunks(GROUP).skip(start).zip(out) {
+                    visit(surface, positions, group, &trees, &mut |crossing| add(out, crossing));
+                }
+            });
+            out.append(&mut of_these);
+        }
+        out
+    }
 
-fn widest_axis(positions: &[Vec3]) -> usize {
-    let all = positions.iter().fold(Aabb::EMPTY, |all, &point| all.union(&Aabb { min: point, max: point }));
-    (all.max - all.min).max_position()
+    /// The pairs of triangles that some crossings make, the lesser first, in rising order: each
+    /// triangle that a crossing edge is of, with the one that the edge crosses.
+    pub fn triangle_pairs(surface: &Surface<'_>, crossings: &[[u32; 2]]) -> Vec<[u32; 2]> {
+        let mut sides: Vec<[u32; 2]> = faces(surface)
+            .flat_map(|triangle| surface.triangle_edges[triangle as usize].map(|edge| [edge, triangle]))
+            .collect();
+        sides.sort_unstable();
+        let mut pairs = Vec::new();
+        for &[edge, crossed] in crossings {
+            let first = sides.partition_point(|side| side[0] < edge);
+            let owners = sides[first..].iter().take_while(|side| side[0] == edge);
+            pairs.extend(owners.map(|&[_, owner]| [owner.min(crossed), owner.max(crossed)]));
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
 }

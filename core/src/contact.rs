@@ -1,6 +1,7 @@
 //! What detection and response work on: the surfaces that can touch, and the columns that a step
 //! writes. Vertices of the cloth come first, then those of the colliders.
 
+use crate::audit::Room;
 use crate::broad_phase::{Counts, Grid, Surface};
 use crate::colliders::Colliders;
 use crate::geometry::aabb::Aabb;
@@ -77,6 +78,8 @@ pub struct ContactScratch<'a> {
     pub holds: &'a mut [Hold],
     /// Of the broad phase.
     pub grid: Grid<'a>,
+    /// Of the exact test.
+    pub room: Room<'a>,
 }
 
 /// Candidates of one kind, and what is known of each.
@@ -100,6 +103,7 @@ mod owned {
     use alloc::vec::Vec;
 
     use super::{Aabb, Constraint, ContactModel, ContactScratch, Counts, Hold, Law, Pairs, Real, Vec3};
+    use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
     use crate::colliders::ColliderColumns;
     use crate::mesh::ownership::SurfaceColumns;
@@ -202,6 +206,7 @@ mod owned {
         order: Vec<u32>,
         holds: Vec<Hold>,
         grid: GridColumns,
+        room: RoomColumns,
     }
 
     impl ContactScratchColumns {
@@ -220,6 +225,7 @@ mod owned {
                 zones: vec![0; vertices],
                 boxes: vec![Aabb::EMPTY; vertices],
                 grid: GridColumns::build(model.radii.len(), model.surface.triangles.len()),
+                room: RoomColumns::build(&model.surface),
                 ..Self::default()
             };
             columns.grow_pairs(Counts { vertex_triangle: pairs, edge_edge: pairs });
@@ -261,6 +267,7 @@ mod owned {
                 + size_of_val(&self.order[..])
                 + size_of_val(&self.holds[..])
                 + self.grid.bytes()
+                + self.room.bytes()
         }
 
         /// The borrowed view that a step takes.
@@ -282,6 +289,7 @@ mod owned {
                 order: &mut self.order,
                 holds: &mut self.holds,
                 grid: self.grid.view(),
+                room: self.room.view(),
             }
         }
     }

@@ -25,8 +25,8 @@ pub enum MeshError {
     NoArea { triangle: u32 },
     /// An edge shared by more than two triangles.
     NonManifoldEdge { a: u32, b: u32 },
-    /// No triangle uses this vertex: it would have no mass.
-    LooseVertex { vertex: u32 },
+    /// No triangle uses these vertices, of which this is the first: they would have no mass.
+    LooseVertex { vertex: u32, count: u32 },
     /// More triangles meet at a vertex than the solver can index.
     Hub { vertex: u32, most: u32 },
     /// The rest shape was asked from texture coordinates and there are none.
@@ -62,8 +62,14 @@ impl fmt::Display for MeshError {
                     "the edge between vertices {a} and {b} belongs to more than two triangles; split the mesh there"
                 )
             }
-            Self::LooseVertex { vertex } => {
+            Self::LooseVertex { vertex, count: 1 } => {
                 write!(f, "vertex {vertex} belongs to no triangle and would have no mass; remove it")
+            }
+            Self::LooseVertex { vertex, count } => {
+                write!(
+                    f,
+                    "{count} vertices, the first of them {vertex}, belong to no triangle and would have no mass; remove them"
+                )
             }
             Self::Hub { vertex, most } => {
                 write!(f, "more than {most} triangles meet at vertex {vertex}; split the mesh there")

@@ -56,7 +56,6 @@ pub mod scratch;
 
 pub mod diagnostics;
 
-#[cfg(feature = "alloc")]
 pub mod audit;
 
 #[cfg(feature = "alloc")]

@@ -75,6 +75,7 @@ mod owned {
     use crate::forces::matrix::{Block, Pattern};
     use crate::integrate::coarse::{Dense, MODES, PatchColumns};
     use crate::integrate::conjugate_gradient::PART;
+    use crate::integrate::pins::Pins;
     use crate::integrate::{Method, Preconditioner, Scheme};
     use crate::real::to_f64;
     use crate::scene::BuiltScene;
@@ -171,6 +172,11 @@ mod owned {
                 coarse_inverse_diagonal: vec![0.0; coarse_rows],
                 coarse_vector: vec![0.0; coarse_rows],
             }
+        }
+
+        /// Takes over which axes are held.
+        pub(crate) fn hold(&mut self, pins: &Pins<'_>) {
+            self.patches.hold(pins);
         }
 
         /// What traffic depends on.

@@ -19,7 +19,7 @@ use crate::scene::{self, BuiltScene, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
 use crate::stage::Term;
 use crate::step::{self, Prediction};
-use crate::traffic::Sizes;
+use crate::traffic::{self, Sizes};
 
 mod contact;
 mod halving;
@@ -29,6 +29,7 @@ mod refusal;
 pub use refusal::{Cause, Diverged};
 
 use contact::Obstacle;
+use halving::Kept;
 
 /// Room for so many candidates of each kind a vertex, to begin with.
 const PAIRS_PER_VERTEX: usize = 32;
@@ -39,6 +40,8 @@ pub struct Simulation {
     built: BuiltScene,
     scratch: ScratchColumns,
     contact: Option<ContactScratchColumns>,
+    /// Where a step began that is taken in halves.
+    kept: Kept,
     tally: Tally,
     /// Whether the response changed the candidate state.
     touched: bool,
@@ -104,6 +107,7 @@ impl Simulation {
         let scratch = ScratchColumns::build(&built, &scheme);
         let room = PAIRS_PER_VERTEX * built.particles.positions.len();
         let contact = built.contact.as_ref().map(|contact| ContactScratchColumns::build(&contact.view(), room));
+        let kept = contact.as_ref().map(|_| Kept::build(&built.particles.positions, &scratch.previous_positions));
         // Only the solver's patches are cut by it.
         built.material = Default::default();
         let (work, tally) = (Work::default(), Tally::default());
@@ -111,6 +115,7 @@ impl Simulation {
             built,
             scratch,
             contact,
+            kept: kept.unwrap_or_default(),
             tally,
             touched: false,
             after_contact: false,
@@ -278,13 +283,13 @@ impl Simulation {
 
     /// Pairs of an edge and a triangle, of cloths and colliders, that pass through one another now,
     /// by the exact test; a scene without contact is asked about its cloths.
-    pub fn crossings(&self) -> usize {
+    pub fn crossings(&self, dispatch: &impl Dispatch) -> usize {
         let positions = self.places();
         match &self.built.contact {
-            Some(contact) => audit::count(&contact.surface.view(), &positions),
+            Some(contact) => audit::count(&contact.surface.view(), &positions, dispatch),
             None => {
                 let surface = SurfaceColumns::build(positions.len(), &self.built.triangles, &self.built.sewn());
-                audit::count(&surface.view(), &positions)
+                audit::count(&surface.view(), &positions, dispatch)
             }
         }
     }
@@ -316,7 +321,12 @@ impl Simulation {
         &self.built
     }
 
-    /// What traffic depends on ([`traffic::bytes`](crate::traffic::bytes)).
+    /// Bytes that its work streamed so far, counted ([`traffic::of_work`]).
+    pub fn streamed_bytes(&self) -> u64 {
+        traffic::of_work(&self.work, &self.model(), self.sizes())
+    }
+
+    /// What traffic depends on ([`traffic::bytes`]).
     pub fn sizes(&self) -> Sizes {
         self.scratch.sizes()
     }
@@ -324,7 +334,7 @@ impl Simulation {
     /// Bytes held in columns.
     pub fn bytes(&self) -> usize {
         let contact = self.contact.as_ref().map_or(0, ContactScratchColumns::bytes);
-        self.built.bytes() + self.scratch.bytes() + contact
+        self.built.bytes() + self.scratch.bytes() + contact + self.kept.bytes()
     }
 
     /// Positions, m.
@@ -337,10 +347,17 @@ impl Simulation {
         &self.built.particles.velocities
     }
 
-    /// Positions and velocities, to set. A two-step method forgets its history.
+    /// Positions and velocities, to set. What was before is forgotten: a two-step method's history, and
+    /// that contact changed the state.
     pub fn state_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
-        self.scratch.has_history = false;
+        self.forget_the_past();
         (&mut self.built.particles.positions, &mut self.built.particles.velocities)
+    }
+
+    /// A state that is written anew does not follow from the one before it.
+    fn forget_the_past(&mut self) {
+        self.scratch.has_history = false;
+        self.after_contact = false;
     }
 
     /// The listed terms.

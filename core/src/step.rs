@@ -1,10 +1,12 @@
 //! One step in phases, the only place that knows their order:
 //!
 //! [`predict`] (forces, integrate) -> [`sweep`] (boxes around the motion) -> [`detect`] (candidates
-//! and their distances) -> [`respond`] (contacts, impacts) -> [`settle`] -> [`commit`], or nothing
-//! at all: a candidate state that is not committed leaves the state as it was. Without contact the
-//! phases between the first and the last are left out.
+//! and their distances) -> [`respond`] (contacts, impacts), and [`new_crossing`] where surfaces
+//! [touch](crate::response::Outcome::Touches) -> [`settle`] -> [`commit`], or nothing at all: a candidate
+//! state that is not committed leaves the state as it was. Without contact the phases between the first
+//! and the last are left out.
 
+use crate::audit;
 use crate::broad_phase::{self, Candidates, Counts};
 use crate::contact::{ContactModel, ContactScratch};
 use crate::diagnostics;
@@ -85,7 +87,7 @@ pub fn sweep(
     }
     for (v, around) in contact.boxes.iter_mut().enumerate() {
         let (start, end) = (contact.start[v], contact.end[v]);
-        // A hair wider, so that rounding loses nothing.
+        // A hair wider, so that its own rounding loses nothing; that of the corners keeps their order, however far off.
         let wide = (0.5 * model.thickness + model.radii[v] + sweep.margin) * (1.0 + 4.0 * Real::EPSILON);
         let swept = Aabb { min: start.min(end) - wide, max: start.max(end) + wide };
         *around = around.union(&swept);
@@ -142,6 +144,12 @@ pub fn couple<D: Dispatch>(
     let release = |holds: &mut [Hold]| coupled::release(model, constraints, holds, context.step);
     coupling::correct(context, &mut all[..holds], scratch, work, release);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+}
+
+/// An edge and a triangle that pass through one another at the end of the step and did not at its start:
+/// then the step must not be taken.
+pub fn new_crossing(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Option<[u32; 2]> {
+    audit::new_crossing(&model.surface, contact.start, contact.end, &mut contact.room)
 }
 
 /// Takes over what the response corrected: positions, and the velocities by as much, less what only

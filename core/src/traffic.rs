@@ -5,6 +5,7 @@ use crate::forces::Model;
 use crate::forces::element::Element;
 use crate::forces::matrix::{Block, Mirrored};
 use crate::forces::spring::Springs;
+use crate::integrate::Work;
 use crate::real::{Mat3, Real, Sum, Vec3};
 use crate::stage::{Stage, Term};
 
@@ -36,6 +37,16 @@ pub fn bytes(stage: Stage, model: &Model<'_>, sizes: Sizes) -> usize {
         // x, v, f, 1/m in, x, v out; x, v in to be checked.
         Stage::Integrate => n * (3 * VECTOR + SCALAR + 2 * VECTOR + 2 * VECTOR),
     }
+}
+
+/// Bytes of all work that was done: of every evaluation, Jacobian, iteration and update.
+pub fn of_work(work: &Work, model: &Model<'_>, sizes: Sizes) -> u64 {
+    let stage = |stage| bytes(stage, model, sizes) as u64;
+    let evaluation = Term::ALL.into_iter().map(|term| stage(Stage::Force(term))).sum::<u64>();
+    let jacobians = Term::ALL.into_iter().map(|term| stage(Stage::Jacobian(term))).sum::<u64>();
+    work.force_evaluations * (evaluation + stage(Stage::Integrate))
+        + work.newton_iterations * jacobians
+        + work.cg_iterations * stage(Stage::Solve)
 }
 
 fn force(term: Term, model: &Model<'_>, n: usize) -> usize {

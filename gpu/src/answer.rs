@@ -101,7 +101,9 @@ impl Answer {
             Slot::EdgeEdge => 2 * second,
             Slot::VertexTriangleDistances | Slot::VertexTriangleTimes => first,
             Slot::EdgeEdgeDistances | Slot::EdgeEdgeTimes => second,
-            _ => PLAN_WORDS,
+            Slot::Plan => PLAN_WORDS,
+            // Nothing of the others is read back.
+            _ => 0,
         }
     }
 

@@ -17,6 +17,13 @@ pub enum Failed {
         /// Vertices that it has.
         needed: usize,
     },
+    /// There is no such stage, or it has no such entry.
+    Unknown {
+        /// The stage.
+        stage: &'static str,
+        /// The entry.
+        entry: &'static str,
+    },
 }
 
 impl core::fmt::Display for Failed {
@@ -31,6 +38,7 @@ impl core::fmt::Display for Failed {
                 )
             }
             Self::Lengths { needed } => write!(f, "boxes or positions are not one for each of {needed} vertices"),
+            Self::Unknown { stage, entry } => write!(f, "there is no stage {stage} with an entry {entry}"),
         }
     }
 }

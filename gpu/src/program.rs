@@ -9,7 +9,8 @@ pub struct Program {
     /// What it is.
     pub stage: &'static Stage,
     layout: wgpu::BindGroupLayout,
-    pipelines: Vec<wgpu::ComputePipeline>,
+    /// In the order of its entries.
+    pub pipelines: Vec<wgpu::ComputePipeline>,
 }
 
 impl Program {
@@ -50,12 +51,6 @@ impl Program {
         };
         let pipelines = stage.entries.iter().map(pipeline).collect();
         Self { stage, layout, pipelines }
-    }
-
-    /// One of its entries.
-    pub fn entry(&self, name: &str) -> &wgpu::ComputePipeline {
-        let at = self.stage.entries.iter().position(|&entry| entry == name).unwrap_or(0);
-        &self.pipelines[at]
     }
 
     /// Its columns and what it is told, of these buffers.

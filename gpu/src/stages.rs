@@ -25,6 +25,12 @@ impl Stage {
     }
 }
 
+/// The place of a stage in [`ALL`] and that of an entry in the stage; none where there is no such.
+pub fn find(stage: &str, entry: &str) -> Option<[usize; 2]> {
+    let at = ALL.iter().position(|own| own.name == stage)?;
+    Some([at, ALL[at].entries.iter().position(|&own| own == entry)?])
+}
+
 /// Pieces behind what all stages have, as `build.rs` left them.
 macro_rules! wgsl {
     ($($piece:literal),*) => {

@@ -7,7 +7,7 @@ use crate::clock::{self, Clock};
 use crate::device::Gpu;
 use crate::params::Params;
 use crate::schedule::Dispatch;
-use crate::stages::SCAN;
+use crate::stages::{self, SCAN};
 
 /// Groups in a row of a dispatch, the most that the web allows.
 const ROW: usize = 65_535;
@@ -19,8 +19,8 @@ const STRIDE: usize = 256;
 #[derive(Debug, Default)]
 pub struct Work {
     dispatches: Vec<Dispatch>,
-    /// Which stage each is of.
-    stages: Vec<usize>,
+    /// Stage and entry of each, as places in the table.
+    places: Vec<[usize; 2]>,
     /// Dispatches that are timed together, and what they are called.
     passes: Vec<(&'static str, Range<usize>)>,
     /// The params of all dispatches.
@@ -31,16 +31,15 @@ pub struct Work {
 }
 
 impl Work {
-    /// Binds columns, one buffer a slot.
+    /// Binds columns, one buffer a slot. Fails where a dispatch is of no stage or entry of the table.
     pub fn new(gpu: &Gpu, dispatches: Vec<Dispatch>, buffers: &[wgpu::Buffer]) -> Result<Self, Failed> {
+        let places = dispatches.iter().map(place).collect::<Result<_, _>>()?;
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let told = buffer(gpu, "told", STRIDE * dispatches.len().max(1), usage)?;
         let groups = gpu.programs.iter().map(|program| program.bind(&gpu.device, &told, buffers)).collect();
         let passes = passes(&dispatches);
         let clock = Clock::new(gpu, passes.len())?;
-        let stage_of = |dispatch: &Dispatch| gpu.programs.iter().position(|own| own.stage.name == dispatch.stage);
-        let stages = dispatches.iter().map(|dispatch| stage_of(dispatch).unwrap_or_default()).collect();
-        let mut work = Self { dispatches, stages, passes, told: Some(told), groups, clock };
+        let mut work = Self { dispatches, places, passes, told: Some(told), groups, clock };
         work.tell(gpu, |_| ());
         Ok(work)
     }
@@ -70,11 +69,10 @@ impl Work {
     }
 
     fn dispatch(&self, gpu: &Gpu, number: usize, pass: &mut wgpu::ComputePass<'_>) {
-        let dispatch = &self.dispatches[number];
-        let at = self.stages[number];
-        pass.set_pipeline(gpu.programs[at].entry(dispatch.entry));
-        pass.set_bind_group(0, &self.groups[at], &[(STRIDE * number) as u32]);
-        let groups = dispatch.groups.max(1);
+        let [stage, entry] = self.places[number];
+        pass.set_pipeline(&gpu.programs[stage].pipelines[entry]);
+        pass.set_bind_group(0, &self.groups[stage], &[(STRIDE * number) as u32]);
+        let groups = self.dispatches[number].groups.max(1);
         pass.dispatch_workgroups(groups.min(ROW) as u32, groups.div_ceil(ROW) as u32, 1);
     }
 
@@ -100,6 +98,11 @@ impl Work {
             }
         }
     }
+}
+
+fn place(dispatch: &Dispatch) -> Result<[usize; 2], Failed> {
+    let Dispatch { stage, entry, .. } = *dispatch;
+    stages::find(stage, entry).ok_or(Failed::Unknown { stage, entry })
 }
 
 /// Neighbours of one file; a scan counts to what it is made for.

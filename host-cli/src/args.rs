@@ -242,7 +242,7 @@ pub struct RunArguments {
     /// Threads [default: one per core]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<usize>,
-    /// Formats of the exported frames, separated by commas
+    /// Formats of the exported frames, separated by commas, or none
     #[arg(long, value_enum, value_delimiter = ',', default_value = "pc2")]
     pub export: Vec<Format>,
     /// The preview picture
@@ -311,12 +311,24 @@ pub struct DetectArguments {
     pub json: bool,
 }
 
+/// What a study's costs are told by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Cost {
+    /// The time that runs take on this machine
+    Clock,
+    /// What they count, as seconds of a machine of 10 GB/s: the same results on every machine
+    Counts,
+}
+
 /// What every study takes.
 #[derive(Debug, Args)]
 pub struct StudyArguments {
     /// The scene
     #[command(flatten)]
     pub of: SceneArguments,
+    /// What costs and the budget are told by
+    #[arg(long, value_enum, default_value = "clock")]
+    pub cost: Cost,
     /// Seconds that the study may take, about
     #[arg(long, value_name = "S", default_value = "600", value_parser = seconds, allow_negative_numbers = true)]
     pub budget: f64,
@@ -461,6 +473,7 @@ Examples:
   muslin validate                       all checks: some minutes, most of them for the cantilever
   muslin validate --only hinge          one group; the report lists them
   muslin validate --only \"Gamma 10\"    those with these words in their name
+  muslin validate --list                the names of all checks
 
 Closed forms and known solutions, measured with the core in double precision: what is expected, what
 came out, how far off that is and how far it may be. Writes validate.json, validate.txt and, where
@@ -473,6 +486,9 @@ pub struct ValidateArguments {
     /// Only the group of this name, or checks with these whole words in theirs, the group before it
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
+    /// Print the names of the checks, measure nothing
+    #[arg(long)]
+    pub list: bool,
     /// Where to write
     #[arg(long, value_name = "DIR", default_value = "out/validate")]
     pub out: PathBuf,

@@ -12,7 +12,8 @@ use muslin_core::audit;
 use muslin_core::narrow_phase::contacts::contacts;
 
 use crate::args::{Backend, DetectArguments, DetectStage, Method};
-use crate::failure::{Failure, print_data};
+use crate::failure::{Failure, print_data, print_note};
+use crate::mesh_io;
 use crate::pool::Pool;
 use mesh::Subject;
 use report::{Pairs, Report, StageMs};
@@ -27,6 +28,9 @@ pub fn detect(arguments: &DetectArguments) -> Result<(), Failure> {
         return Err(Failure::Usage("--stage ccd is about a motion: say --next MESH, where it leads".into()));
     }
     let subject = Subject::load(arguments)?;
+    if let Some(note) = mesh_io::loose_note(&arguments.mesh.display(), subject.loose_vertices) {
+        print_note(&note);
+    }
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
     let report = match arguments.backend {
         Backend::Cpu => pool.install(|| report(arguments, &subject, &pool)),
@@ -60,14 +64,20 @@ fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Report
             report.add_touch(&touch);
         }
     }
-    count_intersections(arguments, subject, &mut report, &mut ms);
+    count_intersections(arguments, subject, pool, &mut report, &mut ms);
     report.ms = ms;
     report
 }
 
-fn count_intersections(arguments: &DetectArguments, subject: &Subject, report: &mut Report, ms: &mut StageMs) {
+fn count_intersections(
+    arguments: &DetectArguments,
+    subject: &Subject,
+    pool: &Pool,
+    report: &mut Report,
+    ms: &mut StageMs,
+) {
     if arguments.stage == DetectStage::Intersections {
-        let (count, time) = clocked(|| audit::count(&subject.surface.view(), &subject.positions));
+        let (count, time) = clocked(|| audit::count(&subject.surface.view(), &subject.positions, pool));
         ms.intersections = Some(milliseconds(time));
         report.intersections = Some(count);
     }

@@ -6,6 +6,7 @@ use muslin_core::scene::Timing;
 
 use crate::args::Precision;
 use crate::limits;
+use crate::pool::Pool;
 use crate::preview::Solid;
 use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
@@ -28,14 +29,17 @@ pub struct Divergence {
     pub advice: &'static str,
 }
 
-/// Edge length over rest length beyond which no cloth is, unless it starts so: double precision would
-/// go on to 1e300.
-const FLOWN_APART: f64 = 100.0;
+/// Edge length over rest length beyond which nothing is whole, unless it starts so: rubber and elastane,
+/// which bear the most, break between six and nine times their length.
+const FLOWN_APART: f64 = 10.0;
 
 /// Where every number is finite still and yet this is cloth no more: how it is drawn, where it started
 /// less so.
 pub fn flown_apart(stretch: f64, first: f64) -> Option<String> {
-    (stretch > FLOWN_APART * first.max(1.0)).then(|| format!("an edge is {stretch:.1e} times as long as at rest"))
+    (stretch > FLOWN_APART * first.max(1.0)).then(|| match stretch {
+        few if few < 1e4 => format!("an edge is {few:.0} times as long as at rest"),
+        many => format!("an edge is {many:.1e} times as long as at rest"),
+    })
 }
 
 /// Numbers about the state and the work, in double.
@@ -63,8 +67,21 @@ pub struct Report {
     pub negative_curvature: u64,
     /// Solves ended by their limit of iterations.
     pub unconverged: u64,
+    /// Bytes that all of that streams; contact's are not counted.
+    pub streamed_bytes: u64,
     /// candidates, proximity, impacts, zones, failsafe, rejected steps.
     pub contacts: [u64; 6],
+}
+
+/// Work that does not depend on the machine, as far as costs are told by it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counted {
+    /// Without those of contact.
+    pub streamed_bytes: u64,
+    /// Pairs of features whose boxes overlap.
+    pub candidates: u64,
+    /// Pairs that were near.
+    pub contacts: u64,
 }
 
 /// What a checkpoint keeps of a simulation, as little-endian bits.
@@ -111,6 +128,8 @@ pub trait Engine: Send {
     fn triangles(&self) -> &[[u32; 3]];
     /// Held vertices.
     fn pins(&self) -> &[u32];
+    /// What of its work is told in costs, so far.
+    fn counted(&self) -> Counted;
     /// Numbers about the state and the work.
     fn report(&self) -> Report;
     /// The largest length over rest length of an edge.
@@ -128,7 +147,7 @@ pub trait Engine: Send {
     /// Adds the state to a hash chain and returns the chain.
     fn chain(&self, chain: Option<u64>) -> u64;
     /// Pairs of an edge and a triangle that pass through one another, by the exact test.
-    fn crossings(&self) -> usize;
+    fn crossings(&self, pool: &Pool) -> usize;
     /// Parts what passes through one another; none without contact.
     fn untangle(&mut self, stopwatch: &Stopwatch<'_>) -> Option<Untangled>;
     /// The deepest that a vertex lies in a collider, m; none without colliders.
@@ -171,7 +190,9 @@ macro_rules! engine {
             use $core::simulation::{Cause, Simulation, State};
             use $core::spectrum;
 
-            use super::{Divergence, Engine, Halt, Mode, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled};
+            use super::{
+                Counted, Divergence, Engine, Halt, Mode, Pool, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled,
+            };
 
             pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
@@ -271,6 +292,11 @@ macro_rules! engine {
                     &self.scene().pins.vertices
                 }
 
+                fn counted(&self) -> Counted {
+                    let Tally { candidates, proximity, .. } = self.tally();
+                    Counted { streamed_bytes: self.streamed_bytes(), candidates, contacts: proximity }
+                }
+
                 fn report(&self) -> Report {
                     let (stretch, e, work, tally) = (self.stretch(), self.energy(), self.work(), self.tally());
                     Report {
@@ -285,6 +311,7 @@ macro_rules! engine {
                         matrix_products: work.matrix_products,
                         negative_curvature: work.negative_curvature,
                         unconverged: work.unconverged,
+                        streamed_bytes: self.streamed_bytes(),
                         contacts: [
                             tally.candidates,
                             tally.proximity,
@@ -328,8 +355,8 @@ macro_rules! engine {
                     hash.0
                 }
 
-                fn crossings(&self) -> usize {
-                    Simulation::crossings(self)
+                fn crossings(&self, pool: &Pool) -> usize {
+                    Simulation::crossings(self, pool)
                 }
 
                 fn untangle(&mut self, stopwatch: &Stopwatch<'_>) -> Option<Untangled> {

@@ -15,7 +15,7 @@ use crate::args::{Backend, Precision, PreviewKind, RunArguments};
 use crate::checkpoint::{self, Checkpoint};
 use crate::device::StepDetector;
 use crate::engine::{self, Engine};
-use crate::export::Exporter;
+use crate::export::{Exporter, Format};
 use crate::failure::{Failure, print_data, print_note};
 use crate::interrupt;
 use crate::pool::Pool;
@@ -49,6 +49,9 @@ struct Files<'a> {
 
 /// Runs a scene.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
+    if arguments.export.len() > 1 && arguments.export.contains(&Format::None) {
+        return Err(Failure::Usage("--export: none stands alone, as it writes no frames".into()));
+    }
     let scene = scene_file::asked(&arguments.of)?;
     let pool = pool(arguments, &scene)?;
     let built = engine::build(&scene, arguments.precision);
@@ -64,6 +67,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let out = out(arguments, &scene)?;
     say_what_changed(arguments, &scene, &timing);
     if !arguments.quiet {
+        start::weigh_meshes(&scene);
         start::weigh_thickness(engine.as_ref(), &scene.desc);
         start::weigh_step(engine.as_ref(), &scene.desc, &timing, arguments.precision);
     }
@@ -74,10 +78,10 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
     let mut course = Course::begin(engine, timing, arguments.precision, arguments.audit, start, resumed);
     let mut files = Files::begin(arguments, out, scene_crc, &course, resumed.is_some(), scene.desc.frame_rate)?;
-    if resumed.is_none() {
-        course.frame(&mut files)?;
-    }
     pool.install(|| {
+        if resumed.is_none() {
+            course.frame(&pool, &mut files)?;
+        }
         let started = Instant::now();
         let ending = course.advance(&pool, &stop, &mut files);
         files.bar.finish_and_clear();

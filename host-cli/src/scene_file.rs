@@ -15,6 +15,9 @@ use crate::args::SceneArguments;
 use crate::failure::Failure;
 use crate::mesh_io;
 
+/// The key of a scene's name, which need not be given: a file has one.
+const NAME: &str = "name";
+
 /// A scene ready to be built.
 #[derive(Clone)]
 pub struct SceneFile {
@@ -55,9 +58,9 @@ impl SceneFile {
         let failed = |why: String| Failure::Tool(format!("{}: {why}", self.desc.name));
         let mut scene: Value = toml::from_str(&self.text).map_err(|error| failed(explain(&error)))?;
         edit(&mut scene).map_err(failed)?;
-        let desc = scene.clone().try_into().map_err(|error| failed(explain(&error)))?;
+        let desc: SceneDesc = scene.clone().try_into().map_err(|error| failed(explain(&error)))?;
         let text = toml::to_string(&scene).map_err(|error| failed(error.to_string()))?;
-        Ok(Self { desc, text, resources: self.resources.clone() })
+        Ok(Self { desc: SceneDesc { name: self.desc.name.clone(), ..desc }, text, resources: self.resources.clone() })
     }
 }
 
@@ -112,9 +115,12 @@ impl Source {
     pub fn read(scene: &str, directory: &Path) -> Result<Self, Failure> {
         let (label, text, directory) = read(scene, directory)?;
         let in_file = |error| Failure::Usage(format!("{label}: {}", explain(&error)));
-        let table = toml::from_str(&text).map_err(in_file)?;
+        let table: Table = toml::from_str(&text).map_err(in_file)?;
         // From the text, because only it knows lines and columns.
-        let desc = toml::from_str(&text).map_err(in_file)?;
+        let mut desc: SceneDesc = toml::from_str(&text).map_err(in_file)?;
+        if !table.contains_key(NAME) {
+            desc.name = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into();
+        }
         Ok(Self { label, desc, text, table, directory })
     }
 
@@ -122,7 +128,13 @@ impl Source {
     pub fn describe(&self, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
         match changes {
             [] => Ok((self.desc.clone(), self.text.clone())),
-            _ => change::apply(self.table.clone(), changes),
+            _ => {
+                let (mut desc, text) = change::apply(self.table.clone(), changes)?;
+                if changes.iter().all(|change| change.key != NAME) {
+                    desc.name.clone_from(&self.desc.name);
+                }
+                Ok((desc, text))
+            }
         }
     }
 

@@ -95,6 +95,8 @@ pub struct Work {
     pub newton_iterations: u64,
     pub negative_curvature: u64,
     pub unconverged: u64,
+    /// What the kernels stream for it; contact's are not counted.
+    pub streamed_bytes: u64,
 }
 
 impl From<&Report> for Contacts {
@@ -119,6 +121,7 @@ impl From<&Report> for Work {
             newton_iterations: report.newton_iterations,
             negative_curvature: report.negative_curvature,
             unconverged: report.unconverged,
+            streamed_bytes: report.streamed_bytes,
         }
     }
 }

@@ -9,7 +9,7 @@ export function load(source?: string | URL | Response | BufferSource | WebAssemb
 /** The names of the built-in scenes; after `await load()`. */
 export function scenes(): string[];
 
-/** A scene: the keys of a scene file. */
+/** A scene: the keys of a scene file, of which `duration` and `cloth` are needed. */
 export type Scene = { [key: string]: unknown };
 
 /** The scene of a text in TOML, or the built-in scene of that name. */

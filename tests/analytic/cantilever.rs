@@ -7,10 +7,10 @@
 //! clamp bends from the last held vertex but one on, which is where the free length begins.
 
 use glam::DVec3;
+use harness::kit::double as kit;
+use harness::net::{converged, settle};
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;
-use muslin_tests::kit::double as kit;
-use muslin_tests::net::{converged, settle};
 
 /// N/m^2, and m.
 const WEIGHT: f64 = 0.2 * 9.81;

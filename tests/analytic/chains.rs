@@ -4,11 +4,11 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use muslin_core_f64::dispatch::Serial;
+use harness::net::{Net, XYZ, linearised, settle};
+use harness::steps::Steps;
+use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;
-use muslin_tests::net::{Net, XYZ, linearised, settle};
-use muslin_tests::worst::Worst;
 
 const G: f64 = 9.81;
 
@@ -38,7 +38,7 @@ fn modes(what: &str, masses: usize, free_end: bool) {
         }
         let mut sim = Simulation::from_columns(built, linearised(Method::Rk4), 2.0 * PI / omega / f64::from(STEPS));
         for _ in 0..STEPS {
-            sim.step(&Serial).expect("stable");
+            sim.take_step().expect("stable");
             let (x, t) = (sim.positions(), sim.time());
             free.clone().for_each(|i| {
                 worst.compare(AMPLITUDE, &x[i].to_array(), &[place(i, t), 0.0, 0.0], || {
@@ -114,7 +114,7 @@ fn rope_swings_at_the_root_of_the_bessel_function() {
         let h = 0.005;
         let mut sim = Simulation::from_columns(built, linearised(Method::ImplicitMidpoint), h);
         let mut swing = || -> f64 {
-            sim.step(&Serial).expect("finite");
+            sim.take_step().expect("finite");
             sim.positions().iter().zip(&shape).zip(&net.masses).map(|((x, s), m)| x.x * s * m).sum()
         };
         // Times at which the amplitude of the mode changes its sign: half a period apart.

@@ -1,11 +1,11 @@
 //! Cloth in free fall and under linear drag, and the two published scenes of a falling sheet.
 
 use glam::DVec3;
+use harness::kit::{double, single};
+use harness::net::linearised;
+use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;
-use muslin_tests::kit::{double, single};
-use muslin_tests::net::linearised;
-use muslin_tests::worst::Worst;
 
 const G: f64 = 9.81;
 

@@ -1,8 +1,8 @@
 //! All methods name the same pairs, each once, whatever they are given.
 
 use glam::DVec3;
-use muslin_tests::crumpled;
-use muslin_tests::rng::Rng;
+use harness::crumpled;
+use harness::rng::Rng;
 
 use super::case::{Case, random, single};
 use super::methods::{Found, METHODS, all};

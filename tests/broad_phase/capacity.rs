@@ -1,7 +1,7 @@
 //! Too little room loses nothing unseen: the counts stay, what fits is the beginning of the whole.
 //! Equal input gives equal output, in the same order, under any number of threads.
 
-use muslin_tests::crumpled;
+use harness::crumpled;
 
 use super::case::Case;
 use super::methods::{METHODS, all, double, single};

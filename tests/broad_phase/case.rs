@@ -1,7 +1,7 @@
 //! What the methods are given: boxes that f32 holds exactly, and a surface.
 
 use glam::DVec3;
-use muslin_tests::rng::Rng;
+use harness::rng::Rng;
 
 /// Boxes of vertices and what they belong to.
 #[derive(Clone, Debug, Default)]

@@ -2,7 +2,7 @@
 //! factor of sqrt(2), cells of one and a half diameters, tests only where one of two is at home.
 
 use glam::DVec3;
-use muslin_tests::rng::Rng;
+use harness::rng::Rng;
 
 use super::case::{Case, random};
 use super::methods::{METHODS, all};

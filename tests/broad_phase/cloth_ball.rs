@@ -2,7 +2,7 @@
 //! them, in both precisions.
 
 use glam::Vec3;
-use muslin_tests::cloth_ball;
+use harness::cloth_ball;
 
 use super::case::Case;
 use super::methods::{double, single};

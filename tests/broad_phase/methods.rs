@@ -38,14 +38,14 @@ pub fn all(method: Method, case: &Case) -> Found {
     method(case, counts)
 }
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use super::{Case, Found};
     use muslin::broad_phase::{self, Candidates, Counts, GridColumns, Surface, brute_force, reference_cell};
     use muslin::dispatch::Serial;
     use muslin::geometry::aabb::Aabb;
     use muslin::mesh::SurfaceColumns;
     use kit::narrow;
-    use muslin_tests::threads::Uneven;
+    use harness::threads::Uneven;
 
     /// The columns of a case.
     pub fn columns(case: &Case) -> (Vec<Aabb>, SurfaceColumns) {

@@ -1,9 +1,9 @@
 //! Every feature has exactly one triangle that stands for it, and no triangle stands for many.
 
+use harness::crumpled;
 use muslin_core::broad_phase::{IS_FACE, OWNS_EDGE, OWNS_VERTEX};
 use muslin_core::mesh::SurfaceColumns;
 use muslin_core::mesh::edges::NONE;
-use muslin_tests::crumpled;
 
 /// Checks that every vertex of a triangle and every edge has one owner.
 fn check(vertices: usize, triangles: &[[u32; 3]]) -> SurfaceColumns {

@@ -4,9 +4,9 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use harness::crumpled;
 use muslin_core::broad_phase::{self, Candidates, GridColumns};
 use muslin_core::dispatch::Serial;
-use muslin_tests::crumpled;
 
 use super::case::Case;
 use super::methods::single;
@@ -14,8 +14,8 @@ use super::methods::single;
 const RUNS: usize = 15;
 
 #[test]
-#[ignore = "takes a quiet machine and a release build"]
-fn speed() {
+#[ignore = "a command of its own, for a quiet machine"]
+fn long_form_how_fast() {
     println!("triangles  thickness  median ms   least ms  ns/triangle  vertex-triangle   edge-edge");
     for cells in [71, 100, 224, 387, 707] {
         let mesh = crumpled::sheet(cells);

@@ -3,7 +3,7 @@
 //! cells: every overlapping pair comes out exactly once.
 
 use glam::DVec3;
-use muslin_tests::rng::Rng;
+use harness::rng::Rng;
 
 const CASES: usize = 40_000;
 
@@ -25,7 +25,7 @@ fn boxes(rng: &mut Rng) -> Vec<[DVec3; 2]> {
     boxes
 }
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use super::{CASES, boxes};
     use muslin::broad_phase::byte_boxes::{self, ByteBoxes};
     use muslin::broad_phase::cells::{self, Home, Lattice};
@@ -36,7 +36,7 @@ muslin_tests::both_precisions! {
     use muslin::dispatch::Serial;
     use muslin::geometry::aabb::Aabb;
     use muslin::mesh::SurfaceColumns;
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
 
     /// The pairs of boxes of one level.
     fn pairs_in_cells(boxes: &[Aabb], levels: &[u8], level: u8) -> Vec<[u32; 2]> {

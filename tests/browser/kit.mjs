@@ -37,15 +37,45 @@ export const pack = { cwd: root, stdio: ["ignore", "ignore", "inherit"] };
 /** Where pictures of pages are left to be looked at. */
 export const shot = (page, name) => page.screenshot({ path: join(root, "target/browser", `${name}.png`) });
 
+/** ms after which a page hangs: long, as machines may be slow and busy. */
+const PATIENCE = 600_000;
+
 /** Waits until the page's run has taken so many steps. */
 export const steps = (page, count) =>
-  page.waitForFunction((count) => window.muslin?.run()?.cloth.busy === false && muslin.run().cloth.steps >= count, count, { timeout: 120_000 });
+  page.waitForFunction((count) => window.muslin?.run()?.cloth.busy === false && muslin.run().cloth.steps >= count, count);
+
+/** Waits until a run that was paused stands still and is drawn so. */
+export async function still(page) {
+  await page.waitForFunction(() => muslin.run().paused && muslin.run().cloth.busy === false);
+  await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+}
 
 /** Waits for so many further steps. */
 export async function more(page, count) {
   const now = await page.waitForFunction(() => muslin.run().cloth.busy === false && String(muslin.run().cloth.steps));
   await steps(page, Number(await now.jsonValue()) + count);
 }
+
+/** Where a vertex is in the page's picture, px; -1 is the last. */
+export const spot = (page, vertex) =>
+  page.evaluate((vertex) => {
+    const { camera, run } = muslin;
+    const from = 3 * (vertex < 0 ? run().cloth.vertexCount + vertex : vertex);
+    return camera.project(camera.matrix(true), run().positions().slice(from, from + 3));
+  }, vertex);
+
+/** Whether a vertex is drawn as dark as pins alone are; it may move, so that it is looked for where it is drawn. */
+export const dark = (page, vertex) =>
+  page.evaluate((vertex) => {
+    const { camera, picture, run } = muslin;
+    const from = 3 * (vertex < 0 ? run().cloth.vertexCount + vertex : vertex);
+    picture.draw(run().view);
+    const [x, y] = camera.project(camera.matrix(true), run().positions().slice(from, from + 3));
+    const scale = picture.canvas.width / camera.size[0];
+    const context = Object.assign(document.createElement("canvas"), { width: 9, height: 9 }).getContext("2d");
+    context.drawImage(picture.canvas, x * scale - 4, y * scale - 4, 9, 9, 0, 0, 9, 9);
+    return context.getImageData(0, 0, 9, 9).data.some((value, k) => k % 4 === 0 && value < 40);
+  }, vertex);
 
 /** How many of 30,000 points of the page's picture are darker than the paper. */
 export const drawn = (page) =>
@@ -79,6 +109,7 @@ export async function browser({ webgpu }) {
   const folder = await mkdtemp(join(tmpdir(), "muslin-browser-"));
   const args = webgpu ? [...FLAGS, ...WEBGPU] : [...FLAGS, "--disable-features=WebGPU"];
   const context = await require("playwright-core").chromium.launchPersistentContext(folder, { executablePath, args, headless: true });
+  context.setDefaultTimeout(PATIENCE);
   const server = await serve();
   return {
     /** A page at an address below `host-wasm`; `errors` fills with what it throws and complains of. */

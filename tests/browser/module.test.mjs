@@ -24,12 +24,12 @@ after(() => chromium?.close());
 
 const STEPS = 200;
 
-/** As `cargo test --workspace --profile checked` leaves it; to build it alone would build its libraries anew. */
-const muslin = join(process.env.CARGO_TARGET_DIR ?? join(root, "target"), "checked/muslin");
+/** As the tests of the command line leave it. */
+const muslin = join(process.env.CARGO_TARGET_DIR ?? join(root, "target"), "debug/muslin");
 
 /** What the command line says of the same run. */
 function native(scene, seconds) {
-  assert.ok(existsSync(muslin), `no ${muslin}: cargo build --profile checked -p muslin-cli`);
+  assert.ok(existsSync(muslin), `no ${muslin}: cargo build -p muslin-cli`);
   const out = mkdtempSync(join(tmpdir(), "muslin-native-"));
   try {
     const run = ["run", scene, "--duration", String(seconds * (1 - 1e-6)), "--preview", "none", "--json", "--quiet", "--out", out];

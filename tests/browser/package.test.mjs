@@ -53,7 +53,7 @@ test("three.js draws it", { skip }, async () => {
   const chromium = await browser({ webgpu: false });
   try {
     const { page, errors } = await chromium.open("examples/three.html");
-    await page.waitForFunction(() => window.cloth?.steps >= 20, null, { timeout: 60_000 });
+    await page.waitForFunction(() => window.cloth?.steps >= 20);
     await shot(page, "three");
     assert.deepEqual(errors, []);
   } finally {

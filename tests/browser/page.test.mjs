@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { browser, drawn, more, shot, skip, steps } from "./kit.mjs";
+import { browser, dark, drawn, more, shot, skip, spot, steps, still } from "./kit.mjs";
 
 const PAGE = "dist/page/index.html";
 
@@ -30,7 +30,7 @@ test("it opens without an error, draws, and the cloth falls on the ball", { skip
   assert.ok((await height()) < first, "a corner falls");
   assert.ok((await drawn(page)) > 2000, "the picture shows cloth and ball");
   assert.equal(await page.locator("#banner").textContent(), "detection: processor · picture: WebGL2");
-  await page.waitForFunction(() => /\d (µm|mm|m) at/.test(document.getElementById("numbers").textContent), null, { timeout: 60_000 });
+  await page.waitForFunction(() => /\d (µm|mm|m) at/.test(document.getElementById("numbers").textContent));
   for (const name of ["largest stretch", "energy", "contacts a step", "ms a step", "error (RMS"]) {
     assert.ok((await page.locator("#numbers").textContent()).includes(name), name);
   }
@@ -52,7 +52,7 @@ test("a hand drags the cloth, pins it and lets it go", { skip }, async () => {
     });
   // It stands still until it is taken.
   await page.click("#pause");
-  await page.waitForTimeout(300);
+  await still(page);
   const before = await seen();
   await page.mouse.move(before.at[0], before.at[1]);
   await page.mouse.down();
@@ -62,7 +62,7 @@ test("a hand drags the cloth, pins it and lets it go", { skip }, async () => {
     await page.waitForTimeout(50);
   }
   await inPage(page, () => (window.from = muslin.run().cloth.steps));
-  await page.waitForFunction(() => muslin.run().cloth.steps > window.from + 20, null, { timeout: 60_000 });
+  await page.waitForFunction(() => muslin.run().cloth.steps > window.from + 20);
   const led = await seen();
   assert.equal(led.pins.length, before.pins.length + 1, "what is dragged is held");
   const off = Math.min(...led.pins.filter((pin) => !before.pins.includes(pin)).map((pin) => Math.abs(pin - before.vertex)));
@@ -94,7 +94,7 @@ test("a finger drags the cloth, two come nearer, and the page stays where it is"
       return { at: camera.project(camera.matrix(true), place), pins: run().cloth.pins().length, distance: camera.distance };
     });
   await page.click("#pause");
-  await page.waitForTimeout(300);
+  await still(page);
   const before = await seen();
   const [x, y] = before.at;
   await touch("touchStart", [x, y]);
@@ -120,36 +120,21 @@ test("one hand holds one vertex, and its pins are seen", { skip }, async () => {
   const { page } = await open("#scene=cantilever&compare=0");
   const pinned = () => inPage(page, () => Array.from(muslin.run().cloth.pins()));
   const before = await pinned();
-  const dark = () =>
-    inPage(page, () => {
-      let seen = 0;
-      const { renderer } = muslin.picture;
-      const draw = renderer.draw;
-      renderer.draw = (what) => (seen = what.strains.filter((strain) => strain > 1e8).length);
-      muslin.picture.draw(muslin.run().view);
-      renderer.draw = draw;
-      return seen;
-    });
-  assert.equal(await dark(), before.length, "what is pinned is drawn so");
+  assert.deepEqual([await dark(page, before[0]), await dark(page, -1)], [true, false], "pins are dark, and they alone");
   await page.focus("#pad");
   await page.keyboard.press("g");
   await more(page, 3);
   const byKey = (await pinned()).filter((pin) => !before.includes(pin));
   assert.equal(byKey.length, 1);
+  assert.ok(await dark(page, byKey[0]), "what is held is dark");
   await inPage(page, () => (muslin.run().paused = true));
-  await page.waitForTimeout(200);
-  const [x, y] = await inPage(page, () => {
-    const { camera, run } = muslin;
-    const last = run().cloth.vertexCount - 1;
-    return camera.project(camera.matrix(true), run().positions().slice(3 * last, 3 * last + 3));
-  });
-  await page.mouse.move(x, y);
+  await still(page);
+  await page.mouse.move(...(await spot(page, -1)));
   await page.mouse.down();
   await inPage(page, () => (muslin.run().paused = false));
   await more(page, 3);
   const byHand = (await pinned()).filter((pin) => !before.includes(pin));
   assert.ok(byHand.length === 1 && byHand[0] !== byKey[0], `one, and another: ${byKey}, ${byHand}`);
-  assert.equal(await dark(), before.length + 1);
   await page.mouse.up();
   await more(page, 3);
   assert.deepEqual(await pinned(), before);
@@ -162,24 +147,20 @@ test("a double click pins, and another lets go", { skip }, async () => {
   const press = async (vertex) => {
     // It stands still while it is aimed at; what is pressed is led, so that it must go on.
     await inPage(page, () => (muslin.run().paused = true));
-    await page.waitForTimeout(200);
-    const [x, y] = await inPage(page, (vertex) => {
-      const { camera, run } = muslin;
-      return camera.project(camera.matrix(true), run().positions().slice(3 * vertex, 3 * vertex + 3));
-    }, vertex);
-    await page.mouse.move(x, y);
+    await still(page);
+    await page.mouse.move(...(await spot(page, vertex)));
     await page.mouse.down();
     await inPage(page, () => (muslin.run().paused = false));
-    await page.waitForTimeout(100);
+    await more(page, 2);
     await page.mouse.up();
     await page.mouse.down({ clickCount: 2 });
-    await page.waitForTimeout(100);
+    await more(page, 2);
     await page.mouse.up({ clickCount: 2 });
     await more(page, 5);
     return pinned();
   };
   const before = await pinned();
-  const after = await press(await inPage(page, () => muslin.run().cloth.vertexCount - 1));
+  const after = await press(-1);
   assert.equal(after.length, before.length + 1);
   assert.deepEqual(await press(after.find((pin) => !before.includes(pin))), before);
   await page.close();
@@ -272,6 +253,15 @@ test("a value that is refused changes neither controls nor address", { skip }, a
   await page.close();
 });
 
+test("what is wrong with a scene that was typed in is said by the core", { skip }, async () => {
+  const { page } = await open("#scene=cantilever");
+  await page.locator("summary", { hasText: "Scene as text" }).click();
+  await page.fill("#text", "[[cloth]]\ngrid = { size = [1, 1], cells = 5 }\n");
+  await page.click("#use");
+  await page.locator("#banner.bad", { hasText: "cloth.0.grid.cells: invalid type" }).waitFor();
+  await page.close();
+});
+
 test("two choices at once are both done", { skip }, async () => {
   const { page } = await open("#scene=cantilever");
   await inPage(page, () => {
@@ -292,7 +282,7 @@ test("two choices at once are both done", { skip }, async () => {
 test("a run that stops by itself can be gone on with", { skip }, async () => {
   const { page } = await open("#scene=hanging&compare=0");
   await page.selectOption("#method", "explicit-euler");
-  await page.locator("#pause", { hasText: "Go on" }).waitFor({ timeout: 60_000 });
+  await page.locator("#pause", { hasText: "Go on" }).waitFor();
   assert.match(await page.locator("#banner").textContent(), /Reset begins anew/);
   await page.close();
 });
@@ -309,11 +299,11 @@ test("a mistake is told and the cloth in view goes on", { skip }, async () => {
   // What blows up pauses, says so, and begins anew.
   await page.selectOption("#scene", "hanging");
   await page.selectOption("#method", "explicit-euler");
-  await page.waitForFunction(() => /diverged/.test(document.getElementById("banner").textContent), null, { timeout: 60_000 });
+  await page.waitForFunction(() => /diverged/.test(document.getElementById("banner").textContent));
   await page.selectOption("#method", "backward-euler");
   await inPage(page, () => (window.old = muslin.run().cloth));
   await page.click("#reset");
-  await page.waitForFunction(() => muslin.run().cloth !== window.old && muslin.run().cloth.steps > 2, null, { timeout: 60_000 });
+  await page.waitForFunction(() => muslin.run().cloth !== window.old && muslin.run().cloth.steps > 2);
   await page.close();
 });
 
@@ -321,7 +311,7 @@ test("keys do what buttons do", { skip }, async () => {
   const { page, errors } = await open("#scene=cantilever");
   await page.locator("#pad").focus();
   await page.keyboard.press(" ");
-  await page.waitForTimeout(300);
+  await still(page);
   const at = () => inPage(page, () => muslin.run().cloth.steps);
   const paused = await at();
   await page.waitForTimeout(300);
@@ -347,9 +337,9 @@ test("the chart measures in a worker while the page goes on", { skip }, async ()
   const { page, errors } = await open("#scene=cantilever");
   await page.click("#chart");
   const before = await inPage(page, () => muslin.run().cloth.steps);
-  await page.waitForFunction(() => document.querySelectorAll("#plot circle").length >= 8, null, { timeout: 120_000 });
+  await page.waitForFunction(() => document.querySelectorAll("#plot circle").length >= 8);
   assert.ok((await inPage(page, () => muslin.run().cloth.steps)) > before + 5, "the cloth moves meanwhile");
-  await page.waitForFunction(() => document.getElementById("chart").textContent === "Speed against accuracy", null, { timeout: 240_000 });
+  await page.waitForFunction(() => document.getElementById("chart").textContent === "Speed against accuracy");
   assert.match(await page.locator("#plot figcaption").textContent(), /unstable.*RMS error after 0\.500 s/s);
   await shot(page, "chart");
   assert.deepEqual(errors, []);

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { browser, drawn, more, shot, skip, steps } from "./kit.mjs";
+import { browser, dark, drawn, more, shot, skip, spot, steps } from "./kit.mjs";
 
 let chromium;
 before(async () => {
@@ -35,10 +35,8 @@ test("the page detects on the device while a hand drags, and here again", { skip
   assert.equal(await page.isChecked("#device"), false);
   await page.check("#device");
   await page.waitForFunction(() => /detection: .+, WebGPU · picture: WebGPU/.test(document.getElementById("banner").textContent));
-  const [x, y] = await page.evaluate(() => {
-    const { camera, run } = muslin;
-    return camera.project(camera.matrix(true), run().positions().slice(0, 3));
-  });
+  const [x, y] = await spot(page, 0);
+  assert.equal(await dark(page, 0), false);
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x, y - 150, { steps: 5 });
@@ -46,6 +44,7 @@ test("the page detects on the device while a hand drags, and here again", { skip
   const pins = () => page.evaluate(() => muslin.run().pins());
   const [held, ...others] = await pins();
   assert.ok(held !== undefined && others.length === 0, `one vertex is held: ${held}, ${others}`);
+  assert.ok(await dark(page, held), "and is dark");
   await page.mouse.up();
   await page.uncheck("#device");
   await page.waitForFunction(() => /detection: processor/.test(document.getElementById("banner").textContent));

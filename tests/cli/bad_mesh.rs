@@ -51,6 +51,63 @@ fn connections() {
         &format!("v 5 5 5\n{}", TRIANGLE.replace("1 2 3", "2 3 4")),
         &["vertex 0 belongs to no triangle"],
     );
+    refuses(
+        "mesh.obj",
+        &format!("{TRIANGLE}v 5 5 5\nv 6 6 6\n"),
+        &["2 vertices, the first of them 3, belong to no triangle"],
+    );
+}
+
+/// A collider may have what touches nothing, but that is said.
+#[test]
+fn loose_vertices_of_a_collider() {
+    let place = place("mesh.obj", TRIANGLE);
+    place.write("floor.obj", "v -3 -1 -3\nv 0 9 0\nv 3 -1 -3\nv 1 9 0\nv 0 -1 3\nf 1 5 3\n");
+    let collider = "\n[contact]\nthickness = 0.01\n[[collider]]\nshape = \"mesh\"\nfile = \"floor.obj\"\n";
+    let scene = String::from_utf8(place.read("scene.toml")).unwrap() + collider;
+    place.write("scene.toml", scene);
+    let note = "floor.obj: 2 vertices belong to no triangle and touch nothing\n";
+    let run = "run scene.toml --out out --preview none";
+    assert!(place.muslin(run).expect(0).stderr.contains(note));
+    assert_eq!(place.muslin(&format!("{run} --quiet")).expect(0).stderr, "");
+}
+
+/// A triangle as a binary STL.
+fn stl() -> Vec<u8> {
+    let mut file = vec![b' '; 80];
+    file.extend(1_u32.to_le_bytes());
+    let corners = [[0.0, 0.0, 1.0], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0_f32]];
+    file.extend(corners.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    file.extend([0; 2]);
+    file
+}
+
+#[test]
+fn files_of_another_kind() {
+    let ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nend_header\n\0\x01";
+    let fbx = b"Kaydara FBX Binary  \0\x1a\0";
+    let page = b"<!DOCTYPE html>\n<title>Not found</title>\n";
+    let stl = stl();
+    let solid = b"solid cube\nfacet normal 0 0 1\nendsolid\n";
+    for (file, bytes, parts) in [
+        ("a.obj", ply.as_slice(), ["this is a PLY file, though it ends in .obj", "Stanford PLY (.ply)"]),
+        ("a.obj", &stl, ["this is an STL file", "Wavefront OBJ (.obj)"]),
+        ("a.obj", solid, ["this is an STL file", "Wavefront OBJ (.obj)"]),
+        ("a.obj", fbx, ["this is an FBX file", "Wavefront OBJ (.obj)"]),
+        ("a.obj", b"\x01\x02\0\x03", ["this is a binary file", "Wavefront OBJ (.obj)"]),
+        ("a.obj", page, ["no line `v x y z`", "no Wavefront OBJ"]),
+        ("a.ply", fbx, ["this is an FBX file, though it ends in .ply", "Stanford PLY (.ply)"]),
+        ("a.ply", &stl, ["this is an STL file", "Stanford PLY (.ply)"]),
+        ("a.ply", TRIANGLE.as_bytes(), ["line 1: `v 0 0 0`", "not a PLY header line"]),
+        ("a.stl", &stl, ["unknown mesh format", "Wavefront OBJ (.obj) and Stanford PLY (.ply)"]),
+        ("a.fbx", fbx, ["unknown mesh format", "Wavefront OBJ (.obj) and Stanford PLY (.ply)"]),
+    ] {
+        let place = place("mesh.obj", TRIANGLE);
+        place.write(file, bytes);
+        place.refuses(&format!("scene.toml --set cloth.mesh={file}"), &[&[file], parts.as_slice()].concat());
+        let detected = place.muslin(&format!("detect {file} --thickness 0")).expect(2);
+        assert!(parts.iter().all(|part| detected.stderr.contains(part)), "{file}: {}", detected.stderr);
+    }
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn values_of_the_wrong_kind() {
     refuses("density = 0.2", "density = \"x\"", &["line 9, column 11", "expected a number"]);
     refuses("density = 0.2", "density = [1]", &["line 9, column 11"]);
     refuses("gravity = [0.0, -9.81, 0.0]", "gravity = -9.81", &["line 4, column 11"]);
-    refuses("name = \"tiny\"\n", "", &["missing field `name`"]);
+    refuses("duration = 0.2\n", "", &["missing field `duration`"]);
     refuses("density = 0.2\n", "", &["missing field `density`", "line 6"]);
     refuses("duration = 0.2", "duration 0.2", &["line 2", "expected `=`"]);
     refuses("cells = [4, 4]", "cells = [4, -4]", &["line 7", "`-4`"]);

@@ -1,6 +1,6 @@
 //! The state hash that a run prints does not depend on threads.
 //!
-//! Nor on the optimiser: that the same hash comes out of debug and release builds is pinned by
+//! Nor on the optimiser: that the same hash comes out of every build profile is pinned by
 //! the goldens of `tests/determinism.rs`.
 
 use crate::kit::{Place, TINY};

@@ -52,6 +52,7 @@ fn a_printed_scene_is_a_scene_file() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_garment_runs() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let dress = here.join("../../shared/data/garment/dress.obj");

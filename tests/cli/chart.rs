@@ -1,4 +1,5 @@
-//! `muslin chart`: orders, floors, counts and what cannot be charted. Times are never asserted.
+//! `muslin chart`: orders, floors, counts and what cannot be charted. Times are never asserted, and where a budget
+//! decides it is told by counts.
 
 use serde_json::Value;
 
@@ -52,7 +53,7 @@ fn evaluations(chart: &Value, method: &str, error: f64) -> u64 {
 fn a_soft_sheet_is_charted_by_every_method() {
     let place = Place::new();
     place.write("soft.toml", SOFT);
-    let chart = place.muslin("chart soft.toml --finest 5e-5 --budget 300 --json").expect(0).json();
+    let chart = place.muslin("chart soft.toml --finest 5e-5 --cost counts --json").expect(0).json();
 
     for (method, theory) in METHODS {
         let order = chart["orders"].as_array().unwrap().iter().find(|order| order["method"] == method).unwrap();
@@ -114,7 +115,8 @@ fn with_contact_the_outline_is_charted() {
     let ball = "\n[[collider]]\nshape = \"sphere\"\ncenter = [0.0, 0.8, 0.0]\nradius = 0.15\n\
                 [contact]\nthickness = 0.004\n";
     place.write("drop.toml", format!("{}{ball}", TINY.replace("[[cloth.pin]]\nselect = { corners = [0, 1] }\n", "")));
-    let outcome = place.muslin("chart drop.toml --budget 6 --methods backward-euler,bdf2 --json").expect(0);
+    let outcome =
+        place.muslin("chart drop.toml --cost counts --budget 1 --methods backward-euler,bdf2 --json").expect(0);
     let chart = outcome.json();
     assert_eq!(chart["measure"], "outline");
     assert!(chart["reference"]["agreement"].is_null());
@@ -131,7 +133,7 @@ fn with_contact_the_outline_is_charted() {
 #[test]
 fn what_cannot_be_charted_says_so() {
     let place = Place::new();
-    let short = place.muslin("chart tiny.toml --set cloth.stretch.stiffness=1e9 --budget 1").expect(3);
+    let short = place.muslin("chart tiny.toml --set cloth.stretch.stiffness=1e9 --cost counts --budget 0.1").expect(3);
     for said in ["no reference for tiny", "the shortest step that was tried", "--duration"] {
         assert!(short.stderr.contains(said), "{said}: {}", short.stderr);
     }
@@ -149,12 +151,5 @@ fn what_cannot_be_charted_says_so() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_study_leaves_nothing() {
-    use std::process::{Command, Stdio};
-    let place = Place::new();
-    let mut command = place.command("chart tiny.toml --duration 1000 --set frame_rate=1");
-    let mut study = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(700));
-    assert!(Command::new("kill").args(["-INT", &study.id().to_string()]).status().unwrap().success());
-    assert_eq!(study.wait().unwrap().code(), Some(130));
-    assert!(!place.path("out").exists());
+    Place::new().interrupts("chart tiny.toml --duration 1000 --set frame_rate=1", "out");
 }

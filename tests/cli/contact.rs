@@ -1,7 +1,6 @@
 //! Runs with contact: what they say of it, and files of moving colliders that cannot be used.
 
-use image::ImageFormat;
-
+use crate::decode;
 use crate::kit::{Place, PointCache, TINY};
 
 /// A sheet let fall on a ball.
@@ -218,9 +217,8 @@ fn colliders_are_in_the_picture() {
     // Dark and without colour: neither cloth nor wall nor floor in the light.
     let grey = |words: &str| {
         place.muslin(&format!("run drop.toml --out out --preview png {words}")).expect(0);
-        let sheet = image::load_from_memory_with_format(&place.read("out/preview.png"), ImageFormat::Png).unwrap();
-        let is_grey = |p: &&image::Rgb<u8>| p.0.iter().max().unwrap() - p.0.iter().min().unwrap() < 30 && p.0[1] < 125;
-        sheet.into_rgb8().pixels().filter(is_grey).count()
+        let is_grey = |p: &&[u8; 3]| p.iter().max().unwrap() - p.iter().min().unwrap() < 30 && p[1] < 125;
+        decode::png(&place.read("out/preview.png")).pixels.iter().filter(is_grey).count()
     };
     let (with, without) = (grey(""), grey("--set collider=[]"));
     assert!(with > without + 20_000, "{with} grey pixels, {without} without the ball");

@@ -104,6 +104,45 @@ fn intersections_are_exact() {
     assert!(outcome.stderr.is_empty(), "{outcome:?}");
 }
 
+/// The notch is nearer to the first corner than the far edge is: a fan from there folds back over it.
+#[test]
+fn a_concave_polygon_does_not_pass_through_itself() {
+    let place = Place::new();
+    let corners = ["0 0 0", "4 0 0", "4 0 4", "2 0 1", "0 0 4"];
+    let vertices = corners.map(|corner| format!("v {corner}\n")).concat();
+    place.write("notched.obj", vertices + "f 1 2 3 4 5\n");
+    place.write(
+        "notched.ply",
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 1\nproperty list uchar int vertex_indices\nend_header\n{}\n5 0 1 2 3 4\n",
+            corners.join("\n")
+        ),
+    );
+    for file in ["notched.obj", "notched.ply"] {
+        let report = detect(&place, &format!("{file} --thickness 0 --stage intersections"));
+        assert_eq!((&report["triangles"], &report["intersections"]), (&3.into(), &0.into()), "{file}");
+    }
+}
+
+#[test]
+fn vertices_of_no_triangle_are_told() {
+    let place = Place::new();
+    place.write("loose.obj", format!("{APART}v 9 9 9\nv 0 0.005 0\n"));
+    place.write("one.obj", format!("{APART}v 9 9 9\n"));
+    let outcome = place.muslin("detect loose.obj --thickness 0.012 --json").expect(0);
+    assert_eq!(outcome.stderr, "loose.obj: 2 vertices belong to no triangle and touch nothing\n");
+    let report = outcome.json();
+    assert_eq!((&report["vertices"], &report["loose_vertices"]), (&8.into(), &2.into()));
+    assert_eq!(counts(&report, "contacts"), [Some(9), Some(6)]);
+    let one = place.muslin("detect one.obj --thickness 0.012").expect(0);
+    assert_eq!(one.stderr, "one.obj: 1 vertex belongs to no triangle and touches nothing\n");
+    // Where there is nothing but such vertices there is nothing to detect.
+    place.write("cloud.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\n");
+    let cloud = place.muslin("detect cloud.obj --thickness 0.012").expect(2);
+    assert!(cloud.stderr.contains("cloud.obj: the mesh has no triangles"), "{}", cloud.stderr);
+}
+
 #[test]
 fn all_methods_agree() {
     let place = Place::new();

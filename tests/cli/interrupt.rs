@@ -3,9 +3,9 @@
 
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::kit::{Place, TINY, wait};
+use crate::kit::{Place, TINY, wait, wait_until};
 
 /// Large enough that a checkpoint takes a while to write.
 fn place() -> Place {
@@ -24,11 +24,7 @@ fn start(place: &Place, words: &str) -> Child {
 }
 
 fn wait_for(place: &Place, file: &str) {
-    let started = Instant::now();
-    while !place.path(file).exists() {
-        assert!(started.elapsed() < Duration::from_secs(60), "{file} does not come");
-        sleep(Duration::from_millis(1));
-    }
+    wait_until(|| place.path(file).exists(), file);
 }
 
 /// The step of the checkpoint in `out`, from the refusal to go back in time.

@@ -38,8 +38,8 @@ select = { corners = [0, 1] }
 step = 0.01
 "#;
 
-/// After this long a command hangs.
-const PATIENCE: Duration = Duration::from_secs(120);
+/// After this long a command hangs: long, as machines may be slow and busy.
+const PATIENCE: Duration = Duration::from_secs(1800);
 
 /// How a command ended.
 #[derive(Debug)]
@@ -149,6 +149,23 @@ impl Place {
         outcome
     }
 
+    /// Interrupts a study without an end, once it has made its folder and therefore watches for that: it ends
+    /// and leaves nothing there.
+    #[cfg(unix)]
+    #[track_caller]
+    pub fn interrupts(&self, words: &str, folder: &str) {
+        let before = self.files(".");
+        let mut command = self.command(words);
+        let mut study = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        wait_until(|| self.path(folder).exists(), folder);
+        // As a rule in the middle of a run.
+        sleep(Duration::from_millis(300));
+        assert!(Command::new("kill").args(["-INT", &study.id().to_string()]).status().unwrap().success());
+        assert_eq!(wait(&mut study, &command).code(), Some(130));
+        assert_eq!(self.files("."), before);
+        assert!(!self.path(folder).exists(), "{folder} is left");
+    }
+
     /// Runs a scene into `out`, without a picture; returns the summary of a run that ended well.
     #[track_caller]
     pub fn run(&self, words: &str) -> Value {
@@ -186,6 +203,16 @@ pub fn wait(child: &mut Child, what: &Command) -> ExitStatus {
             panic!("hangs: {what:?}");
         }
         sleep(Duration::from_millis(2));
+    }
+}
+
+/// Waits until something has come about.
+#[track_caller]
+pub fn wait_until(is_so: impl Fn() -> bool, what: &str) {
+    let started = Instant::now();
+    while !is_so() {
+        assert!(started.elapsed() < PATIENCE, "{what}: that does not come");
+        sleep(Duration::from_millis(1));
     }
 }
 

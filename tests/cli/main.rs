@@ -14,6 +14,8 @@ mod chart;
 mod choose;
 mod contact;
 mod damage;
+#[path = "../../host-cli/src/preview/decode.rs"]
+mod decode;
 mod detect;
 mod divergence;
 mod gpu;

@@ -304,13 +304,7 @@ fn what_cannot_be_compared_says_so() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_study_leaves_nothing() {
-    use std::process::{Command, Stdio};
     let place = Place::new();
     place.write("long.toml", TINY.replace("frame_rate = 20", "frame_rate = 1"));
-    let mut command = place.command("needs long.toml --duration 10000");
-    let mut study = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(700));
-    assert!(Command::new("kill").args(["-INT", &study.id().to_string()]).status().unwrap().success());
-    assert_eq!(study.wait().unwrap().code(), Some(130));
-    assert!(!place.path("out").exists());
+    place.interrupts("needs long.toml --duration 10000", "out");
 }

@@ -81,6 +81,40 @@ fn without_out_the_folder_has_the_name_of_the_file() {
 }
 
 #[test]
+fn a_scene_without_a_name_is_called_by_its_file() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("deep")).unwrap();
+    place.write("deep/my.napkin.toml", TINY.replace("name = \"tiny\"\n", ""));
+    let scene = |words: &str| place.run(&format!("deep/my.napkin.toml {words}"))["scene"].clone();
+    assert_eq!(scene(""), "my.napkin");
+    assert_eq!(scene("--set cloth.density=0.3"), "my.napkin");
+    assert_eq!(scene("--set name=other"), "other");
+    place.muslin("run deep/my.napkin.toml --preview none").expect(0);
+    assert!(place.path("out/my.napkin/summary.json").exists());
+    let study = place.muslin("stability deep/my.napkin.toml --methods rk4 --duration 0.05 --out out --json").expect(0);
+    assert_eq!(study.json()["scene"], "my.napkin");
+}
+
+#[test]
+fn frames_need_not_be_written() {
+    let place = Place::new();
+    place.refuses("tiny.toml --export pc2,none", &["--export: none stands alone"]);
+    let with = place.muslin("run tiny.toml --out with --json").expect(0).json();
+    let run = |words: &str| place.muslin(&format!("run tiny.toml --out out --json --export none {words}")).expect(0);
+    let without = run("");
+    assert_eq!(place.files("out"), ["preview.gif", "summary.json"]);
+    assert_eq!(without.json()["state_hash"], with["state_hash"]);
+    assert!(without.stderr.contains("wrote out/preview.gif, out/summary.json"), "{without:?}");
+    // Killed and gone on with, it leaves no more.
+    run("--preview none --checkpoint 10 --duration 0.1");
+    assert_eq!(place.files("out"), ["checkpoint.muslin", "preview.gif", "summary.json"]);
+    let parts =
+        place.muslin("run tiny.toml --json --export none --preview none --resume out/checkpoint.muslin").expect(0);
+    assert_eq!(parts.json()["state_hash"], with["state_hash"]);
+    assert_eq!(place.files("out"), ["checkpoint.muslin", "preview.gif", "summary.json"]);
+}
+
+#[test]
 fn a_shorter_run_leaves_no_frames_of_a_longer_one() {
     let place = Place::new();
     place.run("tiny.toml --export obj,pc2");

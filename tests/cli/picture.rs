@@ -1,32 +1,29 @@
 //! The preview pictures decode and show the cloth in motion.
 
 use std::collections::HashSet;
-use std::io::Cursor;
 
-use image::codecs::gif::GifDecoder;
-use image::{AnimationDecoder, ImageFormat, RgbaImage};
-
+use crate::decode;
 use crate::kit::Place;
 
 /// More than noise: the cloth covers a good part of the picture, and as much changes.
 const LEAST_CHANGED: usize = 500;
 
-fn changed(a: &RgbaImage, b: &RgbaImage) -> usize {
-    a.pixels().zip(b.pixels()).filter(|(a, b)| a != b).count()
+fn changed(a: &[[u8; 3]], b: &[[u8; 3]]) -> usize {
+    a.iter().zip(b).filter(|(a, b)| a != b).count()
 }
 
 #[test]
 fn the_gif_moves() {
     let place = Place::new();
     place.muslin("run tiny.toml --out out").expect(0);
-    let decoder = GifDecoder::new(Cursor::new(place.read("out/preview.gif"))).unwrap();
-    let frames: Vec<RgbaImage> = decoder.into_frames().map(|frame| frame.unwrap().into_buffer()).collect();
+    let frames = decode::gif(&place.read("out/preview.gif"));
     assert_eq!(frames.len(), 5);
+    assert_eq!(frames.iter().map(|frame| frame.delay).collect::<Vec<_>>(), [5, 5, 5, 5, 80], "in real time");
     for pair in frames.windows(2) {
-        let changed = changed(&pair[0], &pair[1]);
+        let changed = changed(&pair[0].pixels, &pair[1].pixels);
         assert!(changed > LEAST_CHANGED, "only {changed} pixels change");
     }
-    let colours: HashSet<_> = frames[0].pixels().collect();
+    let colours: HashSet<_> = frames[0].pixels.iter().collect();
     assert!(colours.len() > 20, "the cloth is not shaded: {} colours", colours.len());
 }
 
@@ -35,9 +32,12 @@ fn the_png_shows_different_moments() {
     let place = Place::new();
     place.muslin("run tiny.toml --out out --preview png").expect(0);
     assert!(!place.path("out/preview.gif").exists());
-    let sheet = image::load_from_memory_with_format(&place.read("out/preview.png"), ImageFormat::Png).unwrap();
-    let (width, height) = (sheet.width() / 3, sheet.height() / 2);
-    let tile = |column: u32, row: u32| sheet.crop_imm(column * (width + 2), row * (height + 2), 470, 350).into_rgba8();
+    let sheet = decode::png(&place.read("out/preview.png"));
+    let [width, height] = [sheet.size[0] / 3, sheet.size[1] / 2];
+    let tile = |column: usize, row: usize| -> Vec<[u8; 3]> {
+        let rows = sheet.pixels.chunks_exact(sheet.size[0]).skip(row * (height + 2)).take(350);
+        rows.flat_map(|row| &row[column * (width + 2)..][..470]).copied().collect()
+    };
     assert!(changed(&tile(0, 0), &tile(2, 0)) > LEAST_CHANGED);
     assert!(changed(&tile(0, 0), &tile(2, 1)) > LEAST_CHANGED);
 }

@@ -1,12 +1,14 @@
 //! Sweeps that are killed, interrupted and run side by side: every run has one whole line in the end.
 #![cfg(unix)]
 
+use std::fs::File;
+use std::io::Write;
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::kit::{Place, TINY, wait};
+use crate::kit::{Place, TINY, wait, wait_until};
 use crate::sweep::{SWEEP, lines, place, results};
 
 /// The third run has no end.
@@ -21,11 +23,8 @@ fn start(place: &Place, words: &str) -> Child {
 fn start_endless(place: &Place) -> Child {
     place.write("s.toml", format!("scene = \"tiny.toml\"\n{ENDLESS}"));
     let sweep = start(place, "s.toml");
-    let started = Instant::now();
-    while !place.path("out/s.jsonl").exists() || place.read("out/s.jsonl").split(|&b| b == b'\n').count() < 3 {
-        assert!(started.elapsed() < Duration::from_secs(60), "two lines do not come");
-        sleep(Duration::from_millis(1));
-    }
+    let lines = || place.read("out/s.jsonl").split(|&b| b == b'\n').count();
+    wait_until(|| place.path("out/s.jsonl").exists() && lines() == 3, "two lines");
     sweep
 }
 
@@ -151,11 +150,14 @@ fn a_mesh_that_changes_under_way() {
     assert!(Command::new("mkfifo").arg(place.path("quad.obj")).status().unwrap().success());
     let (pipe, meshes) =
         (place.path("quad.obj"), [mesh, mesh, &mesh.replace("v 0.1 1 0\n", "v 0.2 1 0\n")].map(String::from));
+    let (next, folder) = (place.path("next.obj"), place.path(""));
     let writer = std::thread::spawn(move || {
         for mesh in meshes {
-            std::fs::write(&pipe, mesh).unwrap();
-            // The next writer must not meet the reader of this one.
-            sleep(Duration::from_millis(100));
+            let mut reader = File::options().write(true).open(&pipe).unwrap();
+            reader.write_all(mesh.as_bytes()).unwrap();
+            // Another pipe before this one ends: the next writer must not meet the reader of this one.
+            assert!(Command::new("mkfifo").arg("next.obj").current_dir(&folder).status().unwrap().success());
+            std::fs::rename(&next, &pipe).unwrap();
         }
     });
     let outcome = place.muslin("sweep s.toml").expect(1);
@@ -187,10 +189,14 @@ fn the_same_sweep_three_times_at_once() {
     side_by_side(|_| String::new(), 3);
 }
 
-/// With GNU parallel, which must be installed: `cargo test -p muslin-cli --test cli -- --ignored parallel`.
+/// With GNU parallel, where it is installed.
 #[test]
-#[ignore = "needs GNU parallel"]
+#[ignore = "slow"]
 fn shards_by_gnu_parallel() {
+    if Command::new("parallel").arg("--version").output().is_err() {
+        eprintln!("skipped: GNU parallel is not installed");
+        return;
+    }
     let place = many();
     let muslin = place.command("");
     let mut parallel = Command::new("parallel");

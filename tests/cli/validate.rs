@@ -50,6 +50,7 @@ fn what_sheets_amount_to() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn chains_and_oscillators() {
     all_pass("chains", 14);
     all_pass("catenary", 15);
@@ -58,33 +59,33 @@ fn chains_and_oscillators() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn what_holds_on_many_states_and_over_many_steps() {
     all_pass("projection", 3);
     all_pass("momentum", 8);
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn orders() {
     all_pass("orders", 21);
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn critical_steps() {
     all_pass("critical", 50);
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn friction() {
     all_pass("friction", 18);
 }
 
 /// On three cuts each: small strips, and one of 142 edges.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn some_cantilevers() {
     let published =
         [("0.1", 0.01249955), ("0.5", 0.06244446), ("2", 0.24667321), ("20", 1.86393014), ("200", 8.90677073)];
@@ -123,6 +124,45 @@ fn without_a_cantilever_there_is_no_picture() {
     assert_eq!(place.files("out"), ["validate-hanging.json", "validate-hanging.txt"]);
 }
 
+/// The names that `--list` prints.
+fn listed(words: &str) -> Vec<String> {
+    let place = Place::new();
+    let mut command = place.command("validate --list");
+    if !words.is_empty() {
+        command.args(["--only", words]);
+    }
+    let outcome = place.finish(command).expect(0);
+    assert!(!place.path("out").exists(), "nothing is written");
+    outcome.stdout.lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn whole_words_choose() {
+    let gamma = listed("Gamma 10");
+    assert!(gamma.len() == 6 && gamma.iter().all(|name| name.ends_with(", Gamma 10")), "{gamma:?}");
+    assert_eq!(listed("gamma 10"), gamma);
+    assert_eq!(listed("rows along Gamma 0.5"), ["cantilever   rows along, Gamma 0.5"]);
+    assert_eq!(listed("cantilever rows across, order"), ["cantilever   rows across, order by the edges"]);
+    // A group's name, though others have it in the names of their checks.
+    let energy = listed("energy");
+    assert!(energy.len() == 30 && energy.iter().all(|name| name.starts_with("energy ")), "{energy:?}");
+    for nothing in ["Gamma 1000000", "amma 10", "", " , "] {
+        let place = Place::new();
+        let mut command = place.command("validate --list --only");
+        command.arg(nothing);
+        place.finish(command).expect(2);
+    }
+}
+
+#[test]
+fn names_tell_checks_apart() {
+    let mut names = listed("");
+    let count = names.len();
+    names.sort_unstable();
+    names.dedup();
+    assert!(names.len() == count && count > 200, "{count} checks with {} names", names.len());
+}
+
 #[test]
 fn what_is_not_there_is_bad_usage() {
     let place = Place::new();
@@ -136,16 +176,5 @@ fn what_is_not_there_is_bad_usage() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_validation_leaves_nothing() {
-    use std::process::{Command, Stdio};
-    let place = Place::new();
-    let mut command = place.command("validate --out deep/out");
-    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    // On a busy machine it takes its time to begin.
-    while !place.path("deep").exists() {
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    std::thread::sleep(std::time::Duration::from_millis(700));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(!place.path("deep").exists());
+    Place::new().interrupts("validate --out deep/out", "deep");
 }

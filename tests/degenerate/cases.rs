@@ -2,9 +2,9 @@
 //! collapsed, still and moving, in any orientation.
 
 use glam::{DMat2, DVec2, DVec3};
-use muslin_tests::rng::Rng;
-use muslin_tests::states::{Bar, Fold, Regime, State, Stitch, Triangle};
-use muslin_tests::worst::norm;
+use harness::rng::Rng;
+use harness::states::{Bar, Fold, Regime, State, Stitch, Triangle};
+use harness::worst::norm;
 
 /// The largest allowed norms.
 pub struct Limits {

@@ -1,5 +1,5 @@
 //! Golden hashes of every built-in scene: `scene precision step:hash ...`, one line each, in
-//! `goldens.txt`. They hold in debug and release, on every machine.
+//! `goldens.txt`. They hold in every build profile, on every machine.
 
 use std::fs;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ macro_rules! lines {
     ($name:ident, $muslin:ident, $kit:ident) => {
         /// The line of every built-in scene.
         fn $name() -> Vec<String> {
-            use muslin_tests::kit::$kit as kit;
+            use harness::kit::$kit as kit;
             let line = |&(name, text): &(&str, &str)| {
                 let mut sim = $muslin::simulation::Simulation::new(&kit::scene(text), &[]).expect("a valid scene");
                 let mut hash = $muslin::diagnostics::StateHash::default();

@@ -1,7 +1,7 @@
 //! The state after every step is the same, bit for bit, under 1, 2, 3 and 7 threads, for every
 //! method, with every force term, in both precisions.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 /// Two sheets, moving pins and air: every term, and both motions.
 const EVERYTHING: &str = r#"
@@ -81,8 +81,8 @@ both_precisions! {
     use muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
     use muslin::real::{Real, vec3};
     use muslin::simulation::Simulation;
-    use muslin_tests::rng::Rng;
-    use muslin_tests::threads::Uneven;
+    use harness::rng::Rng;
+    use harness::threads::Uneven;
 
     /// The hash chain after every step.
     fn chain(scene: &str, scheme: Scheme, steps: u32, dispatch: &impl Dispatch) -> Vec<StateHash> {

@@ -2,16 +2,16 @@
 //! the sums of their elements', with every term in the list at once.
 
 use glam::{DMat3, DVec3};
+use harness::dense::{Dense, add_block, asymmetry, size};
+use harness::differences::{gradient, jacobian};
+use harness::kit::double as kit;
+use harness::rng::Rng;
+use harness::worst::{Worst, norm};
 use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::forces::spring::{self, Spring, SpringColumns, Springs};
 use muslin_core_f64::forces::{Model, TangentScale, Term};
 use muslin_core_f64::integrate::Jacobian;
 use muslin_core_f64::scene::BuiltScene;
-use muslin_tests::dense::{Dense, add_block, asymmetry, size};
-use muslin_tests::differences::{gradient, jacobian};
-use muslin_tests::kit::double as kit;
-use muslin_tests::rng::Rng;
-use muslin_tests::worst::{Worst, norm};
 
 /// 13 vertices of membrane, hinges and seams, 9 of springs; cells of 0.3 m.
 const VERTICES: usize = 22;

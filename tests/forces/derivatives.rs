@@ -6,12 +6,12 @@
 use std::fmt::Debug;
 
 use glam::DVec3;
+use harness::dense::{Dense, asymmetry, from_blocks, size};
+use harness::differences::{gradient, jacobian};
+use harness::kit::double as kit;
+use harness::states::{State, bar, hinge, many, stitch, triangle};
+use harness::worst::{Worst, norm};
 use muslin_core_f64::forces::element::Element;
-use muslin_tests::dense::{Dense, asymmetry, from_blocks, size};
-use muslin_tests::differences::{gradient, jacobian};
-use muslin_tests::kit::double as kit;
-use muslin_tests::states::{State, bar, hinge, many, stitch, triangle};
-use muslin_tests::worst::{Worst, norm};
 
 /// States of each regime.
 const COUNT: usize = 500;

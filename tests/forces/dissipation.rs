@@ -4,12 +4,12 @@
 use std::fmt::Debug;
 
 use glam::{DMat2, DVec3};
+use harness::differences::{gradient, slope};
+use harness::kit::double as kit;
+use harness::states::{Bar, Fold, State, Stitch, Triangle, bar, hinge, many, stitch, triangle};
+use harness::worst::{Worst, norm};
 use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::forces::hinge::Hinges;
-use muslin_tests::differences::{gradient, slope};
-use muslin_tests::kit::double as kit;
-use muslin_tests::states::{Bar, Fold, State, Stitch, Triangle, bar, hinge, many, stitch, triangle};
-use muslin_tests::worst::{Worst, norm};
 
 const COUNT: usize = 100;
 /// R is quadratic in v, so differences in v are exact; those in time err by 1e-8.

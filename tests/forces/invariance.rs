@@ -6,9 +6,9 @@
 //! says by being linear. Rotation is tested on closed ones.
 
 use glam::DVec3;
-use muslin_tests::both_precisions;
-use muslin_tests::rng::Rng;
-use muslin_tests::states::{State, single};
+use harness::both_precisions;
+use harness::rng::Rng;
+use harness::states::{State, single};
 
 const COUNT: usize = 100;
 
@@ -30,9 +30,9 @@ both_precisions! {
 
     use glam::DVec3;
     use muslin::forces::element::Element;
-    use muslin_tests::rng::Rng;
-    use muslin_tests::states::{Regime, State, bar, hinge, many, stitch, triangle};
-    use muslin_tests::worst::{Worst, norm};
+    use harness::rng::Rng;
+    use harness::states::{Regime, State, bar, hinge, many, stitch, triangle};
+    use harness::worst::{Worst, norm};
 
     use super::{COUNT, on_lattice, rigid_velocity, single};
 

@@ -2,11 +2,11 @@
 //! of bending springs (none when flat). Sheets of hinges are rows of `muslin validate`.
 
 use glam::DVec3;
+use harness::kit::double as kit;
+use harness::worst::Worst;
 use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::mesh::TriMesh;
 use muslin_core_f64::scene::{BuiltScene, Content};
-use muslin_tests::kit::double as kit;
-use muslin_tests::worst::Worst;
 
 /// A row of equilateral triangles over its edge.
 const ROW: f64 = 0.866_025_403_784_438_6;

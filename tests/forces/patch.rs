@@ -3,8 +3,8 @@
 //! their regular lattices.
 
 use glam::DVec3;
-use muslin_tests::both_precisions;
-use muslin_tests::rng::Rng;
+use harness::both_precisions;
+use harness::rng::Rng;
 
 /// Grids and their areas, m^2, with odd and even numbers of cells; equilateral rows end in half
 /// triangles. Cells are 1/8 m, so that positions are exact in f32.
@@ -36,9 +36,9 @@ fn affine(rng: &mut Rng) -> [DVec3; 3] {
 both_precisions! {
     use glam::DVec3;
     use muslin::scene::BuiltScene;
-    use muslin_tests::rng::Rng;
-    use muslin_tests::topology::border;
-    use muslin_tests::worst::Worst;
+    use harness::rng::Rng;
+    use harness::topology::border;
+    use harness::worst::Worst;
 
     use super::{DISCS, GRIDS, affine};
 

@@ -4,16 +4,16 @@
 //! triangles, 200,000 hinges).
 
 use glam::{DVec2, DVec3};
+use harness::dense::{Dense, clamped, from_blocks, least_pivot, size};
+use harness::differences::slope;
+use harness::kit::double as kit;
+use harness::rng::Rng;
+use harness::states::{State, Triangle, bar, hinge, many, stitch, triangle};
+use harness::worst::Worst;
 use muslin_core_f64::forces::TangentScale;
 use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::forces::spring::{self, Spring};
 use muslin_core_f64::real::outer;
-use muslin_tests::dense::{Dense, clamped, from_blocks, least_pivot, size};
-use muslin_tests::differences::slope;
-use muslin_tests::kit::double as kit;
-use muslin_tests::rng::Rng;
-use muslin_tests::states::{State, Triangle, bar, hinge, many, stitch, triangle};
-use muslin_tests::worst::Worst;
 
 const COUNT: usize = 500;
 const STILL: [f64; 2] = [1.0, 0.0];

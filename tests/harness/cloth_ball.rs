@@ -14,7 +14,7 @@ pub struct ClothBall {
 
 /// `None`, with a word on it, where the files are absent and need not be there.
 pub fn load() -> Option<ClothBall> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/cloth-ball"));
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/cloth-ball"));
     if !folder.exists() && std::env::var("MUSLIN_REQUIRE_DATA").as_deref() != Ok("1") {
         eprintln!("skipped: {} is absent", folder.display());
         return None;

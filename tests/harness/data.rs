@@ -7,7 +7,7 @@ use muslin_core::mesh::{Stitch, TriMesh};
 
 /// A file of `shared/data`; `None`, with a word on it, where it is absent and need not be there.
 pub fn path(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
     if !path.exists() && std::env::var("MUSLIN_REQUIRE_DATA").as_deref() != Ok("1") {
         eprintln!("skipped: {} is absent", path.display());
         return None;

@@ -23,6 +23,7 @@ macro_rules! kit {
     ($name:ident, $muslin:ident, $doc:literal) => {
         #[doc = $doc]
         pub mod $name {
+            use $crate::steps::Steps;
             use $muslin::contact::{ContactColumns, ContactScratchColumns};
             use $muslin::dispatch::Serial;
             use $muslin::forces::element::Element;
@@ -333,6 +334,24 @@ macro_rules! kit {
                 friction: f64,
                 change: impl FnOnce(&mut [Vec3]),
             ) -> Response {
+                let settings = Settings { step: 1.0, hold: false };
+                respond_with(pieces, thickness, friction, settings, &[], change)
+            }
+
+            /// The same without friction, where what still meets may be held back, and with axes held of
+            /// vertices.
+            pub fn respond_at_last(pieces: &[Piece], thickness: f64, held: &[(usize, usize)]) -> Response {
+                respond_with(pieces, thickness, 0.0, Settings { step: 1.0, hold: true }, held, |_| ())
+            }
+
+            fn respond_with(
+                pieces: &[Piece],
+                thickness: f64,
+                friction: f64,
+                settings: Settings,
+                held: &[(usize, usize)],
+                change: impl FnOnce(&mut [Vec3]),
+            ) -> Response {
                 let mut contact = ContactColumns {
                     thickness: thickness as Real,
                     continuous: true,
@@ -352,14 +371,16 @@ macro_rules! kit {
                         contact.mobility.push(Vec3::splat((1.0 / mass) as Real));
                     }
                 }
+                for &(vertex, axis) in held {
+                    contact.mobility[vertex][axis] = 0.0;
+                }
                 let count = from.len();
                 contact.firsts.push(count as u32);
                 contact.surface = SurfaceColumns::build(count, &triangles, &[]);
                 contact.material = from.clone();
                 (contact.radii, contact.law_of) = (vec![0.0; count], vec![0; count]);
                 let (model, mut columns) = (contact.view(), ContactScratchColumns::build(&contact.view(), 20_000));
-                let (sweep, settings) =
-                    (Sweep { time: 0.0, step: 1.0, margin: 10.0, widen: false }, Settings { step: 1.0, hold: false });
+                let sweep = Sweep { time: 0.0, step: 1.0, margin: 10.0, widen: false };
                 let (mut scratch, mut tally) = (columns.view(), Tally::default());
                 step::sweep(&model, sweep, &from, &to, &mut scratch);
                 step::detect(&model, &mut scratch, &Serial);
@@ -378,6 +399,7 @@ macro_rules! kit {
                 Response {
                     outcome: format!("{outcome:?}"),
                     counts: [tally.proximity, tally.impacts, tally.zones],
+                    failsafe: tally.failsafe,
                     start: wide(scratch.start),
                     predicted: wide(scratch.predicted),
                     end: wide(scratch.end),
@@ -417,7 +439,7 @@ macro_rules! kit {
             /// Steps for a time, s; after each step `see` is shown the state.
             pub fn run(sim: &mut Simulation, seconds: f64, mut see: impl FnMut(&Simulation)) {
                 for _ in 0..(seconds / f64::from(sim.step_length())).round() as u32 {
-                    sim.step(&Serial).unwrap_or_else(|diverged| panic!("{diverged}"));
+                    sim.take_step().unwrap_or_else(|diverged| panic!("{diverged}"));
                     see(sim);
                 }
             }

@@ -14,6 +14,7 @@ pub mod pieces;
 pub mod query;
 pub mod rng;
 pub mod states;
+pub mod steps;
 pub mod threads;
 pub mod topology;
 pub mod truth;

@@ -1,8 +1,8 @@
 //! Nets of masses and springs in f64, for what no scene describes: single springs, chains,
 //! lattices. Axes are held by bits, x = 1, y = 2, z = 4.
 
+use crate::steps::Steps;
 use glam::DVec3;
-use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::forces::ModelColumns;
 use muslin_core_f64::forces::spring::{Spring, SpringColumns};
 use muslin_core_f64::integrate::pins::{AT_REST, PinColumns};
@@ -118,7 +118,7 @@ pub fn converged(method: Method, tolerance: f64) -> Scheme {
 /// after `most` steps.
 pub fn settle(sim: &mut Simulation, speed: f64, most: u32) {
     for _ in 0..most {
-        sim.step(&Serial).unwrap_or_else(|error| panic!("while settling: {error}"));
+        sim.take_step().unwrap_or_else(|error| panic!("while settling: {error}"));
         if sim.velocities().iter().all(|v| v.length() <= speed) {
             return;
         }

@@ -44,6 +44,8 @@ pub struct Response {
     pub outcome: String,
     /// Contacts near at the start, meetings, zones.
     pub counts: [u64; 3],
+    /// Whether the last resort was needed.
+    pub failsafe: u64,
     /// m, as the core was given it.
     pub start: Vec<DVec3>,
     /// m.

@@ -32,11 +32,11 @@ macro_rules! dispatch {
         impl $muslin::dispatch::Dispatch for Uneven {
             fn run<S: $muslin::dispatch::Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K) {
                 let cuts = self.cuts(out.len());
-                std::thread::scope(|scope| {
+                rayon::scope(|scope| {
                     let (mut rest, mut start, kernel) = (out, 0, &kernel);
                     for cut in cuts {
                         let (part, after) = rest.split_at(cut - start);
-                        scope.spawn(move || kernel(start, part));
+                        scope.spawn(move |_| kernel(start, part));
                         (rest, start) = (after, cut);
                     }
                     kernel(start, rest);

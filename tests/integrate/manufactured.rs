@@ -4,12 +4,12 @@
 //! order; a force that is wrong anywhere along the motion leaves an error that does not fall.
 
 use glam::{DMat2, DVec2, DVec3};
+use harness::differences::{gradient, slope};
+use harness::kit::double as kit;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::forces::{self, Model, Term};
 use muslin_core_f64::mesh::IncidenceColumns;
 use muslin_core_f64::scene::BuiltScene;
-use muslin_tests::differences::{gradient, slope};
-use muslin_tests::kit::double as kit;
 
 const BOUND: f64 = 0.05;
 /// s.

@@ -6,14 +6,14 @@
 //! is left out.
 
 use glam::DVec3;
-use muslin_core_f64::dispatch::Serial;
+use harness::kit::double as kit;
+use harness::net::{converged, linearised};
+use harness::rng::Rng;
+use harness::steps::Steps;
 use muslin_core_f64::integrate::pins::Side;
 use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
-use muslin_tests::kit::double as kit;
-use muslin_tests::net::{converged, linearised};
-use muslin_tests::rng::Rng;
 
 /// How far a measured order may be from the method's.
 const BOUND: f64 = 0.05;
@@ -34,7 +34,7 @@ fn order(method: Method) -> f64 {
 fn run(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) -> Vec<DVec3> {
     let mut sim = Simulation::from_columns(built.clone(), scheme, duration / f64::from(steps));
     for _ in 0..steps {
-        sim.step(&Serial).unwrap_or_else(|error| panic!("{} with {steps} steps {error}", scheme.method.name()));
+        sim.take_step().unwrap_or_else(|error| panic!("{} with {steps} steps {error}", scheme.method.name()));
     }
     [sim.positions(), sim.velocities()].concat()
 }

@@ -2,12 +2,12 @@
 //! is linear along its axis, and every method is held to its closed form at any amplitude.
 
 use glam::{DVec2, DVec3};
-use muslin_core_f64::dispatch::Serial;
+use harness::net::{Net, XYZ, linearised};
+use harness::oscillator::update;
+use harness::steps::Steps;
+use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::{Simulation, State};
-use muslin_tests::net::{Net, XYZ, linearised};
-use muslin_tests::oscillator::update;
-use muslin_tests::worst::Worst;
 
 /// Of energies and amplitudes after one step; rounding is 1e-14.
 const STEP: f64 = 1e-10;
@@ -45,7 +45,7 @@ fn get(sim: &Simulation) -> DVec2 {
 }
 
 fn step(sim: &mut Simulation) {
-    sim.step(&Serial).expect("an oscillator stays finite");
+    sim.take_step().expect("an oscillator stays finite");
 }
 
 fn energy(state: DVec2) -> f64 {

@@ -1,11 +1,11 @@
 //! Edges that hit or miss a triangle by a rounding: ends made to lie in its plane, on its sides
 //! and at its corners, then rounded; and numbers of every magnitude.
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use glam::DVec3;
     use muslin::geometry::intersect::{edge_meets_triangle, triangles_meet};
     use muslin::real::{Vec3, to_f64, vec3};
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
 
     use crate::oracle::{integers, meet};
 

@@ -1,12 +1,13 @@
 //! What crosses in real meshes: nothing in a dress, alone or on its body, but the two sides of its
 //! seams; something in the body; much in the cloth on a ball.
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use std::time::Instant;
 
     use muslin::audit;
+    use muslin::dispatch::Serial;
     use muslin::real::{NAME, Vec3, vec3};
-    use muslin_tests::data;
+    use harness::data;
 
     use crate::surface::{Columns, surface};
 
@@ -14,7 +15,7 @@ muslin_tests::both_precisions! {
     fn count(what: &str, columns: &Columns, positions: &[[f64; 3]]) -> [usize; 2] {
         let positions: Vec<Vec3> = positions.iter().map(|&x| vec3(x)).collect();
         let (surface, started) = (surface!(muslin, columns), Instant::now());
-        let crossings = audit::crossings(&surface, &positions);
+        let crossings = audit::crossings(&surface, &positions, &Serial);
         let took = started.elapsed().as_secs_f64();
         let pairs = audit::triangle_pairs(&surface, &crossings).len();
         println!("{what}, {NAME}: {} crossings, {pairs} pairs of triangles; {took:.3} s", crossings.len());

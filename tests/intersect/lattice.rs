@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use muslin_tests::rng::Rng;
+use harness::rng::Rng;
 
 use crate::oracle::meet;
 
@@ -62,7 +62,7 @@ const PLANES: [fn([i64; 3]) -> [i64; 3]; 6] = [
     |[x, y, _]| [2 * x - y, 5 - x, 3 * y],
 ];
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use muslin::geometry::intersect::{edge_meets_triangle, triangles_meet};
     use muslin::real::{Vec3, vec3};
 

@@ -1,8 +1,9 @@
 //! The audit of random soups equals brute force over all pairs: sewn, with passive triangles, with
 //! lone points and edges, on lattices where most things touch.
 
+use harness::crumpled;
+use harness::rng::Rng;
 use muslin_core::broad_phase::IS_FACE;
-use muslin_tests::rng::Rng;
 
 use crate::surface::Columns;
 
@@ -66,13 +67,15 @@ fn brute_force(columns: &Columns, meet: impl Fn([u32; 2], [u32; 3]) -> bool) -> 
     [crossings, pairs]
 }
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use muslin::audit;
+    use muslin::dispatch::Serial;
     use muslin::geometry::intersect::{edge_meets_triangle, triangles_meet};
     use muslin::real::{Vec3, vec3};
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
+    use harness::threads::Uneven;
 
-    use super::{brute_force, soup};
+    use super::{brute_force, crumpled, soup};
     use crate::surface::{Columns, surface};
 
     /// Points in a box, or on a lattice in it.
@@ -84,6 +87,24 @@ muslin_tests::both_precisions! {
         (0..count).map(|_| vec3([0, 1, 2].map(&mut coordinate))).collect()
     }
 
+    /// Compares with brute force, on one thread and on several; returns how many crossings there are.
+    #[track_caller]
+    fn equals_brute_force(what: &str, columns: &Columns, positions: &[Vec3]) -> usize {
+        let at = |v: u32| positions[v as usize];
+        let meet = |edge: [u32; 2], triangle: [u32; 3]| edge_meets_triangle(edge.map(at), triangle.map(at));
+        let [crossings, pairs] = brute_force(columns, meet);
+        let surface = surface!(muslin, columns);
+        let found = audit::crossings(&surface, positions, &Serial);
+        let differ = (0..found.len().max(crossings.len())).find(|&k| found.get(k) != crossings.get(k));
+        if let Some(k) = differ {
+            panic!("{what}, crossing {k}: found {:?}, by force {:?}", found.get(k), crossings.get(k));
+        }
+        assert_eq!(audit::crossings(&surface, positions, &Uneven::new(3)), crossings, "{what}, on threads");
+        assert_eq!(audit::count(&surface, positions, &Uneven::new(5)), crossings.len(), "{what}");
+        assert_eq!(audit::triangle_pairs(&surface, &found), pairs, "{what}");
+        crossings.len()
+    }
+
     #[test]
     fn soups_equal_brute_force() {
         let rng = &mut Rng::new(321);
@@ -92,17 +113,32 @@ muslin_tests::both_precisions! {
             let columns = soup(rng, vertices, vertices as usize);
             let size = rng.pick(&[[3.0, 3.0, 9.0], [9.0, 3.0, 1.0], [2.0, 9.0, 2.0], [0.0, 0.0, 0.0]]);
             let positions = points(rng, vertices, size, round % 2 == 0);
-            let at = |v: u32| positions[v as usize];
-            let meet = |edge: [u32; 2], triangle: [u32; 3]| edge_meets_triangle(edge.map(at), triangle.map(at));
-            let [crossings, pairs] = brute_force(&columns, meet);
-            let surface = surface!(muslin, columns);
-            let found = audit::crossings(&surface, &positions);
-            let differ = (0..found.len().max(crossings.len())).find(|&k| found.get(k) != crossings.get(k));
-            if let Some(k) = differ {
-                panic!("round {round}, crossing {k}: found {:?}, by force {:?}", found.get(k), crossings.get(k));
-            }
-            assert_eq!(audit::count(&surface, &positions), crossings.len(), "round {round}");
-            assert_eq!(audit::triangle_pairs(&surface, &found), pairs, "round {round}");
+            equals_brute_force(&format!("round {round}"), &columns, &positions);
+        }
+    }
+
+    /// A crumpled sheet as it is made, shaken until it passes through itself, on a lattice, in a plane, on a line
+    /// and with an edge drawn out a thousandfold.
+    #[test]
+    fn sheets_equal_brute_force() {
+        let (mesh, rng) = (crumpled::sheet(24), &mut Rng::new(323));
+        let columns = Columns::new(&mesh.triangles).sewn(&[], mesh.positions.len());
+        let shaken: Vec<_> = mesh.positions.iter().map(|&x| x + rng.cube(1.0)).collect();
+        let mut drawn_out = shaken.clone();
+        drawn_out[300] *= 1000.0;
+        let shapes = [
+            ("as it is made", mesh.positions.clone(), 0),
+            ("shaken", shaken.clone(), 100),
+            ("on a lattice", shaken.iter().map(|x| x.round()).collect(), 1000),
+            ("in a plane", shaken.iter().map(|x| x.with_y(0.0)).collect(), 10_000),
+            ("on a line", shaken.iter().map(|x| x.with_y(0.0).with_z(1.0)).collect(), 100_000),
+            ("drawn out", drawn_out, 100),
+        ];
+        for (what, shape, least) in shapes {
+            let positions: Vec<Vec3> = shape.iter().map(|x| vec3(x.to_array())).collect();
+            let found = equals_brute_force(what, &columns, &positions);
+            println!("{what}: {found} crossings");
+            assert!(found >= least, "{what}: {found}");
         }
     }
 
@@ -115,7 +151,7 @@ muslin_tests::both_precisions! {
             let positions = points(rng, 270, [4.0; 3], lattice);
             let columns = Columns::new(&triangles);
             let surface = surface!(muslin, columns);
-            let pairs = audit::triangle_pairs(&surface, &audit::crossings(&surface, &positions));
+            let pairs = audit::triangle_pairs(&surface, &audit::crossings(&surface, &positions, &Serial));
             let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize]);
             let all = (0..90).flat_map(|a| (a + 1..90).map(move |b| [a, b]));
             let meet: Vec<_> = all.filter(|&[a, b]| triangles_meet(corners(a), corners(b))).collect();
@@ -127,7 +163,7 @@ muslin_tests::both_precisions! {
     #[test]
     fn nothing_is_free_of_crossings() {
         let columns = Columns::new(&[]);
-        assert_eq!(audit::crossings(&surface!(muslin, columns), &[]), [[0; 2]; 0]);
+        assert_eq!(audit::crossings(&surface!(muslin, columns), &[], &Serial), [[0; 2]; 0]);
         assert_eq!(audit::triangle_pairs(&surface!(muslin, columns), &[]), [[0; 2]; 0]);
     }
 }

@@ -3,14 +3,15 @@
 //! beyond their limit, implicit ones bear every step but for [`EXCEPTIONS`].
 
 use glam::DVec3;
+use harness::kit::double as kit;
+use harness::rng::Rng;
+use harness::steps::Steps;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::integrate::stability::longest_step;
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::fastest_modes;
-use muslin_tests::kit::double as kit;
-use muslin_tests::rng::Rng;
 
 use super::{ANY, BY_LIMIT, EXPLICIT, IMPLICIT, RATIOS, STEPS, agree, roughen, scheme};
 
@@ -100,13 +101,13 @@ impl Start {
 /// `!` where something passed through something.
 fn outcome(start: &Start, built: &BuiltScene, method: Method, newton: u32, step: f64) -> char {
     let mut sim = Simulation::from_columns(built.clone(), scheme(method, newton), step);
-    assert_eq!(sim.crossings(), 0, "{}: a start without crossings", start.name);
+    assert_eq!(sim.crossings(&Serial), 0, "{}: a start without crossings", start.name);
     let most = start.most_energy(built);
     for _ in 0..(DURATION / step).ceil() as u32 {
-        if sim.step(&Serial).is_err() {
+        if sim.take_step().is_err() {
             return 'x';
         }
-        if sim.crossings() > 0 {
+        if sim.crossings(&Serial) > 0 {
             return '!';
         }
         let energy = sim.energy();
@@ -150,13 +151,13 @@ fn check(seed: u64) {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn contact_of_seed_0_is_as_foretold() {
     check(0);
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+#[ignore = "slow"]
 fn contact_of_seed_1_is_as_foretold() {
     check(1);
 }

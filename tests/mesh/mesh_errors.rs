@@ -1,9 +1,9 @@
 //! Every way in which a mesh cannot be cloth, and what its owner is told.
 
+use harness::kit::double as kit;
 use muslin_core_f64::error::{MeshError, SceneError};
 use muslin_core_f64::mesh::{Stitch, TriMesh, edges};
 use muslin_core_f64::scene::{Content, build};
-use muslin_tests::kit::double as kit;
 
 use super::scene;
 
@@ -121,8 +121,13 @@ fn non_manifold_edge_names_the_edge() {
 fn loose_vertex() {
     refused(
         |m| m.positions.insert(0, [9.0; 3]),
-        MeshError::LooseVertex { vertex: 4 },
+        MeshError::LooseVertex { vertex: 4, count: 1 },
         "vertex 4 belongs to no triangle and would have no mass; remove it",
+    );
+    refused(
+        |m| m.positions.extend([[9.0; 3]; 3]),
+        MeshError::LooseVertex { vertex: 4, count: 3 },
+        "3 vertices, the first of them 4, belong to no triangle and would have no mass; remove them",
     );
 }
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use glam::DVec3;
+use harness::kit::double as kit;
 use muslin_core_f64::integrate::pins::{AT_REST, Side};
 use muslin_core_f64::scene::BuiltScene;
-use muslin_tests::kit::double as kit;
 
 use super::cloth;
 

@@ -4,13 +4,13 @@
 use std::f64::consts::PI;
 
 use glam::{DMat2, DVec2, DVec3};
+use harness::kit::double as kit;
+use harness::rng::Rng;
+use harness::states::{many, triangle};
+use harness::worst::{Worst, norm};
 use muslin_core_f64::mesh::TriMesh;
 use muslin_core_f64::mesh::rest::{self, RestSource, RestTriangle, flat_span};
 use muslin_core_f64::scene::{BuiltScene, Content};
-use muslin_tests::kit::double as kit;
-use muslin_tests::rng::Rng;
-use muslin_tests::states::{many, triangle};
-use muslin_tests::worst::{Worst, norm};
 
 use super::{cloth, scene};
 

@@ -1,10 +1,10 @@
 //! Every way in which a scene cannot be built, and what its author is told: a good scene with
 //! one line exchanged.
 
+use harness::kit::double as kit;
 use muslin_core_f64::error::SceneError;
 use muslin_core_f64::mesh::TriMesh;
 use muslin_core_f64::scene::{Content, PointCache, build};
-use muslin_tests::kit::double as kit;
 
 const GOOD: &str = r#"
     name = "good"

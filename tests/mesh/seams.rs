@@ -1,9 +1,9 @@
 //! Stitches, from pairs of vertices and from files, become the columns of one seam term.
 
+use harness::kit::double as kit;
+use harness::worst::Worst;
 use muslin_core_f64::mesh::{Stitch, TriMesh};
 use muslin_core_f64::scene::{BuiltScene, Content};
-use muslin_tests::kit::double as kit;
-use muslin_tests::worst::Worst;
 
 use super::scene;
 

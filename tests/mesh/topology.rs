@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use harness::kit::double as kit;
+use harness::topology::{border_sides, sides};
 use muslin_core_f64::mesh::edges::{self, NONE};
 use muslin_core_f64::mesh::hinges;
 use muslin_core_f64::scene::BuiltScene;
-use muslin_tests::kit::double as kit;
-use muslin_tests::topology::{border_sides, sides};
 
 use super::cloth;
 

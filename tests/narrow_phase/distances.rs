@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 
-use muslin_tests::query::Pair;
-use muslin_tests::rng::Rng;
+use harness::query::Pair;
+use harness::rng::Rng;
 
 /// Of each pair.
 const COUNT: usize = 20_000;
@@ -112,13 +112,13 @@ fn degenerate(pair: Pair) -> Vec<[DVec3; 4]> {
     points.flat_map(|p| tables.iter().map(move |&[a, b, c]| [p, a, b, c])).collect()
 }
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use glam::DVec3;
 
     use super::{COUNT, brute_force, degenerate, features};
-    use muslin_tests::query::{PAIRS, Pair};
-    use muslin_tests::rng::Rng;
-    use muslin_tests::worst::Worst;
+    use harness::query::{PAIRS, Pair};
+    use harness::rng::Rng;
+    use harness::worst::Worst;
 
     /// Thirteen roundings of 2^-24; in f64 brute force is no better than that of its own squares.
     const BOUND: f64 = kit::bound(8e-7, 4e-15);

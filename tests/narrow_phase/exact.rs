@@ -8,7 +8,7 @@ use num_bigint::{BigInt, Sign};
 use num_traits::Zero;
 
 use crate::polynomial::{Polynomial, Root};
-use muslin_tests::query::{Pair, Query};
+use harness::query::{Pair, Query};
 
 type Vector = [Polynomial; 3];
 

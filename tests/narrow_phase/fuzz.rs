@@ -3,8 +3,8 @@
 use std::thread;
 
 use crate::lattice;
-use muslin_tests::query::PAIRS;
-use muslin_tests::rng::Rng;
+use harness::query::PAIRS;
+use harness::rng::Rng;
 
 /// What many contacts took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,16 +54,20 @@ fn in_threads(count: u64, part: impl Fn(u64, u64) -> Took + Sync) -> Took {
     })
 }
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use super::{COUNT, LONG, PAIRS, Rng, Took, in_threads, lattice, report};
     use muslin::narrow_phase::advance::MOST_ADVANCES;
 
-    /// Relative to the first vertex, rounding moves a contact by no more than a tenth of the reserve.
     fn fuzz(seed: u64, count: u64) -> Took {
+        fuzz_scaled(seed, count, 1e-3)
+    }
+
+    /// Relative to the first vertex, rounding moves a contact by no more than a tenth of the reserve.
+    fn fuzz_scaled(seed: u64, count: u64, least: f64) -> Took {
         let (rng, mut took) = (&mut Rng::new(seed), Took::default());
         for i in 0..count {
             let lattice::Contact { query, time: contact } = lattice::contact(rng, PAIRS[i as usize % 2]);
-            let scale = rng.magnitude(1e-3, 1e3);
+            let scale = rng.magnitude(least, 1e3);
             let query = kit::rounded(&query.local().map(|x| x * scale));
             let time = kit::time_of_impact(&query, 0.0, 1e-6 * scale);
             let distances = u64::from(kit::distances(&query, 0.0, 1e-6 * scale));
@@ -88,9 +92,15 @@ muslin_tests::both_precisions! {
         report("fuzz", fuzz(401, COUNT));
     }
 
+    /// Down to where squares of areas vanish and those of distances do not.
     #[test]
-    #[ignore = "takes minutes"]
-    fn contacts_at_every_scale_at_length() {
+    fn contacts_however_small() {
+        report("small", fuzz_scaled(402, COUNT, kit::bound(1e-13, 1e-140)));
+    }
+
+    #[test]
+    #[ignore = "a command of its own"]
+    fn long_form_contacts_at_every_scale() {
         report("long fuzz", in_threads(LONG, fuzz));
     }
 }

@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 
-use muslin_tests::query::{Pair, Query};
-use muslin_tests::rng::Rng;
+use harness::query::{Pair, Query};
+use harness::rng::Rng;
 
 /// Lattice steps to a unit of length.
 const UNIT: f64 = 16384.0;

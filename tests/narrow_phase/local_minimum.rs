@@ -1,10 +1,10 @@
 //! Which of the features within the thickness are a contact: over a fold of two triangles a point
 //! touches a face wherever it is above one, and their common edge only where that stands out.
 //!
-//! Run: `cargo test --release -p muslin-tests --test narrow_phase local_minimum`.
+//! Run: `cargo test -p muslin-tests --test narrow_phase local_minimum`.
 
 use glam::DVec3;
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 /// Two triangles over the edge from vertex 0 to vertex 1, whose far corners lie so high; vertex 4 is
 /// a point, vertices 5 and 6 an edge.

@@ -7,7 +7,7 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 
-use muslin_tests::query::{Pair, Query};
+use harness::query::{Pair, Query};
 
 /// Boxes looked at before giving up.
 const MOST_BOXES: usize = 100_000;

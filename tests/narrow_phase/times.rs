@@ -4,8 +4,8 @@
 use glam::DVec3;
 
 use crate::lattice;
-use muslin_tests::query::{PAIRS, Query};
-use muslin_tests::rng::Rng;
+use harness::query::{PAIRS, Query};
+use harness::rng::Rng;
 
 /// Contacts of both pairs, scaled by powers of two and translated.
 fn contacts(seed: u64, count: usize) -> impl Iterator<Item = lattice::Contact> {
@@ -33,7 +33,7 @@ fn least_distance(query: &Query, until: f64, distance: impl Fn(&[DVec3; 4]) -> f
     (0..=64).map(|i| distance(&query.at(until * f64::from(i) / 64.0))).fold(f64::INFINITY, f64::min)
 }
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use super::{contacts, least_distance, motions};
     use crate::exact;
     use crate::tight_inclusion::{self, Contact};
@@ -44,9 +44,9 @@ muslin_tests::both_precisions! {
     use muslin::narrow_phase::advance::MOST_ADVANCES;
     use muslin::narrow_phase::continuous::{Motion, NEVER, TOUCHING, times};
     use muslin::real::Real;
-    use muslin_tests::kit::double::distance;
-    use muslin_tests::query::{PAIRS, Query};
-    use muslin_tests::rng::Rng;
+    use harness::kit::double::distance;
+    use harness::query::{PAIRS, Query};
+    use harness::rng::Rng;
 
     const COUNT: usize = 20_000;
 
@@ -142,7 +142,7 @@ muslin_tests::both_precisions! {
     #[test]
     fn made_contacts_are_contacts() {
         for contact in contacts(306, 1000) {
-            let single = muslin_tests::kit::single::rounded(&contact.query);
+            let single = harness::kit::single::rounded(&contact.query);
             assert_eq!(single.start, contact.query.start, "not exact in f32");
             assert_eq!(single.end, contact.query.end, "not exact in f32");
             assert!(exact::touch(&contact.query), "{}", contact.query);

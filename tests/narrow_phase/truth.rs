@@ -5,7 +5,7 @@
 //! rounding reserve without touching is one.
 
 use crate::exact;
-use muslin_tests::truth::{Known, queries};
+use harness::truth::{Known, queries};
 
 #[test]
 fn exact_decision_is_the_published_truth() {
@@ -14,9 +14,9 @@ fn exact_decision_is_the_published_truth() {
     }
 }
 
-muslin_tests::both_precisions! {
+harness::both_precisions! {
     use crate::exact;
-    use muslin_tests::truth::{FAMILIES, Known, queries};
+    use harness::truth::{FAMILIES, Known, queries};
 
     /// With a tolerance of a micrometre, of 2,324 queries. Nearly all are separated by less than
     /// that; rounded to f32, many of those touch.

@@ -1,11 +1,11 @@
 //! Friction around a drum: a belt with a heavy and a light end slips or holds by the tension that it
 //! takes up on the way.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response belt`; with `-- --nocapture` it prints
+//! Run: `cargo test -p muslin-tests --test response belt`; with `-- --nocapture` it prints
 //! how far.
 
-use muslin_tests::belt::{ROUND, belt, hanging, holding_end};
-use muslin_tests::both_precisions;
+use harness::belt::{ROUND, belt, hanging, holding_end};
+use harness::both_precisions;
 
 both_precisions! {
     use super::{ROUND, belt, hanging, holding_end};
@@ -19,7 +19,7 @@ both_precisions! {
     const IMPLICIT: &str = "[integrator]\nmethod = \"backward-euler\"\nstep =";
 
     #[test]
-    #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+    #[ignore = "slow"]
     fn a_belt_slips_over_a_drum_as_fast_by_an_implicit_method_as_by_an_explicit() {
         let light_end = 0.5 * holding_end(0.1);
         for friction in [0.0, 0.1] {
@@ -36,7 +36,7 @@ both_precisions! {
     }
 
     #[test]
-    #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+    #[ignore = "slow"]
     fn a_belt_holds_by_the_weight_that_euler_says() {
         for friction in [0.1, 0.3] {
             for (part, slips) in [(0.8, true), (1.25, false)] {

@@ -1,8 +1,8 @@
 //! Too little room for candidates or constraints is counted and grown, and changes no bit.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response capacity`.
+//! Run: `cargo test -p muslin-tests --test response capacity`.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 /// A thick sheet that falls over a moving capsule onto a plane: starts free of contacts.
 const FALLING: &str = r#"
@@ -42,7 +42,7 @@ both_precisions! {
     use muslin::real::{Real, Vec3, vec3};
     use muslin::response::{Outcome, Settings, Tally};
     use muslin::step::{self, Sweep};
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
 
     /// Where a step ends that begins with so much room, how many constraints it has, and how often
     /// it was short of room.

@@ -1,8 +1,8 @@
 //! Friction stays on its cone: the law alone, and every constraint of a solved pile.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response cone`.
+//! Run: `cargo test -p muslin-tests --test response cone`.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 /// Three sheets thrown onto one another and a ball.
 const PILE: &str = r#"
@@ -38,7 +38,7 @@ both_precisions! {
     use muslin::response::{Settings, Tally};
     use muslin::step::{self, Sweep};
     use glam::DVec3;
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
 
     fn random_law(rng: &mut Rng) -> Law {
         let kinetic = rng.between(0.0, 1.0) as Real;

@@ -6,7 +6,7 @@
 //! Run: `cargo test -p muslin-tests --test response constraint`; with `-- --nocapture` it prints the
 //! worst error of every comparison beside its bound.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 /// Pairs of each kind.
 const PAIRS: u32 = 2000;
@@ -21,8 +21,8 @@ both_precisions! {
     use muslin::response::constraint::{self, Compliance, Constraint, Coupled};
     use muslin::response::friction::Grip;
     use muslin::response::impact::MOST_LEVER;
-    use muslin_tests::rng::Rng;
-    use muslin_tests::worst::Worst;
+    use harness::rng::Rng;
+    use harness::worst::Worst;
 
     const VERTICES: usize = 6;
 

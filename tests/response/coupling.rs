@@ -5,7 +5,7 @@
 //! Run: `cargo test -p muslin-tests --test response coupling`; with `-- --nocapture` it prints the
 //! worst error of every comparison beside its bound.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 /// s.
 const STEP: f64 = 0.01;
@@ -26,8 +26,6 @@ const SHEET: &str = r#"
 
 both_precisions! {
     use super::{GRID, SHEET, STEP};
-    use faer::Mat;
-    use faer::linalg::solvers::Solve;
     use glam::{DMat3, DVec3};
     use muslin::dispatch::Serial;
     use muslin::forces::matrix;
@@ -39,8 +37,9 @@ both_precisions! {
     use muslin::scene::BuiltScene;
     use muslin::scratch::{Scratch, ScratchColumns};
     use muslin::step;
-    use muslin_tests::rng::Rng;
-    use muslin_tests::worst::Worst;
+    use nalgebra::DMatrix;
+    use harness::rng::Rng;
+    use harness::worst::Worst;
 
     const VERTICES: u32 = GRID[0] * GRID[1];
     const PRECONDITIONERS: [Preconditioner; 2] = [Preconditioner::BlockJacobi, Preconditioner::TwoLevel];
@@ -119,7 +118,7 @@ both_precisions! {
     /// What [`coupling::correct`] was given and what it made of it.
     struct Corrected {
         /// The matrix of the step, held axes not yet cleared.
-        matrix: Mat<f64>,
+        matrix: DMatrix<f64>,
         predicted: [Vec<DVec3>; 2],
         end: [Vec<DVec3>; 2],
         solution: Vec<DVec3>,
@@ -178,9 +177,9 @@ both_precisions! {
     }
 
     /// A, read off products with unit vectors.
-    fn dense(s: &Scratch<'_>, masses: &[Real]) -> Mat<f64> {
+    fn dense(s: &Scratch<'_>, masses: &[Real]) -> DMatrix<f64> {
         let size = 3 * masses.len();
-        let mut dense = Mat::<f64>::zeros(size, size);
+        let mut dense = DMatrix::<f64>::zeros(size, size);
         let mut product = vec![Vec3::ZERO; masses.len()];
         for k in 0..size {
             let mut unit = vec![Vec3::ZERO; masses.len()];
@@ -213,7 +212,7 @@ both_precisions! {
         /// y by LU of `A + G^T s G` with held axes cleared; `right` is added to the right hand side.
         fn dense(&self, length: f64) -> Vec<DVec3> {
             let mut matrix = self.matrix.clone();
-            let mut right = Mat::<f64>::zeros(matrix.nrows(), 1);
+            let mut right = DMatrix::<f64>::zeros(matrix.nrows(), 1);
             for hold in &self.holds {
                 let stiff = directions(hold) * f64::from(hold.stiffness);
                 let wanted = stiff * wide(hold.missing) / length;
@@ -229,7 +228,7 @@ both_precisions! {
             self.solve(matrix, right)
         }
 
-        fn solve(&self, mut matrix: Mat<f64>, mut right: Mat<f64>) -> Vec<DVec3> {
+        fn solve(&self, mut matrix: DMatrix<f64>, mut right: DMatrix<f64>) -> Vec<DVec3> {
             for (v, axis) in (0..VERTICES as usize).flat_map(|v| [0, 1, 2].map(|axis| (v, axis))) {
                 if self.is_held(v, axis) {
                     let row = 3 * v + axis;
@@ -237,7 +236,7 @@ both_precisions! {
                     right[(row, 0)] = 0.0;
                 }
             }
-            let y = matrix.partial_piv_lu().solve(&right);
+            let y = matrix.lu().solve(&right).expect("the matrix is regular");
             (0..VERTICES as usize).map(|v| DVec3::from_array(std::array::from_fn(|k| y[(3 * v + k, 0)]))).collect()
         }
 
@@ -325,7 +324,7 @@ both_precisions! {
                 (hold[0].sticks, hold[0].released) = (0.0, 0.0);
                 let got = correct(advance, Preconditioner::TwoLevel, sheet(seed), hold, |_| false);
                 let (hold, normal) = (&got.holds[0], wide(got.holds[0].normal));
-                let mut right = Mat::<f64>::zeros(got.matrix.nrows(), 1);
+                let mut right = DMatrix::<f64>::zeros(got.matrix.nrows(), 1);
                 parts(hold).for_each(|(v, w)| (0..3).for_each(|i| right[(3 * v + i, 0)] += w * normal[i]));
                 let gives = relative(hold, &got.solve(got.matrix.clone(), right)).dot(normal);
                 if gives == 0.0 {

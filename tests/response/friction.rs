@@ -2,9 +2,9 @@
 //! not creep; for a speck of two triangles and for a sheet of 32x32 vertices. Gravity leans instead
 //! of the plane, but for one test.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response friction`.
+//! Run: `cargo test -p muslin-tests --test response friction`.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 const GRAVITY: f64 = 9.81;
 const MU: f64 = 0.5;
@@ -280,7 +280,7 @@ both_precisions! {
     /// Friction that is judged anew with every correction of a step is chased by them: a sheet on a
     /// sphere was torn to ten times its size by it.
     #[test]
-    #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+    #[ignore = "slow"]
     fn a_coefficient_that_depends_on_the_speed_does_not_tear() {
         let ball = muslin::scene::BUILT_IN.iter().find(|(name, _)| *name == "ball").expect("ball is built in").1;
         for friction in ["{ static = 0.4, kinetic = 0.3 }", "{ static = 0.4, kinetic = 0.3, stribeck = 0.1, viscous = 0.1 }"] {

@@ -1,15 +1,15 @@
 //! What meets inside a step: loose points, edges and triangles far apart beside the thickness, and
 //! so fast that they would be through one another at its end.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response impact`; with `-- --nocapture` it
+//! Run: `cargo test -p muslin-tests --test response impact`; with `-- --nocapture` it
 //! prints the worst error of every comparison beside its bound.
 
 use glam::DVec3;
-use muslin_tests::both_precisions;
-use muslin_tests::kit::double as exact;
-use muslin_tests::pieces::{Piece, Response};
-use muslin_tests::query::{PAIRS, Pair, Query};
-use muslin_tests::rng::Rng;
+use harness::both_precisions;
+use harness::kit::double as exact;
+use harness::pieces::{Piece, Response};
+use harness::query::{PAIRS, Pair, Query};
+use harness::rng::Rng;
 
 /// m.
 const THICKNESS: f64 = 1e-3;
@@ -123,7 +123,7 @@ fn assert_met(response: &Response, what: &str) {
 
 both_precisions! {
     use super::*;
-    use muslin_tests::worst::Worst;
+    use harness::worst::Worst;
 
     #[test]
     fn a_head_on_impact_ends_where_the_closed_form_says() {

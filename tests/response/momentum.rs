@@ -1,10 +1,10 @@
 //! Two free sheets that collide: what momentum and energy do through the impact.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response momentum`.
+//! Run: `cargo test -p muslin-tests --test response momentum`.
 
 use glam::DVec3;
+use harness::kit::double as kit;
 use muslin_core_f64::simulation::Simulation;
-use muslin_tests::kit::double as kit;
 
 /// kg/m^2 of both sheets.
 const DENSITY: [f64; 2] = [0.2, 0.5];

@@ -1,9 +1,9 @@
 //! Nothing passes through anything: fast sheets, moving colliders, and what the scene's switches
 //! turn off. After every step the exact audit finds no crossing and everything is on its side.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response safety`.
+//! Run: `cargo test -p muslin-tests --test response safety`.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 const HEAD: &str = r#"
     name = "safety"
@@ -58,12 +58,13 @@ const GROUNDS: [(&str, &str); 5] = [
 both_precisions! {
     use super::{BLADE, GROUNDS, HEAD, NAPKIN, TAUT};
     use glam::DVec3;
+    use muslin::dispatch::Serial;
     use muslin::mesh::TriMesh;
     use muslin::scene::{Content, PointCache, Resource};
-    use muslin_tests::pieces::Piece;
+    use harness::pieces::Piece;
     use muslin::simulation::Simulation;
     use muslin::real::{Real, to_f64};
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
 
     /// A square of 4 m at y = 0, and its way in a point cache: up and down by 0.2 m, 50 frames a
     /// second.
@@ -91,7 +92,7 @@ both_precisions! {
     }
 
     fn no_crossing(sim: &Simulation, what: &str) {
-        let (found, tally) = (sim.crossings(), sim.tally());
+        let (found, tally) = (sim.crossings(&Serial), sim.tally());
         assert_eq!(found, 0, "{what}: crossings at {} s; the response saw {tally:?}", sim.time());
     }
 
@@ -210,7 +211,7 @@ both_precisions! {
         for method in ["symplectic-euler", "backward-euler"] {
             let mut sim = build(&[NAPKIN, &above, &plate], method);
             let what = format!("{}, {method}", muslin::real::NAME);
-            assert_eq!(sim.crossings(), 0, "{what}: choose a start without crossings");
+            assert_eq!(sim.crossings(&Serial), 0, "{what}: choose a start without crossings");
             kit::run(&mut sim, 0.1, |sim| no_crossing(sim, &what));
             println!("{what}: {} pairs touched", sim.tally().touching);
             assert!(sim.tally().touching > 0, "{what}: nothing touched, choose a start nearer");

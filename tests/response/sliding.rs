@@ -1,13 +1,13 @@
 //! Friction between surfaces that are made of triangles: a sheet slides over them as over a plane,
 //! whatever edges they have and however long the step.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response sliding`; with `-- --nocapture` it
+//! Run: `cargo test -p muslin-tests --test response sliding`; with `-- --nocapture` it
 //! prints how far.
 
 use glam::DVec3;
 
 use super::CLOTH;
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 const GRAVITY: f64 = 9.81;
 /// Tangent of the slope; gravity leans instead of what is slid on.
@@ -73,6 +73,7 @@ fn mean_x(places: &[DVec3]) -> f64 {
 
 both_precisions! {
     use super::{BELOW, GRAVITY, SLACK, SLOPE, floor, lying, mean_x};
+    use muslin::dispatch::Serial;
     use muslin::mesh::TriMesh;
     use muslin::scene::Content;
 
@@ -83,12 +84,12 @@ both_precisions! {
         let floor = TriMesh { positions, triangles, ..TriMesh::default() };
         let mut sim = kit::simulation(&text, &[("floor".into(), Content::Mesh(floor))]);
         let start = mean_x(&kit::places(&sim, 0));
-        kit::run(&mut sim, 0.4, |sim| assert_eq!(sim.crossings(), 0, "{below}: crossings"));
+        kit::run(&mut sim, 0.4, |sim| assert_eq!(sim.crossings(&Serial), 0, "{below}: crossings"));
         mean_x(&kit::places(&sim, 0)) - start
     }
 
     #[test]
-    #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+    #[ignore = "slow"]
     fn a_sheet_slides_over_edges_as_over_a_plane() {
         for below in BELOW {
             for friction in [0.0, 0.3] {

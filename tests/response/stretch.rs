@@ -1,10 +1,10 @@
 //! Contact does not draw cloth out: a method that rings does not ring with what it met.
 //!
-//! Run: `cargo test --release -p muslin-tests --test response stretch`; with `-- --nocapture` it
+//! Run: `cargo test -p muslin-tests --test response stretch`; with `-- --nocapture` it
 //! prints the largest stretch of every method.
 
 use super::CLOTH;
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 /// A napkin on a box that is drawn away under it.
 const NAPKIN: &str = r#"
@@ -64,7 +64,7 @@ both_precisions! {
     }
 
     #[test]
-    #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+    #[ignore = "slow"]
     fn no_implicit_method_rings_with_what_it_met() {
         for method in ["backward-euler", "implicit-midpoint", "bdf2"] {
             let integrator = format!("step = 0.01\nnewton = 5\nmethod = \"{method}\"\n");
@@ -76,7 +76,7 @@ both_precisions! {
 
     /// Friction beyond the cone in the implicit system once drew it out to 300 times its length.
     #[test]
-    #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+    #[ignore = "slow"]
     fn pins_within_the_thickness_push_cloth_along() {
         for step in [5e-3, 2.5e-3] {
             let most = most(&text(PUSHED, &format!("step = {step:?}\n")));
@@ -87,7 +87,7 @@ both_precisions! {
 
     /// What lies in one plane has no contact that stands for another.
     #[test]
-    #[cfg_attr(debug_assertions, ignore = "slow: run with --release")]
+    #[ignore = "slow"]
     fn a_sheet_pressed_together_in_its_plane_keeps_its_thickness_by_contacts() {
         let text = text(SQUEEZED, "step = 0.005\n").replace("-9.81", "0.0");
         let mut sim = kit::simulation(&text, &[]);

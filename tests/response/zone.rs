@@ -5,14 +5,14 @@
 //!
 //! of all contacts that were found, iterated in double until it stands [Harmon 2008].
 //!
-//! Run: `cargo test --release -p muslin-tests --test response zone`; with `-- --nocapture` it prints
+//! Run: `cargo test -p muslin-tests --test response zone`; with `-- --nocapture` it prints
 //! every measured value beside its bound.
 
 use glam::DVec3;
-use muslin_tests::both_precisions;
-use muslin_tests::pieces::{Kept, Piece, Response};
-use muslin_tests::rng::Rng;
-use muslin_tests::worst::{Worst, norm};
+use harness::both_precisions;
+use harness::pieces::{Kept, Piece, Response};
+use harness::rng::Rng;
+use harness::worst::{Worst, norm};
 
 /// m.
 const THICKNESS: f64 = 1e-3;

@@ -1,14 +1,15 @@
 //! A step that is not finite says when, where and by what, and leaves the last finite state.
 
 use glam::DVec3;
+use harness::kit::double as kit;
+use harness::net::linearised;
+use harness::rng::Rng;
+use harness::steps::Steps;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::forces::Term;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::{Part, Simulation};
 use muslin_core_f64::step::Prediction;
-use muslin_tests::kit::double as kit;
-use muslin_tests::net::linearised;
-use muslin_tests::rng::Rng;
 
 /// Sheets in gravity and air with one term too stiff for the step.
 const STIFF: [(Term, &str); 4] = [
@@ -44,7 +45,7 @@ fn divergence_names_step_particle_and_term_and_keeps_the_state() {
         let mut steps = 0;
         let (error, before) = loop {
             let before = [sim.positions(), sim.velocities()].concat();
-            match sim.step(&Serial) {
+            match sim.take_step() {
                 Ok(()) => steps += 1,
                 Err(error) => break (error, before),
             }
@@ -70,7 +71,7 @@ fn a_number_that_is_none_is_reported_where_it_is() {
         let mut built = stiff(STIFF[0].1).scene().clone();
         built.particles.velocities[9] = DVec3::new(0.0, f64::NAN, 0.0);
         let mut sim = Simulation::from_columns(built, linearised(method), 1e-4);
-        let error = sim.step(&Serial).expect_err("a velocity is NaN");
+        let error = sim.take_step().expect_err("a velocity is NaN");
         assert_eq!(error.step, 1, "{}: {error}", method.name());
         // In one stage without damping no other vertex feels the velocity.
         if matches!(method, Method::ExplicitEuler | Method::SymplecticEuler) {

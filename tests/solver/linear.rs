@@ -3,19 +3,18 @@
 //! linearised at (x + g w, w), is `(M + S) y = M v + g f(x + g w, w) + S w` with
 //! `S = -(g^2 Kx + g Kv)` there and the held axes of y given.
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
 use glam::DVec3;
-use muslin_core_f64::dispatch::Serial;
+use harness::kit::double as kit;
+use harness::net::linearised;
+use harness::rng::Rng;
+use harness::steps::Steps;
+use harness::worst::Worst;
 use muslin_core_f64::forces::strain_rate;
 use muslin_core_f64::integrate::pins::Side;
 use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::Tangent;
-use muslin_tests::kit::double as kit;
-use muslin_tests::net::linearised;
-use muslin_tests::rng::Rng;
-use muslin_tests::worst::Worst;
+use nalgebra::DMatrix;
 
 /// Relative to the fastest vertex; the solver is asked for 1e-14.
 const BOUND: f64 = 1e-10;
@@ -120,7 +119,7 @@ fn dense(sim: &Simulation, stage: f64) -> Vec<DVec3> {
     there.particles.positions.iter_mut().zip(&ahead).for_each(|(x, &v)| *x += v * stage);
     let mut tangent = Tangent::of(&there, stage * stage, stage, sim.scheme().jacobian);
     let (mut unit, mut column) = (vec![DVec3::ZERO; x.len()], vec![DVec3::ZERO; x.len()]);
-    let mut matrix = Mat::<f64>::zeros(size, size);
+    let mut matrix = DMatrix::<f64>::zeros(size, size);
     for k in 0..size {
         unit[k / 3][k % 3] = 1.0;
         tangent.multiply(1.0, &unit, &mut column);
@@ -130,7 +129,7 @@ fn dense(sim: &Simulation, stage: f64) -> Vec<DVec3> {
     let f = kit::forces(&sim.model(), masses, &there.particles.positions, &ahead);
     tangent.multiply(0.0, &ahead, &mut column);
     let force = |i: usize| v[i] * masses[i] + f[i] * stage + column[i];
-    let mut right = Mat::<f64>::from_fn(size, 1, |i, _| force(i / 3)[i % 3]);
+    let mut right = DMatrix::<f64>::from_fn(size, 1, |i, _| force(i / 3)[i % 3]);
     // A held axis moves by its whole way at a steady rate.
     for (vertex, rate, axes) in rates(sim) {
         for axis in (0..3).filter(|axis| axes >> axis & 1 == 1) {
@@ -139,7 +138,7 @@ fn dense(sim: &Simulation, stage: f64) -> Vec<DVec3> {
             right[(row, 0)] = rate[axis];
         }
     }
-    let solution = matrix.partial_piv_lu().solve(&right);
+    let solution = matrix.lu().solve(&right).expect("the matrix is regular");
     (0..x.len()).map(|i| DVec3::from_array(std::array::from_fn(|axis| solution[(3 * i + axis, 0)]))).collect()
 }
 
@@ -147,7 +146,7 @@ fn check(what: String, mut sim: Simulation) {
     let (x0, v0, h) = (sim.positions().to_vec(), sim.velocities().to_vec(), sim.step_length());
     let midpoint = sim.scheme().method == Method::ImplicitMidpoint;
     let stage = dense(&sim, if midpoint { 0.5 * h } else { h });
-    sim.step(&Serial).expect("finite");
+    sim.take_step().expect("finite");
     assert_eq!((sim.work().unconverged, sim.work().negative_curvature), (0, 0), "{what}");
     let mut worst = Worst::new(what, BOUND);
     let scale = v0.iter().chain(&stage).map(|v| v.length()).fold(0.0, f64::max);

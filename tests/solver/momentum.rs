@@ -2,19 +2,19 @@
 //! in both precisions, implicit ones to what the linear solve leaves.
 
 use glam::DVec3;
-use muslin_core_f64::dispatch::Serial;
+use harness::both_precisions;
+use harness::kit::double as kit;
+use harness::steps::Steps;
 use muslin_core_f64::integrate::{Jacobian, Method};
 use muslin_core_f64::spectrum::Tangent;
-use muslin_tests::both_precisions;
-use muslin_tests::kit::double as kit;
 
 both_precisions! {
     use glam::DVec3;
-    use muslin::dispatch::Serial;
+    use harness::steps::Steps;
     use muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
     use muslin::real::{Real, Vec3, to_f64, vec3};
     use muslin::simulation::Simulation;
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
 
     /// Drift over 10,000 steps, relative to the sum of all |momenta|.
     const DRIFT: f64 = kit::bound(1e-5, 1e-12);
@@ -64,7 +64,7 @@ both_precisions! {
     pub fn check(mut sim: Simulation, steps: u32, angular: bool, bound: f64) {
         let start = momenta(&sim);
         for _ in 0..steps {
-            sim.step(&Serial).expect("stable");
+            sim.take_step().expect("stable");
         }
         let core = DVec3::from(sim.momentum());
         let end = momenta(&sim);
@@ -108,7 +108,7 @@ fn momentum_gained_is_the_sum_of_the_residual() {
         let masses = &start.particles.masses;
         let f = kit::forces(&sim.model(), masses, sim.positions(), &vec![DVec3::ZERO; v0.len()]);
         let before = DVec3::from(sim.momentum());
-        sim.step(&Serial).expect("finite");
+        sim.take_step().expect("finite");
         let gained = DVec3::from(sim.momentum()) - before;
         let mut product = vec![DVec3::ZERO; v0.len()];
         Tangent::of(&start, h * h, h, Jacobian::Projected).multiply(1.0, sim.velocities(), &mut product);

@@ -2,15 +2,15 @@
 //! residual, and the one-step variant differs from it as theory says.
 
 use glam::DVec3;
+use harness::kit::double as kit;
+use harness::net::{converged, linearised};
+use harness::rng::Rng;
+use harness::steps::Steps;
 use muslin_core_f64::diagnostics;
-use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::pins::Side;
 use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
-use muslin_tests::kit::double as kit;
-use muslin_tests::net::{converged, linearised};
-use muslin_tests::rng::Rng;
 
 const MEMBRANE: &str = r#"
     stretch = { model = "membrane", stiffness = 300.0 }
@@ -58,7 +58,7 @@ fn crumpled(material: &str, air: &str, size: f64, noise: f64) -> BuiltScene {
 /// One step.
 fn step(built: &BuiltScene, scheme: Scheme, h: f64) -> Simulation {
     let mut sim = Simulation::from_columns(built.clone(), scheme, h);
-    sim.step(&Serial).expect("finite");
+    sim.take_step().expect("finite");
     sim
 }
 
@@ -179,7 +179,7 @@ fn released(newton: u32, h: f64) -> (f64, bool) {
     let start = sim.energy().total();
     let (mut stretch, mut grew) = (1.0, false);
     while sim.time() < 1.0 {
-        sim.step(&Serial).expect("finite");
+        sim.take_step().expect("finite");
         stretch = sim.stretch().max.max(stretch);
         grew |= sim.energy().total() > start + 1e-9;
     }

@@ -2,12 +2,12 @@
 //! velocity, while the other axes are free.
 
 use glam::{DMat3, DVec3};
-use muslin_core_f64::dispatch::Serial;
+use harness::kit::double as kit;
+use harness::net::{converged, linearised};
+use harness::steps::Steps;
+use harness::worst::Worst;
 use muslin_core_f64::integrate::{Method, Scheme};
 use muslin_core_f64::simulation::Simulation;
-use muslin_tests::kit::double as kit;
-use muslin_tests::net::{converged, linearised};
-use muslin_tests::worst::Worst;
 
 const STEP: f64 = 0.001;
 const STEPS: u32 = 120;
@@ -75,7 +75,7 @@ fn held_axes_follow_their_path_exactly() {
         let what = format!("{}, newton = {}: held axes against their path", scheme.method.name(), scheme.newton);
         let mut worst = Worst::new(what, 1e-13);
         for n in 1..=STEPS {
-            sim.step(&Serial).expect("finite");
+            sim.take_step().expect("finite");
             let t = f64::from(n) * STEP;
             let (offset, rate) = keyed(t);
             let mut see = |vertex: usize, axes: &[usize], (x, v): (DVec3, DVec3)| {
@@ -112,7 +112,7 @@ fn held_axes_follow_their_path_exactly() {
 /// Takes so many steps, after each of which a vertex is to be where it is led, by the part of them taken.
 fn follow(sim: &mut Simulation, vertex: u32, steps: u32, place: impl Fn(f64) -> DVec3) {
     for n in 1..=steps {
-        sim.step(&Serial).unwrap();
+        sim.take_step().unwrap();
         let off = (sim.positions()[vertex as usize] - place(f64::from(n) / f64::from(steps))).length();
         assert!(off < 1e-15, "{}: vertex {vertex} is {off} m off after {n} steps", sim.scheme().method.name());
     }
@@ -135,7 +135,7 @@ fn a_hand_leads_exactly_and_lets_go() {
             assert!(sim.lead(vertex, grip, 0.0));
             follow(&mut sim, vertex, 1, |_| grip);
             assert!(sim.release(vertex) && !sim.release(vertex));
-            (0..20).for_each(|_| sim.step(&Serial).unwrap());
+            (0..20).for_each(|_| sim.take_step().unwrap());
             let moved = (sim.positions()[vertex as usize] - grip).length();
             assert!(moved > 1e-6, "{}: let go, vertex {vertex} moved {moved} m", scheme.method.name());
         }

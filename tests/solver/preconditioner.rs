@@ -1,7 +1,7 @@
 //! What the two-level preconditioner is for, in counts: far fewer iterations than its blocks
 //! alone; and Newton's method in single precision stops where rounding stops it.
 
-use muslin_core::dispatch::Serial;
+use harness::steps::Steps;
 use muslin_core::integrate::{Preconditioner, Work};
 use muslin_core::scene::{BUILT_IN, SceneDesc};
 use muslin_core::simulation::Simulation;
@@ -15,7 +15,7 @@ fn work(name: &str, change: impl Fn(&mut SceneDesc)) -> Work {
     change(&mut scene);
     let mut cloth = Simulation::new(&scene, &[]).expect("built-in scenes build");
     for _ in 0..STEPS {
-        cloth.step(&Serial).expect("the first steps are finite");
+        cloth.take_step().expect("the first steps are finite");
     }
     cloth.work()
 }
@@ -37,7 +37,7 @@ fn a_running_simulations_columns_make_another() {
     let mut columns = first.scene().clone();
     columns.cloths.clear();
     let mut second = Simulation::from_columns(columns, *first.scheme(), first.step_length());
-    second.step(&Serial).expect("the first step is finite");
+    second.take_step().expect("the first step is finite");
     assert!(second.work().cg_iterations < 40, "{} iterations: there are no patches", second.work().cg_iterations);
 }
 

@@ -1,10 +1,10 @@
 //! A NaN or an infinity in one vertex is reported as divergence; nothing panics or hangs.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 both_precisions! {
     use crate::scenes::SCENES;
-    use muslin::dispatch::Serial;
+    use harness::steps::Steps;
     use muslin::real::{Real, Vec3};
 
     #[test]
@@ -19,7 +19,7 @@ both_precisions! {
                         let (x, v) = sim.state_mut();
                         let column = if velocity { v } else { x };
                         column[17] = Vec3::new(0.0, wrong, 0.0);
-                        let ended = (0..3).try_for_each(|_| sim.step(&Serial));
+                        let ended = (0..3).try_for_each(|_| sim.take_step());
                         assert!(ended.is_err(), "{name}, {method}: {wrong} in vertex 17 went on for 3 steps");
                     }
                 }

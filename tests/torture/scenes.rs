@@ -1,7 +1,7 @@
 //! The scenes: a text, and what a seed does to the start.
 
 use glam::DVec3;
-use muslin_tests::rng::Rng;
+use harness::rng::Rng;
 
 /// A start without crossings, and how long it is tortured.
 pub struct Scene {

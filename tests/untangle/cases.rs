@@ -1,17 +1,18 @@
 //! Whether it comes free, what it leaves alone, and that the scene then runs.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 both_precisions! {
     use crate::tangles::{self, TANGLES, Tangle};
     use glam::DVec3;
     use muslin::contact::ContactScratchColumns;
     use muslin::dispatch::Serial;
+    use harness::steps::Steps;
     use muslin::real::{NAME, Real, Vec3, to_f64, vec3};
     use muslin::simulation::Simulation;
     use muslin::step::{self, Sweep};
     use muslin::untangle::Untangled;
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
 
     fn start(text: &str, change: impl FnOnce(&mut [DVec3])) -> Simulation {
         let mut sim = kit::simulation(text, &[]);
@@ -29,10 +30,10 @@ both_precisions! {
     }
 
     fn untangle(name: &str, sim: &mut Simulation) -> Untangled {
-        let (before, velocities) = (sim.crossings(), sim.velocities().to_vec());
+        let (before, velocities) = (sim.crossings(&Serial), sim.velocities().to_vec());
         let untangled = sim.untangle(&Serial);
         println!("{NAME} {name}: {untangled:?}, stretch {:.2}", sim.stretch().max);
-        assert_eq!([untangled.before, untangled.after], [before, sim.crossings()], "{name}");
+        assert_eq!([untangled.before, untangled.after], [before, sim.crossings(&Serial)], "{name}");
         assert!(untangled.after <= untangled.before, "{name}");
         assert_eq!(velocities, sim.velocities(), "{name}");
         untangled
@@ -63,8 +64,8 @@ both_precisions! {
             let least = least_distance(&sim);
             assert!(least >= 0.1 * 0.002 - 1e-7, "{name}: features are {least} m apart");
             for step in 1..=20 {
-                sim.step(&Serial).unwrap_or_else(|diverged| panic!("{name}: {diverged}"));
-                assert_eq!(sim.crossings(), 0, "{name}, after step {step}");
+                sim.take_step().unwrap_or_else(|diverged| panic!("{name}: {diverged}"));
+                assert_eq!(sim.crossings(&Serial), 0, "{name}, after step {step}");
             }
             assert_eq!(sim.penetration().unwrap_or(0.0), 0.0, "{name}");
         }
@@ -76,7 +77,7 @@ both_precisions! {
         let mut seeds = 0..;
         for _ in 0..20 {
             let sheet = |seed| start(&tangles::scene(&[&tangles::sheet("")]), |x| tangles::crumple(x, &mut Rng::new(seed)));
-            let tangled = seeds.by_ref().map(|seed| (seed, sheet(seed))).find(|(_, sim)| sim.crossings() > 0);
+            let tangled = seeds.by_ref().map(|seed| (seed, sheet(seed))).find(|(_, sim)| sim.crossings(&Serial) > 0);
             let (seed, mut sim) = tangled.expect("endless seeds");
             let untangled = untangle(&format!("seed {seed}"), &mut sim);
             free += u32::from(untangled.after == 0);

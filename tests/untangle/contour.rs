@@ -1,7 +1,7 @@
 //! G against finite differences of the contour's length, for two wavy sheets that move against one
 //! another as wholes; and that it leads out.
 
-use muslin_tests::both_precisions;
+use harness::both_precisions;
 
 both_precisions! {
     use std::collections::BTreeMap;
@@ -9,16 +9,17 @@ both_precisions! {
     use glam::DVec3;
     use muslin::audit;
     use muslin::contact::ContactModel;
+    use muslin::dispatch::Serial;
     use muslin::real::{Vec3, to_f64, vec3};
     use muslin::untangle::contour::{Crossing, gradient};
-    use muslin_tests::rng::Rng;
+    use harness::rng::Rng;
 
     use crate::tangles;
 
     /// Every crossing with the triangles on its edge.
     fn crossings(model: &ContactModel<'_>, places: &[Vec3]) -> Vec<(Crossing, Vec<u32>)> {
         let surface = &model.surface;
-        let found = audit::crossings(surface, places).into_iter().map(|[edge, triangle]| {
+        let found = audit::crossings(surface, places, &Serial).into_iter().map(|[edge, triangle]| {
             let ends = surface.edges[edge as usize];
             let on_edge = (0..).zip(surface.triangle_edges).filter(|(_, edges)| edges.contains(&edge));
             let crossing = Crossing::new([edge, triangle], ends, surface.triangles[triangle as usize], places);

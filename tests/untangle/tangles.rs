@@ -1,7 +1,7 @@
 //! Tangled start states: a scene's text, and what is done to its vertices.
 
 use glam::DVec3;
-use muslin_tests::rng::Rng;
+use harness::rng::Rng;
 
 /// m.
 pub const SIDE: f64 = 0.2;

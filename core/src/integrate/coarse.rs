@@ -208,6 +208,7 @@ fn shares(patches: &Patches<'_>, hold: &Hold) -> ([Share; 4], usize) {
 
 /// Rows that are factorised side by side: they have the same first column, being of one patch.
 const TOGETHER: usize = 3;
+const _: () = assert!(MODES.is_multiple_of(TOGETHER));
 
 /// Cholesky's factor within the envelope, a few rows at a time.
 fn factorise(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
@@ -228,7 +229,8 @@ fn factorise(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
             }
         }
         for k in 0..TOGETHER {
-            let (done, [values, ..]) = rows.split_at_mut(k) else { return };
+            let (done, rest) = rows.split_at_mut(k);
+            let values = &mut *rest[0];
             for (column, other) in (width..).zip(done) {
                 let product = dot(&values[..column], &other[..column]);
                 values[column] = (values[column] - product) * factor.inverse_diagonal[first + column];
@@ -286,7 +288,7 @@ fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     }
 }
 
-/// Inner product in four interleaved sums.
+/// Inner product in four interleaved sums. Called from four places: copies there are no faster, and longer.
 #[inline(never)]
 fn dot(a: &[Sum], b: &[Sum]) -> Sum {
     let (a, b) = (a.as_chunks::<4>(), b.as_chunks::<4>());

@@ -47,11 +47,20 @@ impl PatchColumns {
         for patch in &patches {
             built.set_coordinates(material, patch);
         }
-        for (&vertex, &axes) in pins.vertices.iter().zip(pins.axes) {
-            built.held[vertex as usize] |= axes;
-        }
+        built.hold(pins);
         built.set_envelope(patches.len(), pattern);
         built
+    }
+
+    /// Takes over which axes are held.
+    pub fn hold(&mut self, pins: &Pins<'_>) {
+        self.held.fill(0);
+        for (&vertex, &axes) in pins.vertices.iter().zip(pins.axes) {
+            // Without patches there is no vertex.
+            if let Some(held) = self.held.get_mut(vertex as usize) {
+                *held |= axes;
+            }
+        }
     }
 
     /// The borrowed view.

@@ -89,6 +89,14 @@ impl Pins<'_> {
         }
     }
 
+    /// Writes the inverse masses by which contact moves vertices: 0 along held axes, 1/kg.
+    pub fn write_mobility(&self, inverse_masses: &[Real], mobility: &mut [Vec3]) {
+        for (mobility, &inverse_mass) in mobility.iter_mut().zip(inverse_masses) {
+            *mobility = Vec3::splat(inverse_mass);
+        }
+        self.filter(mobility);
+    }
+
     /// Replaces the held axes of diagonal blocks by the identity, `S A S + I - S`.
     pub fn filter_diagonal(&self, blocks: &mut [Mat3]) {
         for (&vertex, &axes) in self.vertices.iter().zip(self.axes) {

@@ -52,6 +52,17 @@ impl TriMesh {
         self.count_uses().map(|_| ())
     }
 
+    /// How many vertices belong to no triangle.
+    pub fn loose_vertices(&self) -> usize {
+        let mut used = vec![false; self.positions.len()];
+        for &vertex in self.triangles.as_flattened() {
+            if let Some(used) = used.get_mut(vertex as usize) {
+                *used = true;
+            }
+        }
+        used.iter().filter(|&&used| !used).count()
+    }
+
     /// Whether every triangle has texture coordinates.
     pub fn has_uvs(&self) -> bool {
         !self.triangles.is_empty() && self.uv_triangles.len() == self.triangles.len()
@@ -89,7 +100,7 @@ impl TriMesh {
     fn check_triangles(&self) -> Result<(), MeshError> {
         let uses = self.count_uses()?;
         if let Some(vertex) = uses.iter().position(|&uses| uses == 0) {
-            return Err(MeshError::LooseVertex { vertex: vertex as u32 });
+            return Err(MeshError::LooseVertex { vertex: vertex as u32, count: self.loose_vertices() as u32 });
         }
         if let Some(vertex) = uses.iter().position(|&uses| uses > MOST_TRIANGLES) {
             return Err(MeshError::Hub { vertex: vertex as u32, most: MOST_TRIANGLES });

@@ -29,6 +29,9 @@ const CLOSE: Real = 0.1;
 /// How far of the way to a hit's distance an advance goes down.
 const TARGET: Real = 0.9;
 
+/// Sums of squares below have lost digits to underflow.
+const LEAST_SQUARED: Real = Real::MIN_POSITIVE / Real::EPSILON;
+
 /// The time in [0, 1] at which two features come within `separation + tolerance`, m, the first
 /// being the first `FIRST` of the four vertices; `apart` gives the vector between the nearest
 /// points.
@@ -46,7 +49,7 @@ pub fn advance<const FIRST: usize>(
     apart: impl Fn(&[Vec3; 4]) -> Vec3,
 ) -> Option<Real> {
     let (start, end) = (start.map(|x| x - start[0]), end.map(|x| x - end[0]));
-    let size = largest(&start, &end);
+    let size = largest([&start, &end]);
     if !size.is_finite() {
         return Some(0.0);
     }
@@ -80,23 +83,30 @@ pub fn advance<const FIRST: usize>(
     Some(time)
 }
 
-/// The largest coordinate; infinite where one is not finite or lengths could overflow.
+/// The largest coordinate of vertices relative to the first; infinite where one is not finite or lengths
+/// could overflow.
 #[inline]
-fn largest(start: &[Vec3; 4], end: &[Vec3; 4]) -> Real {
+pub fn largest<const N: usize>(local: [&[Vec3; 4]; N]) -> Real {
     let (mut size, mut sum) = (Vec3::ZERO, Vec3::ZERO);
     for i in 1..4 {
-        size = size.max(start[i].abs()).max(end[i].abs());
-        sum += start[i] + end[i];
+        for x in local {
+            size = size.max(x[i].abs());
+            sum += x[i];
+        }
     }
     let size = size.max_element();
     if sum.is_finite() && (64.0 * size * size).is_finite() { size } else { Real::INFINITY }
 }
 
 /// When the slab between the features that is perpendicular to a direction is as thin as the
-/// target, at the earliest: 1 if never, `time` if it already is.
+/// target, at the earliest: 1 if never, `time` if it already is or the direction is too short to tell.
 #[inline]
 fn closing<const FIRST: usize>(direction: Vec3, now: &[Vec3; 4], end: &[Vec3; 4], time: Real, target: Real) -> Real {
-    let length = sqrt(direction.length_squared());
+    let squared = direction.length_squared();
+    if squared < LEAST_SQUARED {
+        return time;
+    }
+    let length = sqrt(squared);
     let (gap, last) = (slab::<FIRST>(direction, now) / length, slab::<FIRST>(direction, end) / length);
     if gap > target && last >= target {
         1.0

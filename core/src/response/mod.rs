@@ -11,7 +11,8 @@
 //!    keep sliding free, unlike rigid zones [Harmon 2008].
 //! 5. [`hold`]: as a last resort what still meets stays where it was.
 //!
-//! Nothing is accepted while a pair meets: the step is rejected and taken in halves.
+//! Nothing is accepted while a pair meets: the step is rejected and taken in halves. Where pairs are so near
+//! that rounding hides what they do, the end is [tested exactly](crate::audit::new_crossing).
 
 pub mod constraint;
 pub mod coupled;
@@ -38,6 +39,9 @@ const HOLD_ROUNDS: u32 = 100;
 pub enum Outcome {
     /// Nothing meets.
     Free,
+    /// Nothing meets as far as rounding tells: pairs touch, and only
+    /// [an exact test](crate::step::new_crossing) of the end tells whether they pass through one another.
+    Touches,
     /// A vertex was moved out of the box that its candidates were found for: sweep again, wider.
     Left,
     /// These vertices of two features still meet, and perhaps others: those that nothing can move, if
@@ -199,7 +203,7 @@ pub fn respond<D: Dispatch>(
         let Some(last) = met.last() else {
             now.touching = list.touching;
             tally.add(&now);
-            return Outcome::Free;
+            return if list.touching > 0 { Outcome::Touches } else { Outcome::Free };
         };
         let stuck = met.iter().find(|met| met.inverse_mass <= 0.0);
         if stuck.is_some() || round == most {

@@ -97,8 +97,8 @@ pub(super) fn columns(
     let (cloth, colliders) = (built.particles.positions.len(), columns.colliders.anchors.len());
     columns.firsts = built.cloths.iter().map(|range| range.vertices.start).chain([cloth as u32]).collect();
     columns.material = built.material.iter().map(|&x| vec3(x.into())).collect();
-    columns.mobility = mobility(built);
-    columns.mobility.resize(cloth + colliders, Vec3::ZERO);
+    columns.mobility = vec![Vec3::ZERO; cloth + colliders];
+    built.pins.view().write_mobility(&built.particles.inverse_masses, &mut columns.mobility[..cloth]);
     columns.radii = vec![0.0; cloth];
     columns.law_of = vec![0; cloth];
     for body in &columns.colliders.bodies {
@@ -111,13 +111,6 @@ pub(super) fn columns(
     columns.surface.first_passive = built.triangles.len() as u32;
     columns.surface.own_contact = contact.own;
     Ok(Some(columns))
-}
-
-/// Inverse masses along the axes that no pin holds.
-fn mobility(built: &BuiltScene) -> Vec<Vec3> {
-    let mut mobility: Vec<_> = built.particles.inverse_masses.iter().map(|&m| Vec3::splat(m)).collect();
-    built.pins.view().filter(&mut mobility);
-    mobility
 }
 
 #[cfg(feature = "serde")]

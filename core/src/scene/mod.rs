@@ -38,7 +38,8 @@ use crate::mesh::rest::RestSource;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SceneDesc {
-    /// What the scene is called.
+    /// What the scene is called; hosts that read files call one without a name by its file's.
+    #[cfg_attr(feature = "serde", serde(default = "defaults::name"))]
     pub name: String,
     /// A line about it.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -292,6 +293,9 @@ enum RestName {
 mod defaults {
     use super::RestSource;
 
+    pub fn name() -> super::String {
+        "untitled".into()
+    }
     pub fn frame_rate() -> f64 {
         30.0
     }

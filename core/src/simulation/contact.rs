@@ -44,7 +44,6 @@ impl Simulation {
     /// The phases between prediction and commit.
     pub(super) async fn resolve<D: Dispatch>(&mut self, part: Part, hold: bool, dispatch: &D) -> Result<(), Obstacle> {
         let most = if hold { LAST_WIDENINGS } else { MOST_WIDENINGS };
-        let touching = self.tally.touching;
         let mut widened = 0;
         loop {
             dispatch.enter(Stage::BroadPhase);
@@ -59,9 +58,8 @@ impl Simulation {
                 self.press(part, dispatch);
             }
             match self.respond(part, hold, dispatch) {
-                // The exact test decides on what was too near for a time of impact.
-                Outcome::Free if self.tally.touching > touching => return self.test_exactly(),
                 Outcome::Free => return Ok(()),
+                Outcome::Touches => return self.test_exactly(),
                 Outcome::Left if widened < most => widened += 1,
                 Outcome::Left | Outcome::Short { .. } => {
                     return Err(Obstacle { cause: Cause::TooMuch, particle: self.farthest() });
@@ -100,7 +98,7 @@ impl Simulation {
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return Outcome::Free };
         dispatch.enter(Stage::Response);
         let outcome = respond(&model.view(), contact, Settings { step, hold }, &mut self.tally, dispatch);
-        if outcome == Outcome::Free {
+        if matches!(outcome, Outcome::Free | Outcome::Touches) {
             self.touched = step::settle(step, &contact.view(), &mut self.scratch.view());
         }
         outcome
@@ -132,15 +130,11 @@ impl Simulation {
         step::couple(&context, &touching.view(), &mut contact.view(), holds, &mut scratch.view(), work);
     }
 
-    /// Whether no more passes through at the end of the step than at its start.
+    /// Whether nothing passes through at the end of the step that did not at its start.
     fn test_exactly(&mut self) -> Result<(), Obstacle> {
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return Ok(()) };
-        let (surface, view) = (model.surface.view(), contact.view());
-        let before = audit::crossings(&surface, view.start);
-        let after = audit::crossings(&surface, view.end);
-        let new = after.iter().find(|crossing| before.binary_search(crossing).is_err());
-        let Some(&[edge, triangle]) = new.filter(|_| after.len() > before.len()) else { return Ok(()) };
-        let ([a, b], [c, d, _]) = (surface.edges[edge as usize], surface.triangles[triangle as usize]);
+        let Some([edge, triangle]) = step::new_crossing(&model.view(), &mut contact.view()) else { return Ok(()) };
+        let ([a, b], [c, d, _]) = (model.surface.edges[edge as usize], model.surface.triangles[triangle as usize]);
         Err(self.obstacle([a, b, c, d]))
     }
 
@@ -171,21 +165,22 @@ impl Simulation {
     pub fn untangle(&mut self, dispatch: &impl Dispatch) -> Untangled {
         let mut places = self.places();
         let Some(model) = &self.built.contact else { return Untangled::default() };
-        let mut untangled = untangle::untangle(&model.view(), &mut places);
+        let mut untangled = untangle::untangle(&model.view(), &mut places, dispatch);
         if untangled.rounds == 0 {
             return untangled;
         }
         let positions = &mut self.built.particles.positions;
         places.truncate(positions.len());
         let start = core::mem::replace(positions, places);
-        self.scratch.has_history = false;
+        self.forget_the_past();
         for _ in 0..PARTINGS {
             let kept = self.positions().to_vec();
             if !self.part_near(dispatch) {
                 break;
             }
             let places = self.places();
-            let left = self.built.contact.as_ref().map_or(0, |model| audit::count(&model.surface.view(), &places));
+            let contact = self.built.contact.as_ref();
+            let left = contact.map_or(0, |model| audit::count(&model.surface.view(), &places, dispatch));
             if left > untangled.after {
                 self.built.particles.positions = kept;
                 break;
@@ -217,7 +212,8 @@ impl Simulation {
             }
             let settings = Settings { step, hold: false };
             match respond(model, contact, settings, &mut Tally::default(), dispatch) {
-                Outcome::Free => {
+                // Counted anew once all are apart.
+                Outcome::Free | Outcome::Touches => {
                     positions.copy_from_slice(&contact.view().end[..model.cloth()]);
                     return true;
                 }

@@ -9,20 +9,34 @@ use crate::real::{Sum, Vec3};
 /// How often a step is halved before what still meets is held back.
 const MOST_HALVINGS: u32 = 6;
 
-/// The state before a step that is taken in halves: as in [`State`].
-struct Kept {
+/// The state before a step that is taken in halves: as in [`State`], in columns sized once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept {
     columns: [Vec<Vec3>; 4],
+    has_history: bool,
     after_contact: bool,
+}
+
+impl Kept {
+    /// For columns of these lengths.
+    pub fn build(positions: &[Vec3], previous: &[Vec3]) -> Self {
+        Self { columns: [positions, positions, previous, previous].map(<[Vec3]>::to_vec), ..Self::default() }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.columns.iter().map(|column| size_of_val(&column[..])).sum()
+    }
 }
 
 impl Simulation {
     /// Takes a step in halves, as short as they must be; where that does not help the state is put
     /// back.
     pub(super) async fn step_in_halves<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Diverged> {
-        let kept = self.keep();
+        self.keep();
         let taken = self.halves(dispatch).await;
         if taken.is_err() {
-            self.put_back(&kept);
+            self.put_back();
         }
         taken
     }
@@ -49,15 +63,23 @@ impl Simulation {
         Ok(())
     }
 
-    fn keep(&self) -> Kept {
-        let State { positions, velocities, previous, after_contact, .. } = self.state();
-        Kept { columns: [positions, velocities, previous[0], previous[1]].map(<[Vec3]>::to_vec), after_contact }
+    fn keep(&mut self) {
+        let Self { built, scratch, kept, .. } = self;
+        let particles = &built.particles;
+        let own =
+            [&particles.positions, &particles.velocities, &scratch.previous_positions, &scratch.previous_velocities];
+        for (kept, own) in kept.columns.iter_mut().zip(own) {
+            kept.copy_from_slice(own);
+        }
+        (kept.has_history, kept.after_contact) = (scratch.has_history, self.after_contact);
     }
 
-    fn put_back(&mut self, kept: &Kept) {
-        let [positions, velocities, before, rates] = kept.columns.each_ref().map(|column| &column[..]);
-        let previous = [before, rates];
+    fn put_back(&mut self) {
+        let kept = core::mem::take(&mut self.kept);
+        let [positions, velocities, previous @ ..] = kept.columns.each_ref().map(|column| &column[..]);
+        let previous = if kept.has_history { previous } else { [&[][..]; 2] };
         let state = State { steps: self.steps, positions, velocities, previous, after_contact: kept.after_contact };
         self.restore(&state, self.work, self.tally);
+        self.kept = kept;
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Simulation;
 use crate::real::{Sum, Vec3};
+use crate::scene::BuiltScene;
 
 impl Simulation {
     /// Leads a vertex, held until now or not, to a place, m, evenly within so many seconds from now on, at
@@ -14,6 +15,7 @@ impl Simulation {
         }
         let now = self.time();
         self.built.pins.lead(vertex, [now, now + seconds], [from, place]);
+        self.take_over_pins();
         // A method of two steps cannot look back over what a hand does.
         self.scratch.has_history = false;
         self.built.pins.view().set_out(now, &mut self.built.particles.velocities);
@@ -23,7 +25,19 @@ impl Simulation {
     /// Lets go of a vertex, whatever held it; false where nothing does.
     pub fn release(&mut self, vertex: u32) -> bool {
         let released = self.built.pins.release(vertex);
+        self.take_over_pins();
         self.scratch.has_history &= !released;
         released
+    }
+
+    /// Tells contact and the preconditioner which axes are held.
+    fn take_over_pins(&mut self) {
+        let BuiltScene { particles, pins, contact, .. } = &mut self.built;
+        let pins = &pins.view();
+        self.scratch.hold(pins);
+        if let Some(contact) = contact {
+            let cloth = particles.positions.len();
+            pins.write_mobility(&particles.inverse_masses, &mut contact.mobility[..cloth]);
+        }
     }
 }

@@ -25,6 +25,7 @@ use alloc::vec::Vec;
 
 use crate::audit;
 use crate::contact::ContactModel;
+use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3, sqrt};
 use contour::Crossing;
 use topology::Topology;
@@ -99,11 +100,11 @@ impl Moves {
 
 /// Parts what passes through one another; `places` has the vertices of the cloth and then of the
 /// colliders, m, of which only those move that can.
-pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3]) -> Untangled {
+pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl Dispatch) -> Untangled {
     if !places.iter().all(|x| x.is_finite()) {
         return Untangled::default();
     }
-    let mut crossings = find(model, places);
+    let mut crossings = find(model, places, dispatch);
     let inside = solids::inside(model, places);
     let before = [crossings.len(), inside];
     let mut result = Untangled { before: before[0], after: before[0], inside: [inside; 2], ..Untangled::default() };
@@ -124,7 +125,7 @@ pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3]) -> Untangled {
             part(&scene, &topology, &crossings, places, &mut moves, attempt);
         }
         moves.apply(model.mobility, places);
-        crossings = find(model, places);
+        crossings = find(model, places, dispatch);
         let now = [crossings.len(), solids::inside(model, places)];
         if now < best && !is_torn(model, &start, places) {
             (best, waited) = (now, 0);
@@ -134,7 +135,7 @@ pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3]) -> Untangled {
             waited += 1;
             if waited % TRIES == 0 {
                 places.copy_from_slice(&best_places);
-                crossings = find(model, places);
+                crossings = find(model, places, dispatch);
             }
         }
         if best == [0; 2] || waited > PATIENCE {
@@ -160,13 +161,13 @@ fn is_torn(model: &ContactModel<'_>, start: &[Vec3], places: &[Vec3]) -> bool {
 }
 
 /// Crossings of what can touch.
-fn find(model: &ContactModel<'_>, places: &[Vec3]) -> Vec<Crossing> {
+fn find(model: &ContactModel<'_>, places: &[Vec3], dispatch: &impl Dispatch) -> Vec<Crossing> {
     let surface = &model.surface;
     let crossing = |features: [u32; 2]| {
         let [edge, triangle] = features;
         Crossing::new(features, surface.edges[edge as usize], surface.triangles[triangle as usize], places)
     };
-    audit::crossings(surface, places).into_iter().map(crossing).collect()
+    audit::crossings(surface, places, dispatch).into_iter().map(crossing).collect()
 }
 
 /// Asks for what parts the contours. Each `attempt` goes about it in another way, in turn: flaps as

@@ -5,6 +5,8 @@ const ROUNDING: f32 = 64.0 * EPSILON;
 const MOST_ADVANCES: u32 = 128u;
 const CLOSE: f32 = 0.1;
 const TARGET: f32 = 0.9;
+// Sums of squares below have lost digits to underflow.
+const LEAST_SQUARED: f32 = 1e-31;
 const LARGEST: f32 = 3.4e38;
 const NEVER: f32 = 2.0;
 
@@ -13,13 +15,11 @@ const NEVER: f32 = 2.0;
 fn advance(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>, separation: f32, tolerance: f32) -> f32 {
     var begin = x;
     var end = y;
-    var size = 0.0;
     for (var i = 0u; i < 4u; i++) {
         begin[i] = x[i] - x[0];
         end[i] = y[i] - y[0];
-        let coordinates = max(abs(begin[i]), abs(end[i]));
-        size = max(size, max(max(coordinates.x, coordinates.y), coordinates.z));
     }
+    let reserve = ROUNDING * largest(x, y);
     var time = 0.0;
     var hit = 0.0;
     var goal = 0.0;
@@ -29,7 +29,7 @@ fn advance(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>, separation: f32, tole
         let between = nearest(now).between;
         let distance = length(between);
         if advances == 0u {
-            let gap = max(min(CLOSE * (distance - separation), tolerance), ROUNDING * size);
+            let gap = max(min(CLOSE * (distance - separation), tolerance), reserve);
             hit = separation + gap;
             goal = separation + TARGET * gap;
         }
@@ -52,6 +52,15 @@ fn advance(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>, separation: f32, tole
     return time;
 }
 
+// The largest coordinate relative to the first vertex.
+fn largest(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>) -> f32 {
+    var most = vec3<f32>(0.0);
+    for (var i = 1u; i < 4u; i++) {
+        most = max(most, max(abs(x[i] - x[0]), abs(y[i] - y[0])));
+    }
+    return max(max(most.x, most.y), most.z);
+}
+
 // Whether all coordinates are numbers less than 2^29, whose differences have fourth powers, by their bits:
 // compilers may suppose that nothing is infinite or no number.
 fn are_moderate(x: array<vec3<f32>, 4>) -> bool {
@@ -63,10 +72,10 @@ fn are_moderate(x: array<vec3<f32>, 4>) -> bool {
 }
 
 // When the slab between the features that is perpendicular to a direction is as thin as the goal, at
-// the earliest: 1 if never, `time` if it already is.
+// the earliest: 1 if never, `time` if it already is or the direction is too short to tell.
 fn closing(along: vec3<f32>, now: array<vec3<f32>, 4>, end: array<vec3<f32>, 4>, time: f32, goal: f32) -> f32 {
     let squared = dot(along, along);
-    if !(squared > 0.0) {
+    if !(squared >= LEAST_SQUARED) {
         return time;
     }
     let size = sqrt(squared);

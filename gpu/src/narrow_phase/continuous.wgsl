@@ -1,5 +1,9 @@
 // When the features of each candidate meet in the course of a step; at once what is too large to square, or
 // no number.
+//
+// The core's reserve, ROUNDING of the size, is nearly twice what divisions and roots of the device are off by.
+// The size is that of both ends, as differences of moves may be taken as moves of differences; those of
+// positions are rounded once.
 
 @group(0) @binding(1) var<storage, read> candidates: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> features: array<u32>;
@@ -49,7 +53,7 @@ fn write_times(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         return;
     }
     // Nearly all candidates cannot have come near enough.
-    if farthest(x, y) < distance - separation {
+    if farthest(x, y) + ROUNDING * largest(x, y) < distance - separation {
         times[at] = NEVER;
         return;
     }

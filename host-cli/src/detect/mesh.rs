@@ -14,6 +14,8 @@ use crate::mesh_io;
 pub struct Subject {
     /// m.
     pub thickness: f32,
+    /// How many vertices belong to no triangle, and so touch nothing.
+    pub loose_vertices: usize,
     /// What can touch.
     pub surface: SurfaceColumns,
     /// m.
@@ -43,6 +45,7 @@ impl Subject {
         let around = |(start, end): (&Vec3, &Vec3)| Aabb { min: start.min(*end) - half, max: start.max(*end) + half };
         Ok(Self {
             thickness: arguments.thickness,
+            loose_vertices: mesh.loose_vertices(),
             surface: SurfaceColumns::build(positions.len(), &mesh.triangles, &[]),
             boxes: positions.iter().zip(ends).map(around).collect(),
             positions,

@@ -45,7 +45,7 @@ pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Re
     }
     let mut ms = StageMs { gpu: Some(milliseconds(time)), ..StageMs::default() };
     ms.gpu_stages = device::stage_times(detector.stage_ms(&gpu));
-    count_intersections(arguments, subject, &mut report, &mut ms);
+    pool.install(|| count_intersections(arguments, subject, pool, &mut report, &mut ms));
     report.ms = ms;
     Ok(report)
 }

@@ -25,6 +25,8 @@ pub struct Report {
     pub thickness_m: f32,
     pub threads: usize,
     pub vertices: usize,
+    /// Of them, those of no triangle.
+    pub loose_vertices: usize,
     pub triangles: usize,
     pub edges: usize,
 }
@@ -88,6 +90,7 @@ impl Report {
             thickness_m: arguments.thickness,
             threads,
             vertices: subject.positions.len(),
+            loose_vertices: subject.loose_vertices,
             triangles: subject.surface.triangles.len(),
             edges: subject.surface.edges.len(),
         }

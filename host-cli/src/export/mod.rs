@@ -21,6 +21,8 @@ pub enum Format {
     Usda,
     /// One VTK file for each frame, in `vtp/`, and `cloth.vtp.series` (ParaView).
     Vtp,
+    /// No frames.
+    None,
 }
 
 /// Why the cloth could not be exported.
@@ -88,7 +90,7 @@ impl Exporter {
         let clip = Clip { dir: dir.into(), triangles: triangles.into(), points, frame_rate, first_frame };
         // Named twice is meant once: two writers of one file would take it from each other.
         let once = formats.iter().enumerate().filter(|(place, format)| !formats[..*place].contains(format));
-        let writers = once.map(|(_, &format)| writer(format, &clip)).collect::<Result<_, _>>()?;
+        let writers = once.filter_map(|(_, &format)| writer(format, &clip).transpose()).collect::<Result<_, _>>()?;
         Ok(Exporter { clip, writers, next: first_frame })
     }
 
@@ -125,13 +127,14 @@ impl Exporter {
     }
 }
 
-fn writer(format: Format, clip: &Clip) -> Result<Box<dyn Writer>, WriteError> {
-    Ok(match format {
+fn writer(format: Format, clip: &Clip) -> Result<Option<Box<dyn Writer>>, WriteError> {
+    Ok(Some(match format {
         Format::Obj => Box::new(obj::ObjFrames),
         Format::Pc2 => Box::new(pc2::Pc2::begin(clip)?),
         Format::Usda => Box::new(usda::Usda::begin(clip)?),
         Format::Vtp => Box::new(vtp::Vtp::new(clip)),
-    })
+        Format::None => return Ok(None),
+    }))
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
 //! Reading meshes from files: Wavefront OBJ and Stanford PLY, and their motion from point caches.
 //! Vertex order is kept exactly.
 
+mod kind;
 mod obj;
 pub mod pc2;
 mod ply;
 mod polygon;
 
+use std::fmt::Display;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -15,6 +17,9 @@ use muslin_core::mesh::TriMesh;
 pub use obj::ObjError;
 pub use pc2::Pc2Error;
 pub use ply::PlyError;
+
+/// For who gives something else.
+const READ: &str = "meshes are read from Wavefront OBJ (.obj) and Stanford PLY (.ply)";
 
 /// Why a mesh file could not be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -28,10 +33,20 @@ pub enum MeshFileError {
         cause: io::Error,
     },
     /// The file name ends in neither `.obj` nor `.ply`.
-    #[error("{}: unknown mesh format; give a file that ends in .obj or .ply", path.display())]
+    #[error("{}: unknown mesh format; {READ}: give a file that ends in .obj or .ply", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
+    },
+    /// The file is not what its name says.
+    #[error("{}: this is {kind}, though it ends in .{ending}; {READ}", path.display())]
+    Kind {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+        /// How its name ends.
+        ending: &'static str,
     },
     /// The OBJ text is malformed.
     #[error("{}: {cause}", path.display())]
@@ -64,12 +79,30 @@ pub fn load(path: &Path) -> Result<TriMesh, MeshFileError> {
     let owned = || path.to_path_buf();
     let read = || fs::read(path).map_err(|cause| MeshFileError::Read { path: owned(), cause });
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let other = |kind: Option<&'static str>, ending: &'static str| {
+        kind.map_or(Ok(()), |kind| Err(MeshFileError::Kind { path: owned(), kind, ending }))
+    };
     match extension.as_deref() {
         Some("obj") => {
-            obj::parse(&String::from_utf8_lossy(&read()?)).map_err(|cause| MeshFileError::Obj { path: owned(), cause })
+            let bytes = read()?;
+            other(kind::not_obj(&bytes), "obj")?;
+            obj::parse(&String::from_utf8_lossy(&bytes)).map_err(|cause| MeshFileError::Obj { path: owned(), cause })
         }
-        Some("ply") => ply::parse(&read()?).map_err(|cause| MeshFileError::Ply { path: owned(), cause }),
+        Some("ply") => {
+            let bytes = read()?;
+            other(kind::not_ply(&bytes), "ply")?;
+            ply::parse(&bytes).map_err(|cause| MeshFileError::Ply { path: owned(), cause })
+        }
         _ => Err(MeshFileError::UnknownFormat { path: owned() }),
+    }
+}
+
+/// A word on vertices of a mesh that belong to no triangle, where there are any.
+pub fn loose_note(mesh: &dyn Display, count: usize) -> Option<String> {
+    match count {
+        0 => None,
+        1 => Some(format!("{mesh}: 1 vertex belongs to no triangle and touches nothing")),
+        _ => Some(format!("{mesh}: {count} vertices belong to no triangle and touch nothing")),
     }
 }
 

@@ -9,16 +9,25 @@ use muslin_core::mesh::{Stitch, TriMesh};
 
 use super::polygon;
 
-/// What is wrong in an OBJ file, and in which line.
+/// What is wrong in an OBJ file.
 #[derive(Debug, PartialEq, thiserror::Error)]
-#[error("line {line}: {problem}")]
-pub struct ObjError {
-    line: usize,
-    problem: Problem,
+pub enum ObjError {
+    /// A statement makes no sense.
+    #[error("line {line}: {problem}")]
+    Line {
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong in it.
+        problem: Problem,
+    },
+    /// There are lines, but none of them is of a mesh.
+    #[error("it has no line `v x y z` and no line `f a b c`; it is no Wavefront OBJ file, or one without a mesh")]
+    NoMesh,
 }
 
+/// What is wrong in a line.
 #[derive(Debug, PartialEq, thiserror::Error)]
-enum Problem {
+pub enum Problem {
     #[error("a number is missing; `{0}` needs more")]
     Missing(&'static str),
     #[error("`{0}` is not a number that can stand here")]
@@ -32,8 +41,12 @@ enum Problem {
 /// Reads the text of an OBJ file. Texture coordinates are kept only if every face has them.
 pub fn parse(text: &str) -> Result<TriMesh, ObjError> {
     let mut mesh = TriMesh::default();
+    let mut others = false;
     for (line, statement) in statements(text) {
-        add(&mut mesh, &statement).map_err(|problem| ObjError { line, problem })?;
+        others |= !add(&mut mesh, &statement).map_err(|problem| ObjError::Line { line, problem })?;
+    }
+    if others && mesh == TriMesh::default() {
+        return Err(ObjError::NoMesh);
     }
     if !mesh.has_uvs() {
         mesh.uvs.clear();
@@ -57,16 +70,18 @@ fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-fn add(mesh: &mut TriMesh, statement: &str) -> Result<(), Problem> {
+/// Whether the statement was understood, or is empty.
+fn add(mesh: &mut TriMesh, statement: &str) -> Result<bool, Problem> {
     let mut words = statement.split_ascii_whitespace();
     match words.next() {
         Some("v") => mesh.positions.push(vertex(&mut words)?),
         Some("vt") => mesh.uvs.push(texture(&mut words)?),
         Some("f") => face(mesh, words)?,
         Some("stitch") => mesh.stitches.push(stitch(&mut words)?),
-        _ => {}
+        None => {}
+        Some(_) => return Ok(false),
     }
-    Ok(())
+    Ok(true)
 }
 
 fn vertex(words: &mut SplitAsciiWhitespace) -> Result<[f64; 3], Problem> {
@@ -103,7 +118,7 @@ fn face(mesh: &mut TriMesh, words: SplitAsciiWhitespace) -> Result<(), Problem> 
     if corners.len() < 3 {
         return Err(Problem::FewCorners(corners.len()));
     }
-    for triangle in polygon::fan(&corners, &mesh.positions) {
+    for triangle in polygon::triangles(&corners, &mesh.positions) {
         mesh.triangles.push(triangle.map(|k| corners[k]));
         if textures.len() == corners.len() {
             mesh.uv_triangles.push(triangle.map(|k| textures[k]));

@@ -132,7 +132,8 @@ fn add_face(mesh: &mut TriMesh, face: usize, corners: &[f64]) -> Result<(), PlyE
         if good { Ok(index as u32) } else { Err(PlyError::OutOfRange { face, index, count }) }
     };
     let corners = corners.iter().map(vertex).collect::<Result<Vec<u32>, _>>()?;
-    mesh.triangles.extend(polygon::fan(&corners, &mesh.positions).map(|triangle| triangle.map(|k| corners[k])));
+    let triangles = polygon::triangles(&corners, &mesh.positions);
+    mesh.triangles.extend(triangles.iter().map(|triangle| triangle.map(|k| corners[k])));
     Ok(())
 }
 

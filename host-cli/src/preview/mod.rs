@@ -1,6 +1,9 @@
 //! Pictures of the cloth in motion: a looping GIF and a contact sheet (PNG).
 
 mod camera;
+#[cfg(test)]
+mod decode;
+mod image;
 mod palette;
 mod picture;
 mod raster;
@@ -9,16 +12,13 @@ mod shadow;
 mod solids;
 mod stage;
 
-use std::io;
 use std::path::Path;
 
 use glam::Vec3;
-use image::codecs::gif::{GifEncoder, Repeat};
-use image::codecs::png::PngEncoder;
-use image::{Delay, DynamicImage, ExtendedColorType, Frame, ImageEncoder, ImageError, Rgb, RgbImage, imageops};
 use rayon::prelude::*;
 
 use crate::export::whole::{self, WriteError};
+use image::{Animation, Image};
 use palette::Palette;
 use picture::Things;
 pub use solids::Solid;
@@ -127,15 +127,12 @@ impl Preview {
         let palette = Palette::of(&self.draw(&stage, &sample));
         let delays = self.delays(&shown);
         whole::write(path.into(), |file| {
-            let mut encoder = GifEncoder::new(file);
-            encoder.set_repeat(Repeat::Infinite).map_err(io_error)?;
+            let mut animation = Animation::new(file, SIZE, &palette.colours)?;
             for (batch, delays) in shown.chunks(BATCH).zip(delays.chunks(BATCH)) {
-                let mut pictures = self.draw(&stage, batch);
-                pictures.par_iter_mut().for_each(|picture| palette.apply(picture));
-                for (picture, &delay) in pictures.into_iter().zip(delays) {
-                    let picture = DynamicImage::from(picture).into_rgba8();
-                    let delay = Delay::from_numer_denom_ms(u32::from(delay) * 10, 1);
-                    encoder.encode_frame(Frame::from_parts(picture, 0, 0, delay)).map_err(io_error)?;
+                let pictures = self.draw(&stage, batch);
+                let indexed: Vec<_> = pictures.par_iter().map(|picture| palette.indices(picture)).collect();
+                for (pixels, &delay) in indexed.into_iter().zip(delays) {
+                    animation.add(pixels, delay)?;
                 }
             }
             Ok(())
@@ -147,17 +144,12 @@ impl Preview {
     pub fn write_png(&self, path: &Path) -> Result<(), PreviewError> {
         let stage = self.stage()?;
         let instants: Vec<usize> = spread(self.snapshots.len(), SHEET[0] * SHEET[1]).collect();
-        let side = |k: usize| (SHEET[k] * (SIZE[k] + GAP) - GAP) as u32;
-        let mut sheet = RgbImage::from_pixel(side(0), side(1), Rgb([255; 3]));
+        let size = [0, 1].map(|k| SHEET[k] * (SIZE[k] + GAP) - GAP);
+        let mut sheet = Image::filled(size, [255; 3]);
         for (k, tile) in self.draw(&stage, &instants).iter().enumerate() {
-            let [x, y] = [k % SHEET[0] * (SIZE[0] + GAP), k / SHEET[0] * (SIZE[1] + GAP)];
-            imageops::replace(&mut sheet, tile, x as i64, y as i64);
+            sheet.put(tile, [k % SHEET[0] * (SIZE[0] + GAP), k / SHEET[0] * (SIZE[1] + GAP)]);
         }
-        whole::write(path.into(), |file| {
-            let (width, height) = sheet.dimensions();
-            let encoder = PngEncoder::new(file);
-            encoder.write_image(sheet.as_raw(), width, height, ExtendedColorType::Rgb8).map_err(io_error)
-        })?;
+        whole::write(path.into(), |file| sheet.write_png(file))?;
         Ok(())
     }
 
@@ -168,7 +160,7 @@ impl Preview {
         Ok(Stage::around(cloth, &solids, self.solids.floor(&first.places), SIZE))
     }
 
-    fn draw(&self, stage: &Stage, snapshots: &[usize]) -> Vec<RgbImage> {
+    fn draw(&self, stage: &Stage, snapshots: &[usize]) -> Vec<Image> {
         let last = (self.snapshots.len() - 1).max(1) as f32;
         let draw = |&k: &usize| {
             let Snapshot { cloth, places } = &self.snapshots[k];
@@ -203,21 +195,12 @@ fn spread(count: usize, instants: usize) -> impl Iterator<Item = usize> {
     (0..instants).map(move |k| (2 * k * (count - 1) + steps) / (2 * steps))
 }
 
-fn io_error(error: ImageError) -> io::Error {
-    match error {
-        ImageError::IoError(error) => error,
-        other => io::Error::other(other),
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::decode::Decoded;
     use super::*;
-    use image::AnimationDecoder;
-    use image::codecs::gif::GifDecoder;
     use std::collections::HashSet;
     use std::fs;
-    use std::io::Cursor;
 
     const SIDE: usize = 12;
 
@@ -245,43 +228,37 @@ mod tests {
         preview
     }
 
-    /// The pictures of the animation and how long each is shown, milliseconds.
-    fn gif(preview: &Preview) -> Vec<(RgbImage, u32)> {
+    fn gif(preview: &Preview) -> Vec<Decoded> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.gif");
         preview.write_gif(&path).unwrap();
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
-        let frames = GifDecoder::new(Cursor::new(fs::read(path).unwrap())).unwrap().into_frames();
-        let picture = |frame: Frame| {
-            let delay = frame.delay().numer_denom_ms();
-            (DynamicImage::from(frame.into_buffer()).into_rgb8(), delay.0 / delay.1)
-        };
-        frames.map(|frame| picture(frame.unwrap())).collect()
+        decode::gif(&fs::read(path).unwrap())
     }
 
-    fn sheet(preview: &Preview) -> RgbImage {
+    fn sheet(preview: &Preview) -> Decoded {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sheet.png");
         preview.write_png(&path).unwrap();
-        image::open(path).unwrap().into_rgb8()
+        decode::png(&fs::read(path).unwrap())
     }
 
     /// Pixels of fabric: more red than blue, or the other way round, than wall and floor ever are.
-    fn fabric(picture: &RgbImage) -> usize {
-        picture.pixels().filter(|p| p.0[0].abs_diff(p.0[2]) > 24).count()
+    fn fabric(picture: &Decoded) -> usize {
+        picture.pixels.iter().filter(|p| p[0].abs_diff(p[2]) > 24).count()
     }
 
     #[test]
     fn the_animation_shows_moving_cloth() {
         let pictures = gif(&preview(8));
         assert_eq!(pictures.len(), 8);
-        for (picture, _) in &pictures {
-            assert_eq!(picture.dimensions(), (480, 360));
+        for picture in &pictures {
+            assert_eq!(picture.size, [480, 360]);
             assert!(fabric(picture) > 10_000, "{}", fabric(picture));
-            assert!(picture.pixels().collect::<HashSet<_>>().len() > 60);
+            assert!(picture.pixels.iter().collect::<HashSet<_>>().len() > 60);
         }
         for pair in pictures.windows(2) {
-            let changed = pair[0].0.pixels().zip(pair[1].0.pixels()).filter(|(a, b)| a != b).count();
+            let changed = pair[0].pixels.iter().zip(&pair[1].pixels).filter(|(a, b)| a != b).count();
             assert!(changed > 1000, "{changed}");
         }
     }
@@ -292,20 +269,20 @@ mod tests {
             let mut preview = preview(13);
             preview.frame_rate = rate;
             let pictures = gif(&preview);
-            assert!(pictures.iter().all(|(_, delay)| *delay >= 30));
-            pictures.iter().rev().skip(1).map(|(_, delay)| delay).sum::<u32>()
+            assert!(pictures.iter().all(|picture| picture.delay >= 3));
+            pictures.iter().rev().skip(1).map(|picture| picture.delay).sum::<u16>()
         };
-        assert_eq!(time(30.0), 400);
-        assert_eq!(time(60.0), 200);
-        assert_eq!(time(120.0), 100);
+        assert_eq!(time(30.0), 40);
+        assert_eq!(time(60.0), 20);
+        assert_eq!(time(120.0), 10);
     }
 
     #[test]
     fn the_sheet_shows_six_instants() {
         let sheet = sheet(&preview(3));
-        assert_eq!(sheet.dimensions(), (1448, 724));
+        assert_eq!(sheet.size, [1448, 724]);
         assert!(fabric(&sheet) > 60_000);
-        assert!(sheet.pixels().collect::<HashSet<_>>().len() > 1000);
+        assert!(sheet.pixels.iter().collect::<HashSet<_>>().len() > 1000);
     }
 
     #[test]

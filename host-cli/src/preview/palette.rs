@@ -2,24 +2,25 @@
 
 use std::collections::HashMap;
 
-use image::RgbImage;
+use super::image::Image;
 
 /// Colours that a GIF can hold.
 const SIZE: usize = 256;
 
-/// A palette and the colours already looked up in it.
+/// Colours that stand for all others.
 pub struct Palette {
-    colours: Vec<[u8; 3]>,
+    /// At most 256.
+    pub colours: Vec<[u8; 3]>,
 }
 
 type Weighted = ([u8; 3], f32);
 
 impl Palette {
     /// The colours that serve these pictures best.
-    pub fn of(pictures: &[RgbImage]) -> Palette {
+    pub fn of(pictures: &[Image]) -> Palette {
         let mut counts: HashMap<[u8; 3], f32> = HashMap::new();
-        for pixel in pictures.iter().flat_map(|picture| picture.pixels()) {
-            *counts.entry(pixel.0).or_default() += 1.0;
+        for &pixel in pictures.iter().flat_map(|picture| &picture.pixels) {
+            *counts.entry(pixel).or_default() += 1.0;
         }
         // In a fixed order, so that the same pictures give the same palette.
         let mut colours: Vec<Weighted> = counts.into_iter().map(|(colour, count)| (colour, count.sqrt())).collect();
@@ -36,17 +37,15 @@ impl Palette {
         Palette { colours: groups.iter().map(Group::mean).collect() }
     }
 
-    /// Replaces every colour by the nearest of the palette.
-    pub fn apply(&self, picture: &mut RgbImage) {
+    /// For every pixel the number of the nearest colour.
+    pub fn indices(&self, picture: &Image) -> Vec<u8> {
         let mut known = HashMap::new();
-        for pixel in picture.pixels_mut() {
-            pixel.0 = *known.entry(pixel.0).or_insert_with(|| self.nearest(pixel.0));
-        }
+        picture.pixels.iter().map(|&pixel| *known.entry(pixel).or_insert_with(|| self.nearest(pixel))).collect()
     }
 
-    fn nearest(&self, colour: [u8; 3]) -> [u8; 3] {
-        let distance = |c: &&[u8; 3]| (0..3).map(|k| u32::from(c[k].abs_diff(colour[k])).pow(2)).sum::<u32>();
-        self.colours.iter().min_by_key(distance).copied().unwrap_or(colour)
+    fn nearest(&self, colour: [u8; 3]) -> u8 {
+        let distance = |c: &[u8; 3]| (0..3).map(|k| u32::from(c[k].abs_diff(colour[k])).pow(2)).sum::<u32>();
+        (0..=u8::MAX).zip(&self.colours).min_by_key(|(_, c)| distance(c)).map_or(0, |(index, _)| index)
     }
 }
 
@@ -93,26 +92,31 @@ fn variance(colours: &[Weighted], channel: usize) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::Rgb;
+
+    fn picture(side: usize, colour: impl Fn(usize, usize) -> [u8; 3]) -> Image {
+        Image { size: [side; 2], pixels: (0..side * side).map(|k| colour(k % side, k / side)).collect() }
+    }
+
+    fn mapped(picture: &Image) -> Vec<[u8; 3]> {
+        let palette = Palette::of(std::slice::from_ref(picture));
+        palette.indices(picture).iter().map(|&index| palette.colours[usize::from(index)]).collect()
+    }
 
     #[test]
     fn few_colours_are_kept() {
-        let picture = RgbImage::from_fn(16, 16, |x, y| Rgb([x as u8 * 17, y as u8 * 17, 9]));
-        let mut same = picture.clone();
-        Palette::of(std::slice::from_ref(&picture)).apply(&mut same);
-        assert_eq!(same, picture);
+        let picture = picture(16, |x, y| [x as u8 * 17, y as u8 * 17, 9]);
+        assert_eq!(mapped(&picture), picture.pixels);
     }
 
     #[test]
     fn many_colours_come_close() {
-        let picture = RgbImage::from_fn(128, 128, |x, y| Rgb([x as u8 * 2, y as u8 * 2, (x + y) as u8]));
-        let mut mapped = picture.clone();
-        Palette::of(std::slice::from_ref(&picture)).apply(&mut mapped);
-        let mut colours: Vec<[u8; 3]> = mapped.pixels().map(|p| p.0).collect();
+        let picture = picture(128, |x, y| [x as u8 * 2, y as u8 * 2, (x + y) as u8]);
+        let mapped = mapped(&picture);
+        let mut colours = mapped.clone();
         colours.sort_unstable();
         colours.dedup();
         assert!((200..=256).contains(&colours.len()));
-        let off = picture.as_raw().iter().zip(mapped.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
+        let off = picture.pixels.as_flattened().iter().zip(mapped.as_flattened()).map(|(a, b)| a.abs_diff(*b)).max();
         assert!(off.unwrap() < 24, "{off:?}");
     }
 }

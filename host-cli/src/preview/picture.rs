@@ -1,8 +1,8 @@
 //! Draws one snapshot of the cloth and of what it falls on.
 
 use glam::Vec3;
-use image::{Rgb, RgbImage};
 
+use super::image::Image;
 use super::raster;
 use super::shade::{self, Side, Surface};
 use super::shadow::ShadowMap;
@@ -50,7 +50,7 @@ struct Hit {
 }
 
 /// Draws everything and the pins; `progress`, from 0 to 1, is shown as a bar along the bottom.
-pub fn draw(stage: &Stage, things: &Things<'_>, pins: &[u32], progress: f32) -> RgbImage {
+pub fn draw(stage: &Stage, things: &Things<'_>, pins: &[u32], progress: f32) -> Image {
     let scenery = Scenery::new(stage, things);
     let hits = scenery.hits(stage);
     let [width, height] = stage.size;
@@ -60,7 +60,7 @@ pub fn draw(stage: &Stage, things: &Things<'_>, pins: &[u32], progress: f32) -> 
         draw_pin(stage, &hits, pin, &mut pixels);
     }
     draw_bar(stage, progress, &mut pixels);
-    RgbImage::from_fn(width as u32, height as u32, |x, y| Rgb(shade::encode(pixels[y as usize * width + x as usize])))
+    Image { size: stage.size, pixels: pixels.into_iter().map(shade::encode).collect() }
 }
 
 impl<'a> Scenery<'a> {

@@ -111,14 +111,14 @@ impl Course {
     }
 
     /// Looks at the state as a frame: at the start, unless resumed, the caller's to do.
-    pub fn frame(&mut self, witness: &mut impl Witness) -> Result<(), Failure> {
+    pub fn frame(&mut self, pool: &Pool, witness: &mut impl Witness) -> Result<(), Failure> {
         let started = Instant::now();
         self.engine.write_positions(&mut self.positions);
         let record = &mut self.record;
         record.stretch = record.stretch.max(self.engine.largest_stretch());
         record.penetration = self.engine.penetration().map(|now| now.max(record.penetration.unwrap_or(0.0)));
         if self.audit {
-            let found = (self.engine.crossings() as u64, self.steps / self.timing.steps_per_frame);
+            let found = (self.engine.crossings(pool) as u64, self.steps / self.timing.steps_per_frame);
             if record.crossings.is_none_or(|worst| found.0 > worst.0) {
                 record.crossings = Some(found);
             }
@@ -152,7 +152,7 @@ impl Course {
             self.steps += 1;
             self.chain = self.engine.chain(Some(self.chain));
             if frame_ends {
-                self.frame(witness)?;
+                self.frame(pool, witness)?;
             }
             witness.step(self)?;
         }

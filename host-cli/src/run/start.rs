@@ -5,13 +5,15 @@ use std::f64::consts::TAU;
 
 use muslin_core::integrate::Method;
 use muslin_core::integrate::stability::{Mode, longest_step};
-use muslin_core::scene::{SceneDesc, Timing};
+use muslin_core::scene::{Content, SceneDesc, Timing};
 
 use crate::args::Precision;
 use crate::engine::{Engine, Untangled};
 use crate::failure::print_note;
+use crate::mesh_io;
 use crate::pool::Pool;
 use crate::record::Start;
+use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
 use crate::units::time;
 
@@ -78,6 +80,18 @@ fn weigh_limit(modes: &[Mode; 2], step: f64, method: Method) {
     ));
 }
 
+/// Says so where vertices of a collider's mesh touch nothing: cloth with such vertices is refused.
+pub fn weigh_meshes(scene: &SceneFile) {
+    for (name, content) in &scene.resources {
+        let of_collider = scene.desc.collider.iter().any(|collider| collider.file.as_ref() == Some(name));
+        if let (true, Content::Mesh(mesh)) = (of_collider, content)
+            && let Some(note) = mesh_io::loose_note(name, mesh.loose_vertices())
+        {
+            print_note(&note);
+        }
+    }
+}
+
 /// Says so where the thickness hardly fits the mesh: often it is not in metres.
 pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {
     let Some(contact) = &scene.contact else { return };
@@ -93,7 +107,7 @@ pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {
 /// Untangles the start of a scene with contact; with it what to tell a person, where there was something
 /// to do.
 pub fn untangle(engine: &mut dyn Engine, audit: bool, pool: &Pool) -> (Start, Option<String>) {
-    let audited = audit.then(|| engine.crossings() as u64);
+    let audited = audit.then(|| engine.crossings(pool) as u64);
     let Some(found) = engine.untangle(&Stopwatch::new(pool)) else {
         return (Start { crossings: audited, untangled: None }, None);
     };

@@ -6,7 +6,6 @@ mod trial;
 mod words;
 
 use crate::args::NeedsArguments;
-use crate::bench::cpu_name;
 use crate::failure::Failure;
 
 use super::terms::{self, Deed, Term};

@@ -9,8 +9,8 @@ use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
 
-use super::Study;
 use super::variant::{SAMPLES, Variant};
+use super::{Study, cost};
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub struct Trajectory {
     pub penetration: Option<f64>,
     /// At the end.
     pub report: Report,
-    /// In steps, s.
+    /// What its steps cost, s.
     pub wall: f64,
     /// How it ended.
     pub ending: Ending,
@@ -119,6 +119,7 @@ pub fn fly_scene(
         }
     }
     flight.report = engine.report();
+    study.spend(flight.wall);
     Ok(flight)
 }
 
@@ -133,11 +134,15 @@ fn sample(
 ) -> Result<Ending, Failure> {
     let before = flight.wall;
     let left = limits.wall.saturating_sub(Duration::from_secs_f64(before));
-    let stopwatch = Stopwatch::new(&study.pool).until(&study.stop).within(left);
+    let stopwatch = Stopwatch::new(&study.pool).until(&study.stop);
+    let stopwatch = if study.is_clocked() { stopwatch.within(left) } else { stopwatch };
     let started = Instant::now();
     for _ in 0..steps {
         let stepped = engine.step(&stopwatch);
-        flight.wall = before + started.elapsed().as_secs_f64();
+        flight.wall = match study.is_clocked() {
+            true => before + started.elapsed().as_secs_f64(),
+            false => cost::seconds(engine.counted()),
+        };
         match stepped {
             _ if study.stop.load(Ordering::Relaxed) => return Err(interrupted()),
             Ok(()) if flight.wall > limits.wall.as_secs_f64() => return Ok(Ending::OutOfTime),

@@ -8,7 +8,6 @@ mod winners;
 use muslin_core::integrate::Method;
 
 use crate::args::{ChartArguments, Precision};
-use crate::bench::cpu_name;
 use crate::engine;
 use crate::failure::Failure;
 
@@ -104,7 +103,7 @@ fn summarise(study: &Study<'_>, yardstick: &Yardstick<'_>, ladders: &[Ladder]) -
             least_charted: least,
             agreement: (measure == Measure::Positions).then(|| ladder::agreement(ladders, least)).flatten(),
         },
-        machine: cpu_name(),
+        machine: study.machine(),
         winners: winners::of(&rows, least),
         rows,
         orders: orders.collect(),

@@ -16,7 +16,7 @@ export function chart(figure, scene, seconds, over) {
     over();
   };
   worker.onmessage = ({ data }) => {
-    if (data.kind === "failed") state.doing = data.why;
+    state.why = data.why;
     state.doing = data.doing ?? state.doing;
     state.until = data.until ?? state.until;
     state.reference = data.reference ?? state.reference;
@@ -34,10 +34,11 @@ export function chart(figure, scene, seconds, over) {
 const escaped = (text) => text.replace(/[<&]/g, (letter) => (letter === "<" ? "&lt;" : "&amp;"));
 const powers = (values) => [Math.floor(Math.log10(Math.min(...values))), Math.ceil(Math.log10(Math.max(...values)))];
 
-function drawn({ name, points, doing, failed, until, reference, done }) {
+/** What is known so far, as markup; `why` it went no farther. */
+export function drawn({ name = "untitled", points, doing, failed, until, reference, done, why }) {
   // Clocks of browsers are coarse: what took no time cannot be drawn.
   const seen = points.filter(({ error, ms }) => error > 0 && ms > 0);
-  const now = done ? "" : `${escaped(doing || "Measuring")} …`;
+  const now = done ? escaped(why ?? "") : `${escaped(doing || "Measuring")} …`;
   if (seen.length === 0) return `<figcaption>${now || "Nothing was measured that could be drawn."}</figcaption>`;
   const [x0, x1] = powers(seen.map(({ ms }) => ms));
   const [y0, y1] = powers([...seen.map(({ error }) => error), reference || Infinity].filter(isFinite));

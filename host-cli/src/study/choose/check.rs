@@ -76,7 +76,7 @@ fn measure(pilot: &Pilot<'_>, found: &Found, finer: Option<&Trajectory>) -> Resu
     let fly = || fly_of(pilot.study, scene, &found.row.variant, limits);
     let run = fly()?;
     let mut walls = vec![run.wall];
-    while run.wall < SHORT && walls.len() < REPEATS {
+    while run.wall < SHORT && walls.len() < pilot.study.repeats(REPEATS) {
         walls.push(fly()?.wall);
     }
     let complete = run.ending == Ending::Complete;

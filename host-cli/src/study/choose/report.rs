@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use crate::bench::cpu_name;
 use crate::failure::Failure;
 use crate::study::distance::Measure;
 use crate::study::variant::Variant;
@@ -133,7 +132,7 @@ pub fn of(pilot: &Pilot<'_>, checked: &Checked) -> Result<Choice, Failure> {
         },
         nearest_other: nearest_other(pilot),
         longest_step: longest.step(&study.scene),
-        machine: cpu_name(),
+        machine: study.machine(),
         considered: pilot.considered.clone(),
     })
 }

@@ -81,7 +81,7 @@ fn attempt(pilot: &mut Pilot<'_>, found: Found, words: &str, edits: &[Edit]) -> 
 /// The part of its time that the choice saves as another scene, the run at `place`; the median of
 /// pairs of runs, none where there was no time for one.
 fn saved(pilot: &mut Pilot<'_>, found: &Found, scene: &SceneFile, place: usize) -> Result<Option<f64>, Failure> {
-    let pairs = if found.row.wall_s > LONG { 1 } else { PAIRS };
+    let pairs = if found.row.wall_s > LONG { 1 } else { pilot.study.repeats(PAIRS) };
     let mut parts = Vec::new();
     for _ in 0..pairs {
         let as_is = pilot.fly(&found.scene, &found.row.variant, f64::INFINITY)?;

@@ -53,7 +53,9 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
         let variant = Variant { method, precision: Precision::F32, steps };
         climb(pilot, variant, pilot.study.seconds() + share)?;
     }
-    time_rivals(pilot)?;
+    if pilot.study.is_clocked() {
+        time_rivals(pilot)?;
+    }
     Ok(pilot.cheapest().cloned())
 }
 

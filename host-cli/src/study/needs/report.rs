@@ -7,7 +7,6 @@ use crate::study::distance::Measure;
 use crate::study::median::median;
 use crate::units::{length, time};
 
-use super::cpu_name;
 use super::row::{Change, Counts, Row, Verdict, own_error};
 use super::trial::{Baseline, Trial, why_not};
 use super::words::{extent, list, moved};
@@ -80,7 +79,7 @@ pub fn of(study: &Study<'_>, baseline: &Baseline, trials: &[Trial], hidden: Hidd
         step_error_why: why_not(&baseline.half),
         wall_s: wall_as_it_is(baseline, trials),
         counts: Counts::of(&baseline.run.report),
-        machine: cpu_name(),
+        machine: study.machine(),
         conclusion: conclusion(&hidden, baseline),
         rows,
         hidden,

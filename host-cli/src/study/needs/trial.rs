@@ -115,9 +115,9 @@ impl Trial {
     }
 
     /// Whether its time is known well enough.
-    fn is_timed(&self) -> bool {
+    fn is_timed(&self, study: &Study<'_>) -> bool {
         let taken: f64 = self.walls.iter().map(|[_, wall]| wall).sum();
-        self.walls.len() >= REPEATS[usize::from(taken < SHORT)]
+        self.walls.len() >= study.repeats(REPEATS[usize::from(taken < SHORT)])
     }
 
     /// Runs the trial and the scene as it is once, in turn first, so that neither gains by its place.
@@ -150,7 +150,7 @@ pub fn run(study: &Study<'_>, baseline: &Baseline, trials: &mut [Trial]) -> Resu
         for trial in &mut *trials {
             let wanted = match round {
                 0 => !study.left().is_zero(),
-                _ => trial.complete().is_some() && !trial.is_timed() && study.left() > kept,
+                _ => trial.complete().is_some() && !trial.is_timed(study) && study.left() > kept,
             };
             if wanted {
                 trial.pair(study, baseline)?;

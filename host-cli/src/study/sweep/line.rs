@@ -49,7 +49,7 @@ pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<
     let summary = pool.install(|| {
         let (start, _) = start::untangle(engine.as_mut(), false, pool);
         let mut course = Course::begin(engine, timing, task.point.precision, false, start, None);
-        course.frame(&mut ())?;
+        course.frame(pool, &mut ())?;
         let started = Instant::now();
         match course.advance(pool, stop, &mut ())? {
             Ending::Interrupted => Err(Failure::Interrupted(format!(

@@ -183,7 +183,7 @@ fn fly_or_find(
         return Ok(None);
     }
     let mut walls = vec![run.wall];
-    while run.ending == Ending::Complete && run.wall < SHORT && walls.len() < REPEATS {
+    while run.ending == Ending::Complete && run.wall < SHORT && walls.len() < study.repeats(REPEATS) {
         let repeat = fly(study, variant, limits)?;
         // One that ran out of time took no time that could be told.
         if repeat.ending != Ending::Complete {

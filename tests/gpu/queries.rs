@@ -2,16 +2,18 @@
 
 use bytemuck::{cast_slice, cast_vec};
 use glam::DVec3;
+use harness::kit::single::rounded;
+use harness::query::{Pair, Query};
+use harness::rng::Rng;
+use harness::truth::queries;
 use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
 use muslin_gpu::alone::{Columns, run};
 use muslin_gpu::params::{PLAN_WORDS, Params, plan};
 use muslin_gpu::schedule::Dispatch;
 use muslin_gpu::slots::Slot;
-use muslin_tests::kit::single::rounded;
-use muslin_tests::query::{Pair, Query};
-use muslin_tests::truth::queries;
 
 use super::exact;
+use super::head_on::{KINDS, Row, cases};
 use super::methods::gpu;
 
 /// m that features keep; nearly all queries that miss do so by less.
@@ -35,6 +37,11 @@ fn kind(pair: Pair) -> ([&'static str; 2], [Slot; 3], usize) {
 
 /// When each query's features meet.
 fn times(pair: Pair, queries: &[Query]) -> Option<Vec<f32>> {
+    times_to_keep(SEPARATION, pair, queries, &vec![0.0; queries.len()])
+}
+
+/// When each query's features come within a separation, m, and the radius around the first.
+fn times_to_keep(separation: f32, pair: Pair, queries: &[Query], radii: &[f32]) -> Option<Vec<f32>> {
     let gpu = gpu()?;
     let (stages, [candidates, distances, times], place) = kind(pair);
     let count = queries.len() as u32;
@@ -49,6 +56,10 @@ fn times(pair: Pair, queries: &[Query]) -> Option<Vec<f32>> {
         Pair::EdgeEdge => (0..count).map(|i| [2 * i, 2 * i + 1]).collect(),
     };
     let triangles: Vec<[u32; 3]> = (0..count).map(|i| [4 * i + 1, 4 * i + 2, 4 * i + 3]).collect();
+    let around: Vec<f32> = match pair {
+        Pair::VertexTriangle => radii.iter().flat_map(|&r| [r, 0.0, 0.0, 0.0]).collect(),
+        Pair::EdgeEdge => radii.iter().flat_map(|&r| [r, r, 0.0, 0.0]).collect(),
+    };
     let empty = vec![0; queries.len()];
     let mut all = Columns::from([
         (candidates, cast_slice(&pairs).to_vec()),
@@ -56,13 +67,12 @@ fn times(pair: Pair, queries: &[Query]) -> Option<Vec<f32>> {
         (Slot::Edges, (0..4 * count).collect()),
         (Slot::Start, positions(|query| &query.start)),
         (Slot::End, positions(|query| &query.end)),
-        (Slot::Radii, vec![0; 4 * queries.len()]),
+        (Slot::Radii, cast_vec(around)),
         (distances, empty.clone()),
         (times, empty),
         (Slot::Plan, told),
     ]);
-    let params =
-        Params { vertex_triangle: count, edge_edge: count, reach: 1e9, separation: SEPARATION, ..Params::default() };
+    let params = Params { vertex_triangle: count, edge_edge: count, reach: 1e9, separation, ..Params::default() };
     let dispatch =
         |stage, entry, group: usize| Dispatch { stage, entry, groups: queries.len().div_ceil(group), params };
     let both = vec![dispatch(stages[0], "write_distances", 256), dispatch(stages[1], "write_times", 64)];
@@ -71,7 +81,7 @@ fn times(pair: Pair, queries: &[Query]) -> Option<Vec<f32>> {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn no_contact_is_missed() {
     for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
         let own: Vec<_> =
@@ -90,8 +100,36 @@ fn no_contact_is_missed() {
     }
 }
 
+/// As `detect --backend gpu --stage ccd` asks.
+fn fuzz_head_on(seed: u64, count: u64) {
+    let (rng, mut missed) = (&mut Rng::new(seed), 0);
+    for kind in KINDS {
+        let (own, mut row) = (cases(rng, kind, count, 24, true, rounded), Row::default());
+        let queries: Vec<_> = own.iter().map(|case| case.query.clone()).collect();
+        let radii: Vec<_> = own.iter().map(|case| case.radius as f32).collect();
+        let Some(times) = times_to_keep(0.0, kind.pair(), &queries, &radii) else { return };
+        for (case, &time) in own.iter().zip(&times) {
+            row.add(&case.query, case.touches || exact::touch(&case.query), time != NEVER);
+        }
+        missed += row.print("device", kind);
+    }
+    assert_eq!(missed, 0, "the first missed of each kind is printed above");
+}
+
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
+fn no_hit_head_on_is_missed() {
+    fuzz_head_on(506, 1_000);
+}
+
+#[test]
+#[ignore = "a command of its own"]
+fn long_form_of_head_on_hits() {
+    fuzz_head_on(507, 60_000);
+}
+
+#[test]
+#[ignore = "takes a graphics driver"]
 fn what_is_too_large_or_no_number_is_hit_at_once() {
     let corners = [DVec3::ZERO, DVec3::new(2.0, 1.0, 3.0), DVec3::new(3.0, 1.0, -1.0), DVec3::new(2.0, 4.0, 1.0)];
     for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
@@ -118,7 +156,7 @@ fn above(pair: Pair, height: f64) -> [DVec3; 4] {
 
 /// Both features end in one plane, far off: the nearer one's way is rounded to the other's.
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn nothing_is_missed_that_moves_far_together() {
     for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
         let own = [1e-4, 1e-3, 3e-3].map(|height| {
@@ -132,7 +170,7 @@ fn nothing_is_missed_that_moves_far_together() {
 
 /// Rounding hides what features do that are a few units of it apart.
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn what_rounding_hides_is_hit_at_once() {
     for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
         let down = |height: f64| {

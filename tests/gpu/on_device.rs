@@ -3,6 +3,8 @@
 use std::sync::Mutex;
 
 use glam::DVec3;
+use harness::kit::single::simulation;
+use harness::rng::Rng;
 use muslin_core::broad_phase::Counts;
 use muslin_core::contact::{ContactModel, ContactScratch};
 use muslin_core::dispatch::{Dispatch, Serial, Split};
@@ -11,8 +13,6 @@ use muslin_core::simulation::Simulation;
 use muslin_gpu::Gpu;
 use muslin_gpu::device::Ask;
 use muslin_gpu::step::StepDetector;
-use muslin_tests::kit::single::simulation;
-use muslin_tests::rng::Rng;
 
 use super::scenes::Scene;
 

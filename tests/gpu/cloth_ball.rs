@@ -1,14 +1,14 @@
 //! A real pair of frames: the candidates exactly, twice the same in the same order.
 
 use glam::Vec3;
+use harness::cloth_ball;
 use muslin_gpu::{Detector, Found, Wanted};
-use muslin_tests::cloth_ball;
 
 use super::case::Case;
 use super::methods::{columns, gpu};
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn counts_are_exact_and_the_order_is_repeatable() {
     let (Some(data), Some(gpu)) = (cloth_ball::load(), gpu()) else { return };
     let [first, second] = data.frames.map(|frame| frame.into_iter().map(Vec3::from_array));

@@ -3,6 +3,7 @@
 
 use bytemuck::cast_slice;
 use glam::DVec3;
+use harness::rng::Rng;
 use muslin_core::broad_phase::byte_boxes::{ByteBoxes, write_byte_boxes};
 use muslin_core::broad_phase::cells::{Home, Lattice, write_cells};
 use muslin_core::broad_phase::entries::{Entry, write_entries};
@@ -25,7 +26,6 @@ use muslin_gpu::params::{Capacities, PLAN_WORDS, Params, SCAN_BLOCK, fresh_plan,
 use muslin_gpu::schedule::{self, Dispatch, Order};
 use muslin_gpu::slots::{Sizes, Slot};
 use muslin_gpu::stages::{EDGE_EDGE, VERTEX_TRIANGLE};
-use muslin_tests::rng::Rng;
 
 use super::case::Case;
 use super::methods::{columns, gpu};
@@ -160,7 +160,7 @@ fn alike(count: usize) -> Vec<[DVec3; 3]> {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn every_column_is_the_core_s() {
     for count in SIZES {
         let case = Case::soup("alike", &alike(count), 0.01);
@@ -185,7 +185,7 @@ fn every_column_is_the_core_s() {
 
 /// How many a stage counts that ran with too little room for what it works on: none.
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn stages_behind_too_little_room_do_nothing() {
     let (case, all) = (Case::soup("alike", &alike(3000), 0.3), evenly(200_000));
     let counts = |capacities| {
@@ -210,7 +210,7 @@ fn stages_behind_too_little_room_do_nothing() {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn room_is_for_the_level_with_the_most_tiles() {
     let mut triangles = alike(3000);
     // A level of its own, and few of them meet.
@@ -249,7 +249,7 @@ fn compare_distances<P: Pairing>(
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn what_becomes_of_pairs_is_the_core_s() {
     let mut near = 0;
     for count in SIZES {
@@ -283,7 +283,7 @@ fn what_becomes_of_pairs_is_the_core_s() {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn sums_before_each_are_exact() {
     for length in SIZES.into_iter().chain([2047, 2048, 2049, 600_000]) {
         let rng = &mut Rng::new(length as u64);
@@ -297,7 +297,7 @@ fn sums_before_each_are_exact() {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn groups_beyond_a_row_are_folded() {
     let Some(gpu) = gpu() else { return };
     let (group, row) = (64, 65_535);
@@ -329,7 +329,7 @@ fn scanned(numbers: Vec<u32>) -> Option<(Vec<u32>, u32)> {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn sums_too_large_for_a_word_do_not_wrap() {
     for length in [3, 2048, 5000] {
         for place in [0, length / 2, length - 2] {
@@ -342,7 +342,7 @@ fn sums_too_large_for_a_word_do_not_wrap() {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn the_sort_is_stable() {
     let Some(gpu) = gpu() else { return };
     for count in SIZES {

@@ -1,16 +1,16 @@
 //! A crumpled sheet in motion: distances and times of its candidates, judged in double precision.
 
 use glam::DVec3;
+use harness::crumpled;
+use harness::kit::double::distance;
+use harness::query::{Pair, Query};
+use harness::rng::Rng;
 use muslin_core::dispatch::Serial;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::mesh::SurfaceColumns;
 use muslin_core::narrow_phase::continuous::{Motion, NEVER, TOUCHING, times};
 use muslin_core::narrow_phase::{EdgeEdge, VertexTriangle};
 use muslin_gpu::{Detector, Found, Wanted, stages};
-use muslin_tests::crumpled;
-use muslin_tests::kit::double::distance;
-use muslin_tests::query::{Pair, Query};
-use muslin_tests::rng::Rng;
 
 use super::case::{Case, single};
 use super::methods::{columns, gpu};
@@ -144,7 +144,7 @@ impl Scene {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn distances_are_right_to_rounding() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let mut near = 0;
@@ -161,7 +161,7 @@ fn distances_are_right_to_rounding() {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn contacts_are_what_is_near_but_for_a_band() {
     let (Some(all), Some(near)) = (scene(Wanted::Times), scene(Wanted::Contacts)) else { return };
     assert_eq!(all.found.candidates, near.found.candidates);
@@ -190,7 +190,7 @@ fn contacts_are_what_is_near_but_for_a_band() {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn times_are_never_late_and_not_needlessly_early() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let (mut hits, mut misses) = (0, 0);
@@ -222,7 +222,7 @@ fn times_are_never_late_and_not_needlessly_early() {
 /// The two may differ where features come so near that one still counts it and the other does not, and in
 /// how soon within that band they do.
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn times_are_the_core_s_but_for_a_band() {
     let Some(scene) = scene(Wanted::Times) else { return };
     let (mut alike, mut in_band, mut nearly_touching) = (0, 0, 0);

@@ -3,11 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use muslin_gpu::alone::{Columns, run};
 use muslin_gpu::params::Params;
-use muslin_gpu::schedule::{self, Order};
+use muslin_gpu::schedule::{self, Dispatch, Order};
 use muslin_gpu::slots::Sizes;
-use muslin_gpu::{Wanted, stages};
+use muslin_gpu::{Failed, Wanted, stages};
 
+use super::methods::gpu;
 use super::stages::evenly;
 
 /// What the device does without, and why.
@@ -24,7 +26,7 @@ const WITHOUT: [(&str, &str); 8] = [
 
 /// Files of a folder by their stems.
 fn stems(of: &str, extension: &str) -> BTreeSet<String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(of);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(of);
     let folders = ["broad_phase", "narrow_phase"];
     let files = folders.iter().flat_map(|folder| {
         let entries = std::fs::read_dir(root.join(folder)).expect("the folder is there");
@@ -40,10 +42,36 @@ fn every_dispatch_is_of_a_stage_of_the_table() {
     for wanted in [Wanted::Candidates, Wanted::Contacts, Wanted::Times] {
         let (params, sizes) = (Params::default(), Sizes { triangles: 300, vertices: 200, ..Sizes::default() });
         for dispatch in schedule::of(&Order { params, sizes, capacities, wanted }) {
-            let stage = stages::ALL.iter().find(|stage| stage.name == dispatch.stage);
-            let stage = stage.unwrap_or_else(|| panic!("no stage is called {}", dispatch.stage));
-            assert!(stage.entries.contains(&dispatch.entry), "{} has no {}", dispatch.stage, dispatch.entry);
+            let found = stages::find(dispatch.stage, dispatch.entry);
+            let [stage, entry] = found.unwrap_or_else(|| panic!("{} has no {}", dispatch.stage, dispatch.entry));
+            assert_eq!((stages::ALL[stage].name, stages::ALL[stage].entries[entry]), (dispatch.stage, dispatch.entry));
         }
+    }
+}
+
+/// The first stage and entry are what an unknown one must not be taken for.
+const UNKNOWN: [(&str, &str); 4] = [
+    ("broad_phase/bound", "write_bounds"),
+    ("", ""),
+    ("broad_phase/bounds", "write_bound"),
+    ("shared/scan", "scatter"),
+];
+
+#[test]
+fn what_is_not_in_the_table_is_not_found() {
+    for (stage, entry) in UNKNOWN {
+        assert_eq!(stages::find(stage, entry), None, "{stage} {entry}");
+    }
+}
+
+#[test]
+#[ignore = "takes a graphics driver"]
+fn what_is_not_in_the_table_is_not_run() {
+    let Some(gpu) = gpu() else { return };
+    for (stage, entry) in UNKNOWN {
+        let dispatch = Dispatch { stage, entry, groups: 1, params: Params::default() };
+        let ran = pollster::block_on(run(gpu, vec![dispatch], &mut Columns::new()));
+        assert_eq!(ran, Err(Failed::Unknown { stage, entry }));
     }
 }
 

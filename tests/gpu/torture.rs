@@ -1,5 +1,7 @@
 //! The torture set with candidates found on a device: nothing passes through anything.
 
+use muslin_core::dispatch::Serial;
+
 use super::methods::gpu;
 use super::on_device::{OnDevice, begin};
 use super::scenes::{SCENES, Scene};
@@ -8,7 +10,7 @@ fn check(scene: &Scene, seed: u64) {
     let (device, mut sim) = (OnDevice::open(), begin(scene, seed));
     for step in 1..=scene.steps {
         sim.step(&device).unwrap_or_else(|diverged| panic!("{}, seed {seed}: {diverged}", scene.name));
-        let (crossings, depth) = (sim.crossings(), sim.penetration().unwrap_or(0.0));
+        let (crossings, depth) = (sim.crossings(&Serial), sim.penetration().unwrap_or(0.0));
         assert_eq!((crossings, depth), (0, 0.0), "{}, seed {seed}: crossings and depth after step {step}", scene.name);
     }
     println!("{}: {:?}", scene.name, sim.tally());
@@ -18,7 +20,7 @@ fn check(scene: &Scene, seed: u64) {
 const SOME: [&str; 4] = ["folded", "wrung", "masses", "capsules"];
 
 #[test]
-#[cfg_attr(any(debug_assertions, not(gpu)), ignore = "takes --release and a graphics driver")]
+#[ignore = "takes a graphics driver"]
 fn nothing_passes_through_anything() {
     if gpu().is_some() {
         SCENES.iter().filter(|scene| SOME.contains(&scene.name)).for_each(|scene| check(scene, 0));
@@ -26,8 +28,8 @@ fn nothing_passes_through_anything() {
 }
 
 #[test]
-#[ignore = "takes a minute: all scenes"]
-fn nothing_passes_through_anything_in_any_scene() {
+#[ignore = "a command of its own"]
+fn long_form_of_every_scene() {
     if gpu().is_some() {
         SCENES.iter().for_each(|scene| check(scene, 0));
     }

@@ -1,9 +1,9 @@
 //! A device that is lost is an error and no panic; a step is repeated on another and comes out the same.
 
+use harness::crumpled;
 use muslin_core::real::Vec3;
 use muslin_gpu::device::Ask;
 use muslin_gpu::{Detector, Failed, Found, Gpu, Wanted};
-use muslin_tests::crumpled;
 
 use super::case::Case;
 use super::methods::{columns, gpu};
@@ -11,7 +11,7 @@ use super::on_device::{OnDevice, begin};
 use super::scenes::SCENES;
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn what_a_lost_device_is_asked_fails() {
     if gpu().is_none() {
         return;
@@ -36,7 +36,7 @@ fn what_a_lost_device_is_asked_fails() {
 const STEPS: [u32; 2] = [15, 30];
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn a_run_whose_device_is_lost_ends_the_same() {
     if gpu().is_none() {
         return;

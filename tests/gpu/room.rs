@@ -21,7 +21,7 @@ fn layers(close: u32, spread: f64, inflation: f64) -> Case {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn what_had_no_room_spoils_nothing_after_it() {
     let Some(gpu) = gpu() else { return };
     let [(dense, surface), (sparse, _)] = [0.0, 2.0].map(|spread| columns(&soup(spread)));
@@ -40,7 +40,7 @@ fn what_had_no_room_spoils_nothing_after_it() {
 }
 
 #[test]
-#[cfg_attr(not(gpu), ignore = "no graphics driver is installed")]
+#[ignore = "takes a graphics driver"]
 fn a_detector_finds_what_a_fresh_one_does() {
     let Some(gpu) = gpu() else { return };
     // Apart; with more pairs of edges than an answer is made for, and no more of others; with more of all.

@@ -1,0 +1,102 @@
+//! All checks, in the order in which they fail fastest: `cargo run -p muslin-tests --bin check [-- --all]`.
+//! Everything is run, whatever fails before it; failures are listed at the end. CI runs the same.
+#![forbid(unsafe_code)]
+
+mod plan;
+mod report;
+mod run;
+mod suites;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use lexopt::prelude::{Long, Short, ValueExt};
+use plan::Level;
+use report::Report;
+
+const HELP: &str = "\
+All checks of Muslin.
+
+Usage: cargo run -p muslin-tests --bin check [-- OPTIONS]
+
+  --all        also what is slow: torture, every scene, the GPU, the browser, other targets and profiles
+  --only WORD  only the steps and the suites that have WORD in their name
+  --list       all steps and suites, with + those of --all
+  --help       this
+
+Examples:
+  cargo run -p muslin-tests --bin check                          after a change: minutes
+  cargo run -p muslin-tests --bin check -- --all                 before it is published: all of it
+  cargo run -p muslin-tests --bin check -- --only forces         one suite, and only what it needs is built
+  cargo run -p muslin-tests --bin check -- --all --only torture  one suite with its slow tests
+
+One test: cargo test -p muslin-tests --test forces NAME
+";
+
+struct Arguments {
+    level: Level,
+    only: Option<String>,
+    list: bool,
+    help: bool,
+}
+
+fn arguments() -> Result<Arguments, lexopt::Error> {
+    let mut arguments = Arguments { level: Level::Everyday, only: None, list: false, help: false };
+    let mut parser = lexopt::Parser::from_env();
+    while let Some(argument) = parser.next()? {
+        match argument {
+            Long("all") => arguments.level = Level::All,
+            Long("only") => arguments.only = Some(parser.value()?.string()?),
+            Long("list") => arguments.list = true,
+            Long("help") | Short('h') => arguments.help = true,
+            _ => return Err(argument.unexpected()),
+        }
+    }
+    Ok(arguments)
+}
+
+fn main() -> ExitCode {
+    let arguments = match arguments() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            eprintln!("{error}: see --help");
+            return ExitCode::from(2);
+        }
+    };
+    if arguments.help {
+        print!("{HELP}");
+        return ExitCode::SUCCESS;
+    }
+    match check(&arguments) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(why) => {
+            eprintln!("{why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Whether all that was asked for passed.
+fn check(arguments: &Arguments) -> Result<bool, String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut steps = plan::steps(&suites::all(&root)?);
+    if arguments.list {
+        steps.iter().for_each(|step| print!("{step}"));
+        return Ok(true);
+    }
+    steps = steps.into_iter().filter_map(|step| step.at(arguments.level)).collect();
+    if let Some(word) = &arguments.only {
+        steps = steps.into_iter().filter_map(|step| step.part(word)).collect();
+        if steps.is_empty() {
+            return Err(format!("no step or suite of this level has {word:?} in its name: see --list"));
+        }
+    }
+    let mut report = Report::new();
+    if arguments.level == Level::All {
+        run::install(&mut report);
+    }
+    steps.iter().for_each(|step| run::step(&root, step, arguments.level, &mut report));
+    print!("{report}");
+    Ok(report.passed())
+}

@@ -1,0 +1,147 @@
+//! What came of it: the time of every step and suite, the slowest tests, what was left out, what failed.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::time::{Duration, Instant};
+
+/// How many of the slowest tests are listed.
+const SLOWEST: usize = 10;
+
+/// By which a test says that it needs something that is not there.
+const SKIPPED: &str = "skipped: ";
+
+/// One test.
+#[derive(Clone, Debug)]
+pub struct Test {
+    /// With its modules.
+    pub name: String,
+    /// Its time, s.
+    pub seconds: f64,
+    /// Whether it passed; `None`: it was left out.
+    pub passed: Option<bool>,
+    /// What it printed.
+    pub output: String,
+}
+
+/// What came of a command or of a suite.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    name: String,
+    time: Duration,
+    /// Its tests, of a suite.
+    pub tests: Vec<Test>,
+    /// Each with the first step of its mend.
+    pub failures: Vec<String>,
+}
+
+/// What came of everything.
+#[derive(Debug)]
+pub struct Report {
+    started: Instant,
+    outcomes: Vec<Outcome>,
+    skipped: BTreeSet<String>,
+}
+
+impl Outcome {
+    /// Passed, in this time.
+    pub fn new(name: String, time: Duration) -> Self {
+        Self { name, time, tests: Vec::new(), failures: Vec::new() }
+    }
+
+    /// The same with one more failure.
+    pub fn failed(mut self, why: String) -> Self {
+        self.failures.push(why);
+        self
+    }
+
+    fn count(&self, passed: Option<bool>) -> usize {
+        self.tests.iter().filter(|test| test.passed == passed).count()
+    }
+
+    /// Counts of passed, failed and left out; a command counts as one.
+    fn counts(&self) -> [usize; 3] {
+        if self.tests.is_empty() {
+            let failed = usize::from(!self.failures.is_empty());
+            return [1 - failed, failed, 0];
+        }
+        [self.count(Some(true)), self.failures.len(), self.count(None)]
+    }
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:>7.1} s", self.time.as_secs_f64())?;
+        let [passed, failed, left_out] = self.counts();
+        if !self.tests.is_empty() {
+            write!(f, "{passed:>5} passed")?;
+            if left_out > 0 {
+                write!(f, ", {left_out} slow left out")?;
+            }
+        }
+        if failed > 0 { write!(f, "  {failed} FAILED") } else { Ok(()) }
+    }
+}
+
+impl Report {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self { started: Instant::now(), outcomes: Vec::new(), skipped: BTreeSet::new() }
+    }
+
+    /// One more outcome.
+    pub fn add(&mut self, outcome: Outcome) {
+        let said = outcome.tests.iter().flat_map(|test| test.output.lines());
+        self.skipped.extend(said.filter_map(|line| line.strip_prefix(SKIPPED)).map(str::to_owned));
+        if outcome.tests.is_empty() && outcome.failures.is_empty() {
+            println!("    passed in {:.1} s", outcome.time.as_secs_f64());
+        }
+        for failure in outcome.failures.iter().filter(|_| outcome.tests.is_empty()) {
+            println!("    FAILED: {failure}");
+        }
+        self.outcomes.push(outcome);
+    }
+
+    /// A step that cannot be run here.
+    pub fn skipped(&mut self, name: &str, why: &str) {
+        println!("    skipped: {why}");
+        self.skipped.insert(format!("{name}: {why}"));
+    }
+
+    /// Whether nothing failed.
+    pub fn passed(&self) -> bool {
+        self.outcomes.iter().all(|outcome| outcome.failures.is_empty())
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "\nTime of each step and suite")?;
+        for outcome in &self.outcomes {
+            writeln!(f, "    {:<40}{outcome}", outcome.name)?;
+        }
+        let tests = self.outcomes.iter().flat_map(|outcome| outcome.tests.iter().map(move |test| (outcome, test)));
+        let mut tests: Vec<_> = tests.collect();
+        tests.sort_by(|(_, a), (_, b)| b.seconds.total_cmp(&a.seconds));
+        if !tests.is_empty() {
+            writeln!(f, "\nThe slowest tests")?;
+        }
+        for (suite, test) in tests.iter().take(SLOWEST) {
+            writeln!(f, "    {:>7.1} s  {} {}", test.seconds, suite.name, test.name)?;
+        }
+        if !self.skipped.is_empty() {
+            writeln!(f, "\nNot tested here")?;
+        }
+        self.skipped.iter().try_for_each(|why| writeln!(f, "    {why}"))?;
+        let failures = self.outcomes.iter().flat_map(|outcome| outcome.failures.iter().map(move |why| (outcome, why)));
+        let failures: Vec<_> = failures.collect();
+        if !failures.is_empty() {
+            writeln!(f, "\nFailed")?;
+        }
+        for (outcome, why) in &failures {
+            writeln!(f, "    {}: {why}", outcome.name)?;
+        }
+        let sum = |k: usize| self.outcomes.iter().map(|outcome| outcome.counts()[k]).sum::<usize>();
+        writeln!(f, "\nin {:.0} s", self.started.elapsed().as_secs_f64())?;
+        writeln!(f, "{} passed, {} failed, {} skipped", sum(0), sum(1), sum(2))
+    }
+}

@@ -1,0 +1,138 @@
+//! Runs steps: commands as they are, suites test by test, with the time that each took.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use serde_json::Value;
+
+use crate::plan::{BARE_TARGETS, Level, Step, Work};
+use crate::report::{Outcome, Report, Test};
+use crate::suites::{self, Suite};
+
+/// Where a browser must be tested; without it only where there is what that needs.
+const REQUIRE_BROWSER: &str = "MUSLIN_REQUIRE_BROWSER";
+
+/// By which libtest tells in JSON what became of each test, and how long it took. It is unstable, and asks for
+/// `RUSTC_BOOTSTRAP` in the environment of the tests.
+const TOLD: [&str; 5] = ["-Zunstable-options", "--format=json", "--report-time", "--show-output", "--color=never"];
+
+/// In the name of a test that is a command of its own, which no level runs.
+const LONG_FORM: &str = "long_form";
+
+/// Runs a step to its end, whatever fails.
+pub fn step(root: &Path, step: &Step, level: Level, report: &mut Report) {
+    println!("==> {}", step.name);
+    if let Some(why) = missing(step) {
+        return report.skipped(&step.name, &why);
+    }
+    match &step.work {
+        Work::Command(line, variables) => report.add(command(root, &step.name, line, variables)),
+        Work::Suites(profile, suites) => {
+            let started = Instant::now();
+            let built = suites::build(root, profile, suites);
+            let outcome = Outcome::new(format!("{}: build", step.name), started.elapsed());
+            match built {
+                Ok(built) => {
+                    report.add(outcome);
+                    built.iter().for_each(|(suite, path)| report.add(run(suite, path, profile, level)));
+                }
+                Err(why) => report.add(outcome.failed(why)),
+            }
+        }
+    }
+}
+
+fn command(root: &Path, name: &str, line: &str, variables: &[(&str, &str)]) -> Outcome {
+    let mut words = line.split(' ');
+    let program = words.next().unwrap_or_default();
+    let started = Instant::now();
+    let mut command = Command::new(if program == "cargo" { env!("CARGO") } else { program });
+    let status = command.args(words).envs(variables.iter().copied()).current_dir(root).status();
+    let outcome = Outcome::new(name.to_owned(), started.elapsed());
+    match status {
+        Ok(status) if status.success() => outcome,
+        Ok(_) => {
+            let set: String = variables.iter().map(|(name, value)| format!("{name}=\"{value}\" ")).collect();
+            outcome.failed(format!("repeat it with: {set}{line}"))
+        }
+        Err(error) => outcome.failed(format!("cannot start {program}: {error}")),
+    }
+}
+
+/// Why a step cannot be run here, if it need not be.
+fn missing(step: &Step) -> Option<String> {
+    let line = match &step.work {
+        Work::Command(line, _) => line.as_str(),
+        Work::Suites(..) => return None,
+    };
+    let of_browser = line.starts_with("node") || line.contains("muslin-pack");
+    (of_browser && std::env::var_os(REQUIRE_BROWSER).is_none() && !is_there("npm"))
+        .then(|| "npm is not there (https://nodejs.org): the page and the npm package are not tested".to_owned())
+}
+
+fn is_there(program: &str) -> bool {
+    Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
+}
+
+/// Adds what the full level needs beside the compiler, where rustup has not got it yet.
+pub fn install(report: &mut Report) {
+    let added = |arguments: &[&str]| Command::new("rustup").args(arguments).status().is_ok_and(|done| done.success());
+    let targets: Vec<_> = ["target", "add"].into_iter().chain(BARE_TARGETS).collect();
+    if !(added(&targets) && added(&["component", "add", "rust-src"])) {
+        let why = "install Rust by rustup (https://rustup.rs) and try again";
+        report.add(Outcome::new("targets".to_owned(), std::time::Duration::ZERO).failed(why.to_owned()));
+    }
+}
+
+/// Runs a suite; at the full level with the tests that are marked as slow.
+fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
+    print!("    {:<24}", suite.name);
+    let _ = std::io::stdout().flush();
+    let started = Instant::now();
+    let mut command = Command::new(path);
+    command.args(TOLD).args(["--skip", LONG_FORM]).args((level == Level::All).then_some("--include-ignored"));
+    command.env("RUSTC_BOOTSTRAP", "1").current_dir(suite.folder()).stdout(Stdio::piped());
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // Mesa complains where there is none.
+        command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
+    }
+    let mut tests = Vec::new();
+    let ended = command.spawn().and_then(|mut child| {
+        let lines = BufReader::new(child.stdout.take().expect("it is piped")).lines().map_while(Result::ok);
+        tests.extend(lines.filter_map(|line| test(&line)));
+        child.wait()
+    });
+    let mut outcome = Outcome::new(suite.name.clone(), started.elapsed());
+    for test in tests.iter().filter(|test| test.passed == Some(false)) {
+        println!("\n---- {}: {}\n{}", suite.name, test.name, test.output);
+        outcome = outcome.failed(format!("{}: repeat it with: {}", test.name, suite.repeat(&test.name, profile)));
+    }
+    match ended {
+        Ok(status) if status.success() || !outcome.failures.is_empty() => {}
+        Ok(status) => outcome = outcome.failed(format!("it ended by {status}, and did not say why")),
+        Err(error) => outcome = outcome.failed(format!("cannot start {}: {error}", path.display())),
+    }
+    outcome.tests = tests;
+    println!("{outcome}");
+    outcome
+}
+
+/// What a line of libtest tells of a test that has ended.
+fn test(line: &str) -> Option<Test> {
+    let event: Value = serde_json::from_str(line).ok()?;
+    let passed = match event["event"].as_str().filter(|_| event["type"] == "test")? {
+        "ok" => Some(true),
+        "failed" => Some(false),
+        "ignored" => None,
+        _ => return None,
+    };
+    let text = |key: &str| event[key].as_str().unwrap_or_default().to_owned();
+    Some(Test {
+        name: text("name"),
+        seconds: event["exec_time"].as_f64().unwrap_or(0.0),
+        passed,
+        output: text("stdout") + &text("message"),
+    })
+}

@@ -1,0 +1,25 @@
+//! Steps on one thread, compiled here once: a test that calls `Simulation::step` compiles all of a step anew.
+
+/// A simulation that takes steps.
+pub trait Steps {
+    /// Why it cannot.
+    type Diverged;
+
+    /// Takes one step on one thread.
+    fn take_step(&mut self) -> Result<(), Self::Diverged>;
+}
+
+macro_rules! steps {
+    ($muslin:ident) => {
+        impl Steps for $muslin::simulation::Simulation {
+            type Diverged = $muslin::simulation::Diverged;
+
+            fn take_step(&mut self) -> Result<(), Self::Diverged> {
+                self.step(&$muslin::dispatch::Serial)
+            }
+        }
+    };
+}
+
+steps!(muslin_core);
+steps!(muslin_core_f64);

@@ -1,0 +1,102 @@
+//! Does a mistake turn a test red? Each mutant of the [table], a small fault, is put into a copy of the project, and
+//! the suites that should find it are run: `cargo run -p muslin-tests --bin mutants [-- WORD]`, only those with the
+//! word in their description. It takes a minute and a half each, and no level of `check` runs it.
+#![forbid(unsafe_code)]
+
+mod table;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::{env, fs};
+
+use table::{MUTANTS, Mutant};
+
+/// By which `check` says that what it should test does not compile.
+const UNBUILT: &str = "cannot be built";
+
+/// A copy of the project, and where it is built.
+struct Copy {
+    root: PathBuf,
+    build: PathBuf,
+}
+
+impl Copy {
+    /// Of every file that git knows, as it is now.
+    fn new(root: &Path) -> Result<Self, String> {
+        let folder = root.join("target/mutants");
+        let copy = Self { root: folder.join("tree"), build: folder.join("build") };
+        let listed = Command::new("git").args(["ls-files"]).current_dir(root).output();
+        let listed = listed.map_err(|error| format!("cannot start git: {error}"))?;
+        for file in String::from_utf8_lossy(&listed.stdout).lines() {
+            let (from, to) = (root.join(file), copy.root.join(file));
+            // What has not changed keeps its time, so that it is not built anew.
+            if fs::read(&from).ok() != fs::read(&to).ok() {
+                let folder = to.parent().unwrap_or(&copy.root);
+                fs::create_dir_all(folder).and_then(|()| fs::copy(&from, &to)).map_err(|e| format!("{file}: {e}"))?;
+            }
+        }
+        Ok(copy)
+    }
+
+    /// The first failure that `check` tells of a suite, if it fails.
+    fn check(&self, suite: &str, options: &str) -> Result<Option<String>, String> {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["run", "--quiet", "-p", "muslin-tests", "--bin", "check", "--"]);
+        cargo.args(options.split_whitespace()).args(["--only", suite]);
+        let output = cargo.current_dir(&self.root).env("CARGO_TARGET_DIR", &self.build).output();
+        let output = output.map_err(|error| format!("cannot start cargo: {error}"))?;
+        let told = String::from_utf8_lossy(&output.stdout);
+        if told.contains(UNBUILT) || !output.status.success() && !told.contains("\nFailed\n") {
+            return Err(format!("{told}\n{}", String::from_utf8_lossy(&output.stderr)));
+        }
+        let failed = told.split_once("\nFailed\n").and_then(|(_, failed)| failed.lines().next());
+        Ok(failed.map(|line| line.trim().split(": repeat").next().unwrap_or_default().to_owned()))
+    }
+}
+
+/// The level that finds a mutant and the test that does; `None`, if it is missed.
+fn hunt(copy: &Copy, mutant: &Mutant) -> Result<Option<(&'static str, String)>, String> {
+    let file = copy.root.join(mutant.file);
+    let whole = fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+    if whole.matches(mutant.old).count() != 1 {
+        return Err(format!("{} has {:?} not just once: put the mutant elsewhere", mutant.file, mutant.old));
+    }
+    let write = |text: &str| fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()));
+    write(&whole.replace(mutant.old, mutant.new))?;
+    let levels = [("everyday", "", mutant.everyday), ("all", "--all", mutant.all)];
+    let mut suites =
+        levels.into_iter().flat_map(|(level, options, suites)| suites.iter().map(move |s| (level, options, s)));
+    let found = suites.find_map(|(level, options, suite)| {
+        let found = copy.check(suite, options).transpose()?;
+        Some(found.map(|test| (level, test)))
+    });
+    write(&whole)?;
+    found.transpose()
+}
+
+/// How many mutants there were with a word in their description, and how many of them were missed.
+fn all(word: &str) -> Result<[usize; 2], String> {
+    let copy = Copy::new(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))?;
+    let [mut count, mut missed] = [0; 2];
+    for mutant in MUTANTS.iter().filter(|mutant| mutant.what.contains(word)) {
+        let found = hunt(&copy, mutant).map_err(|why| format!("{}: {why}", mutant.what))?;
+        count += 1;
+        missed += usize::from(found.is_none());
+        let (level, test) = found.unwrap_or(("MISSED", String::new()));
+        println!("| {count} | {} | `{}` | {level} | {test} |", mutant.what, mutant.file);
+    }
+    Ok([count, missed])
+}
+
+fn main() -> ExitCode {
+    match all(&env::args().nth(1).unwrap_or_default()) {
+        Ok([count, missed]) => {
+            println!("{} found, {missed} missed", count - missed);
+            if missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+        }
+        Err(why) => {
+            eprintln!("{why}");
+            ExitCode::from(2)
+        }
+    }
+}

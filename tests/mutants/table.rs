@@ -1,0 +1,181 @@
+//! Small faults, one at a time, and the suites that should find each.
+
+/// A small fault.
+pub struct Mutant {
+    /// In words.
+    pub what: &'static str,
+    /// Where it is put.
+    pub file: &'static str,
+    /// What stands there, once.
+    pub old: &'static str,
+    /// What takes its place.
+    pub new: &'static str,
+    /// Suites that should find it every day.
+    pub everyday: &'static [&'static str],
+    /// Suites that find it with all their tests, where those do not.
+    pub all: &'static [&'static str],
+}
+
+/// In the order of the flow.
+pub const MUTANTS: &[Mutant] = &[
+    Mutant {
+        what: "Springs damp by one per cent too much",
+        file: "core/src/forces/spring.rs",
+        old: "d * (spring.damping * w.dot(d) / square)",
+        new: "d * (spring.damping * 1.01 * w.dot(d) / square)",
+        everyday: &["forces"],
+        all: &[],
+    },
+    Mutant {
+        what: "The projection of a membrane loses the sign of its twist",
+        file: "core/src/forces/membrane.rs",
+        old: "blocks[1] += rest * sign;",
+        new: "blocks[1] += rest;",
+        everyday: &["forces"],
+        all: &[],
+    },
+    Mutant {
+        what: "A hinge mixes up the reach of its two triangles",
+        file: "core/src/forces/hinge.rs",
+        old: "[length - reach[0], length - reach[1]],",
+        new: "[length - reach[1], length - reach[0]],",
+        everyday: &["forces"],
+        all: &[],
+    },
+    Mutant {
+        what: "BDF2 looks back by the wrong part",
+        file: "core/src/integrate/bdf2.rs",
+        old: "*vh = v[i] + (v[i] - vp[i]) / 3.0;",
+        new: "*vh = v[i] + (v[i] - vp[i]) / 3.1;",
+        everyday: &["integrate"],
+        all: &[],
+    },
+    Mutant {
+        what: "Conjugate gradients stop ten times too early",
+        file: "core/src/integrate/conjugate_gradient.rs",
+        old: "let target = rho * until.reduction * until.reduction;",
+        new: "let target = rho * until.reduction * until.reduction * 100.0;",
+        everyday: &["solver", "response"],
+        all: &[],
+    },
+    Mutant {
+        what: "An indefinite block of the preconditioner is inverted as it is",
+        file: "core/src/integrate/conjugate_gradient.rs",
+        old: "block.x_axis.x > 0.0 && minor > 0.0 && block.determinant() > 0.0",
+        new: "block.x_axis.x > 0.0 && minor > 0.0 && block.determinant() != 0.0",
+        everyday: &["solver", "stability", "forces"],
+        all: &["matrix"],
+    },
+    Mutant {
+        what: "A cell of the lowest common type leaves its pair to another",
+        file: "core/src/broad_phase/control_bits.rs",
+        old: "((1 << cell) - 1) != 0",
+        new: "((2 << cell) - 1) != 0",
+        everyday: &["broad_phase"],
+        all: &[],
+    },
+    Mutant {
+        what: "Coordinates are rounded to the nearest unit, not down",
+        file: "core/src/broad_phase/units.rs",
+        old: "v.clamp(0.0, MOST) as i32",
+        new: "(v.clamp(0.0, MOST) + 0.5) as i32",
+        everyday: &["broad_phase"],
+        all: &["gpu"],
+    },
+    Mutant {
+        what: "Nearest points of edges are not clamped to the first edge",
+        file: "core/src/geometry/edge_edge.rs",
+        old: "[((t * b - r).dot(a) / a_squared).clamp(0.0, 1.0), t]",
+        new: "[(t * b - r).dot(a) / a_squared, t]",
+        everyday: &["narrow_phase"],
+        all: &[],
+    },
+    Mutant {
+        what: "What cannot have met is passed over without a reserve for rounding",
+        file: "core/src/narrow_phase/continuous.rs",
+        old: "const RESERVE: Real = 2.0 * ROUNDING;",
+        new: "const RESERVE: Real = 0.0 * ROUNDING;",
+        everyday: &["narrow_phase"],
+        all: &[],
+    },
+    Mutant {
+        what: "What slides is held by the static coefficient",
+        file: "core/src/response/friction.rs",
+        old: "return wanted * ((self.slides * normal).min(size) / size);",
+        new: "return wanted * ((self.sticks * normal).min(size) / size);",
+        everyday: &["response"],
+        all: &[],
+    },
+    Mutant {
+        what: "The last resort moves held axes too",
+        file: "core/src/response/hold.rs",
+        old: "motion.moves[vertex] = Vec3::select(free, moves, motion.moves[vertex]);",
+        new: "motion.moves[vertex] = moves;",
+        everyday: &["response"],
+        all: &[],
+    },
+    Mutant {
+        what: "Meetings count only in the first half of a step",
+        file: "core/src/response/impact.rs",
+        old: "if time > 1.0 && !touch {",
+        new: "if time > 0.5 && !touch {",
+        everyday: &["response", "torture"],
+        all: &["torture"],
+    },
+    Mutant {
+        what: "The audit takes a step for free whose end has a new crossing where an old one is",
+        file: "core/src/audit.rs",
+        old: "if !crosses(surface, before, crossing) {",
+        new: "if !crosses(surface, after, crossing) {",
+        everyday: &["response"],
+        all: &[],
+    },
+    Mutant {
+        what: "What is let go stays immovable to contact",
+        file: "core/src/simulation/hold.rs",
+        old: "pins.write_mobility(&particles.inverse_masses, &mut contact.mobility[..cloth]);",
+        new: "pins.write_mobility(&particles.inverse_masses, &mut contact.mobility[..cloth].to_vec());",
+        everyday: &["response"],
+        all: &[],
+    },
+    Mutant {
+        what: "A negative index of an OBJ file counts from one vertex too far",
+        file: "host-cli/src/mesh_io/obj.rs",
+        old: "if index < 0 { index.checked_add(count as i64) }",
+        new: "if index < 0 { index.checked_add(count as i64 - 1) }",
+        everyday: &["unit"],
+        all: &[],
+    },
+    Mutant {
+        what: "A damaged checkpoint is taken as it is",
+        file: "host-cli/src/checkpoint.rs",
+        old: "if crc32fast::hash(body) != u32::from_le_bytes(*crc) {",
+        new: "if crc32fast::hash(body) == 1 && crc.is_empty() {",
+        everyday: &["cli"],
+        all: &[],
+    },
+    Mutant {
+        what: "A study's slopes are a tenth too small",
+        file: "host-cli/src/study/work_precision/ladder.rs",
+        old: "Some(0.5 * (first / last).log2())",
+        new: "Some(0.45 * (first / last).log2())",
+        everyday: &["cli"],
+        all: &[],
+    },
+    Mutant {
+        what: "A step allocates",
+        file: "core/src/simulation/contact.rs",
+        old: "        let most = if hold { LAST_WIDENINGS } else { MOST_WIDENINGS };",
+        new: "        let most = *alloc::boxed::Box::new(if hold { LAST_WIDENINGS } else { MOST_WIDENINGS });",
+        everyday: &["allocation"],
+        all: &[],
+    },
+    Mutant {
+        what: "The device leaves out a triangle and the next",
+        file: "gpu/src/broad_phase/pairs.wgsl",
+        old: "if triangles_overlap(a, b) && may_pair(a, b)",
+        new: "if a != b + 1u && triangles_overlap(a, b) && may_pair(a, b)",
+        everyday: &[],
+        all: &["gpu"],
+    },
+];
