@@ -212,6 +212,7 @@ mod owned {
     impl ContactScratchColumns {
         /// Columns for a model, with room for `pairs` candidates of each kind and a quarter as many
         /// constraints; they grow where a step needs more.
+        #[cfg_attr(small, optimize(size))]
         pub fn build(model: &ContactModel<'_>, pairs: usize) -> Self {
             let vertices = model.radii.len();
             let column = vec![Vec3::ZERO; vertices];

@@ -21,6 +21,8 @@
 
 #![no_std]
 #![forbid(unsafe_code)]
+// Set for the page alone, where set-up is made small and not fast.
+#![cfg_attr(small, feature(optimize_attribute))]
 #![cfg_attr(
     double,
     expect(clippy::useless_conversion, clippy::unnecessary_cast, reason = "conversions to double, of doubles")

@@ -64,17 +64,22 @@ export const spot = (page, vertex) =>
     return camera.project(camera.matrix(true), run().positions().slice(from, from + 3));
   }, vertex);
 
-/** Whether a vertex is drawn as dark as pins alone are; it may move, so that it is looked for where it is drawn. */
+/** Whether a vertex is drawn darker than where nothing is pinned; -1 is the last. */
 export const dark = (page, vertex) =>
   page.evaluate((vertex) => {
     const { camera, picture, run } = muslin;
     const from = 3 * (vertex < 0 ? run().cloth.vertexCount + vertex : vertex);
-    picture.draw(run().view);
     const [x, y] = camera.project(camera.matrix(true), run().positions().slice(from, from + 3));
     const scale = picture.canvas.width / camera.size[0];
-    const context = Object.assign(document.createElement("canvas"), { width: 9, height: 9 }).getContext("2d");
-    context.drawImage(picture.canvas, x * scale - 4, y * scale - 4, 9, 9, 0, 0, 9, 9);
-    return context.getImageData(0, 0, 9, 9).data.some((value, k) => k % 4 === 0 && value < 40);
+    const around = (pins) => {
+      picture.draw({ ...run().view, pins });
+      const context = Object.assign(document.createElement("canvas"), { width: 9, height: 9 }).getContext("2d");
+      context.drawImage(picture.canvas, x * scale - 4, y * scale - 4, 9, 9, 0, 0, 9, 9);
+      return context.getImageData(0, 0, 9, 9).data;
+    };
+    const [marked, unpinned] = [around(run().view.pins), around([])];
+    // A vertex's colour fades to its neighbours', which may be few pixels away.
+    return marked.some((value, k) => k % 4 === 0 && unpinned[k] - value > 40);
   }, vertex);
 
 /** How many of 30,000 points of the page's picture are darker than the paper. */

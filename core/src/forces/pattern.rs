@@ -28,6 +28,7 @@ pub struct Pattern {
 
 impl Pattern {
     /// The pattern of a model over `vertices` vertices.
+    #[cfg_attr(small, optimize(size))]
     pub fn build(vertices: usize, model: &Model<'_>) -> Self {
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         for springs in [&model.stretch_springs, &model.bend_springs].into_iter().flatten() {

@@ -31,6 +31,7 @@ pub struct PatchColumns {
 
 impl PatchColumns {
     /// Patches of vertices with material coordinates, each cloth (a range of vertices) by itself.
+    #[cfg_attr(small, optimize(size))]
     pub fn build(material: &[DVec3], cloths: &[Range<u32>], pattern: &Pattern, pins: &Pins<'_>) -> Self {
         let size = PATCH.max(material.len().div_ceil(MOST_PATCHES));
         let mut patches = Vec::new();

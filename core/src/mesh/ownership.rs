@@ -38,6 +38,7 @@ pub struct SurfaceColumns {
 impl SurfaceColumns {
     /// A surface without passive triangles that touches itself. Panics where a sewn
     /// pair names a vertex that does not exist.
+    #[cfg_attr(small, optimize(size))]
     pub fn build(vertices: usize, triangles: &[[u32; 3]], sewn: &[[u32; 2]]) -> Self {
         let (edges, triangle_edges) = unique_edges(triangles);
         let (sewn_offsets, sewn_others) = rows(vertices, sewn);

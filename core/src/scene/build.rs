@@ -82,6 +82,7 @@ impl BuiltScene {
 /// Builds the columns of a scene. `resources` holds every mesh file that the scene names.
 ///
 /// Errors: what [`SceneError`] lists.
+#[cfg_attr(small, optimize(size))]
 pub fn build(scene: &SceneDesc, resources: &[Resource]) -> Result<BuiltScene, SceneError> {
     check_numbers(scene)?;
     let mut parts = Parts::default();
