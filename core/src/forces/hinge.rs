@@ -51,7 +51,7 @@ struct Fold {
 }
 
 /// None where the edge or a triangle has collapsed: there is no angle.
-#[inline]
+#[inline(always)]
 fn fold(x: &[Vec3; 4], least_height: Real) -> Option<Fold> {
     let [a, b, c, d] = *x;
     let e = b - a;
