@@ -1,10 +1,18 @@
 //! What the two-level preconditioner is for, in counts: far fewer iterations than its blocks
-//! alone; and Newton's method in single precision stops where rounding stops it.
+//! alone; its blocks, which are positive definite even where the matrix is not; and Newton's method
+//! in single precision stops where rounding stops it.
 
+use glam::{Mat3, Quat};
+use harness::rng::Rng;
 use harness::steps::Steps;
+use muslin_core::dispatch::Serial;
+use muslin_core::forces::matrix::{self, Block, BlockMatrix};
+use muslin_core::integrate::conjugate_gradient::{System, write_inverse_diagonal};
+use muslin_core::integrate::pins::PinColumns;
 use muslin_core::integrate::{Preconditioner, Work};
 use muslin_core::scene::{BUILT_IN, SceneDesc};
 use muslin_core::simulation::Simulation;
+use nalgebra::Matrix3;
 
 const STEPS: u32 = 12;
 
@@ -45,4 +53,39 @@ fn a_running_simulations_columns_make_another() {
 fn newton_in_single_precision_stops_at_rounding() {
     let newton = work("swing", |scene| scene.integrator.newton = 20).newton_iterations;
     assert!(newton < 6 * u64::from(STEPS), "{newton} Newton iterations in {STEPS} steps");
+}
+
+#[test]
+fn inverse_blocks_are_positive_definite_even_of_indefinite_ones() {
+    let mut rng = Rng::new(5);
+    // Every combination of signs of the three eigenvalues, many times.
+    let symmetric: Vec<(u32, Mat3)> = (0..800)
+        .map(|k| {
+            let eigenvalue = |axis: u32| (1.0 + axis as f32) * if k >> axis & 1 == 1 { -1.0 } else { 1.0 };
+            let turn = Mat3::from_quat(Quat::from_scaled_axis(rng.cube(3.0).as_vec3()));
+            let diagonal = Mat3::from_diagonal([eigenvalue(0), eigenvalue(1), eigenvalue(2)].into());
+            (k % 8, turn * diagonal * turn.transpose())
+        })
+        .collect();
+    let mut blocks = vec![Block::default(); symmetric.len()];
+    blocks.iter_mut().zip(&symmetric).for_each(|(block, (_, matrix))| matrix::add(block, matrix));
+    let rows: Vec<u32> = (0..=blocks.len() as u32).collect();
+    let empty = vec![0; rows.len()];
+    let matrix = &BlockMatrix {
+        offsets: &rows,
+        columns: &rows[..blocks.len()],
+        mirrored_offsets: &empty,
+        mirrored: &[],
+        blocks: &mut blocks,
+    };
+    let pins = PinColumns::default();
+    let system = System { matrix, masses: &vec![0.0; symmetric.len()], pins: &pins.view(), holds: &[] };
+    let mut inverse = vec![Mat3::ZERO; symmetric.len()];
+    write_inverse_diagonal(&system, &mut inverse, &Serial);
+    for ((signs, block), inverse) in symmetric.iter().zip(&inverse) {
+        let least = Matrix3::from_column_slice(&inverse.to_cols_array()).symmetric_eigenvalues().min();
+        assert!(least > 0.0, "the inverse of a block with the signs {signs:03b} has the eigenvalue {least}");
+        let identity = *inverse * *block;
+        assert!(*signs != 0 || identity.abs_diff_eq(Mat3::IDENTITY, 1e-5), "{identity} is no identity");
+    }
 }
