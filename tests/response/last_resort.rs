@@ -10,17 +10,17 @@ use harness::pieces::Piece;
 /// m.
 const THICKNESS: f64 = 1e-3;
 
-/// A wall, a point above it and a plate above that, which comes down on both and moves aside.
+/// A wall, a point above it and a plate above that, which comes down on both; its corners move aside by different ways.
 fn pressed() -> Vec<Piece> {
-    let triangle = |y: f64, moves: DVec3, mass: f64| {
+    let triangle = |y: f64, moves: [DVec3; 3], mass: f64| {
         let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]];
         let start = corners.map(|[x, z]| DVec3::new(x, y, z)).to_vec();
-        Piece { start, moves: vec![moves; 3], masses: vec![mass; 3] }
+        Piece { start, moves: moves.to_vec(), masses: vec![mass; 3] }
     };
     let spacing = 4.0 * THICKNESS;
     let light = Piece { start: vec![DVec3::Y * spacing], moves: vec![DVec3::ZERO], masses: vec![1e-9] };
-    let plate = triangle(2.0 * spacing, DVec3::new(0.125, -3.0 * spacing, 0.0), 1.0);
-    vec![triangle(0.0, DVec3::ZERO, f64::INFINITY), light, plate]
+    let plate = triangle(2.0 * spacing, [0.125, 0.25, 0.0625].map(|x| DVec3::new(x, -3.0 * spacing, 0.0)), 1.0);
+    vec![triangle(0.0, [DVec3::ZERO; 3], f64::INFINITY), light, plate]
 }
 
 /// The corners of the plate.
