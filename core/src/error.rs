@@ -50,29 +50,39 @@ impl fmt::Display for MeshError {
             Self::TextureOutOfRange { triangle, coordinate, coordinates } => {
                 write!(f, "triangle {triangle} names texture coordinate {coordinate}, but there are only {coordinates}")
             }
-            Self::NotFinite { vertex } => write!(f, "the position of vertex {vertex} is not a finite number"),
-            Self::TextureNotFinite { coordinate } => {
-                write!(f, "texture coordinate {coordinate} is not a finite number")
+            Self::NotFinite { vertex } => {
+                write!(f, "the position of vertex {vertex} is not a finite number (indices count from 0)")
             }
-            Self::RepeatedVertex { triangle, vertex } => write!(f, "triangle {triangle} names vertex {vertex} twice"),
-            Self::NoArea { triangle } => write!(f, "triangle {triangle} has no area at rest"),
+            Self::TextureNotFinite { coordinate } => {
+                write!(f, "texture coordinate {coordinate} is not a finite number (indices count from 0)")
+            }
+            Self::RepeatedVertex { triangle, vertex } => {
+                write!(f, "triangle {triangle} names vertex {vertex} twice (indices count from 0)")
+            }
+            Self::NoArea { triangle } => write!(f, "triangle {triangle} has no area at rest (indices count from 0)"),
             Self::NonManifoldEdge { a, b } => {
                 write!(
                     f,
-                    "the edge between vertices {a} and {b} belongs to more than two triangles; split the mesh there"
+                    "the edge between vertices {a} and {b} belongs to more than two triangles; split the mesh there (indices count from 0)"
                 )
             }
             Self::LooseVertex { vertex, count: 1 } => {
-                write!(f, "vertex {vertex} belongs to no triangle and would have no mass; remove it")
+                write!(
+                    f,
+                    "vertex {vertex} belongs to no triangle and would have no mass; remove it (indices count from 0)"
+                )
             }
             Self::LooseVertex { vertex, count } => {
                 write!(
                     f,
-                    "{count} vertices, the first of them {vertex}, belong to no triangle and would have no mass; remove them"
+                    "{count} vertices, the first of them {vertex}, belong to no triangle and would have no mass; remove them (indices count from 0)"
                 )
             }
             Self::Hub { vertex, most } => {
-                write!(f, "more than {most} triangles meet at vertex {vertex}; split the mesh there")
+                write!(
+                    f,
+                    "more than {most} triangles meet at vertex {vertex}; split the mesh there (indices count from 0)"
+                )
             }
             Self::NoTextureCoordinates => {
                 write!(f, "rest = \"uv\" needs texture coordinates (vt), and the mesh has none; use rest = \"shape\"")

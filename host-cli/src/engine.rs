@@ -37,6 +37,7 @@ const FLOWN_APART: f64 = 10.0;
 /// less so.
 pub fn flown_apart(stretch: f64, first: f64) -> Option<String> {
     (stretch > FLOWN_APART * first.max(1.0)).then(|| match stretch {
+        endless if endless.is_infinite() => "the length of an edge is beyond every number".to_owned(),
         few if few < 1e4 => format!("an edge is {few:.0} times as long as at rest"),
         many => format!("an edge is {many:.1e} times as long as at rest"),
     })
@@ -134,6 +135,8 @@ pub trait Engine: Send {
     fn report(&self) -> Report;
     /// The largest length over rest length of an edge.
     fn largest_stretch(&self) -> f64;
+    /// Whether its method is implicit.
+    fn is_implicit(&self) -> bool;
     /// kg.
     fn mass(&self) -> f64 {
         self.masses().iter().sum()
@@ -325,6 +328,10 @@ macro_rules! engine {
 
                 fn largest_stretch(&self) -> f64 {
                     self.stretch().max
+                }
+
+                fn is_implicit(&self) -> bool {
+                    self.scheme().method.is_implicit()
                 }
 
                 fn mean_edge(&self) -> f64 {

@@ -131,7 +131,9 @@ const TOO_LONG: f64 = 1.3;
 
 /// A stretch as the part beyond the rest length.
 pub fn percent(stretch: f64) -> String {
+    // Without the sign of what rounds to zero.
     match 1e2 * (stretch - 1.0) {
+        percent if percent.abs() < 0.005 => "0.00 %".to_owned(),
         percent if percent.abs() < 1e3 => format!("{percent:.2} %"),
         percent => format!("{percent:.1e} %"),
     }

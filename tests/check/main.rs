@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use lexopt::prelude::{Long, Short, ValueExt};
-use plan::Level;
+use plan::{Level, Step};
 use report::Report;
 
 const HELP: &str = "\
@@ -93,8 +93,8 @@ fn check(arguments: &Arguments) -> Result<bool, String> {
         }
     }
     let mut report = Report::new();
-    if arguments.level == Level::All {
-        run::install(&mut report);
+    if steps.iter().any(Step::needs_targets) {
+        run::install(&root, &mut report);
     }
     steps.iter().for_each(|step| run::step(&root, step, arguments.level, &mut report));
     print!("{report}");

@@ -95,6 +95,11 @@ pub fn steps(suites: &[Suite]) -> Vec<Step> {
 }
 
 impl Step {
+    /// Whether it builds for other targets than this machine.
+    pub fn needs_targets(&self) -> bool {
+        matches!(&self.work, Work::Command(line, _) if line.contains("--target") || line.contains("muslin-pack"))
+    }
+
     /// The part of it that a level takes.
     pub fn at(self, level: Level) -> Option<Self> {
         let work = match self.work {

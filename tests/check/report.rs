@@ -32,6 +32,10 @@ pub struct Outcome {
     pub tests: Vec<Test>,
     /// Each with the first step of its mend.
     pub failures: Vec<String>,
+    /// Why some of it was not tested.
+    pub skipped: Vec<String>,
+    /// Whether it tests anything: to build does not.
+    pub counts: bool,
 }
 
 /// What came of everything.
@@ -45,7 +49,7 @@ pub struct Report {
 impl Outcome {
     /// Passed, in this time.
     pub fn new(name: String, time: Duration) -> Self {
-        Self { name, time, tests: Vec::new(), failures: Vec::new() }
+        Self { name, time, tests: Vec::new(), failures: Vec::new(), skipped: Vec::new(), counts: true }
     }
 
     /// The same with one more failure.
@@ -62,7 +66,7 @@ impl Outcome {
     fn counts(&self) -> [usize; 3] {
         if self.tests.is_empty() {
             let failed = usize::from(!self.failures.is_empty());
-            return [1 - failed, failed, 0];
+            return [usize::from(self.counts) * (1 - failed), failed, 0];
         }
         [self.count(Some(true)), self.failures.len(), self.count(None)]
     }
@@ -75,7 +79,7 @@ impl fmt::Display for Outcome {
         if !self.tests.is_empty() {
             write!(f, "{passed:>5} passed")?;
             if left_out > 0 {
-                write!(f, ", {left_out} slow left out")?;
+                write!(f, ", {left_out} left out")?;
             }
         }
         if failed > 0 { write!(f, "  {failed} FAILED") } else { Ok(()) }
@@ -92,6 +96,7 @@ impl Report {
     pub fn add(&mut self, outcome: Outcome) {
         let said = outcome.tests.iter().flat_map(|test| test.output.lines());
         self.skipped.extend(said.filter_map(|line| line.strip_prefix(SKIPPED)).map(str::to_owned));
+        self.skipped.extend(outcome.skipped.iter().cloned());
         if outcome.tests.is_empty() && outcome.failures.is_empty() {
             println!("    passed in {:.1} s", outcome.time.as_secs_f64());
         }

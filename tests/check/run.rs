@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::Instant;
 
 use serde_json::Value;
@@ -32,7 +32,8 @@ pub fn step(root: &Path, step: &Step, level: Level, report: &mut Report) {
         Work::Suites(profile, suites) => {
             let started = Instant::now();
             let built = suites::build(root, profile, suites);
-            let outcome = Outcome::new(format!("{}: build", step.name), started.elapsed());
+            let mut outcome = Outcome::new(format!("{}: build", step.name), started.elapsed());
+            outcome.counts = false;
             match built {
                 Ok(built) => {
                     report.add(outcome);
@@ -49,8 +50,11 @@ fn command(root: &Path, name: &str, line: &str, variables: &[(&str, &str)]) -> O
     let program = words.next().unwrap_or_default();
     let started = Instant::now();
     let mut command = Command::new(if program == "cargo" { env!("CARGO") } else { program });
-    let status = command.args(words).envs(variables.iter().copied()).current_dir(root).status();
-    let outcome = Outcome::new(name.to_owned(), started.elapsed());
+    command.args(words).envs(variables.iter().copied()).current_dir(root);
+    let mut skipped = Vec::new();
+    let status = if program == "node" { told(&mut command, &mut skipped) } else { command.status() };
+    let mut outcome = Outcome::new(name.to_owned(), started.elapsed());
+    outcome.skipped = skipped;
     match status {
         Ok(status) if status.success() => outcome,
         Ok(_) => {
@@ -59,6 +63,16 @@ fn command(root: &Path, name: &str, line: &str, variables: &[(&str, &str)]) -> O
         }
         Err(error) => outcome.failed(format!("cannot start {program}: {error}")),
     }
+}
+
+/// Runs tests that tell in TAP what became of them, and keeps why some were skipped.
+fn told(command: &mut Command, skipped: &mut Vec<String>) -> std::io::Result<ExitStatus> {
+    let mut child = command.stdout(Stdio::piped()).spawn()?;
+    for line in BufReader::new(child.stdout.take().expect("it is piped")).lines().map_while(Result::ok) {
+        println!("{line}");
+        skipped.extend(line.split_once("# SKIP ").map(|(_, why)| why.to_owned()));
+    }
+    child.wait()
 }
 
 /// Why a step cannot be run here, if it need not be.
@@ -76,9 +90,10 @@ fn is_there(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
-/// Adds what the full level needs beside the compiler, where rustup has not got it yet.
-pub fn install(report: &mut Report) {
-    let added = |arguments: &[&str]| Command::new("rustup").args(arguments).status().is_ok_and(|done| done.success());
+/// Adds what some steps of the full level need beside the compiler, where rustup has not got it yet.
+pub fn install(root: &Path, report: &mut Report) {
+    let rustup = |arguments: &[&str]| Command::new("rustup").args(arguments).current_dir(root).status();
+    let added = |arguments: &[&str]| rustup(arguments).is_ok_and(|done| done.success());
     let targets: Vec<_> = ["target", "add"].into_iter().chain(BARE_TARGETS).collect();
     if !(added(&targets) && added(&["component", "add", "rust-src"])) {
         let why = "install Rust by rustup (https://rustup.rs) and try again";
@@ -98,10 +113,13 @@ fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
         // Mesa complains where there is none.
         command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
     }
-    let mut tests = Vec::new();
+    let (mut tests, mut finished) = (Vec::new(), false);
     let ended = command.spawn().and_then(|mut child| {
         let lines = BufReader::new(child.stdout.take().expect("it is piped")).lines().map_while(Result::ok);
-        tests.extend(lines.filter_map(|line| test(&line)));
+        for event in lines.filter_map(|line| serde_json::from_str::<Value>(&line).ok()) {
+            finished |= event["type"] == "suite" && event["event"] != "started";
+            tests.extend(test(&event));
+        }
         child.wait()
     });
     let mut outcome = Outcome::new(suite.name.clone(), started.elapsed());
@@ -110,8 +128,8 @@ fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
         outcome = outcome.failed(format!("{}: repeat it with: {}", test.name, suite.repeat(&test.name, profile)));
     }
     match ended {
-        Ok(status) if status.success() || !outcome.failures.is_empty() => {}
-        Ok(status) => outcome = outcome.failed(format!("it ended by {status}, and did not say why")),
+        Ok(_) if finished => {}
+        Ok(status) => outcome = outcome.failed(format!("it ended by {status} before all its tests had run")),
         Err(error) => outcome = outcome.failed(format!("cannot start {}: {error}", path.display())),
     }
     outcome.tests = tests;
@@ -119,9 +137,8 @@ fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
     outcome
 }
 
-/// What a line of libtest tells of a test that has ended.
-fn test(line: &str) -> Option<Test> {
-    let event: Value = serde_json::from_str(line).ok()?;
+/// What an event of libtest tells of a test that has ended.
+fn test(event: &Value) -> Option<Test> {
     let passed = match event["event"].as_str().filter(|_| event["type"] == "test")? {
         "ok" => Some(true),
         "failed" => Some(false),

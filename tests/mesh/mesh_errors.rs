@@ -76,9 +76,9 @@ fn texture_out_of_range() {
 #[test]
 fn not_finite() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let words = "the position of vertex 2 is not a finite number";
+        let words = "the position of vertex 2 is not a finite number (indices count from 0)";
         refused(|m| m.positions[2][1] = bad, MeshError::NotFinite { vertex: 2 }, words);
-        let words = "texture coordinate 3 is not a finite number";
+        let words = "texture coordinate 3 is not a finite number (indices count from 0)";
         refused(|m| m.uvs[3][0] = bad, MeshError::TextureNotFinite { coordinate: 3 }, words);
     }
 }
@@ -86,14 +86,18 @@ fn not_finite() {
 #[test]
 fn repeated_vertex() {
     let expected = MeshError::RepeatedVertex { triangle: 1, vertex: 2 };
-    refused(|m| m.triangles[1] = [2, 3, 2], expected, "triangle 1 names vertex 2 twice");
+    refused(|m| m.triangles[1] = [2, 3, 2], expected, "triangle 1 names vertex 2 twice (indices count from 0)");
 }
 
 #[test]
 fn no_area() {
     // Collinear, and thinner than rounding.
     for bad in [[0.5, 0.0, 0.5], [0.5 + 1e-11, 0.0, 0.5]] {
-        refused(|m| m.positions[3] = bad, MeshError::NoArea { triangle: 1 }, "triangle 1 has no area at rest");
+        refused(
+            |m| m.positions[3] = bad,
+            MeshError::NoArea { triangle: 1 },
+            "triangle 1 has no area at rest (indices count from 0)",
+        );
     }
     // Four digits thinner than long are still a triangle.
     let mut sliver = square();
@@ -107,7 +111,7 @@ fn no_area() {
 
 #[test]
 fn non_manifold_edge_names_the_edge() {
-    let words = "the edge between vertices 1 and 2 belongs to more than two triangles; split the mesh there";
+    let words = "the edge between vertices 1 and 2 belongs to more than two triangles; split the mesh there (indices count from 0)";
     let third = |m: &mut TriMesh| {
         m.positions.push([0.5, 1.0, 0.5]);
         m.triangles.push([4, 2, 1]);
@@ -122,12 +126,12 @@ fn loose_vertex() {
     refused(
         |m| m.positions.insert(0, [9.0; 3]),
         MeshError::LooseVertex { vertex: 4, count: 1 },
-        "vertex 4 belongs to no triangle and would have no mass; remove it",
+        "vertex 4 belongs to no triangle and would have no mass; remove it (indices count from 0)",
     );
     refused(
         |m| m.positions.extend([[9.0; 3]; 3]),
         MeshError::LooseVertex { vertex: 4, count: 3 },
-        "3 vertices, the first of them 4, belong to no triangle and would have no mass; remove them",
+        "3 vertices, the first of them 4, belong to no triangle and would have no mass; remove them (indices count from 0)",
     );
 }
 
@@ -141,7 +145,7 @@ fn hub() {
         TriMesh { positions, triangles: (1..=triangles).map(|i| [0, i, i + 1]).collect(), ..TriMesh::default() }
     };
     assert_eq!(built("mesh = \"m\"", &[("m", fan(10_000))]), Ok(()), "as many as are allowed");
-    let words = "more than 10000 triangles meet at vertex 0; split the mesh there";
+    let words = "more than 10000 triangles meet at vertex 0; split the mesh there (indices count from 0)";
     refused(|m| *m = fan(10_001), MeshError::Hub { vertex: 0, most: 10_000 }, words);
 }
 

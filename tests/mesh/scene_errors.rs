@@ -334,7 +334,7 @@ fn collider_files_must_fit() {
         build(&scene, &files).map(|_| ()).unwrap_err().to_string()
     };
     assert_eq!(error(2), "collider 1: its point cache has 2 points, its mesh 3 vertices");
-    assert_eq!(error(1), "collider 1: triangle 0 names vertex 1 twice");
+    assert_eq!(error(1), "collider 1: triangle 0 names vertex 1 twice (indices count from 0)");
 }
 
 /// Cloths and pins count from 0 in the order of the file.

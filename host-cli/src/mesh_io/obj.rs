@@ -58,7 +58,9 @@ pub fn parse(text: &str) -> Result<TriMesh, ObjError> {
 /// The statements with the number of their first line, without comments, continued lines joined.
 fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text.lines().map(|line| line.split('#').next().unwrap_or("").trim_end()).zip(1..);
+    // Of lines that end by \r alone, as on the first Macs, `lines` would make one.
+    let ends: &[char] = if text.contains('\n') { &['\n'] } else { &['\r'] };
+    let mut lines = text.split(ends).map(|line| line.split('#').next().unwrap_or("").trim_end()).zip(1..);
     std::iter::from_fn(move || {
         let (first, number) = lines.next()?;
         let mut statement = Cow::Borrowed(first);
@@ -146,6 +148,16 @@ vt 0 0\nvt 1 0 0\nvt 1\nvt 0 1\nvn 0 0 1\ns off\nf 1/1/1 2/2/1 \\\n 3/3/1 -1/-1/
 
     fn message(text: &str) -> String {
         parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_line_end_is_one() {
+        let text = "v 0 0 0\nv 1 0 0\n\nv 0 1 0\nf 1 2 3\n";
+        let whole = parse(text).expect("it is one triangle");
+        assert_eq!(whole.triangles, [[0, 1, 2]]);
+        for end in ["\r\n", "\r"] {
+            assert_eq!(parse(&text.replace('\n', end)), Ok(whole.clone()), "{end:?}");
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Polygons to triangles between their own corners: none is added and none is left out.
+//! Polygons to triangles between their own corners. None is added, and none is left out but where two are at one place.
 
 use earcut::Earcut;
 
@@ -7,18 +7,27 @@ type Point = [f64; 3];
 /// Cuts a polygon of three corners or more into two triangles fewer than it has corners, each as
 /// places in `corners`. Every corner must be the index of a position.
 ///
+/// A corner at the place of the one before it is left out, unless fewer than three would remain.
 /// A quad is cut along its shorter diagonal, or along the other where only that one lies inside.
-/// Of more corners ears are cut off. A polygon that crosses itself has no inside: it becomes a fan.
+/// Of more corners ears are cut off. A polygon without an inside becomes a fan; one that crosses
+/// itself is cut anywhere.
 pub fn triangles(corners: &[u32], positions: &[Point]) -> Vec<[usize; 3]> {
     let place = |k: usize| positions[corners[k] as usize];
-    match corners.len() {
-        3 => vec![[0, 1, 2]],
-        4 => quad([0, 1, 2, 3].map(place)),
-        count => {
-            let points: Vec<_> = (0..count).map(place).collect();
-            Some(ears(&points)).filter(|ears| ears.len() == count - 2).unwrap_or_else(|| fan(0, count))
-        }
+    let mut kept: Vec<usize> = (0..corners.len()).collect();
+    kept.dedup_by(|k, before| place(*k) == place(*before));
+    if kept.len() > 1 && place(kept[0]) == place(kept[kept.len() - 1]) {
+        kept.pop();
     }
+    if kept.len() < 3 {
+        kept = (0..corners.len()).collect();
+    }
+    let points: Vec<_> = kept.iter().map(|&k| place(k)).collect();
+    let cut = match points[..] {
+        [_, _, _] => vec![[0, 1, 2]],
+        [a, b, c, d] => quad([a, b, c, d]),
+        _ => Some(ears(&points)).filter(|ears| ears.len() == points.len() - 2).unwrap_or_else(|| fan(0, points.len())),
+    };
+    cut.into_iter().map(|triangle| triangle.map(|k| kept[k])).collect()
 }
 
 /// All triangles with one corner.
@@ -158,6 +167,28 @@ mod tests {
             comb.reverse();
             covers(&tilted(&comb));
         }
+    }
+
+    #[test]
+    fn a_corner_given_twice_counts_once() {
+        let pentagon = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]];
+        let whole = cut(&tilted(&pentagon));
+        for twice in 0..pentagon.len() {
+            let mut corners = pentagon.to_vec();
+            corners.insert(twice, pentagon[twice]);
+            let original = |k: usize| if k > twice { k - 1 } else { k };
+            let triangles: Vec<_> = cut(&tilted(&corners)).into_iter().map(|t| t.map(original)).collect();
+            assert_eq!(triangles.len(), whole.len(), "corner {twice} twice");
+            let areas =
+                triangles.iter().map(|&t| dot(normal(&t.map(|k| tilted(&pentagon)[k])), normal(&tilted(&pentagon))));
+            let square = dot(normal(&tilted(&pentagon)), normal(&tilted(&pentagon)));
+            assert!(
+                areas.clone().all(|area| area > 0.0) && areas.sum::<f64>() == square,
+                "corner {twice} twice: {triangles:?}"
+            );
+        }
+        let quad = tilted(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+        assert_eq!(cut(&quad), [[0, 1, 3]]);
     }
 
     #[test]

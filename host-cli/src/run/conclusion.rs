@@ -53,7 +53,7 @@ impl Course {
             triangles: self.engine.triangles().len(),
             method: scene.desc.integrator.method.name(),
             step_s: self.timing.step,
-            frames: self.steps / self.timing.steps_per_frame + 1,
+            frames: self.frames,
             steps: self.steps,
             rejected_steps: report.contacts[5],
             simulated_s: report.time,

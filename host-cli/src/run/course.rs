@@ -14,6 +14,9 @@ use crate::pool::Pool;
 use crate::record::{Record, Start, extent};
 use crate::stopwatch::Stopwatch;
 
+/// Steps of an explicit method from one look at its edges to the next: to look takes nearly as long as such a step.
+const LOOKS: u64 = 32;
+
 /// How the steps ended.
 pub enum Ending {
     /// At the scene's time.
@@ -60,6 +63,8 @@ pub struct Course {
     pub chain: u64,
     /// Steps taken.
     pub steps: u64,
+    /// Frames seen, those before a checkpoint among them.
+    pub frames: u64,
     /// Positions of the last frame, m.
     pub positions: Vec<[f32; 3]>,
     /// What has been seen up to there.
@@ -86,6 +91,7 @@ impl Course {
     ) -> Self {
         let steps = engine.report().steps;
         let chain = resumed.map_or_else(|| engine.chain(None), |resumed| resumed.chain);
+        let frames = if resumed.is_some() { steps / timing.steps_per_frame + 1 } else { 0 };
         let mut positions = Vec::new();
         engine.write_positions(&mut positions);
         let fresh = || Record {
@@ -101,6 +107,7 @@ impl Course {
             precision,
             chain,
             steps,
+            frames,
             positions,
             audit,
             begun: steps,
@@ -123,6 +130,7 @@ impl Course {
                 record.crossings = Some(found);
             }
         }
+        self.frames += 1;
         witness.frame(self)?;
         self.output += started.elapsed();
         Ok(())
@@ -145,12 +153,13 @@ impl Course {
                 Err(Halt::Diverged(divergence)) => return Ok(Ending::Diverged(divergence)),
                 Err(Halt::Stopped) => return Ok(Ending::Interrupted),
             }
-            let frame_ends = (self.steps + 1).is_multiple_of(self.timing.steps_per_frame);
-            if let Some(divergence) = frame_ends.then(|| self.flown_apart()).flatten() {
-                return Ok(Ending::Diverged(divergence));
-            }
             self.steps += 1;
             self.chain = self.engine.chain(Some(self.chain));
+            let frame_ends = self.steps.is_multiple_of(self.timing.steps_per_frame);
+            let looks = frame_ends || self.engine.is_implicit() || self.steps.is_multiple_of(LOOKS);
+            if let Some(divergence) = looks.then(|| self.flown_apart()).flatten() {
+                return Ok(Ending::Diverged(divergence));
+            }
             if frame_ends {
                 self.frame(pool, witness)?;
             }
@@ -162,7 +171,7 @@ impl Course {
     /// Whether the cloth flew apart in the step just taken.
     fn flown_apart(&self) -> Option<Divergence> {
         flown_apart(self.engine.largest_stretch(), self.record.first_stretch).map(|how| Divergence {
-            what: format!("diverged in step {}: {how}", self.steps + 1),
+            what: format!("diverged in step {}: {how}", self.steps),
             advice: "take a smaller integrator.step or an implicit method, or stiffer cloth if its weight draws it",
         })
     }
