@@ -185,6 +185,7 @@ macro_rules! engine {
         mod $module {
             use $core::colliders::{Body, ColliderColumns, Form};
             use $core::diagnostics::StateHash;
+            use $core::error::SceneError;
             use $core::integrate::Work;
             use $core::mesh::{Stitch, TriMesh};
             use $core::real::{Real, Vec3, to_f64};
@@ -201,7 +202,20 @@ macro_rules! engine {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
                 let resources: Vec<_> =
                     scene.resources.iter().map(|(name, file)| (name.clone(), content(file))).collect();
-                Simulation::new(&desc, &resources).map_err(|error| error.to_string())
+                Simulation::new(&desc, &resources).map_err(|error| explain(&desc, error))
+            }
+
+            /// With the file of the mesh in which something is wrong.
+            fn explain(desc: &SceneDesc, error: SceneError) -> String {
+                let file = match error {
+                    SceneError::Mesh { cloth, .. } => &desc.cloth[cloth as usize].mesh,
+                    SceneError::ColliderMesh { collider, .. } => &desc.collider[collider as usize].file,
+                    _ => &None,
+                };
+                match file {
+                    Some(file) => format!("{error} ({file})"),
+                    None => error.to_string(),
+                }
             }
 
             fn content(file: &muslin_core::scene::Content) -> Content {

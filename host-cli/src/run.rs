@@ -220,6 +220,10 @@ impl<'a> Files<'a> {
         if !arguments.quiet {
             let names: Vec<_> = written.iter().map(|path| path.display().to_string()).collect();
             print_note(&format!("wrote {}", names.join(", ")));
+            let older: Vec<_> = files::older(&out, &written).iter().map(|path| path.display().to_string()).collect();
+            if !older.is_empty() {
+                print_note(&format!("of an earlier run: {}", older.join(", ")));
+            }
         }
         match (summary.divergence, intersecting) {
             (Some(message), _) => Err(Failure::Diverged(message)),

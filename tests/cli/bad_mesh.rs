@@ -27,7 +27,7 @@ fn what_is_fine() {
 fn indices() {
     refuses("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 9\n", &["mesh.obj: line 4", "vertex `9`", "define 3"]);
     refuses("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 0 1 2\n", &["mesh.obj: line 4", "vertex `0`"]);
-    refuses("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 2\n", &["triangle 0", "vertex 1 twice"]);
+    refuses("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 2\n", &["triangle 0", "vertex 1 twice", "(mesh.obj)"]);
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 0 1\n3 0 1 7\n";
     refuses("mesh.ply", ply, &["7"]);

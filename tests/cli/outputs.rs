@@ -60,6 +60,20 @@ fn the_summary_has_the_keys_of_the_contract() {
 }
 
 #[test]
+fn outputs_of_an_earlier_run_are_told() {
+    let place = Place::new();
+    place.write("tiny.toml", TINY);
+    let run = |formats: &str| {
+        let words = format!("run tiny.toml --out out --duration 0.1 --preview none --export {formats}");
+        let told = place.muslin(&words).expect(0).stderr;
+        told.lines().find_map(|line| line.strip_prefix("of an earlier run: ").map(str::to_owned))
+    };
+    assert_eq!(run("obj,pc2,vtp,usda"), None);
+    assert_eq!(run("obj,pc2,vtp,usda"), None);
+    assert_eq!(run("obj,usda").as_deref(), Some("out/cloth.pc2, out/cloth.obj, out/vtp, out/cloth.vtp.series"));
+}
+
+#[test]
 fn the_vertex_order_is_that_of_the_input() {
     let place = Place::new();
     let mesh = "v 0.5 0 0\nv 0 0 0.25\nv -0.5 0 0\nv 0 0 -0.25\nf 1 4 3 2\n";

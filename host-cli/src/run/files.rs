@@ -31,6 +31,20 @@ pub fn write_preview(
     Ok(Some(path))
 }
 
+/// Everything that a run may leave in its folder.
+const OUTPUTS: [&str; 8] =
+    ["frames", "cloth.pc2", "cloth.obj", "cloth.usda", "vtp", "cloth.vtp.series", "preview.gif", "preview.png"];
+
+/// Outputs that lie there and are not of this run.
+pub fn older(out: &Path, written: &[PathBuf]) -> Vec<PathBuf> {
+    // The frames of `vtp` are written with their series.
+    let is_written = |name: &str| {
+        let path = out.join(if name == "vtp" { "cloth.vtp.series" } else { name });
+        written.iter().any(|written| written.starts_with(&path))
+    };
+    OUTPUTS.iter().filter(|name| !is_written(name)).map(|name| out.join(name)).filter(|path| path.exists()).collect()
+}
+
 /// As it is printed and written.
 pub fn to_json(summary: &Summary) -> Result<String, Failure> {
     serde_json::to_string_pretty(summary).map_err(|error| Failure::Tool(error.to_string()))
