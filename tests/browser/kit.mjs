@@ -60,24 +60,29 @@ export async function more(page, count) {
 export const spot = (page, vertex) =>
   page.evaluate((vertex) => {
     const { camera, run } = muslin;
-    const from = 3 * (vertex < 0 ? run().cloth.vertexCount + vertex : vertex);
+    const from = 3 * (vertex < 0 ? run().positions().length / 3 + vertex : vertex);
     return camera.project(camera.matrix(true), run().positions().slice(from, from + 3));
   }, vertex);
 
-/** Whether a vertex is drawn darker than where nothing is pinned; -1 is the last. */
+/** Whether a vertex is drawn darker than without pins; -1 is the last. */
 export const dark = (page, vertex) =>
-  page.evaluate((vertex) => {
+  page.evaluate(async (vertex) => {
     const { camera, picture, run } = muslin;
-    const from = 3 * (vertex < 0 ? run().cloth.vertexCount + vertex : vertex);
-    const [x, y] = camera.project(camera.matrix(true), run().positions().slice(from, from + 3));
+    const view = { ...run().view };
+    // The cloth may move meanwhile.
+    for (const name of ["positions", "normals", "strains"]) view[name] = view[name].slice();
+    const from = 3 * (vertex < 0 ? view.positions.length / 3 + vertex : vertex);
+    const [x, y] = camera.project(camera.matrix(true), view.positions.slice(from, from + 3));
     const scale = picture.canvas.width / camera.size[0];
-    const around = (pins) => {
-      picture.draw({ ...run().view, pins });
+    // A canvas of WebGPU shows one picture a frame.
+    const around = async (pins) => {
+      await new Promise(requestAnimationFrame);
+      picture.draw({ ...view, pins });
       const context = Object.assign(document.createElement("canvas"), { width: 9, height: 9 }).getContext("2d");
       context.drawImage(picture.canvas, x * scale - 4, y * scale - 4, 9, 9, 0, 0, 9, 9);
       return context.getImageData(0, 0, 9, 9).data;
     };
-    const [marked, unpinned] = [around(run().view.pins), around([])];
+    const [marked, unpinned] = [await around(view.pins), await around([])];
     // A vertex's colour fades to its neighbours', which may be few pixels away.
     return marked.some((value, k) => k % 4 === 0 && unpinned[k] - value > 40);
   }, vertex);
