@@ -1,5 +1,5 @@
 //! A step allocates nothing: everything is sized when a scene is built, and within the bounds that
-//! the README states.
+//! the manual states.
 //!
 //! Run with `cargo test -p muslin-tests --test allocation`.
 

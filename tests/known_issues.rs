@@ -1,6 +1,6 @@
 //! What is known to be wrong, one test each: it passes while the fault is there. When a test
 //! fails the fault is mended: turn the assertion round and move it to the tests of its module, and
-//! strike the line from the README's "what it does not do".
+//! strike the line from the manual's limits (`core/README.md`).
 //!
 //! Run with `cargo test -p muslin-tests --test known_issues`.
 

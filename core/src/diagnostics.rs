@@ -1,4 +1,4 @@
-//! What a state says about itself: energies, momentum, stretch, the first number that is none,
+//! Diagnostics of a state: energies, momentum, stretch, the first number that is not finite,
 //! and a hash of its bits.
 
 use crate::dispatch::Dispatch;

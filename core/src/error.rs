@@ -141,7 +141,7 @@ pub enum SceneError {
     PinAxes { cloth: u32, pin: u32 },
     /// The keys of a motion are not in the order of time.
     MotionKeys { cloth: u32, pin: u32 },
-    /// The turn of a motion has no direction, or a number that is none.
+    /// The turn of a motion has no direction, or a number of it is not finite.
     MotionTurn { cloth: u32, pin: u32 },
     /// Static friction below the kinetic.
     StaticBelowKinetic { at_rest: f64, kinetic: f64 },

@@ -1,23 +1,75 @@
 //! Muslin's core: a cloth simulator as kernels over columns.
 //!
-//! A *muslin* is the test garment sewn before the real cloth is cut: as much model as the
-//! question needs, and no more. Data flows in the order of the modules:
+//! A *muslin* is the test garment that is sewn before the real cloth is cut: as much model as the
+//! question needs, and no more.
 //!
-//! 1. [`scene`]: a plain description becomes cloth, pins and the list of modelled terms.
+//! # The flow
+//!
+//! Data flows in the order of these modules:
+//!
+//! 1. [`scene`]: a description in plain numbers, and its way into columns.
 //! 2. [`mesh`]: triangles become unique edges, hinges, incidence and rest shape.
-//! 3. [`particles`]: columns of positions, velocities and masses.
+//! 3. [`particles`]: columns of positions, velocities and masses; [`motion`]: prescribed motion of
+//!    pins and colliders.
 //! 4. [`forces`]: only the terms that the scene lists, each with energy, force and Jacobian.
 //! 5. [`integrate`]: forces become candidate positions and velocities.
-//! 6. [`step`]: the phases of a step in their order, in [`scratch`] columns sized once.
-//! 7. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash;
-//!    [`audit`]: whether anything passes through anything, exactly; [`untangle`]: start states that
-//!    do, made free of it; [`spectrum`]: its fastest modes, which limit the steps of explicit methods.
-//! 8. [`simulation`]: all of it owned, for hosts that allocate.
+//! 6. [`contact`]: the surfaces that can touch, and the columns of contact; [`colliders`]: the
+//!    surfaces that are not cloth.
+//! 7. [`broad_phase`]: boxes around the motion become candidates, pairs of features that may touch.
+//! 8. [`narrow_phase`]: candidates become contacts, with distances and times of impact, by the
+//!    distances of [`geometry`].
+//! 9. [`response`]: contacts correct the motion.
+//! 10. [`step`]: the only module that knows the order; it works in [`scratch`] columns sized once.
+//! 11. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash;
+//!     [`audit`]: an exact test for intersections; [`untangle`]: removes the intersections of a start
+//!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods.
+//! 12. [`simulation`]: all of it owned, for hosts that allocate.
+//!
+//! Beside the flow: [`real`] (the only module that knows the precision), [`dispatch`] (how kernels
+//! use the host's threads), [`error`], [`stage`] (names of the stages, for hosts that measure time)
+//! and [`traffic`] (bytes that each stage streams).
 //!
 //! The crate is `no_std`. With the feature `alloc` (default) it builds scenes and owns columns;
-//! without it, kernels and the step work on borrowed ones. Threads belong to the host
-//! ([`dispatch`]); only [`real`] knows the precision: `muslin-core` is f32, `muslin-core-f64` the
-//! same sources in f64.
+//! without it, kernels and the step work on borrowed columns. `muslin-core` is f32,
+//! `muslin-core-f64` is the same source in f64.
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! |---|---|
+//! | column | one array for one attribute of all particles, edges or triangles |
+//! | feature | a vertex, an edge or a triangle of a surface |
+//! | candidate | a vertex and a triangle, or two edges, whose boxes overlap |
+//! | contact | a candidate nearer than the thickness |
+//! | impact | a pair that meets during the motion of a step |
+//! | passive | belonging to a collider |
+//! | crossing | an edge and a triangle that intersect, found by the exact test |
+//! | term | one kind of force: stretch springs, membrane, hinges, ... |
+//! | hinge | two triangles with a common edge, and the angle between them |
+//! | rest | undeformed, as in rest length |
+//! | view, columns | `Hinges` borrows what `HingeColumns` owns; kernels take the borrowed one |
+//!
+//! # To change it
+//!
+//! Paths are below the root of the repository; a test checks that they exist.
+//!
+//! * **A force term**: its kernel `core/src/forces/wind.rs` (energy, force, Jacobian); the list of
+//!   terms `core/src/forces/model.rs` and their loops `core/src/forces/mod.rs`; its blocks in the
+//!   matrix `core/src/forces/pattern.rs`; its keys `core/src/scene/mod.rs`, their checks and columns
+//!   `core/src/scene/terms.rs`; its name `core/src/stage.rs` and bytes `core/src/traffic.rs`; its
+//!   tests `tests/forces.rs`.
+//! * **An integrator**: its kernel `core/src/integrate/rk4.rs`; its name, order and call
+//!   `core/src/integrate/mod.rs`; its limit `core/src/integrate/stability.rs`; its columns
+//!   `core/src/scratch.rs`; its tests `tests/integrate.rs`; its row in
+//!   `host-cli/manual/methods.md` and in the page's `host-wasm/web/page/methods.js`.
+//! * **A pass of the response**: its kernel `core/src/response/impact_zone.rs`; the order of the
+//!   passes `core/src/response/mod.rs`; its tests `tests/response.rs`.
+//! * **A stage in WGSL**: the core's kernel and its mirror of the same name, such as
+//!   `core/src/broad_phase/byte_boxes.rs` and `gpu/src/broad_phase/byte_boxes.wgsl`; the table of
+//!   stages `gpu/src/stages.rs` and of columns `gpu/src/slots.rs`; the order
+//!   `gpu/src/schedule.rs`; its tests `tests/gpu/stages.rs`.
+//! * **A built-in scene**: its file `core/scenes/flag.toml`; the table `core/src/scene/builtin.rs`;
+//!   its bounds `tests/built_in.rs`; its row in `host-cli/manual/running.md`.
 
 #![no_std]
 #![forbid(unsafe_code)]

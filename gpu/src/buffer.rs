@@ -17,7 +17,7 @@ pub enum Failed {
         /// Vertices that it has.
         needed: usize,
     },
-    /// There is no such stage, or it has no such entry.
+    /// The stage does not exist, or it does not have the entry point.
     Unknown {
         /// The stage.
         stage: &'static str,

@@ -25,7 +25,7 @@ impl Stage {
     }
 }
 
-/// The place of a stage in [`ALL`] and that of an entry in the stage; none where there is no such.
+/// The index of a stage in [`ALL`] and of an entry point in the stage, if both exist.
 pub fn find(stage: &str, entry: &str) -> Option<[usize; 2]> {
     let at = ALL.iter().position(|own| own.name == stage)?;
     Some([at, ALL[at].entries.iter().position(|&own| own == entry)?])

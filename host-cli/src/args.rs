@@ -10,7 +10,7 @@ use serde::Deserialize;
 use crate::export::Format;
 use crate::units;
 
-/// A cloth simulator that says what each method costs and how wrong it is.
+/// A cloth simulator that says what each method costs and how large its error is.
 #[derive(Debug, Parser)]
 #[command(
     name = "muslin",
@@ -20,22 +20,22 @@ use crate::units;
 Examples:
   muslin run flag                       run a built-in scene, leave a picture in out/flag
   muslin scenes flag > my.toml          start a scene of your own
-  muslin choose flag --tolerance 5mm    the cheapest way to run it within that
-  muslin detect a.ply --thickness 0.002 what is near in a mesh, or meets on the way to the next
-  muslin chart skirt --duration 0.5     which method is cheapest for which error
-  muslin validate                       how far off it is where the answer is known
-  muslin bench                          what each stage costs on this machine
+  muslin choose flag --tolerance 5mm    find the cheapest method within 5 mm
+  muslin detect a.ply --thickness 0.002 find contacts in a mesh
+  muslin chart skirt --duration 0.5     chart the error of every method against its cost
+  muslin validate                       compare results with known answers
+  muslin bench                          measure the cost of each stage on this machine
 
-Which study of a scene to run first:
-  needs      which terms are worth modelling
-  choose     the method and the step for an error that you can bear, or that there is none
-  chart      the whole picture of error against cost, every method
-  stability  how far the step is from where it fails
-  validate   whether the models are right: no scene is needed
-  sweep      many runs, over a grid of values"
+Studies, in the order in which to run them:
+  needs      which terms must be modelled?
+  choose     which method and step meet my tolerance?
+  chart      how does the error of every method fall with its cost?
+  stability  how far is the step from failing?
+  validate   are the models right? (needs no scene)
+  sweep      how do results change over a grid of values?"
 )]
 pub struct Arguments {
-    /// What to do.
+    /// The command
     #[command(subcommand)]
     pub command: Command,
 }
@@ -45,29 +45,29 @@ pub struct Arguments {
 pub enum Command {
     /// Simulate a scene; write frames, a picture and a summary
     Run(RunArguments),
-    /// Count what is near, meets or passes through itself in a mesh
+    /// Count contacts, impacts or intersections in a mesh
     Detect(DetectArguments),
     /// Chart error against cost: every method, both precisions, on a scene
     Chart(ChartArguments),
-    /// Map where each method fails: its step against the scene's stiffness and damping
+    /// Map where each method fails: step against stiffness and damping
     Stability(StabilityArguments),
-    /// Measure what each modelled term of a scene changes and costs
+    /// Measure the effect and the cost of each modelled term of a scene
     Needs(NeedsArguments),
-    /// Run a scene over a grid of overrides: resumable, one JSON line a run
+    /// Run a scene over a grid of overrides: resumable, one JSON line per run
     Sweep(SweepArguments),
-    /// Check the simulator against known answers: expected beside measured
+    /// Compare the simulator with known answers
     Validate(ValidateArguments),
     /// Choose the cheapest method, step and terms that meet a tolerance on a scene
     Choose(ChooseArguments),
     /// List the built-in scenes, or print one
     Scenes(ScenesArguments),
-    /// List what there is to run on: the processor and graphics adapters
+    /// List the processor and the graphics adapters
     Devices(DevicesArguments),
-    /// Measure what each stage costs on this machine
+    /// Measure the cost of each stage on this machine
     Bench(BenchArguments),
 }
 
-/// Most threads; more than this is a slip of the hand.
+/// Largest number of threads; a larger one is a typing error.
 const MOST_THREADS: usize = 1024;
 
 fn threads(text: &str) -> Result<usize, String> {
@@ -98,20 +98,20 @@ fn tolerance(text: &str) -> Result<f64, String> {
 fn method(text: &str) -> Result<integrate::Method, String> {
     let names = || integrate::Method::ALL.map(integrate::Method::name).join(", ");
     let method = integrate::Method::ALL.into_iter().find(|method| method.name() == text);
-    method.ok_or_else(|| format!("is none of {}", names()))
+    method.ok_or_else(|| format!("must be one of {}", names()))
 }
 
 /// A part of a sweep.
 #[derive(Clone, Copy, Debug)]
 pub struct Shard {
-    /// Which, from 1.
+    /// Its number, from 1.
     pub number: usize,
-    /// Of how many.
+    /// Number of shards.
     pub count: usize,
 }
 
 impl Shard {
-    /// Whether the run of that index, from 0, is its own.
+    /// Whether the run with this index, from 0, belongs to the shard.
     pub const fn takes(self, index: usize) -> bool {
         index % self.count == self.number - 1
     }
@@ -124,17 +124,17 @@ fn shard(text: &str) -> Result<Shard, String> {
     shard.ok_or_else(|| "must be I/N, such as 1/8 to 8/8".into())
 }
 
-/// What computes.
+/// The hardware that computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Backend {
     /// The processor.
     Cpu,
-    /// A graphics processor: it finds what can touch, in single precision
+    /// A graphics processor finds the candidates, in single precision
     Gpu,
 }
 
 impl Backend {
-    /// As summaries spell it.
+    /// The name in summaries.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cpu => "cpu",
@@ -146,22 +146,22 @@ impl Backend {
 /// How to find candidates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Method {
-    /// Cells and control bits, as runs do.
+    /// A uniform grid with control bits, as in runs.
     Grid,
-    /// Cells, by a simpler rule.
+    /// A grid with a simpler rule.
     Reference,
-    /// Every pair compared: slow.
+    /// All pairs: slow.
     Brute,
 }
 
-/// How far detection goes; each stage includes those before.
+/// The last stage of detection; it includes the stages before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum DetectStage {
     /// Pairs whose boxes overlap.
     Candidates,
     /// Pairs closer than the thickness.
     Contacts,
-    /// Pairs that touch on the way to the next mesh.
+    /// Pairs that touch during the motion to the next mesh.
     Ccd,
     /// Edges that pass through triangles, exactly.
     Intersections,
@@ -178,7 +178,7 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// As the command line spells it.
+    /// The name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::F32 => "f32",
@@ -187,10 +187,10 @@ impl Precision {
     }
 }
 
-/// Which preview picture to leave.
+/// The preview picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PreviewKind {
-    /// preview.gif, the cloth in motion.
+    /// preview.gif, an animation.
     Gif,
     /// preview.png, six moments.
     Png,
@@ -198,19 +198,19 @@ pub enum PreviewKind {
     None,
 }
 
-/// A scene, changed as asked, and where its results go.
+/// A scene, its overrides and the output folder.
 #[derive(Clone, Debug, Args)]
 pub struct SceneArguments {
     /// A scene file, or the name of a built-in scene
     pub scene: String,
-    /// Where to write [default: a folder of the scene's name in out]
+    /// Output folder [default: out/SCENE]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Override a key of the scene, such as integrator.step=0.001; cloth.KEY means every cloth,
     /// cloth.0.KEY the first
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Simulated seconds, instead of the scene's
+    /// Simulated seconds [default: the duration of the scene]
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
 }
@@ -226,14 +226,14 @@ Examples:
   muslin run fold --backend gpu
   muslin run curtain --checkpoint 100; muslin run curtain --resume out/curtain/checkpoint.muslin
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 diverged, or --audit found surfaces
-that pass through one another (outputs up to then are valid), 4 no graphics adapter, 130 interrupted
-(a checkpoint is written).")]
+Exit codes: 0 success, 1 an output could not be written, 2 wrong usage or scene, 3 diverged, or
+--audit found intersections (outputs up to that point are valid), 4 no graphics adapter,
+130 interrupted (a checkpoint was written).")]
 pub struct RunArguments {
     /// The scene
     #[command(flatten)]
     pub of: SceneArguments,
-    /// What computes
+    /// The hardware that computes
     #[arg(long, value_enum, default_value = "cpu")]
     pub backend: Backend,
     /// Precision of the computation
@@ -248,19 +248,19 @@ pub struct RunArguments {
     /// The preview picture
     #[arg(long, value_enum, default_value = "gif")]
     pub preview: PreviewKind,
-    /// Test every frame exactly for surfaces that pass through one another
+    /// Test every frame exactly for intersections
     #[arg(long)]
     pub audit: bool,
     /// Write a checkpoint every N steps
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
     pub checkpoint: Option<u64>,
-    /// Go on from a checkpoint of the same scene
+    /// Continue from a checkpoint of the same scene
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
     /// Print the summary as one JSON document
     #[arg(long)]
     pub json: bool,
-    /// No progress, no summary; warnings and errors only
+    /// Print only warnings and errors
     #[arg(long)]
     pub quiet: bool,
 }
@@ -274,33 +274,34 @@ Examples:
   muslin detect dress.obj --thickness 0.002 --stage intersections --json
   muslin detect dress.obj --thickness 0.002 --backend gpu
 
-A candidate is a vertex with a triangle, or two edges, that share no vertex and whose boxes, each
-wider by half the thickness on every side, touch or overlap. A contact is a candidate closer than
-the thickness, as MESH stands: with a thickness of 0 there are none. With --next the boxes are those
-of the motion, and ccd counts what touches in its course, things that are too near to tell included.
-Intersections are edges of MESH that pass through triangles, by an exact test. All is in single
-precision. With --backend gpu candidates, contacts and ccd come from one submission and have one
-time, transfers included, of its second run; a pair as near to the thickness as rounding, or to
-touching, may be counted otherwise.
+A candidate is a vertex and a triangle, or two edges. The pair shares no vertex, and its boxes touch
+or overlap; each box is widened by half the thickness on every side. A contact is a candidate of MESH
+that is closer than the thickness, so a thickness of 0 gives no contacts. With --next the boxes
+contain the motion, and ccd counts the pairs that touch during it; pairs that rounding cannot decide
+are included. Intersections are edges of MESH that pass through triangles, found by an exact test.
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or mesh, 4 no graphics adapter, or one whose
-buffers are too small.")]
+Everything is computed in single precision. With --backend gpu one submission finds candidates,
+contacts and ccd; the table has its time in the second run, transfers included. There, rounding may
+count a pair differently that is just at the thickness or just touching.
+
+Exit codes: 0 success, 1 an output could not be written, 2 wrong usage or mesh, 4 no graphics
+adapter, or its buffers are too small.")]
 pub struct DetectArguments {
     /// An OBJ or PLY file
     pub mesh: PathBuf,
     /// The same mesh some time later: the same triangles, other positions
     #[arg(long, value_name = "MESH")]
     pub next: Option<PathBuf>,
-    /// How near is in contact, m; 0 is allowed
+    /// Pairs closer than this are contacts, m; 0 is allowed
     #[arg(long, value_name = "H", value_parser = thickness, allow_negative_numbers = true)]
     pub thickness: f32,
-    /// How to find candidates; all find the same
+    /// The method that finds candidates; all methods find the same
     #[arg(long, value_enum, default_value = "grid")]
     pub method: Method,
-    /// What computes
+    /// The hardware that computes
     #[arg(long, value_enum, default_value = "cpu")]
     pub backend: Backend,
-    /// How far to go; each stage includes those before
+    /// The last stage; it includes the stages before it
     #[arg(long, value_enum, default_value = "contacts")]
     pub stage: DetectStage,
     /// Threads [default: one per core]; the counts do not depend on it
@@ -311,31 +312,31 @@ pub struct DetectArguments {
     pub json: bool,
 }
 
-/// What a study's costs are told by.
+/// The measure of cost in a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Cost {
-    /// The time that runs take on this machine
+    /// Time on this machine
     Clock,
-    /// What they count, as seconds of a machine of 10 GB/s: the same results on every machine
+    /// Counts, converted to seconds of a machine with 10 GB/s: the same results on every machine
     Counts,
 }
 
-/// What every study takes.
+/// The arguments of every study.
 #[derive(Debug, Args)]
 pub struct StudyArguments {
     /// The scene
     #[command(flatten)]
     pub of: SceneArguments,
-    /// What costs and the budget are told by
+    /// The measure of cost and budget
     #[arg(long, value_enum, default_value = "clock")]
     pub cost: Cost,
-    /// Seconds that the study may take, about
+    /// Seconds that the study may take, approximately
     #[arg(long, value_name = "S", default_value = "600", value_parser = seconds, allow_negative_numbers = true)]
     pub budget: f64,
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,
-    /// No progress, no table; errors only
+    /// Print only errors
     #[arg(long)]
     pub quiet: bool,
 }
@@ -347,15 +348,16 @@ Examples:
   muslin chart skirt --duration 0.5
   muslin chart my.toml --methods backward-euler,bdf2,rk4 --budget 120
 
-Every method runs the scene by steps in factors of two, in both precisions, on one thread. Errors
-are RMS over 20 moments, as a part of the cloth's diagonal, against a reference whose steps are
-halved until they no longer matter: positions against RK4 in double precision, or with contact,
-which leaves no vertex a place of its own, the outline of the drape against backward Euler. Solvers
-are asked for more as steps shrink. Writes chart.svg, chart.json, chart.txt and study.html.
+Every method runs the scene in both precisions, on one thread, with steps in factors of two. The
+error is the RMS distance from a reference over 20 moments, as a part of the cloth's diagonal. The
+reference is RK4 in double precision, with its steps halved until they no longer matter. With
+contact it is backward Euler, and the error is that of the drape's outline, because methods put
+single vertices at different places. Shorter steps get a smaller solver tolerance. Writes chart.svg,
+chart.json, chart.txt and study.html.
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 no reference within the budget,
-nothing that could be charted, or a reference that no implicit method confirms (that is written),
-130 interrupted.")]
+Exit codes: 0 success, 1 an output could not be written, 2 wrong usage or scene, 3 no reference
+within the budget, nothing to chart, or a reference that no implicit method confirms (it is
+written), 130 interrupted.")]
 pub struct ChartArguments {
     /// The scene and the limits
     #[command(flatten)]
@@ -363,7 +365,7 @@ pub struct ChartArguments {
     /// Methods, separated by commas [default: all]
     #[arg(long, value_delimiter = ',', value_parser = method)]
     pub methods: Vec<integrate::Method>,
-    /// No shorter steps than this, whatever is left of the budget
+    /// The shortest step, even if budget is left
     #[arg(long, value_name = "S", value_parser = step, allow_negative_numbers = true)]
     pub finest: Option<f64>,
 }
@@ -375,16 +377,16 @@ Examples:
   muslin stability skirt --methods symplectic-euler,rk4,backward-euler
   muslin stability my.toml --budget 120
 
-Runs the scene in single precision, on one thread, by steps around each method's limit and with its
-stiffness (and damping, if it has any) times 1/16 to 16: 1000 steps of explicit methods, 200 of
-implicit ones, or to its end. A run is fine, or its energy grew to 10 times what backward Euler has,
-or a step could not be taken, or a solver gave up. The limit of theory is that of the fastest mode
-at the scene's start. On the scene itself the limit is then watched to the scene's end. Backward
-Euler, where it is among the methods, is also run with newton = 20. Every method has a share of the
-budget. Writes stability.svg, stability.json, stability.txt and study.html.
+Runs the scene in single precision, on one thread. The steps lie around each method's limit, and
+stiffness and damping are scaled by 1/16 to 16. A run takes 1000 steps of an explicit method or 200 of
+an implicit one, or fewer to the scene's end. Its class is fine, energy growth (10 times the energy
+of backward Euler), diverged, or solver failure. The limit of theory follows from the fastest mode at
+the scene's start. On the scene itself the measured limit is verified to the scene's end. Backward
+Euler is also run with newton = 20. Every method has a share of the budget. Writes stability.svg,
+stability.json, stability.txt and study.html.
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 the budget does not do for all runs
-(those that are done are written), 130 interrupted.")]
+Exit codes: 0 success, 1 an output could not be written, 2 wrong usage or scene, 3 the budget is too
+small for all runs (the finished ones are written), 130 interrupted.")]
 pub struct StabilityArguments {
     /// The scene and the limits
     #[command(flatten)]
@@ -402,23 +404,23 @@ Examples:
   muslin needs my.toml --budget 120 --json
   muslin needs ball --duration 0.7 --set integrator.step=0.002
 
-Runs the scene as it stands, in single precision on one thread, and again without each term that
-it models: shear, bending, damping, drag, wind, self-collision, continuous testing, friction,
-contact with its colliders. Then with something simpler: springs for a membrane, bending springs for
-hinges, one Newton iteration for several; and with what could be modelled besides: Newton's method,
-up to 20 iterations a step, and double precision.
+Runs the scene in single precision, on one thread, and compares it with three kinds of variants:
+without each of its terms (shear, bending, damping, drag, wind, self-collision, continuous testing,
+friction, contact with its colliders); with a simpler term (springs for a membrane, bending springs
+for hinges, one Newton iteration for several); and with more (Newton's method with up to 20
+iterations, double precision).
 
-It tells how far each moves the cloth, RMS over 20 moments: positions, or with contact, which leaves
-no vertex a place of its own, the outline of the drape. Half the step moves it too: a term that
-moves it by less cannot be told at this step, and all such are switched off together in a last run.
-Costs are the median of pairs of runs, told where the pairs are on one side; counts do not depend
-on the machine. Steps fit into 20 equal parts of the time, and where a run takes another step that
-is told. Bending springs store the energy of the hinges where the sheet is bent by 30 degrees from
+For each variant it reports how far the cloth moves: the RMS distance over 20 moments or, with
+contact, the change of the drape's outline. Half the step moves the cloth too. A term that moves it
+by less cannot be judged at this step; in a last run all of these terms are switched off together.
+The cost is the median of pairs of runs, reported where all pairs agree in sign. Counts do not depend
+on the machine. Steps fit into 20 equal parts of the time; where a run takes another step, the report
+says so. Bending springs store the same energy as hinges when the sheet is bent by 30 degrees from
 triangle to triangle. Writes needs.svg, needs.json, needs.txt and study.html.
 
-Exit codes: 0 fine (a term without which the scene fails is a result), 1 the tool failed, 2 bad
-usage or scene, 3 the scene itself fails or the budget does not do for all runs (those that are
-done are written), 130 interrupted.")]
+Exit codes: 0 success (a scene that fails without a term is a result), 1 an output could not be
+written, 2 wrong usage or scene, 3 the scene itself fails, or the budget is too small for all runs
+(the finished ones are written), 130 interrupted.")]
 pub struct NeedsArguments {
     /// The scene and the limits
     #[command(flatten)]
@@ -435,33 +437,34 @@ Examples:
 
 A sweep is a TOML file:
   scene = \"skirt\"                a file, relative to this one, or a built-in scene
-  duration = 0.5                   if other than the scene's
-  precision = [\"f32\", \"f64\"]     or one of them, in quotes; f32 if absent
-  [set]                            for all runs, keys as --set of muslin run takes them
+  duration = 0.5                   absent: the duration of the scene
+  precision = [\"f32\", \"f64\"]     or one of them as a string; absent: f32
+  [set]                            for all runs; the keys of muslin run --set
   cloth.density = 0.2
-  [grid]                           every combination; the last key changes faster, precision fastest
+  [grid]                           every combination of these values
   integrator.method = [\"backward-euler\", \"bdf2\"]
   integrator.step = [0.01, 0.005]
 
-Each run appends one line to FILE.jsonl once it has ended, diverged runs too. What has its line is
-not run again: killed or interrupted, a sweep goes on by the same command. A changed scene, mesh or
-version of muslin is another run. Shards share a file only where it can be locked.
+Each run appends one line to FILE.jsonl at its end, even if it diverged. A run that has its line is
+not repeated: to continue a killed or interrupted sweep, start it again with the same command. A
+changed scene, mesh or version of muslin makes another run. Shards may share a file only where it can
+be locked.
 
-Exit codes: 0 all runs have their line, 1 the tool failed, 2 bad usage or sweep (nothing is run),
-130 interrupted.")]
+Exit codes: 0 all runs have their line, 1 an output could not be written, 2 wrong usage or sweep
+(nothing was run), 130 interrupted.")]
 pub struct SweepArguments {
     /// The file of the sweep
     pub sweep: PathBuf,
-    /// One part of N: the I-th run, the N-th after that, and so on
+    /// Only every N-th run, from the I-th on
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
-    /// Where to append lines [default: out/SWEEP.jsonl, or out/SWEEP.I-of-N.jsonl]
+    /// Output file [default: out/SWEEP.jsonl, or out/SWEEP.I-of-N.jsonl]
     #[arg(long, value_name = "FILE.jsonl")]
     pub out: Option<PathBuf>,
-    /// Threads of a run; results do not depend on it
+    /// Threads per run; results do not depend on it
     #[arg(long, value_name = "N", default_value = "1", value_parser = threads, allow_negative_numbers = true)]
     pub threads: usize,
-    /// No progress, no table; errors only
+    /// Print only errors
     #[arg(long)]
     pub quiet: bool,
 }
@@ -470,32 +473,32 @@ pub struct SweepArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  muslin validate                       all checks: some minutes, most of them for the cantilever
-  muslin validate --only hinge          one group; the report lists them
-  muslin validate --only \"Gamma 10\"    those with these words in their name
-  muslin validate --list                the names of all checks
+  muslin validate                       all checks: some minutes, mostly for the cantilever
+  muslin validate --only hinge          one group; the report lists the groups
+  muslin validate --only \"Gamma 10\"    the checks with these words in their name
+  muslin validate --list                list all checks
 
-Closed forms and known solutions, measured with the core in double precision: what is expected, what
-came out, how far off that is and how far it may be. Writes validate.json, validate.txt and, where
-the heavy cantilever was measured, validate.svg, its curve and what came out beside it; a part of the
-checks writes to files of its own, such as validate-gamma-10.json.
+Compares the core in double precision with closed forms and known solutions. For each it reports the
+expected value, the measured value, the error and the tolerance. Writes validate.json, validate.txt
+and, with the heavy cantilever, validate.svg, which has its measured and its known curve. A part of
+the checks writes files of its own, such as validate-gamma-10.json.
 
-Exit codes: 0 all checks pass, 1 the tool failed, 2 bad usage, 3 a check fails (the results are
-written), 130 interrupted.")]
+Exit codes: 0 all checks pass, 1 an output could not be written, 2 wrong usage, 3 a check fails (the
+results are written), 130 interrupted.")]
 pub struct ValidateArguments {
-    /// Only the group of this name, or checks with these whole words in theirs, the group before it
+    /// Only the group with this name, or the checks with these whole words in "GROUP NAME"
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
-    /// Print the names of the checks, measure nothing
+    /// List the checks without running them
     #[arg(long)]
     pub list: bool,
-    /// Where to write
+    /// Output folder
     #[arg(long, value_name = "DIR", default_value = "out/validate")]
     pub out: PathBuf,
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,
-    /// No progress, no table; errors only
+    /// Print only errors
     #[arg(long)]
     pub quiet: bool,
 }
@@ -507,28 +510,30 @@ Examples:
   muslin choose swing --duration 0.5 --tolerance 1mm
   muslin choose my.toml --tolerance 0.5cm --budget 120 --write chosen.toml; muslin run chosen.toml
 
-Finds a reference as exact as the tolerance asks, by BDF2 in double precision, its steps halved
-until that moves it by a sixteenth of the tolerance and it converges by its order, or by RK4;
-with contact, which leaves no vertex a place of its own, by backward Euler, the outline of the
-drape, and a fourth: no other method vouches for that one, and how near another comes is told.
-Then runs the scene by every method on one thread, by steps that fit into 20 equal parts of the
-time, none longer than a frame, until one is within the tolerance (RMS over 20 moments) or takes
-twice as long as the cheapest that is, and 0.1 s; then the cheapest without each term that it
-models, with something simpler in its place and with a looser solver, and leaves out what is not
-needed and costs more than 5 %. A tolerance as large as the cloth is refused.
-The choice is run afresh and measured against a reference of half the step. Writes choose.svg,
-choose.json, choose.txt and study.html, and with --write the scene as chosen, with its comments.
+1. Finds a reference: BDF2 or RK4 in double precision. Its steps are halved until a further halving
+   moves the cloth by less than a sixteenth of the tolerance and it converges by its order. With
+   contact it is backward Euler, and the drape's outline must move by less than a fourth; no other
+   method confirms that reference, and the report says how near another method comes.
+2. Runs the scene with every method, on one thread. Steps fit into 20 equal parts of the time and are
+   not longer than a frame. They are shortened until the RMS error over 20 moments is within the
+   tolerance, or until a run takes 0.1 s more than twice the time of the cheapest run that is.
+3. Runs the cheapest without each of its terms, with simpler terms and with a looser solver. It leaves
+   out what is not needed and costs more than 5 %.
+4. Runs the choice again and measures it against a reference of half the step.
 
-Exit codes: 0 fine, 1 the tool failed, 2 bad usage or scene, 3 nothing meets the tolerance within
-the budget (what can be reached is told), 130 interrupted.")]
+A tolerance as large as the cloth is refused. Writes choose.svg, choose.json, choose.txt and
+study.html, and with --write the chosen scene, with its comments.
+
+Exit codes: 0 success, 1 an output could not be written, 2 wrong usage or scene, 3 no method meets
+the tolerance within the budget (the report names the best), 130 interrupted.")]
 pub struct ChooseArguments {
     /// The scene and the limits
     #[command(flatten)]
     pub study: StudyArguments,
-    /// RMS error allowed, m, or with a unit: 1mm
+    /// The largest RMS error, m, or with a unit: 1mm
     #[arg(long, value_name = "T", value_parser = tolerance, allow_negative_numbers = true)]
     pub tolerance: f64,
-    /// Save the scene with the choice in it
+    /// Write the chosen scene to this file
     #[arg(long, value_name = "FILE")]
     pub write: Option<PathBuf>,
 }
@@ -557,10 +562,10 @@ pub struct DevicesArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  muslin bench                          the scenes and sizes of the README
+  muslin bench                          the scenes and sizes of the manual
   muslin bench hanging swing --threads 1
   muslin bench my.toml --json
-  muslin bench crumpled                 candidates of crumpled sheets, 10k to 1M triangles")]
+  muslin bench crumpled                 the broad phase on crumpled sheets, 10k to 1M triangles")]
 pub struct BenchArguments {
     /// Scene files, names of built-in scenes, or crumpled [default: the standard set]
     pub scenes: Vec<String>,
@@ -570,4 +575,63 @@ pub struct BenchArguments {
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::error::ErrorKind;
+
+    use super::*;
+
+    const MANUALS: [&str; 10] = [
+        include_str!("../../README.md"),
+        include_str!("../README.md"),
+        include_str!("../manual/cost.md"),
+        include_str!("../manual/detect.md"),
+        include_str!("../manual/methods.md"),
+        include_str!("../manual/running.md"),
+        include_str!("../manual/scene.md"),
+        include_str!("../manual/studies.md"),
+        include_str!("../manual/sweep.md"),
+        include_str!("../manual/validate.md"),
+    ];
+
+    /// The words of a command line up to its comment; quotes keep words together.
+    fn words(line: &str) -> Vec<String> {
+        let mut words = vec![String::new()];
+        let mut quoted = false;
+        for c in line.split(" #").next().unwrap_or("").split(" >").next().unwrap_or("").chars() {
+            match c {
+                '"' | '\'' => quoted = !quoted,
+                ' ' if !quoted => words.push(String::new()),
+                c => words.last_mut().expect("there is one").push(c),
+            }
+        }
+        words.retain(|word| !word.is_empty());
+        words
+    }
+
+    #[test]
+    fn every_command_of_the_manuals_is_understood() {
+        let mut count = 0;
+        for manual in MANUALS {
+            for (place, part) in manual.split("```").enumerate() {
+                // Outside of blocks commands stand between single quotes, some without what they work on.
+                let lines: Vec<String> = match (place % 2, part.strip_prefix("sh\n")) {
+                    (1, Some(block)) => block.lines().map(str::to_owned).collect(),
+                    (1, None) => Vec::new(),
+                    _ => part.split('`').skip(1).step_by(2).map(|code| code.replace('\n', " ")).collect(),
+                };
+                // A shell's variables are not known here.
+                for line in lines.iter().filter(|line| line.starts_with("muslin ") && !line.contains('$')) {
+                    let kind = Arguments::try_parse_from(words(line)).err().map(|error| error.kind());
+                    let incomplete = place % 2 == 0 && kind == Some(ErrorKind::MissingRequiredArgument);
+                    let fine = matches!(kind, None | Some(ErrorKind::DisplayHelp)) || incomplete;
+                    assert!(fine, "the manual has {line:?}, which is {kind:?}");
+                    count += 1;
+                }
+            }
+        }
+        assert!(count > 50, "{count} commands: the blocks are no longer found");
+    }
 }

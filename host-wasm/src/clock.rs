@@ -43,7 +43,7 @@ impl Times {
 #[derive(Default)]
 pub struct Clock {
     times: Mutex<Times>,
-    /// None while it is asked, and where there is none.
+    /// `None` while a step uses it, and without a device.
     detector: Mutex<Option<StepDetector>>,
     /// Whether a step must not wait for it.
     here: AtomicBool,

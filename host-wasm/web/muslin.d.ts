@@ -1,36 +1,36 @@
 // Muslin for pages. All units are SI: metres, kilograms, seconds, newtons, joules.
 
 /**
- * Fetches and starts the module, once; `source` where it does not lie beside this file: its address (bundlers), or
- * its bytes (Node.js).
+ * Loads the module, once. If the module does not lie beside this file, give its address (bundlers) or its bytes
+ * (Node.js).
  */
 export function load(source?: string | URL | Response | BufferSource | WebAssembly.Module): Promise<void>;
 
-/** The names of the built-in scenes; after `await load()`. */
+/** The names of the built-in scenes. Call it after `await load()`. */
 export function scenes(): string[];
 
-/** A scene: the keys of a scene file, of which `duration` and `cloth` are needed. */
+/** A scene: the keys of a scene file, of which `duration` and `cloth` are required. */
 export type Scene = { [key: string]: unknown };
 
-/** The scene of a text in TOML, or the built-in scene of that name. */
+/** Parses a scene from TOML text, or returns the built-in scene with that name. */
 export function scene(given: string | Scene): Scene;
 
-/** The text of a built-in scene, in TOML. */
+/** The TOML text of a built-in scene. */
 export function source(name: string): string | undefined;
 
-/** Other values at keys such as "integrator.step"; a key of a list is that of each item; undefined removes it. */
+/** New values for keys such as "integrator.step". In a list the key of every item changes. `undefined` removes a key. */
 export type Changes = { [key: string]: unknown };
 
-/** A copy of the scene with other values. */
+/** A copy of the scene with changed values. */
 export function changed(scene: Scene, changes: Changes): Scene;
 
 /** The wind section of a scene with this velocity, m/s. */
 export function windy(scene: Scene, velocity: [number, number, number]): { [key: string]: unknown };
 
-/** A value as the command line takes it: TOML, or a bare word. */
+/** Parses a value as the command line does: TOML, or a bare word. */
 export function value(text: string): unknown;
 
-/** ms in the parts of steps. */
+/** Time of each stage, ms. */
 export interface Times {
   predict: number;
   broadPhase: number;
@@ -38,116 +38,116 @@ export interface Times {
   response: number;
 }
 
-/** What came of a run so far. */
+/** Diagnostics of the run so far. */
 export interface Summary {
-  /** Length over rest length of all edges, now. */
+  /** Current length over rest length of all edges. */
   stretch: { max: number; mean: number };
-  /** J, now. */
+  /** Current energies, J. */
   energy: { kinetic: number; stretch: number; shear: number; bend: number; seam: number; gravity: number };
-  /** Pairs of features looked at, all steps together. */
+  /** Candidates, total of all steps. */
   candidates: number;
-  /** Contacts of what is near. */
+  /** Contacts, total. */
   proximity: number;
-  /** Contacts of what would have met. */
+  /** Impacts, total. */
   impacts: number;
-  /** Zones of impacts solved together. */
+  /** Impact zones, total. */
   zones: number;
-  /** Steps that were taken in halves. */
+  /** Steps that were repeated as halves. */
   rejected: number;
-  /** Evaluations of all forces. */
+  /** Force evaluations, total. */
   forceEvaluations: number;
-  /** Iterations of conjugate gradients. */
+  /** Iterations of conjugate gradients, total. */
   cgIterations: number;
 }
 
-/** What the cloth touches besides itself, now. */
+/** A collider at the current time. */
 export interface Body {
   shape: "plane" | "sphere" | "capsule" | "box" | "mesh";
-  /** m around its points. */
+  /** Radius around its points, m. */
   radius: number;
-  /** Of a plane. */
+  /** Normal of a plane. */
   normal: [number, number, number];
-  /** x, y, z of each, m: a point of the plane, the centre, the two ends, eight corners, the vertices. */
+  /** x, y, z, m, of a point of the plane, the centre, both ends, the eight corners, or all vertices. */
   points: Float32Array;
 }
 
 /**
- * A cloth in motion. What cannot be done throws an `Error` that says why; a step that cannot be taken leaves
- * the cloth as it was.
+ * A simulated cloth. A method that fails throws an `Error` with the reason. A step that fails leaves the cloth
+ * unchanged.
  */
 export class Cloth {
-  /** Of a scene's text in TOML, the name of a built-in scene, or an object; after `await load()`. */
+  /** From TOML text, the name of a built-in scene, or an object. Call it after `await load()`. */
   constructor(scene: string | Scene);
 
   /** Takes steps on this thread. */
   step(count?: number): void;
-  /** Takes steps whose candidates a device finds, where one was opened; nothing else may be asked meanwhile. */
+  /** Takes steps; an open device finds the candidates. Call nothing else until it is done. */
   awaitStep(count?: number): Promise<void>;
-  /** Opens a WebGPU device for `awaitStep`; its name. */
+  /** Opens a WebGPU device for `awaitStep` and returns its name. */
   openDevice(): Promise<string>;
   /** Whether `awaitStep` has a device. */
   readonly hasDevice: boolean;
-  /** Whether an awaited step is under way. */
+  /** Whether `awaitStep` is running. */
   readonly busy: boolean;
-  /** What the device said that it should not, once: it was lost and opened again, or given up. */
+  /** The last message about the device, once: it was lost and opened again, or given up. */
   takeNote(): string | undefined;
 
-  // Views of the module's own columns, not copies: steps exchange them and move memory, so take them anew
-  // after each call that changes the cloth.
+  // These are views of the module's memory, not copies. Get them again after each call that changes the cloth:
+  // steps swap columns and may move memory.
   /** x, y, z of each vertex, m. */
   positions(): Float32Array;
-  /** Of each vertex, m/s. */
+  /** x, y, z of each vertex, m/s. */
   velocities(): Float32Array;
-  /** Of each vertex, of length 1. */
+  /** Unit normal of each vertex. */
   normals(): Float32Array;
-  /** Of each vertex the greatest strain of its edges, l / l0 - 1. */
+  /** For each vertex the largest strain of its edges, l / l0 - 1. */
   strains(): Float32Array;
-  /** Three vertices a triangle. */
+  /** Three vertices per triangle. */
   triangles(): Uint32Array;
-  /** Copies. */
+  /** The colliders, as copies. */
   bodies(): Body[];
 
-  /** A copy of the scene as it is now. */
+  /** A copy of the current scene. */
   readonly scene: Scene;
   /**
-   * Another value at a key of the scene, or several: `set("integrator.step", 0.005)`. The cloth stays where it
-   * is where it has as many vertices as before, and starts anew where it has not.
+   * Changes one or several keys of the scene: `set("integrator.step", 0.005)`. If the number of vertices stays the
+   * same, the cloth keeps its state; otherwise it starts again.
    */
   set(key: string, value: unknown): void;
   set(changes: Changes): void;
-  /** A steady wind, m/s. */
+  /** Sets a steady wind, m/s. */
   wind(velocity: [number, number, number]): void;
 
   /**
-   * Leads a vertex to a place, m, evenly within so many simulated seconds, or at once; it is held from then on.
-   * Farther than an edge at once is more than many scenes can stand.
+   * Moves a vertex evenly to a place, m, within a simulated time, s, or at once. From then on it is held. Many
+   * scenes fail if a vertex moves by more than an edge at once.
    */
   lead(vertex: number, place: ArrayLike<number>, seconds?: number): void;
-  /** Holds a vertex where it is. */
+  /** Holds a vertex at its place. */
   pin(vertex: number): void;
-  /** Lets go of a vertex, whatever held it; whether anything did. */
+  /** Frees a vertex, also from a pin of the scene. Returns whether it was held. */
   release(vertex: number): boolean;
-  /** The vertices that are held. */
+  /** The held vertices. */
   pins(): Uint32Array;
 
   readonly vertexCount: number;
-  /** Steps taken; after another step length was set, how many of these the time is. */
+  /** Steps taken. After a change of the step length: the simulated time in new steps. */
   readonly steps: number;
   /** Simulated time, s. */
   readonly time: number;
-  /** s; the longest not above the scene's that divides a picture's time. */
+  /** s: the longest step that is not longer than the scene's and divides the time of a frame. */
   readonly stepLength: number;
-  /** Pictures of the scene per simulated second. */
+  /** Frames per simulated second. */
   readonly frameRate: number;
-  /** Simulated time that the scene is made for, s. */
+  /** Duration of the scene, s. */
   readonly duration: number;
 
-  /** The chain over the states after all steps, as `muslin run` prints it. */
+  /** The hash chain over the states of all steps, as `muslin run` prints it. */
   stateHash(): string;
-  /** ms in the parts of the steps since this was last asked. */
+  /** Time of each stage since the last call, ms. */
   takeTimes(): Times;
-  /** Numbers about the state and the work. */
+  /** Diagnostics of the state and of the work. */
   summary(): Summary;
-  /** Gives the memory back; the cloth cannot be asked anything afterwards. */
+  /** Frees the memory. Do not use the cloth afterwards. */
   free(): void;
 }

@@ -46,7 +46,7 @@ export function scene(given) {
   return read(text ?? given);
 }
 
-/** The text of a built-in scene, in TOML; undefined where there is none of that name. */
+/** The TOML text of a built-in scene, or undefined. */
 export function source(name) {
   ready();
   return sceneText(name);

@@ -110,7 +110,7 @@ fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
     command.args(TOLD).args(["--skip", LONG_FORM]).args((level == Level::All).then_some("--include-ignored"));
     command.env("RUSTC_BOOTSTRAP", "1").current_dir(suite.folder()).stdout(Stdio::piped());
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
-        // Mesa complains where there is none.
+        // Mesa complains without it.
         command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
     }
     let (mut tests, mut finished) = (Vec::new(), false);

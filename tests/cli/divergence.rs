@@ -77,7 +77,7 @@ fn cloth_that_its_weight_draws_to_several_times_its_length_is_fine() {
     assert_eq!(summary["verdict"], "ok");
 }
 
-/// A start that is drawn out so far is none of the method's doing.
+/// The method is not to blame for a start that is stretched so far.
 #[test]
 fn a_start_drawn_out_a_thousandfold_runs() {
     let place = Place::new();

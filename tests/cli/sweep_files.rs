@@ -112,13 +112,13 @@ fn scenes_are_beside_the_sweep_or_built_in() {
 }
 
 #[test]
-fn the_readme_has_one_that_runs() {
-    let readme = include_str!("../../README.md");
-    let text = readme.split("```toml\nscene = ").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+fn the_manual_has_one_that_runs() {
+    let manual = include_str!("../../host-cli/manual/sweep.md");
+    let text = manual.split("```toml\nscene = ").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let place = Place::new();
     place.write("s.toml", format!("scene = {text}").replace("duration = 0.1 ", "duration = 0 "));
     place.muslin("sweep s.toml --quiet").expect(0);
     let all = crate::sweep::lines(&place, "out/s.jsonl");
     assert!(all.len() == 48 && all.iter().all(|line| line["steps"] == 0), "{} lines", all.len());
-    assert!(readme.contains("# 48 runs, 48 lines in"));
+    assert!(manual.contains("# 48 runs, 48 lines in"));
 }

@@ -20,7 +20,8 @@ pub mod topology;
 pub mod truth;
 pub mod worst;
 
-/// The README, so that its Rust is compiled and run.
+/// The manuals that have Rust, so that it is compiled and run.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
-pub struct Readme;
+#[doc = include_str!("../../core/README.md")]
+pub struct Manuals;

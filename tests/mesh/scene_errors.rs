@@ -317,7 +317,7 @@ fn colliders_need_contact() {
     assert_eq!(build(&kit::scene(&bare), &[]).map(|_| ()), Err(SceneError::ColliderWithoutContact));
 }
 
-/// The files of mesh colliders: a mesh that is none, and a cache of another mesh.
+/// The files of mesh colliders: an invalid mesh, and a cache of another mesh.
 #[test]
 fn collider_files_must_fit() {
     let plane = "shape = \"plane\"\n    point = [0.0, -2.0, 0.0]\n    normal = [0.0, 1.5, 0.0]";

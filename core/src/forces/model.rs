@@ -33,7 +33,7 @@ pub struct Model<'a> {
 }
 
 impl<'a> Model<'a> {
-    /// The model with one of its terms alone; none where it has no such term.
+    /// The model with one of its terms alone; `None` if the model does not have the term.
     pub fn only(&self, term: Term) -> Option<Self> {
         let mut alone = Self::default();
         let present = match term {

@@ -4,8 +4,8 @@
 pub use crate::motion::{Key, Motion, Side, Turn};
 use crate::real::{Mat3, Real, Sum, Vec3};
 
-/// Of the larger speed: a lesser change from key to key is a curve drawn with lines, across which a method
-/// of two steps may look back.
+/// A change of velocity at a key is a jump from this part of the larger speed on. A smaller change
+/// approximates a curve, and a two-step method may use the step before it.
 const JUMP: Real = 0.25;
 
 /// In [`Pins::motions`]: the pin rests.

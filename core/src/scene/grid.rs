@@ -1,6 +1,6 @@
 //! A rectangle in the xz plane, centred at the origin.
 //!
-//! The default pattern is equilateral: hinge bending is isotropic on it and on no other (README).
+//! The default pattern is equilateral: hinge bending is isotropic on it and on no other (see the README of this crate).
 
 use crate::error::SceneError;
 use crate::mesh::TriMesh;

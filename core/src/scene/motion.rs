@@ -26,7 +26,7 @@ pub(super) fn read_motion(motion: &MotionDesc, centre: DVec3, keys: &mut Vec<Key
     Ok(Motion { keys: [first, motion.keys.len() as u32], turn })
 }
 
-/// None where the axis has no direction or a number is none.
+/// `None` if the axis has no direction or a number is not finite.
 fn read_turn(turn: &TurnDesc, centre: DVec3) -> Option<Turn> {
     let until = turn.until.unwrap_or(f64::INFINITY);
     let axis = DVec3::from(turn.axis).try_normalize().filter(|_| turn.rate.is_finite() && !until.is_nan())?;

@@ -192,8 +192,8 @@ impl Simulation {
         untangled
     }
 
-    /// Lets the response part, standing still, what is nearer than what it counts as met; false
-    /// where there is no such thing or it cannot.
+    /// Lets the response separate pairs at rest that are nearer than the distance of an impact. Returns
+    /// false if there are no such pairs, or if it cannot.
     fn part_near(&mut self, dispatch: &impl Dispatch) -> bool {
         let (time, step) = (self.time(), self.step);
         let Self { built, contact, .. } = self;

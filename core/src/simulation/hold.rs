@@ -5,9 +5,9 @@ use crate::real::{Sum, Vec3};
 use crate::scene::BuiltScene;
 
 impl Simulation {
-    /// Leads a vertex, held until now or not, to a place, m, evenly within so many seconds from now on, at
-    /// once where there are none; there it rests. False, and nothing done, where there is no such vertex, the
-    /// place or the time is not finite, or the time less than nothing.
+    /// Moves a vertex, held or free, evenly to a place, m, within `seconds`, or at once for 0. There it is held.
+    /// Returns false and changes nothing if the vertex does not exist, the place or the time is not finite, or
+    /// the time is negative.
     pub fn lead(&mut self, vertex: u32, place: Vec3, seconds: Sum) -> bool {
         let Some(&from) = self.positions().get(vertex as usize) else { return false };
         if !place.is_finite() || !(0.0..Sum::INFINITY).contains(&seconds) {

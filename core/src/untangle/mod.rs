@@ -7,7 +7,7 @@
 //! 2. The crossings are joined to [`contour`]s. Where these cut a [`flap`] off a sheet, it goes
 //!    back through what cut it off [after Baraff 2003].
 //! 3. Where they cut nothing off, or that does not help, edges and triangles [`slide`] so that the
-//!    contour gets shorter until there is none [Volino 2006].
+//!    contour gets shorter until it vanishes [Volino 2006].
 //!
 //! Every vertex moves by the mean of what is asked of it; a held axis does not move. The state with
 //! the fewest crossings counts. Of 200 sheets folded through themselves (`tests/untangle`) 200 come

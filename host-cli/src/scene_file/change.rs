@@ -49,7 +49,7 @@ pub fn apply(table: Table, changes: &[Change]) -> Result<(SceneDesc, String), Fa
     Ok((desc, text))
 }
 
-/// A TOML value; what is none is a string, so that `integrator.method=rk4` needs no quotes.
+/// A TOML value. Any other text is a string, so that `integrator.method=rk4` needs no quotes.
 fn parse_value(text: &str) -> Value {
     toml::from_str::<Table>(&format!("value = {text}"))
         .ok()

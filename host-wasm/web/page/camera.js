@@ -71,7 +71,7 @@ export class Camera {
     return [((at(0) / w + 1) / 2) * this.size[0], ((1 - at(1) / w) / 2) * this.size[1], w];
   }
 
-  /** The vertex that is seen nearest to a pixel, within so many of them; undefined where there is none. */
+  /** The visible vertex nearest to a pixel, within a distance in pixels, or undefined. */
   pick(positions, x, y, within) {
     const matrix = this.matrix(true);
     let [best, least] = [undefined, within];

@@ -10,7 +10,7 @@ export class Reference {
   #waiting = new Map();
   /** {time, error}, s and m, of the last picture that the reference has reached. */
   last;
-  /** Why there is none. */
+  /** The reason why there is no reference. */
   why;
 
   constructor(scene, step) {

@@ -1,4 +1,4 @@
-// The cloth in view and its time: who wants something of it waits until no step is under way.
+// The cloth in view and its time: requests wait until no step is running.
 
 import { Cloth, changed } from "../muslin.js";
 import { Reference } from "./reference.js";
@@ -23,7 +23,7 @@ export class Run {
     this.open(scene, changes);
   }
 
-  /** Begins with a scene, another or the same; throws where that is none. */
+  /** Starts a scene, another or the same. Throws if it is no valid scene. */
   open(scene, changes) {
     const cloth = new Cloth(changed(scene, changes));
     const last = this.cloth;

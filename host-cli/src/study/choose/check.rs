@@ -83,7 +83,7 @@ fn measure(pilot: &Pilot<'_>, found: &Found, finer: Option<&Trajectory>) -> Resu
     Ok((if complete { pilot.error(&run, reference) } else { f64::INFINITY }, median(walls)))
 }
 
-/// The same by a few more steps, to its end: a prediction without an error is none.
+/// The same with a few more steps, to its end. Without an error there is no prediction.
 fn shorter(pilot: &mut Pilot<'_>, found: &Found) -> Result<Row, Failure> {
     let steps = found.row.variant.steps;
     let variant = Variant { steps: steps + steps.div_ceil(FINER), ..found.row.variant };

@@ -174,7 +174,7 @@ impl Needs {
         )];
         lines.push(match (&self.step_error, &self.step_error_why) {
             (Some(own), _) => format!(
-                "Half the step moves the {what} by {}: a term that moves it by less cannot be told at this step",
+                "Half the step moves the {what} by {}: a term that moves it by less cannot be judged at this step",
                 extent(*own, None)
             ),
             (None, why) => format!("Half the step {}", why.as_deref().unwrap_or("is not known")),
