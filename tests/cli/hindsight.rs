@@ -265,6 +265,7 @@ fn judge(case: &Case) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn coarse_choices_are_near_the_best_in_hindsight() {
     CASES[..3].iter().for_each(judge);
 }
@@ -275,6 +276,7 @@ fn choices_are_near_the_best_in_hindsight() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn fine_choices_are_near_the_best_in_hindsight() {
     CASES[6..].iter().for_each(judge);
 }
