@@ -518,7 +518,7 @@ Examples:
    not longer than a frame. They are shortened until the RMS error over 20 moments is within the
    tolerance, or until a run takes 0.1 s more than twice the time of the cheapest run that is.
 3. Runs the cheapest without each of its terms, with simpler terms and with a looser solver. It leaves
-   out what is not needed and costs more than 5 %.
+   out each term that is not needed and costs more than 5 %.
 4. Runs the choice again and measures it against a reference of half the step.
 
 A tolerance as large as the cloth is refused. Writes choose.svg, choose.json, choose.txt and
@@ -616,7 +616,7 @@ mod tests {
         let mut count = 0;
         for manual in MANUALS {
             for (place, part) in manual.split("```").enumerate() {
-                // Outside of blocks commands stand between single quotes, some without what they work on.
+                // Outside of blocks, commands stand between backquotes, and some lack their arguments.
                 let lines: Vec<String> = match (place % 2, part.strip_prefix("sh\n")) {
                     (1, Some(block)) => block.lines().map(str::to_owned).collect(),
                     (1, None) => Vec::new(),

@@ -38,7 +38,7 @@ use crate::mesh::rest::RestSource;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SceneDesc {
-    /// What the scene is called; hosts that read files call one without a name by its file's.
+    /// The name of the scene. A host that reads files gives a scene without a name that of its file.
     #[cfg_attr(feature = "serde", serde(default = "defaults::name"))]
     pub name: String,
     /// A line about it.

@@ -1,4 +1,4 @@
-//! What a file is by its bytes, whatever its name says.
+//! The kind of a file by its bytes; its name may be wrong.
 
 /// How files begin that are given where a mesh is wanted.
 const BEGINNINGS: [(&[u8], &str); 13] = [
@@ -17,7 +17,7 @@ const BEGINNINGS: [(&[u8], &str); 13] = [
     (b"\x1f\x8b", "a gzip archive"),
 ];
 
-/// What a file is, if it can be no Wavefront OBJ.
+/// The kind of a file that cannot be a Wavefront OBJ file.
 pub fn not_obj(bytes: &[u8]) -> Option<&'static str> {
     let begun = BEGINNINGS.iter().find(|(beginning, _)| bytes.starts_with(beginning)).map(|(_, kind)| *kind);
     begun
@@ -25,7 +25,7 @@ pub fn not_obj(bytes: &[u8]) -> Option<&'static str> {
         .or_else(|| bytes.contains(&0).then_some("a binary file"))
 }
 
-/// What a file is, if it can be no Stanford PLY and is no text that could be told by its lines.
+/// The kind of a file that cannot be a Stanford PLY file, unless it is text, whose lines tell more.
 pub fn not_ply(bytes: &[u8]) -> Option<&'static str> {
     not_obj(bytes).filter(|_| !bytes.starts_with(b"ply"))
 }
