@@ -10,6 +10,19 @@ const SLOWEST: usize = 10;
 /// By which a test says that it needs something that is not there.
 const SKIPPED: &str = "skipped: ";
 
+/// How a test ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// It ran and passed.
+    Passed,
+    /// It ran and failed.
+    Failed,
+    /// It is slow: only the full level runs it.
+    LeftOut,
+    /// It ended early, because this machine lacks a driver, a program or input.
+    Skipped,
+}
+
 /// One test.
 #[derive(Clone, Debug)]
 pub struct Test {
@@ -17,8 +30,8 @@ pub struct Test {
     pub name: String,
     /// Its time, s.
     pub seconds: f64,
-    /// Whether it passed; `None`: it was left out.
-    pub passed: Option<bool>,
+    /// How it ended.
+    pub ending: Ending,
     /// What it printed.
     pub output: String,
 }
@@ -44,6 +57,7 @@ pub struct Report {
     started: Instant,
     outcomes: Vec<Outcome>,
     skipped: BTreeSet<String>,
+    skipped_steps: usize,
 }
 
 impl Outcome {
@@ -58,28 +72,31 @@ impl Outcome {
         self
     }
 
-    fn count(&self, passed: Option<bool>) -> usize {
-        self.tests.iter().filter(|test| test.passed == passed).count()
+    fn count(&self, ending: Ending) -> usize {
+        self.tests.iter().filter(|test| test.ending == ending).count()
     }
 
-    /// Counts of passed, failed and left out; a command counts as one.
-    fn counts(&self) -> [usize; 3] {
+    /// Counts of passed, failed, left out and skipped; a command counts as one.
+    fn counts(&self) -> [usize; 4] {
         if self.tests.is_empty() {
             let failed = usize::from(!self.failures.is_empty());
-            return [usize::from(self.counts) * (1 - failed), failed, 0];
+            return [usize::from(self.counts) * (1 - failed), failed, 0, 0];
         }
-        [self.count(Some(true)), self.failures.len(), self.count(None)]
+        [self.count(Ending::Passed), self.failures.len(), self.count(Ending::LeftOut), self.count(Ending::Skipped)]
     }
 }
 
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:>7.1} s", self.time.as_secs_f64())?;
-        let [passed, failed, left_out] = self.counts();
+        let [passed, failed, left_out, skipped] = self.counts();
         if !self.tests.is_empty() {
             write!(f, "{passed:>5} passed")?;
             if left_out > 0 {
                 write!(f, ", {left_out} left out")?;
+            }
+            if skipped > 0 {
+                write!(f, ", {skipped} skipped")?;
             }
         }
         if failed > 0 { write!(f, "  {failed} FAILED") } else { Ok(()) }
@@ -89,13 +106,12 @@ impl fmt::Display for Outcome {
 impl Report {
     /// Nothing yet.
     pub fn new() -> Self {
-        Self { started: Instant::now(), outcomes: Vec::new(), skipped: BTreeSet::new() }
+        Self { started: Instant::now(), outcomes: Vec::new(), skipped: BTreeSet::new(), skipped_steps: 0 }
     }
 
     /// One more outcome.
     pub fn add(&mut self, outcome: Outcome) {
-        let said = outcome.tests.iter().flat_map(|test| test.output.lines());
-        self.skipped.extend(said.filter_map(|line| line.strip_prefix(SKIPPED)).map(str::to_owned));
+        self.skipped.extend(outcome.tests.iter().flat_map(|test| reasons(&test.output)).map(str::to_owned));
         self.skipped.extend(outcome.skipped.iter().cloned());
         if outcome.tests.is_empty() && outcome.failures.is_empty() {
             println!("    passed in {:.1} s", outcome.time.as_secs_f64());
@@ -109,6 +125,7 @@ impl Report {
     /// A step that cannot be run here.
     pub fn skipped(&mut self, name: &str, why: &str) {
         println!("    skipped: {why}");
+        self.skipped_steps += 1;
         self.skipped.insert(format!("{name}: {why}"));
     }
 
@@ -147,6 +164,15 @@ impl fmt::Display for Report {
         }
         let sum = |k: usize| self.outcomes.iter().map(|outcome| outcome.counts()[k]).sum::<usize>();
         writeln!(f, "\nin {:.0} s", self.started.elapsed().as_secs_f64())?;
-        writeln!(f, "{} passed, {} failed, {} skipped", sum(0), sum(1), sum(2))
+        write!(f, "{} passed, {} failed", sum(0), sum(1))?;
+        if sum(2) > 0 {
+            write!(f, ", {} left out (slow: add `-- --all`)", sum(2))?;
+        }
+        writeln!(f, ", {} skipped", sum(3) + self.skipped_steps)
     }
+}
+
+/// Why a test ended early, as its output says.
+pub fn reasons(output: &str) -> impl Iterator<Item = &str> {
+    output.lines().filter_map(|line| line.strip_prefix(SKIPPED))
 }

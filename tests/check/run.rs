@@ -8,7 +8,7 @@ use std::time::Instant;
 use serde_json::Value;
 
 use crate::plan::{BARE_TARGETS, Level, Step, Work};
-use crate::report::{Outcome, Report, Test};
+use crate::report::{Ending, Outcome, Report, Test, reasons};
 use crate::suites::{self, Suite};
 
 /// Where a browser must be tested; without it only where there is what that needs.
@@ -123,7 +123,7 @@ fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
         child.wait()
     });
     let mut outcome = Outcome::new(suite.name.clone(), started.elapsed());
-    for test in tests.iter().filter(|test| test.passed == Some(false)) {
+    for test in tests.iter().filter(|test| test.ending == Ending::Failed) {
         println!("\n---- {}: {}\n{}", suite.name, test.name, test.output);
         outcome = outcome.failed(format!("{}: repeat it with: {}", test.name, suite.repeat(&test.name, profile)));
     }
@@ -137,19 +137,16 @@ fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
     outcome
 }
 
-/// What an event of libtest tells of a test that has ended.
+/// The test that has ended, if an event of libtest says so.
 fn test(event: &Value) -> Option<Test> {
-    let passed = match event["event"].as_str().filter(|_| event["type"] == "test")? {
-        "ok" => Some(true),
-        "failed" => Some(false),
-        "ignored" => None,
+    let text = |key: &str| event[key].as_str().unwrap_or_default().to_owned();
+    let output = text("stdout") + &text("message");
+    let ending = match event["event"].as_str().filter(|_| event["type"] == "test")? {
+        "ok" if reasons(&output).next().is_some() => Ending::Skipped,
+        "ok" => Ending::Passed,
+        "failed" => Ending::Failed,
+        "ignored" => Ending::LeftOut,
         _ => return None,
     };
-    let text = |key: &str| event[key].as_str().unwrap_or_default().to_owned();
-    Some(Test {
-        name: text("name"),
-        seconds: event["exec_time"].as_f64().unwrap_or(0.0),
-        passed,
-        output: text("stdout") + &text("message"),
-    })
+    Some(Test { name: text("name"), seconds: event["exec_time"].as_f64().unwrap_or(0.0), ending, output })
 }

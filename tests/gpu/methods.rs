@@ -18,19 +18,19 @@ use super::case::Case;
 
 pub const METHODS: [(&str, Method); 2] = [("grid in f32", core_methods::single::grid), ("grid on a device", on_device)];
 
-/// A device with what every browser has and no more, one for all tests; none, with a word on it, where there
-/// is no adapter and there need be none.
+/// A device with the limits of every browser, one for all tests. Without an adapter a test says so and ends, or fails
+/// where `MUSLIN_REQUIRE_GPU` asks for one.
 pub fn gpu() -> Option<&'static Gpu> {
-    static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
-    let open = || match pollster::block_on(Gpu::open(Ask::Web)) {
+    static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
+    let open = || pollster::block_on(Gpu::open(Ask::Web)).map_err(|why| why.to_string());
+    match GPU.get_or_init(open) {
         Ok(gpu) => Some(gpu),
         Err(why) if std::env::var("MUSLIN_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{why}"),
         Err(why) => {
-            eprintln!("skipped: {why}");
+            eprintln!("skipped: {why}: detection on the GPU is not tested (Mesa's drivers will do)");
             None
         }
-    };
-    GPU.get_or_init(open).as_ref()
+    }
 }
 
 /// All that a method finds; the device makes room itself.
