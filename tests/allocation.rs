@@ -105,7 +105,10 @@ fn a_step_with_contact_allocates_nothing_once_there_is_room() {
         };
         run(&mut cloth);
         assert!(cloth.tally().proximity > 1000, "{}: hardly anything touches", method.name());
-        assert!(cloth.restore(&start.state(), start.work(), start.tally()), "a simulation restores its own start");
+        assert!(
+            cloth.restore(&start.state(), start.statistics(), start.tally()),
+            "a simulation restores its own start"
+        );
         let counted = allocation_counter::measure(|| run(&mut cloth));
         assert_eq!(
             counted.count_total,
@@ -140,7 +143,7 @@ const NEARLY: (&str, &str) = (
 fn allocated(cloth: &mut Simulation, what: &str, run: impl Fn(&mut Simulation)) {
     let start = cloth.clone();
     run(cloth);
-    assert!(cloth.restore(&start.state(), start.work(), start.tally()), "a simulation restores its own start");
+    assert!(cloth.restore(&start.state(), start.statistics(), start.tally()), "a simulation restores its own start");
     let counted = allocation_counter::measure(|| run(cloth));
     assert_eq!(
         counted.count_total, 0,

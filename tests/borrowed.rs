@@ -42,9 +42,9 @@ both_precisions! {
     use harness::steps::Steps;
     use muslin::forces::spring::{Spring, SpringColumns, Springs};
     use muslin::forces::{Model, ModelColumns};
-    use muslin::forces::matrix::{Block, BlockMatrix, Mirrored, NOT_STORED, Targets};
+    use muslin::forces::matrix::{Block, BlockMatrix, Mirrored, NOT_STORED, AssemblyMap};
     use muslin::integrate::pins::{AT_REST, Key, Motion, PinColumns, Pins};
-    use muslin::integrate::{Context, Jacobian, Method, Preconditioner, Scheme, Work};
+    use muslin::integrate::{StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
     use muslin::particles::{ParticleColumns, Particles};
     use muslin::real::{Mat3, Real, Sum, Vec3, vec3};
     use muslin::scene::BuiltScene;
@@ -191,14 +191,14 @@ both_precisions! {
                 mirrored: &mirrored,
                 blocks: &mut blocks,
             },
-            targets: Targets { stretch_springs: &targets, ..Targets::default() },
+            assembly_map: AssemblyMap { stretch_springs: &targets, ..AssemblyMap::default() },
             inverse_diagonal: &mut inverse_diagonal,
             partials: &mut partials,
             ..Scratch::default()
         };
-        let (scheme, mut work) = (scheme(method), Work::default());
+        let (scheme, mut work) = (scheme(method), IntegratorStatistics::default());
         for n in 0..STEPS {
-            let context = Context {
+            let context = StepInput {
                 model: &model,
                 pins: &pins,
                 masses: &masses,
@@ -206,7 +206,7 @@ both_precisions! {
                 time: Sum::from(n) * Sum::from(STEP as Real),
                 step: STEP as Real,
                 scheme: &scheme,
-                leads: true,
+                extrapolates: true,
                 dispatch: &Serial,
             };
             assert_eq!(step::predict(&context, &particles, &mut scratch, &mut work), Prediction::Fine);

@@ -164,9 +164,9 @@ pub enum SceneError {
 }
 
 /// A number as a person writes it: with an exponent where it would be all zeros.
-struct Plain(f64);
+struct Number(f64);
 
-impl fmt::Display for Plain {
+impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(value) = *self;
         match value.abs() {
@@ -190,12 +190,12 @@ impl fmt::Display for SceneError {
             Self::MissingMesh { cloth } => write!(f, "cloth {cloth}: its mesh file was not loaded"),
             Self::Mesh { cloth, error } => write!(f, "cloth {cloth}: {error}"),
             Self::NotPositive { key, value } => {
-                write!(f, "{key} = {}: must be greater than zero and finite", Plain(value))
+                write!(f, "{key} = {}: must be greater than zero and finite", Number(value))
             }
             Self::Negative { key, value } => {
-                write!(f, "{key} = {}: must not be negative, and must be finite", Plain(value))
+                write!(f, "{key} = {}: must not be negative, and must be finite", Number(value))
             }
-            Self::NotBelowOne { key, value } => write!(f, "{key} = {}: must be less than 1", Plain(value)),
+            Self::NotBelowOne { key, value } => write!(f, "{key} = {}: must be less than 1", Number(value)),
             Self::TooFar { a, b } => {
                 write!(
                     f,
@@ -231,7 +231,7 @@ impl fmt::Display for SceneError {
                 write!(f, "cloth {cloth}, pin {pin}: motion.turn needs an axis with a direction and a finite rate")
             }
             Self::StaticBelowKinetic { at_rest, kinetic } => {
-                write!(f, "friction: static = {} is below kinetic = {}", Plain(at_rest), Plain(kinetic))
+                write!(f, "friction: static = {} is below kinetic = {}", Number(at_rest), Number(kinetic))
             }
             Self::ColliderWithoutContact => {
                 write!(f, "there is a [[collider]] but no [contact]; add [contact] with a thickness, such as 0.002")

@@ -55,18 +55,18 @@
 //!
 //! * **A force term**: its kernel `core/src/forces/wind.rs` (energy, force, Jacobian); the list of
 //!   terms `core/src/forces/model.rs` and their loops `core/src/forces/mod.rs`; its blocks in the
-//!   matrix `core/src/forces/pattern.rs`; its keys `core/src/scene/mod.rs`, their checks and columns
+//!   matrix `core/src/forces/sparsity.rs`; its keys `core/src/scene/mod.rs`, their checks and columns
 //!   `core/src/scene/terms.rs`; its name `core/src/stage.rs` and bytes `core/src/traffic.rs`; its
-//!   tests `tests/forces.rs`.
+//!   tests `tests/forces/main.rs`.
 //! * **An integrator**: its kernel `core/src/integrate/rk4.rs`; its name, order and call
 //!   `core/src/integrate/mod.rs`; its limit `core/src/integrate/stability.rs`; its columns
-//!   `core/src/scratch.rs`; its tests `tests/integrate.rs`; its row in
+//!   `core/src/scratch.rs`; its tests `tests/integrate/main.rs`; its row in
 //!   `host-cli/manual/methods.md` and in the page's `host-wasm/web/page/methods.js`.
 //! * **A pass of the response**: its kernel `core/src/response/impact_zone.rs`; the order of the
-//!   passes `core/src/response/mod.rs`; its tests `tests/response.rs`.
+//!   passes `core/src/response/mod.rs`; its tests `tests/response/main.rs`.
 //! * **A stage in WGSL**: the core's kernel and its mirror of the same name, such as
 //!   `core/src/broad_phase/byte_boxes.rs` and `gpu/src/broad_phase/byte_boxes.wgsl`; the table of
-//!   stages `gpu/src/stages.rs` and of columns `gpu/src/slots.rs`; the order
+//!   stages `gpu/src/shaders.rs` and of columns `gpu/src/slots.rs`; the order
 //!   `gpu/src/schedule.rs`; its tests `tests/gpu/stages.rs`.
 //! * **A built-in scene**: its file `core/scenes/flag.toml`; the table `core/src/scene/builtin.rs`;
 //!   its bounds `tests/built_in.rs`; its row in `host-cli/manual/running.md`.

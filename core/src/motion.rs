@@ -4,14 +4,14 @@ use crate::real::{Real, Sum, Vec3, cos, sin};
 
 /// From which side a moment is looked at: a velocity jumps at a key and where a turn stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum JumpSide {
     /// As it was until then.
     Before,
     /// As it is from then on.
     After,
 }
 
-impl Side {
+impl JumpSide {
     /// Whether a change is over at a time. A time is so many times a step that was rounded: what is as near
     /// as that is met.
     fn has_passed(self, change: Sum, time: Sum) -> bool {
@@ -57,7 +57,7 @@ pub struct Motion {
 impl Motion {
     /// Where a point is at a time, m, and how fast it moves on a side of it, m/s. `keys` holds those
     /// of all motions.
-    pub fn at(&self, keys: &[Key], point: Vec3, time: Sum, side: Side) -> (Vec3, Vec3) {
+    pub fn at(&self, keys: &[Key], point: Vec3, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
         let (turned, spin) = self.turn.map_or((point, Vec3::ZERO), |turn| turned(&turn, point, time, side));
         let [first, count] = self.keys;
         let (offset, slope) = offset(&keys[first as usize..(first + count) as usize], time, side);
@@ -66,7 +66,7 @@ impl Motion {
 }
 
 /// Rotation of a point about the axis, and its velocity [Rodrigues].
-fn turned(turn: &Turn, point: Vec3, time: Sum, side: Side) -> (Vec3, Vec3) {
+fn turned(turn: &Turn, point: Vec3, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
     let angle = (turn.rate * time.min(turn.until)) as Real;
     let arm = point - turn.centre;
     let along = turn.axis * arm.dot(turn.axis);
@@ -78,7 +78,7 @@ fn turned(turn: &Turn, point: Vec3, time: Sum, side: Side) -> (Vec3, Vec3) {
 }
 
 /// Offset and its rate, linear between keys and resting outside them.
-fn offset(keys: &[Key], time: Sum, side: Side) -> (Vec3, Vec3) {
+fn offset(keys: &[Key], time: Sum, side: JumpSide) -> (Vec3, Vec3) {
     let after = keys.partition_point(|key| side.has_passed(key.time, time));
     match (after.checked_sub(1).map(|i| keys[i]), keys.get(after)) {
         (Some(a), Some(b)) => {

@@ -1,7 +1,7 @@
 //! Everything a step writes besides the state, sized once. A column that a method does not use
 //! is empty.
 
-use crate::forces::matrix::{BlockMatrix, Targets};
+use crate::forces::matrix::{AssemblyMap, BlockMatrix};
 use crate::integrate::coarse::{CoarseFactor, Patches};
 use crate::real::{Mat3, Real, Sum, Vec3};
 
@@ -36,7 +36,7 @@ pub struct Scratch<'a> {
     /// Implicit: the system matrix.
     pub matrix: BlockMatrix<'a>,
     /// Implicit: where each term's blocks go.
-    pub targets: Targets<'a>,
+    pub assembly_map: AssemblyMap<'a>,
     /// Implicit: packed element Jacobians,
     /// [`Model::tangent_scratch`](crate::forces::Model::tangent_scratch) scalars.
     pub tangents: &'a mut [Real],
@@ -72,14 +72,16 @@ mod owned {
     use alloc::vec::Vec;
 
     use super::{BlockMatrix, CoarseFactor, Mat3, Real, Scratch, Sum, Vec3};
-    use crate::forces::matrix::{Block, Pattern};
-    use crate::integrate::coarse::{Dense, MODES, PatchColumns};
+    use crate::forces::matrix::Block;
+    use crate::forces::sparsity::SparsityPattern;
+    use crate::integrate::coarse::{Dense, MODES};
     use crate::integrate::conjugate_gradient::PART;
+    use crate::integrate::patches::PatchColumns;
     use crate::integrate::pins::Pins;
     use crate::integrate::{Method, Preconditioner, Scheme};
     use crate::real::to_f64;
     use crate::scene::BuiltScene;
-    use crate::traffic::Sizes;
+    use crate::traffic::TrafficSizes;
 
     /// Owned work columns, sized for a scene and a scheme.
     #[derive(Clone, Debug, Default)]
@@ -95,7 +97,7 @@ mod owned {
         base_positions: Vec<Vec3>,
         base_velocities: Vec<Vec3>,
         pub(crate) has_history: bool,
-        pattern: Pattern,
+        pattern: SparsityPattern,
         blocks: Vec<Block>,
         tangents: Vec<Real>,
         solution: Vec<Vec3>,
@@ -114,7 +116,7 @@ mod owned {
     }
 
     /// Columns made by hand may leave out where cloths lie and what they were cut from.
-    fn patches(scene: &BuiltScene, pattern: &Pattern) -> PatchColumns {
+    fn patches(scene: &BuiltScene, pattern: &SparsityPattern) -> PatchColumns {
         let positions = &scene.particles.positions;
         let mut cloths: Vec<_> = scene.cloths.iter().map(|cloth| cloth.vertices.clone()).collect();
         if cloths.is_empty() {
@@ -137,7 +139,7 @@ mod owned {
             let implicit = scheme.method.is_implicit();
             let searches = implicit && scheme.newton > 1;
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
-            let pattern = if implicit { Pattern::build(vertices, model) } else { Pattern::default() };
+            let pattern = if implicit { SparsityPattern::build(vertices, model) } else { SparsityPattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
                 patches(scene, &pattern)
             } else {
@@ -181,8 +183,8 @@ mod owned {
         }
 
         /// What traffic depends on.
-        pub fn sizes(&self) -> Sizes {
-            Sizes {
+        pub fn sizes(&self) -> TrafficSizes {
+            TrafficSizes {
                 vertices: self.forces.len(),
                 blocks: [self.pattern.columns.len(), self.pattern.mirrored.len()],
                 coarse_values: self.coarse_values.len(),
@@ -235,7 +237,7 @@ mod owned {
                 base_positions: &mut self.base_positions,
                 base_velocities: &mut self.base_velocities,
                 has_history: self.has_history,
-                targets: self.pattern.targets(),
+                assembly_map: self.pattern.assembly_map(),
                 matrix: BlockMatrix {
                     offsets: &self.pattern.offsets,
                     columns: &self.pattern.columns,

@@ -31,7 +31,7 @@ impl<'a> Tangent<'a> {
         let mut scratch = ScratchColumns::build(scene, &scheme);
         let s = &mut scratch.view();
         let (x, scale) = (&scene.particles.positions, TangentScale { position, velocity });
-        write_tangents(&scene.model.view(), x, scale, jacobian, &s.targets, s.tangents, &mut s.matrix, &Serial);
+        write_tangents(&scene.model.view(), x, scale, jacobian, &s.assembly_map, s.tangents, &mut s.matrix, &Serial);
         Self { scene, scratch }
     }
 

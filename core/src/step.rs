@@ -13,7 +13,7 @@ use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::integrate::coupling::{self, Hold};
-use crate::integrate::{self, Context, Work};
+use crate::integrate::{self, IntegratorStatistics, StepInput};
 use crate::narrow_phase::{EdgeEdge, VertexTriangle, proximity};
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
@@ -41,12 +41,12 @@ pub enum Prediction {
 ///
 /// [`Pins::set_out`]: crate::integrate::pins::Pins::set_out
 pub fn predict<D: Dispatch>(
-    context: &Context<'_, D>,
+    context: &StepInput<'_, D>,
     particles: &Particles<'_>,
     scratch: &mut Scratch<'_>,
-    work: &mut Work,
+    statistics: &mut IntegratorStatistics,
 ) -> Prediction {
-    integrate::advance(context, particles.positions, particles.velocities, scratch, work);
+    integrate::advance(context, particles.positions, particles.velocities, scratch, statistics);
     match diagnostics::first_non_finite(scratch.next_positions, scratch.next_velocities) {
         Some(particle) => Prediction::NotFinite { particle },
         None => Prediction::Fine,
@@ -133,16 +133,16 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
 /// Solves the contacts that push together with the cloth; for implicit methods only, and before the
 /// response.
 pub fn couple<D: Dispatch>(
-    context: &Context<'_, D>,
+    context: &StepInput<'_, D>,
     model: &ContactModel<'_>,
     contact: &mut ContactScratch<'_>,
     holds: usize,
     scratch: &mut Scratch<'_>,
-    work: &mut Work,
+    statistics: &mut IntegratorStatistics,
 ) {
     let ContactScratch { holds: all, constraints, .. } = contact;
     let release = |holds: &mut [Hold]| coupled::release(model, constraints, holds, context.step);
-    coupling::correct(context, &mut all[..holds], scratch, work, release);
+    coupling::correct(context, &mut all[..holds], scratch, statistics, release);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
 }
 

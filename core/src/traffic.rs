@@ -5,7 +5,7 @@ use crate::forces::Model;
 use crate::forces::element::Element;
 use crate::forces::matrix::{Block, Mirrored};
 use crate::forces::spring::Springs;
-use crate::integrate::Work;
+use crate::integrate::IntegratorStatistics;
 use crate::real::{Mat3, Real, Sum, Vec3};
 use crate::stage::{Stage, Term};
 
@@ -15,7 +15,7 @@ const INDEX: usize = 4;
 
 /// The sizes that traffic depends on.
 #[derive(Clone, Copy, Debug)]
-pub struct Sizes {
+pub struct TrafficSizes {
     /// Vertices.
     pub vertices: usize,
     /// Blocks that the system matrix stores, and those that it mirrors.
@@ -26,7 +26,7 @@ pub struct Sizes {
 
 /// Bytes of one evaluation of a force term, of writing its Jacobian, of one iteration of the
 /// solver, or of one explicit update.
-pub fn bytes(stage: Stage, model: &Model<'_>, sizes: Sizes) -> usize {
+pub fn bytes(stage: Stage, model: &Model<'_>, sizes: TrafficSizes) -> usize {
     let n = sizes.vertices;
     match stage {
         Stage::Force(term) => force(term, model, n),
@@ -39,14 +39,14 @@ pub fn bytes(stage: Stage, model: &Model<'_>, sizes: Sizes) -> usize {
     }
 }
 
-/// Bytes of all work that was done: of every evaluation, Jacobian, iteration and update.
-pub fn of_work(work: &Work, model: &Model<'_>, sizes: Sizes) -> u64 {
+/// Bytes of all statistics that was done: of every evaluation, Jacobian, iteration and update.
+pub fn total_bytes(statistics: &IntegratorStatistics, model: &Model<'_>, sizes: TrafficSizes) -> u64 {
     let stage = |stage| bytes(stage, model, sizes) as u64;
     let evaluation = Term::ALL.into_iter().map(|term| stage(Stage::Force(term))).sum::<u64>();
     let jacobians = Term::ALL.into_iter().map(|term| stage(Stage::Jacobian(term))).sum::<u64>();
-    work.force_evaluations * (evaluation + stage(Stage::Integrate))
-        + work.newton_iterations * jacobians
-        + work.cg_iterations * stage(Stage::Solve)
+    statistics.force_evaluations * (evaluation + stage(Stage::Integrate))
+        + statistics.newton_iterations * jacobians
+        + statistics.cg_iterations * stage(Stage::Solve)
 }
 
 fn force(term: Term, model: &Model<'_>, n: usize) -> usize {
@@ -72,7 +72,7 @@ fn elements<const K: usize>(term: &impl Element<K>, n: usize, rest: usize) -> us
     term.vertices().len() * (K * INDEX + rest + 2 * K * VECTOR + K * INDEX) + n * (4 * VECTOR + INDEX)
 }
 
-fn jacobian(term: Term, model: &Model<'_>, sizes: Sizes) -> usize {
+fn jacobian(term: Term, model: &Model<'_>, sizes: TrafficSizes) -> usize {
     let matrix = 2 * sizes.blocks[0] * size_of::<Block>() + sizes.vertices * (VECTOR + INDEX);
     let springs = |s: &Option<Springs<'_>>| s.map_or(0, |s| spring_columns(&s) + s.others.len() * 2 + matrix);
     match term {
@@ -88,13 +88,13 @@ fn jacobian(term: Term, model: &Model<'_>, sizes: Sizes) -> usize {
     }
 }
 
-/// Corners, material, the packed Jacobian out of and into cache, incidence and targets.
+/// Corners, material, the packed Jacobian out of and into cache, incidence and assembly_map.
 fn packed<const K: usize, E: Element<K>>(term: &E, rest: usize) -> usize {
     term.vertices().len() * (2 * K * INDEX + rest + 2 * size_of::<E::Tangent>() + 2 * K * K)
 }
 
 /// One iteration of conjugate gradients.
-fn iteration(sizes: Sizes) -> usize {
+fn iteration(sizes: TrafficSizes) -> usize {
     let [stored, mirrored] = sizes.blocks;
     // The small matrix is read forward and backward, labels, coordinates and z twice.
     let coarse = match sizes.coarse_values {

@@ -5,9 +5,9 @@ use futures_channel::oneshot;
 use crate::device::Gpu;
 use crate::slots::Slot;
 
-/// Why a detection has no answer.
+/// Why a detection has no readback.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Failed {
+pub enum DetectionError {
     /// The device is gone, or its driver refused.
     Lost(String),
     /// So many bytes in one buffer are more than the device allows.
@@ -20,13 +20,13 @@ pub enum Failed {
     /// The stage does not exist, or it does not have the entry point.
     Unknown {
         /// The stage.
-        stage: &'static str,
+        shader: &'static str,
         /// The entry.
         entry: &'static str,
     },
 }
 
-impl core::fmt::Display for Failed {
+impl core::fmt::Display for DetectionError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Lost(why) => write!(f, "the device failed: {why}"),
@@ -38,12 +38,12 @@ impl core::fmt::Display for Failed {
                 )
             }
             Self::Lengths { needed } => write!(f, "boxes or positions are not one for each of {needed} vertices"),
-            Self::Unknown { stage, entry } => write!(f, "there is no stage {stage} with an entry {entry}"),
+            Self::Unknown { shader, entry } => write!(f, "there is no shader {shader} with an entry {entry}"),
         }
     }
 }
 
-impl core::error::Error for Failed {}
+impl core::error::Error for DetectionError {}
 
 /// Bytes of the shortest buffer.
 const LEAST: usize = 16;
@@ -54,36 +54,36 @@ pub fn bytes_of(words: usize) -> u64 {
 }
 
 /// A buffer of at least so many bytes.
-pub fn buffer(gpu: &Gpu, label: &str, bytes: usize, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, Failed> {
+pub fn buffer(gpu: &Gpu, label: &str, bytes: usize, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, DetectionError> {
     let size = bytes.max(LEAST) as u64;
     let is_bound = usage.intersects(wgpu::BufferUsages::STORAGE);
-    if size > if is_bound { gpu.largest_buffer } else { gpu.largest_landing } {
-        return Err(Failed::TooLarge(size));
+    if size > if is_bound { gpu.largest_buffer } else { gpu.largest_readback } {
+        return Err(DetectionError::TooLarge(size));
     }
     Ok(gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false }))
 }
 
 /// A column of words of four bytes.
-pub fn column(gpu: &Gpu, slot: Slot, words: usize) -> Result<wgpu::Buffer, Failed> {
+pub fn column(gpu: &Gpu, slot: Slot, words: usize) -> Result<wgpu::Buffer, DetectionError> {
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
     buffer(gpu, &format!("{slot:?}"), 4 * words, usage)
 }
 
-/// Waits until the first bytes of an answer are there. On a native device that blocks.
-pub async fn mapped(gpu: &Gpu, answer: &wgpu::Buffer, bytes: u64) -> Result<(), Failed> {
+/// Waits until the first bytes of an readback are there. On a native device that blocks.
+pub async fn mapped(gpu: &Gpu, readback: &wgpu::Buffer, bytes: u64) -> Result<(), DetectionError> {
     let (sender, receiver) = oneshot::channel();
-    answer.slice(..bytes).map_async(wgpu::MapMode::Read, move |mapped| {
+    readback.slice(..bytes).map_async(wgpu::MapMode::Read, move |mapped| {
         // Who asked may have gone.
         let _ = sender.send(mapped);
     });
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| Failed::Lost(error.to_string()))?;
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| DetectionError::Lost(error.to_string()))?;
     let mapped = receiver.await;
     if let Some(error) = gpu.error() {
-        return Err(Failed::Lost(error));
+        return Err(DetectionError::Lost(error));
     }
     match mapped {
         Ok(Ok(())) => Ok(()),
-        Ok(Err(error)) => Err(Failed::Lost(error.to_string())),
-        Err(_) => Err(Failed::Lost("the device answers no more".into())),
+        Ok(Err(error)) => Err(DetectionError::Lost(error.to_string())),
+        Err(_) => Err(DetectionError::Lost("the device answers no more".into())),
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use wgpu::{BufferUsages, CommandEncoder, ComputePassTimestampWrites, QuerySetDescriptor, QueryType};
 
-use crate::buffer::{Failed, buffer};
+use crate::buffer::{DetectionError, buffer};
 use crate::device::Gpu;
 
 /// Passes that one set of queries has room for on any device.
@@ -22,7 +22,7 @@ pub struct Clock {
 
 impl Clock {
     /// For so many passes; none where the device has no clocks, or not so many.
-    pub fn new(gpu: &Gpu, passes: usize) -> Result<Option<Self>, Failed> {
+    pub fn new(gpu: &Gpu, passes: usize) -> Result<Option<Self>, DetectionError> {
         if gpu.tick.is_none() || passes > MOST_PASSES {
             return Ok(None);
         }
@@ -42,11 +42,17 @@ impl Clock {
         }
     }
 
-    /// Copies the ticks of all passes to so many words of an answer.
-    pub fn copy(&self, encoder: &mut CommandEncoder, answer: &wgpu::Buffer, words: Range<usize>) {
+    /// Copies the ticks of all passes to so many words of an readback.
+    pub fn copy(&self, encoder: &mut CommandEncoder, readback: &wgpu::Buffer, words: Range<usize>) {
         if !words.is_empty() {
             encoder.resolve_query_set(&self.queries, 0..(words.len() / 2) as u32, &self.ticks, 0);
-            encoder.copy_buffer_to_buffer(&self.ticks, 0, answer, 4 * words.start as u64, Some(4 * words.len() as u64));
+            encoder.copy_buffer_to_buffer(
+                &self.ticks,
+                0,
+                readback,
+                4 * words.start as u64,
+                Some(4 * words.len() as u64),
+            );
         }
     }
 }

@@ -6,33 +6,33 @@ use muslin_core::broad_phase::Surface;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::real::Vec3;
 
-use crate::answer::{Answer, Found, Wanted};
-use crate::buffer::{Failed, buffer, bytes_of, column, mapped};
+use crate::buffer::{DetectionError, buffer, bytes_of, column, mapped};
+use crate::command_list::CommandList;
 use crate::device::Gpu;
-use crate::params::{Capacities, PLAN_WORDS, Params, ROUND, fresh_plan, plan};
+use crate::params::{COUNTER_WORDS, Capacities, Params, ROUND, counters, initial_counters};
+use crate::readback::{DetectionQuery, DetectionResult, ReadbackLayout};
 use crate::schedule::{self, Order};
-use crate::slots::{Sizes, Slot};
-use crate::work::Work;
+use crate::slots::{Slot, SurfaceSizes};
 
 /// What is on a device for one surface.
 #[derive(Debug)]
 pub struct Detector {
-    sizes: Sizes,
+    sizes: SurfaceSizes,
     params: Params,
     capacities: Capacities,
     buffers: Vec<wgpu::Buffer>,
-    work: Work,
+    commands: CommandList,
     fresh: wgpu::Buffer,
     /// What comes back, and where it comes to.
-    answer: Answer,
+    layout: ReadbackLayout,
     /// None while it is mapped: what fails or is given up meanwhile leaves none behind.
-    landing: Option<wgpu::Buffer>,
+    readback: Option<wgpu::Buffer>,
     /// Of the last detection, by stage.
     ticks: Vec<(&'static str, u64)>,
     staging: Vec<f32>,
 }
 
-/// What comes of an answer.
+/// What comes of an layout.
 enum Verdict {
     Whole,
     /// So much is to be read back.
@@ -43,8 +43,8 @@ enum Verdict {
 
 impl Detector {
     /// Makes room and sends what does not change.
-    pub fn new(gpu: &Gpu, surface: &Surface<'_>, radii: &[f32], wanted: Wanted) -> Result<Self, Failed> {
-        let sizes = Sizes::of(surface, radii.len());
+    pub fn new(gpu: &Gpu, surface: &Surface<'_>, radii: &[f32], query: DetectionQuery) -> Result<Self, DetectionError> {
+        let sizes = SurfaceSizes::of(surface, radii.len());
         let triangles = sizes.triangles;
         let capacities = Capacities::guess(triangles, gpu.largest_buffer);
         let params = Params {
@@ -55,17 +55,18 @@ impl Detector {
             sewn: u32::from(!surface.sewn.offsets.is_empty()),
             ..Params::default()
         };
-        let fresh = buffer(gpu, "fresh", 4 * PLAN_WORDS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST)?;
-        gpu.queue.write_buffer(&fresh, 0, bytemuck::cast_slice(&fresh_plan()));
+        let fresh =
+            buffer(gpu, "fresh", 4 * COUNTER_WORDS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST)?;
+        gpu.queue.write_buffer(&fresh, 0, bytemuck::cast_slice(&initial_counters()));
         let mut detector = Self {
             sizes,
             params,
             capacities,
             buffers: Vec::new(),
-            work: Work::default(),
+            commands: CommandList::default(),
             fresh,
-            answer: Answer { wanted, pairs: [0; 2] },
-            landing: None,
+            layout: ReadbackLayout { query, pairs: [0; 2] },
+            readback: None,
             ticks: Vec::new(),
             staging: Vec::new(),
         };
@@ -88,71 +89,71 @@ impl Detector {
     }
 
     fn send(&self, gpu: &Gpu, slot: Slot, bytes: &[u8]) {
-        if !bytes.is_empty() && slot.serves(self.answer.wanted) {
+        if !bytes.is_empty() && slot.serves(self.layout.query) {
             gpu.queue.write_buffer(self.buffer(slot), 0, bytes);
         }
     }
 
     /// Makes room: columns of the new lengths, dispatches planned and bound to them. Where that fails
     /// nothing is changed.
-    fn grow(&mut self, gpu: &Gpu, capacities: Capacities) -> Result<(), Failed> {
-        let (sizes, wanted) = (self.sizes, self.answer.wanted);
+    fn grow(&mut self, gpu: &Gpu, capacities: Capacities) -> Result<(), DetectionError> {
+        let (sizes, query) = (self.sizes, self.layout.query);
         let buffers = Slot::ALL.iter().map(|&slot| {
-            let words = if slot.serves(wanted) { slot.words(&sizes, &capacities) } else { 0 };
+            let words = if slot.serves(query) { slot.words(&sizes, &capacities) } else { 0 };
             match self.buffers.get(slot as usize) {
                 Some(kept) if kept.size() == bytes_of(words) => Ok(kept.clone()),
                 _ => column(gpu, slot, words),
             }
         });
         let buffers = buffers.collect::<Result<Vec<_>, _>>()?;
-        let order = Order { params: self.params, sizes, capacities, wanted };
-        let work = Work::new(gpu, schedule::of(&order), &buffers)?;
+        let order = Order { params: self.params, sizes, capacities, query };
+        let commands = CommandList::new(gpu, schedule::of(&order), &buffers)?;
         if let Some(why) = gpu.error() {
-            return Err(Failed::Lost(why));
+            return Err(DetectionError::Lost(why));
         }
-        (self.capacities, self.buffers, self.work) = (capacities, buffers, work);
-        let none = Answer { wanted, pairs: [0; 2] };
-        self.expect(gpu, [Answer::most(wanted, &capacities), self.answer, none])
+        (self.capacities, self.buffers, self.commands) = (capacities, buffers, commands);
+        let none = ReadbackLayout { query, pairs: [0; 2] };
+        self.expect(gpu, [ReadbackLayout::most(query, &capacities), self.layout, none])
     }
 
-    /// Reads back the first of these from now on whose landing is not too large.
-    fn expect<const N: usize>(&mut self, gpu: &Gpu, answers: [Answer; N]) -> Result<(), Failed> {
-        let bytes = |answer: &Answer| bytes_of(answer.words() + self.work.tick_words());
-        let fitting = answers.iter().find(|answer| bytes(answer) <= gpu.largest_landing);
-        self.answer = *fitting.ok_or_else(|| Failed::TooLarge(answers.last().map_or(0, bytes)))?;
+    /// Reads back the first of these from now on whose readback is not too large.
+    fn expect<const N: usize>(&mut self, gpu: &Gpu, layouts: [ReadbackLayout; N]) -> Result<(), DetectionError> {
+        let bytes = |layout: &ReadbackLayout| bytes_of(layout.words() + self.commands.tick_words());
+        let fitting = layouts.iter().find(|layout| bytes(layout) <= gpu.largest_readback);
+        self.layout = *fitting.ok_or_else(|| DetectionError::TooLarge(layouts.last().map_or(0, bytes)))?;
         Ok(())
     }
 
     /// Reads back so much next time, and if there may be some more.
-    fn expect_about(&mut self, gpu: &Gpu, pairs: [usize; 2]) -> Result<(), Failed> {
-        let exactly = Answer { pairs, ..self.answer };
-        self.expect(gpu, [self.answer.expecting(pairs, &self.capacities), exactly])
+    fn expect_about(&mut self, gpu: &Gpu, pairs: [usize; 2]) -> Result<(), DetectionError> {
+        let exactly = ReadbackLayout { pairs, ..self.layout };
+        self.expect(gpu, [self.layout.expecting(pairs, &self.capacities), exactly])
     }
 
-    /// Takes what answers land in, as large as the next one.
-    fn landing(&mut self, gpu: &Gpu) -> Result<wgpu::Buffer, Failed> {
+    /// Takes what layouts land in, as large as the next one.
+    fn readback(&mut self, gpu: &Gpu) -> Result<wgpu::Buffer, DetectionError> {
         let words = self.ticks_at().end;
-        match self.landing.take() {
-            Some(landing) if landing.size() >= bytes_of(words) => Ok(landing),
-            _ => buffer(gpu, "landing", 4 * words, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
+        match self.readback.take() {
+            Some(readback) if readback.size() >= bytes_of(words) => Ok(readback),
+            _ => buffer(gpu, "readback", 4 * words, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
         }
     }
 
-    /// Words of the ticks, behind the answer.
+    /// Words of the ticks, behind the layout.
     fn ticks_at(&self) -> Range<usize> {
-        let start = self.answer.words();
-        start..start + self.work.tick_words()
+        let start = self.layout.words();
+        start..start + self.commands.tick_words()
     }
 
     /// How far is looked, and what moving features keep, m.
     pub fn set_distances(&mut self, gpu: &Gpu, reach: f32, separation: f32) {
         if (self.params.reach, self.params.separation) != (reach, separation) {
             (self.params.reach, self.params.separation) = (reach, separation);
-            self.work.tell(gpu, |params| (params.reach, params.separation) = (reach, separation));
+            self.commands.write_uniforms(gpu, |params| (params.reach, params.separation) = (reach, separation));
         }
     }
 
-    /// Finds the candidates of a surface from one box a vertex, and of what is wanted their distances at
+    /// Finds the candidates of a surface from one box a vertex, and of what is query their distances at
     /// the start and when they meet on the way to the end.
     pub async fn detect(
         &mut self,
@@ -160,11 +161,11 @@ impl Detector {
         boxes: &[Aabb],
         start: &[Vec3],
         end: &[Vec3],
-        found: &mut Found,
-    ) -> Result<(), Failed> {
+        found: &mut DetectionResult,
+    ) -> Result<(), DetectionError> {
         let own = self.sizes.vertices;
         if boxes.len() != own || start.len() != own || end.len() != own {
-            return Err(Failed::Lengths { needed: own });
+            return Err(DetectionError::Lengths { needed: own });
         }
         // What was refused before, or to others.
         let _ = gpu.error();
@@ -177,12 +178,12 @@ impl Detector {
         // Whether the columns are whole on the device, so that they need only be copied.
         let mut is_found = false;
         loop {
-            let landing = self.landing(gpu)?;
-            self.submit(gpu, &landing, is_found);
-            mapped(gpu, &landing, bytes_of(self.ticks_at().end)).await?;
-            let verdict = self.collect(gpu, &landing, is_found, found)?;
-            landing.unmap();
-            self.landing = Some(landing);
+            let readback = self.readback(gpu)?;
+            self.submit(gpu, &readback, is_found);
+            mapped(gpu, &readback, bytes_of(self.ticks_at().end)).await?;
+            let verdict = self.collect(gpu, &readback, is_found, found)?;
+            readback.unmap();
+            self.readback = Some(readback);
             match verdict {
                 Verdict::Whole => return Ok(()),
                 Verdict::Expect(counted) => {
@@ -190,7 +191,7 @@ impl Detector {
                     is_found = true;
                 }
                 Verdict::Grow(capacities) if capacities == self.capacities => {
-                    return Err(Failed::Lost("it asks for more room than it fills".into()));
+                    return Err(DetectionError::Lost("it asks for more room than it fills".into()));
                 }
                 Verdict::Grow(capacities) => self.grow(gpu, capacities)?,
             }
@@ -204,45 +205,46 @@ impl Detector {
         self.ticks.iter().map(move |&(stage, ticks)| (stage, tick * ticks as f64))
     }
 
-    /// Records all dispatches, unless all is found, and the copies of the answer, and hands them in.
-    fn submit(&self, gpu: &Gpu, landing: &wgpu::Buffer, is_found: bool) {
+    /// Records all dispatches, unless all is found, and the copies of the layout, and hands them in.
+    fn submit(&self, gpu: &Gpu, readback: &wgpu::Buffer, is_found: bool) {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if !is_found {
-            encoder.copy_buffer_to_buffer(&self.fresh, 0, self.buffer(Slot::Plan), 0, None);
+            encoder.copy_buffer_to_buffer(&self.fresh, 0, self.buffer(Slot::Counters), 0, None);
             encoder.clear_buffer(self.buffer(Slot::Histogram), 0, None);
-            self.work.record(gpu, &mut encoder);
-            self.work.copy_ticks(&mut encoder, landing, self.ticks_at());
+            self.commands.record(gpu, &mut encoder);
+            self.commands.copy_ticks(&mut encoder, readback, self.ticks_at());
         }
-        for (slot, words) in self.answer.parts().filter(|(_, words)| !words.is_empty()) {
+        for (slot, words) in self.layout.parts().filter(|(_, words)| !words.is_empty()) {
             let [at, bytes] = [words.start, words.len()].map(|words| 4 * words as u64);
-            encoder.copy_buffer_to_buffer(self.buffer(slot), 0, landing, at, Some(bytes));
+            encoder.copy_buffer_to_buffer(self.buffer(slot), 0, readback, at, Some(bytes));
         }
         gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Reads the answer, as far as it is one.
+    /// Reads the layout, as far as it is one.
     fn collect(
         &mut self,
         gpu: &Gpu,
-        landing: &wgpu::Buffer,
+        readback: &wgpu::Buffer,
         is_found: bool,
-        found: &mut Found,
-    ) -> Result<Verdict, Failed> {
+        found: &mut DetectionResult,
+    ) -> Result<Verdict, DetectionError> {
         let bytes = bytes_of(self.ticks_at().end);
-        let view = landing.slice(..bytes).get_mapped_range().map_err(|error| Failed::Lost(error.to_string()))?;
+        let view =
+            readback.slice(..bytes).get_mapped_range().map_err(|error| DetectionError::Lost(error.to_string()))?;
         let all: &[u32] = bytemuck::cast_slice(&view);
         if !is_found {
-            self.work.add_ticks(&all[self.ticks_at()], &mut self.ticks);
+            self.commands.add_ticks(&all[self.ticks_at()], &mut self.ticks);
         }
-        let told = &all[..PLAN_WORDS];
-        if told[plan::STATUS] != 0 {
-            return self.capacities.grown(told, gpu.largest_buffer).map(Verdict::Grow);
+        let words = &all[..COUNTER_WORDS];
+        if words[counters::STATUS] != 0 {
+            return self.capacities.grown(words, gpu.largest_buffer).map(Verdict::Grow);
         }
-        let counted = self.answer.counted(told);
-        if counted[0] > self.answer.pairs[0] || counted[1] > self.answer.pairs[1] {
+        let counted = self.layout.counted(words);
+        if counted[0] > self.layout.pairs[0] || counted[1] > self.layout.pairs[1] {
             return Ok(Verdict::Expect(counted));
         }
-        self.answer.read(all, found);
+        self.layout.read(all, found);
         drop(view);
         self.expect_about(gpu, counted)?;
         Ok(Verdict::Whole)
@@ -267,29 +269,29 @@ impl Capacities {
 
     /// Room for what was counted and a quarter more, as far as a buffer may be large. A stage that ran
     /// short leaves later ones without all they would count, so that more than one round may be needed.
-    fn grown(&self, told: &[u32], largest_buffer: u64) -> Result<Self, Failed> {
+    fn grown(&self, words: &[u32], largest_buffer: u64) -> Result<Self, DetectionError> {
         let most = most_pairs(largest_buffer);
         let room_for = |now: usize, needed: u32| {
             let (bytes, needed) = (PAIR * u64::from(needed), needed as usize);
             match needed > now {
-                true if bytes > largest_buffer => Err(Failed::TooLarge(bytes)),
+                true if bytes > largest_buffer => Err(DetectionError::TooLarge(bytes)),
                 true => Ok(needed.max((needed + needed / 4).min(most))),
                 false => Ok(now),
             }
         };
-        let room = |now, at: usize| room_for(now, told[at]);
+        let room = |now, at: usize| room_for(now, words[at]);
         // Candidates are counted when pairs have room: what pairs have in dense scenes saves a round.
-        let pairs = room(self.pairs, plan::PAIRS)?;
+        let pairs = room(self.pairs, counters::PAIRS)?;
         let dense = if pairs > self.pairs { pairs.min(most) } else { 0 };
         Ok(Self {
-            levels: self.levels.max(told[plan::GRADED] as usize),
-            entries: room(self.entries, plan::MOST_ENTRIES)?,
-            tiles: room(self.tiles, plan::MOST_TILES)?,
-            rounds: self.rounds.max((told[plan::SINGLE] as usize).div_ceil(ROUND)),
+            levels: self.levels.max(words[counters::GRADED] as usize),
+            entries: room(self.entries, counters::MOST_ENTRIES)?,
+            tiles: room(self.tiles, counters::MOST_TILES)?,
+            rounds: self.rounds.max((words[counters::SINGLE] as usize).div_ceil(ROUND)),
             pairs,
-            vertex_triangle: room(self.vertex_triangle, plan::VERTEX_TRIANGLE)?.max(dense / 2),
-            edge_edge: room(self.edge_edge, plan::EDGE_EDGE)?.max(dense),
-            contacts: room_for(self.contacts, told[plan::CONTACTS].saturating_add(told[plan::CONTACTS + 1]))?,
+            vertex_triangle: room(self.vertex_triangle, counters::VERTEX_TRIANGLE)?.max(dense / 2),
+            edge_edge: room(self.edge_edge, counters::EDGE_EDGE)?.max(dense),
+            contacts: room_for(self.contacts, words[counters::CONTACTS].saturating_add(words[counters::CONTACTS + 1]))?,
         })
     }
 }
@@ -319,15 +321,15 @@ mod tests {
         let largest_buffer = 16 * 1000;
         let now = Capacities::guess(0, largest_buffer);
         let with = |pairs: u32| {
-            let mut told = fresh_plan();
-            told[plan::PAIRS] = pairs;
-            now.grown(&told, largest_buffer).map(|grown| grown.pairs)
+            let mut words = initial_counters();
+            words[counters::PAIRS] = pairs;
+            now.grown(&words, largest_buffer).map(|grown| grown.pairs)
         };
         // A quarter more, less where two buffers would not both fit, and no less than needed.
         for (needed, expected) in [(0, now.pairs), (600, 750), (900, 1000), (1000, 1000), (1001, 1001), (2000, 2000)] {
             assert_eq!(with(needed), Ok(expected), "{needed} pairs");
         }
-        assert_eq!(with(2001), Err(Failed::TooLarge(16_008)));
-        assert!(matches!(with(u32::MAX), Err(Failed::TooLarge(_))));
+        assert_eq!(with(2001), Err(DetectionError::TooLarge(16_008)));
+        assert!(matches!(with(u32::MAX), Err(DetectionError::TooLarge(_))));
     }
 }

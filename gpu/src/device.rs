@@ -8,7 +8,7 @@ use wgpu::{
 };
 
 use crate::program::Program;
-use crate::stages;
+use crate::shaders;
 
 /// A device that stages run on.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ pub struct Gpu {
     /// Bytes.
     pub(crate) largest_buffer: u64,
     /// Bytes, of what no stage works on.
-    pub(crate) largest_landing: u64,
+    pub(crate) largest_readback: u64,
     /// ms from one tick of its clock to the next, where it has one.
     pub(crate) tick: Option<f64>,
     /// What was asked for.
@@ -91,11 +91,11 @@ impl Gpu {
         let has_clock = device.features().contains(Features::TIMESTAMP_QUERY);
         let tick = has_clock.then(|| 1e-6 * f64::from(queue.get_timestamp_period()));
         let limits = device.limits();
-        let largest_landing = limits.max_buffer_size;
-        let largest_buffer = largest_landing.min(limits.max_storage_buffer_binding_size);
-        let programs = stages::ALL.into_iter().map(|stage| Program::compile(&device, stage)).collect();
+        let largest_readback = limits.max_buffer_size;
+        let largest_buffer = largest_readback.min(limits.max_storage_buffer_binding_size);
+        let programs = shaders::ALL.into_iter().map(|stage| Program::compile(&device, stage)).collect();
         let name = adapter.get_info().name;
-        Ok(Self { name, device, queue, programs, largest_buffer, largest_landing, tick, ask, refused })
+        Ok(Self { name, device, queue, programs, largest_buffer, largest_readback, tick, ask, refused })
     }
 
     /// The same anew, where this one is lost.

@@ -87,10 +87,10 @@ pub const ROUND: usize = 64;
 pub const SCAN_BLOCK: usize = 2048;
 
 /// Words of the plan.
-pub const PLAN_WORDS: usize = 64;
+pub const COUNTER_WORDS: usize = 64;
 
-/// Places in the plan, as in `shared/plan.wgsl`.
-pub mod plan {
+/// Places in the plan, as in `shared/counters.wgsl`.
+pub mod counters {
     /// What did not fit.
     pub const STATUS: usize = 0;
     /// Levels with cells.
@@ -118,8 +118,8 @@ pub mod plan {
 }
 
 /// The plan before the first stage: no box is around anything.
-pub fn fresh_plan() -> [u32; PLAN_WORDS] {
-    let mut words = [0; PLAN_WORDS];
-    words[plan::SCENE..plan::SCENE + 3].fill(u32::MAX);
+pub fn initial_counters() -> [u32; COUNTER_WORDS] {
+    let mut words = [0; COUNTER_WORDS];
+    words[counters::SCENE..counters::SCENE + 3].fill(u32::MAX);
     words
 }

@@ -1,13 +1,13 @@
-//! A stage on a device: its entries compiled, its columns bound.
+//! A shader on a device: its entries compiled, its columns bound.
 
 use crate::params::Params;
-use crate::stages::Stage;
+use crate::shaders::Shader;
 
-/// A stage's entries, compiled.
+/// A shader's entries, compiled.
 #[derive(Debug)]
 pub struct Program {
     /// What it is.
-    pub stage: &'static Stage,
+    pub shader: &'static Shader,
     layout: wgpu::BindGroupLayout,
     /// In the order of its entries.
     pub pipelines: Vec<wgpu::ComputePipeline>,
@@ -15,10 +15,10 @@ pub struct Program {
 
 impl Program {
     /// Compiles all entries.
-    pub fn compile(device: &wgpu::Device, stage: &'static Stage) -> Self {
+    pub fn compile(device: &wgpu::Device, shader: &'static Shader) -> Self {
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(stage.name),
-            source: wgpu::ShaderSource::Wgsl(stage.source().into()),
+            label: Some(shader.name),
+            source: wgpu::ShaderSource::Wgsl(shader.source().into()),
         });
         let entry = |binding: usize, ty| wgpu::BindGroupLayoutEntry {
             binding: binding as u32,
@@ -26,16 +26,16 @@ impl Program {
             ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: binding == 0, min_binding_size: None },
             count: None,
         };
-        let columns = stage
+        let columns = shader
             .bindings
             .iter()
             .enumerate()
             .map(|(k, &(_, writes))| entry(k + 1, wgpu::BufferBindingType::Storage { read_only: !writes }));
         let entries: Vec<_> = core::iter::once(entry(0, wgpu::BufferBindingType::Uniform)).chain(columns).collect();
         let layout = device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.name), entries: &entries });
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(shader.name), entries: &entries });
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(stage.name),
+            label: Some(shader.name),
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
@@ -49,27 +49,27 @@ impl Program {
                 cache: None,
             })
         };
-        let pipelines = stage.entries.iter().map(pipeline).collect();
-        Self { stage, layout, pipelines }
+        let pipelines = shader.entries.iter().map(pipeline).collect();
+        Self { shader, layout, pipelines }
     }
 
-    /// Its columns and what it is told, of these buffers.
-    pub fn bind(&self, device: &wgpu::Device, told: &wgpu::Buffer, buffers: &[wgpu::Buffer]) -> wgpu::BindGroup {
+    /// Its columns and what it is uniforms, of these buffers.
+    pub fn bind(&self, device: &wgpu::Device, uniforms: &wgpu::Buffer, buffers: &[wgpu::Buffer]) -> wgpu::BindGroup {
         let params = wgpu::BindGroupEntry {
             binding: 0,
             resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: told,
+                buffer: uniforms,
                 offset: 0,
                 size: core::num::NonZeroU64::new(size_of::<Params>() as u64),
             }),
         };
-        let columns = self.stage.bindings.iter().enumerate().map(|(k, &(slot, _))| wgpu::BindGroupEntry {
+        let columns = self.shader.bindings.iter().enumerate().map(|(k, &(slot, _))| wgpu::BindGroupEntry {
             binding: k as u32 + 1,
             resource: buffers[slot as usize].as_entire_binding(),
         });
         let entries: Vec<_> = core::iter::once(params).chain(columns).collect();
         device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(self.stage.name),
+            label: Some(self.shader.name),
             layout: &self.layout,
             entries: &entries,
         })

@@ -1,15 +1,15 @@
 //! The order in which stages run, for a surface of some size and for some capacities.
 
-use crate::answer::Wanted;
 use crate::params::{Capacities, Params, ROUND, SCAN_BLOCK, SIDE};
-use crate::slots::Sizes;
-use crate::stages::{self, Stage};
+use crate::readback::DetectionQuery;
+use crate::shaders::{self, Shader};
+use crate::slots::SurfaceSizes;
 
-/// A stage's entry, run once.
+/// A shader's entry, run once.
 #[derive(Clone, Copy, Debug)]
 pub struct Dispatch {
-    /// The stage.
-    pub stage: &'static str,
+    /// The shader.
+    pub shader: &'static str,
     /// The entry point.
     pub entry: &'static str,
     /// Groups of invocations.
@@ -33,48 +33,49 @@ pub struct Order {
     /// What all stages are told, but for the room.
     pub params: Params,
     /// Of the surface.
-    pub sizes: Sizes,
+    pub sizes: SurfaceSizes,
     /// Room.
     pub capacities: Capacities,
     /// What is to be found.
-    pub wanted: Wanted,
+    pub query: DetectionQuery,
 }
 
 /// All dispatches of a detection.
 pub fn of(order: &Order) -> Vec<Dispatch> {
     let order = &Order { params: order.params.with_room(&order.capacities), ..*order };
     let mut list = List { order, all: Vec::new() };
-    let Sizes { vertices, triangles, .. } = order.sizes;
+    let SurfaceSizes { vertices, triangles, .. } = order.sizes;
     let Capacities { levels, rounds, pairs, vertex_triangle, edge_edge, .. } = order.capacities;
-    list.each(&stages::BOUNDS, "write_bounds", triangles);
-    list.each(&stages::LEVELS, "count_sizes", triangles);
+    list.each(&shaders::BOUNDS, "write_bounds", triangles);
+    list.each(&shaders::LEVELS, "count_sizes", triangles);
     let division = Params { level: levels as u32, length: (ROUND * rounds) as u32, ..order.params };
-    list.add(&stages::LEVELS, "divide", 1, division);
-    list.each(&stages::LEVELS, "assign", triangles);
+    list.add(&shaders::LEVELS, "divide", 1, division);
+    list.each(&shaders::LEVELS, "assign", triangles);
     for level in 0..levels {
         list.level(level as u32, vertices, triangles);
     }
-    list.each(&stages::PLAIN, "count_last", triangles);
+    list.each(&shaders::BRUTE_FORCE_LEVEL, "count_last", triangles);
     list.scan(triangles);
-    list.each(&stages::PLAIN, "list_last", triangles);
+    list.each(&shaders::BRUTE_FORCE_LEVEL, "list_last", triangles);
     for round in 0..rounds {
         list.round(round as u32, triangles);
     }
-    list.each(&stages::FEATURES, "find_features", pairs);
-    list.each(&stages::CANDIDATES, "count_candidates", pairs);
+    list.each(&shaders::FEATURES, "find_features", pairs);
+    list.each(&shaders::CANDIDATES, "count_candidates", pairs);
     list.scan(2 * pairs);
-    list.each(&stages::CANDIDATES, "write_candidates", pairs);
-    list.each(&stages::VERTEX_TRIANGLE, "write_distances", vertex_triangle);
-    list.each(&stages::EDGE_EDGE, "write_distances", edge_edge);
-    if order.wanted == Wanted::Contacts {
+    list.each(&shaders::CANDIDATES, "write_candidates", pairs);
+    list.each(&shaders::VERTEX_TRIANGLE, "write_distances", vertex_triangle);
+    list.each(&shaders::EDGE_EDGE, "write_distances", edge_edge);
+    if order.query == DetectionQuery::Contacts {
         let both = vertex_triangle + edge_edge;
-        list.each(&stages::CONTACTS, "count_contacts", both);
+        list.each(&shaders::CONTACTS, "count_contacts", both);
         list.scan(both);
-        list.each(&stages::CONTACTS, "write_contacts", both);
+        list.each(&shaders::CONTACTS, "write_contacts", both);
     }
-    if order.wanted == Wanted::Times {
-        for (stage, count) in [(&stages::VERTEX_TRIANGLE_CCD, vertex_triangle), (&stages::EDGE_EDGE_CCD, edge_edge)] {
-            list.add(stage, "write_times", count.div_ceil(SMALL_GROUP), order.params);
+    if order.query == DetectionQuery::Times {
+        for (shader, count) in [(&shaders::VERTEX_TRIANGLE_CCD, vertex_triangle), (&shaders::EDGE_EDGE_CCD, edge_edge)]
+        {
+            list.add(shader, "write_times", count.div_ceil(SMALL_GROUP), order.params);
         }
     }
     list.all
@@ -86,54 +87,54 @@ struct List<'a> {
 }
 
 impl List<'_> {
-    fn add(&mut self, stage: &'static Stage, entry: &'static str, groups: usize, params: Params) {
-        self.all.push(Dispatch { stage: stage.name, entry, groups, params });
+    fn add(&mut self, shader: &'static Shader, entry: &'static str, groups: usize, params: Params) {
+        self.all.push(Dispatch { shader: shader.name, entry, groups, params });
     }
 
     /// An invocation a thing.
-    fn each(&mut self, stage: &'static Stage, entry: &'static str, count: usize) {
-        self.add(stage, entry, count.div_ceil(GROUP), self.order.params);
+    fn each(&mut self, shader: &'static Shader, entry: &'static str, count: usize) {
+        self.add(shader, entry, count.div_ceil(GROUP), self.order.params);
     }
 
     fn scan(&mut self, length: usize) {
         let params = Params { length: length as u32, ..self.order.params };
         let groups = length.div_ceil(SCAN_BLOCK);
-        self.add(&stages::SCAN, "sum_blocks", groups, params);
-        self.add(&stages::SCAN, "scan_blocks", 1, params);
-        self.add(&stages::SCAN, "spread", groups, params);
+        self.add(&shaders::SCAN, "sum_blocks", groups, params);
+        self.add(&shaders::SCAN, "scan_blocks", 1, params);
+        self.add(&shaders::SCAN, "spread", groups, params);
     }
 
     /// Some triangles of the last level with all others.
     fn round(&mut self, round: u32, triangles: usize) {
         let (params, groups) = (Params { level: round, ..self.order.params }, triangles.div_ceil(GROUP));
-        self.add(&stages::PLAIN, "count_plain", groups, params);
+        self.add(&shaders::BRUTE_FORCE_LEVEL, "count_brute_force", groups, params);
         self.scan(triangles);
-        self.add(&stages::PLAIN, "write_plain", groups, params);
-        self.add(&stages::PLAIN, "close_plain", 1, params);
+        self.add(&shaders::BRUTE_FORCE_LEVEL, "write_brute_force", groups, params);
+        self.add(&shaders::BRUTE_FORCE_LEVEL, "close_brute_force", 1, params);
     }
 
     fn level(&mut self, level: u32, vertices: usize, triangles: usize) {
         let Capacities { entries, tiles, .. } = self.order.capacities;
         let params = Params { level, ..self.order.params };
-        let mut each = |stage, entry, count: usize| self.add(stage, entry, count.div_ceil(GROUP), params);
-        each(&stages::UNITS, "choose_scale", 1);
-        each(&stages::UNITS, "write_units", vertices);
-        each(&stages::SPHERES, "write_spheres", triangles);
-        each(&stages::CELLS, "choose_lattice", 1);
-        each(&stages::CELLS, "write_cells", triangles);
-        each(&stages::ENTRIES, "count_entries", triangles);
+        let mut each = |shader, entry, count: usize| self.add(shader, entry, count.div_ceil(GROUP), params);
+        each(&shaders::QUANTIZED_BOXES, "choose_scale", 1);
+        each(&shaders::QUANTIZED_BOXES, "write_quantized_boxes", vertices);
+        each(&shaders::SPHERES, "write_spheres", triangles);
+        each(&shaders::CELLS, "choose_grid", 1);
+        each(&shaders::CELLS, "write_cells", triangles);
+        each(&shaders::ENTRIES, "count_entries", triangles);
         self.scan(4 * triangles);
-        self.add(&stages::ENTRIES, "write_entries", triangles.div_ceil(GROUP), params);
+        self.add(&shaders::ENTRIES, "write_entries", triangles.div_ceil(GROUP), params);
         self.sort(triangles, entries);
-        self.add(&stages::BYTE_BOXES, "write_byte_boxes", triangles.div_ceil(GROUP), params);
-        self.add(&stages::BYTE_BOXES, "gather", entries.div_ceil(GROUP), params);
-        self.add(&stages::TILES, "count_tiles", entries.div_ceil(SIDE), params);
+        self.add(&shaders::BYTE_BOXES, "write_byte_boxes", triangles.div_ceil(GROUP), params);
+        self.add(&shaders::BYTE_BOXES, "gather", entries.div_ceil(GROUP), params);
+        self.add(&shaders::TILES, "count_tiles", entries.div_ceil(SIDE), params);
         self.scan(entries.div_ceil(SIDE));
-        self.add(&stages::TILES, "write_tiles", entries.div_ceil(SIDE), params);
-        self.add(&stages::PAIRS, "count_pairs", tiles, params);
+        self.add(&shaders::TILES, "write_tiles", entries.div_ceil(SIDE), params);
+        self.add(&shaders::PAIRS, "count_pairs", tiles, params);
         self.scan(tiles);
-        self.add(&stages::PAIRS, "write_pairs", tiles, params);
-        self.add(&stages::PAIRS, "close_pairs", 1, params);
+        self.add(&shaders::PAIRS, "write_pairs", tiles, params);
+        self.add(&shaders::PAIRS, "close_pairs", 1, params);
     }
 
     /// Passes there and back.
@@ -141,11 +142,11 @@ impl List<'_> {
         let bits = (triangles.max(1).ilog2() as usize + 2).max(6);
         let blocks = entries.div_ceil(SCAN_BLOCK);
         for pass in 0..bits.div_ceil(2 * DIGIT) * 2 {
-            let stage = [&stages::SORT, &stages::SORT_BACK][pass % 2];
+            let shader = [&shaders::SORT, &shaders::SORT_BACK][pass % 2];
             let params = Params { shift: (DIGIT * pass) as u32, ..self.order.params };
-            self.add(stage, "count_digits", blocks, params);
+            self.add(shader, "count_digits", blocks, params);
             self.scan(16 * blocks);
-            self.add(stage, "scatter", blocks, params);
+            self.add(shader, "scatter", blocks, params);
         }
     }
 }

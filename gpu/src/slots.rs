@@ -1,9 +1,9 @@
-//! The columns that stages work on, and how long they are.
+//! The columns that stages commands on, and how long they are.
 
 use muslin_core::broad_phase::Surface;
 
-use crate::answer::Wanted;
-use crate::params::{Capacities, PLAN_WORDS, SCAN_BLOCK, SIDE};
+use crate::params::{COUNTER_WORDS, Capacities, SCAN_BLOCK, SIDE};
+use crate::readback::DetectionQuery;
 
 /// A column on the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -27,7 +27,7 @@ pub enum Slot {
     /// Likewise.
     End,
     /// Words that stages leave for one another and for the host.
-    Plan,
+    Counters,
     /// Triangles by size, and the level of each size.
     Histogram,
     /// Six numbers a triangle.
@@ -37,7 +37,7 @@ pub enum Slot {
     /// A level a triangle.
     Levels,
     /// Six integers a vertex.
-    Units,
+    QuantizedBoxes,
     /// Four integers a triangle.
     Spheres,
     /// Key and control bits of each triangle.
@@ -90,12 +90,12 @@ impl Slot {
         Self::Radii,
         Self::Start,
         Self::End,
-        Self::Plan,
+        Self::Counters,
         Self::Histogram,
         Self::TriangleBoxes,
         Self::Owned,
         Self::Levels,
-        Self::Units,
+        Self::QuantizedBoxes,
         Self::Spheres,
         Self::Homes,
         Self::Entries,
@@ -117,28 +117,28 @@ impl Slot {
         Self::EdgeEdgeTimes,
     ];
 
-    /// Whether anything is written to it, or read from it, where this is wanted.
-    pub fn serves(self, wanted: Wanted) -> bool {
+    /// Whether anything is written to it, or read from it, where this is query.
+    pub fn serves(self, query: DetectionQuery) -> bool {
         match self {
-            Self::Contacts => wanted == Wanted::Contacts,
-            Self::End | Self::VertexTriangleTimes | Self::EdgeEdgeTimes => wanted == Wanted::Times,
+            Self::Contacts => query == DetectionQuery::Contacts,
+            Self::End | Self::VertexTriangleTimes | Self::EdgeEdgeTimes => query == DetectionQuery::Times,
             _ => true,
         }
     }
 
     /// Words of four bytes, at least one.
-    pub fn words(self, sizes: &Sizes, capacities: &Capacities) -> usize {
-        let Sizes { vertices, triangles, edges, sewn } = *sizes;
+    pub fn words(self, sizes: &SurfaceSizes, capacities: &Capacities) -> usize {
+        let SurfaceSizes { vertices, triangles, edges, sewn } = *sizes;
         let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, contacts, .. } = *capacities;
         let words = match self {
-            Self::Boxes | Self::Units => 6 * vertices,
+            Self::Boxes | Self::QuantizedBoxes => 6 * vertices,
             Self::Triangles | Self::TriangleEdges => 3 * triangles,
             Self::Edges => 2 * edges,
             Self::Given | Self::Owned | Self::Levels | Self::List => triangles,
             Self::Sewn => sewn,
             Self::Radii => vertices,
             Self::Start | Self::End => 3 * vertices,
-            Self::Plan => PLAN_WORDS,
+            Self::Counters => COUNTER_WORDS,
             Self::Histogram => 2048,
             Self::TriangleBoxes => 6 * triangles,
             Self::Spheres => 4 * triangles,
@@ -162,7 +162,7 @@ impl Slot {
 
 /// How large a surface is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sizes {
+pub struct SurfaceSizes {
     /// Vertices.
     pub vertices: usize,
     /// Triangles.
@@ -173,7 +173,7 @@ pub struct Sizes {
     pub sewn: usize,
 }
 
-impl Sizes {
+impl SurfaceSizes {
     /// Of a surface with so many vertices.
     pub fn of(surface: &Surface<'_>, vertices: usize) -> Self {
         Self {

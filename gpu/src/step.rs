@@ -4,10 +4,10 @@ use muslin_core::broad_phase::Counts;
 use muslin_core::contact::{ContactModel, ContactScratch, Pairs};
 use muslin_core::response::repulsion::REACH;
 
-use crate::answer::{Found, Wanted};
-use crate::buffer::Failed;
+use crate::buffer::DetectionError;
 use crate::detector::Detector;
 use crate::device::Gpu;
+use crate::readback::{DetectionQuery, DetectionResult};
 
 /// Finds the candidates of one scene's steps.
 #[derive(Debug)]
@@ -15,15 +15,15 @@ pub struct StepDetector {
     gpu: Gpu,
     /// Made for the first step.
     detector: Option<Detector>,
-    found: Found,
+    found: DetectionResult,
     stage_ms: Vec<(&'static str, f64)>,
-    lost: Option<Failed>,
+    lost: Option<DetectionError>,
 }
 
 impl StepDetector {
     /// On a device.
     pub fn new(gpu: Gpu) -> Self {
-        Self { gpu, detector: None, found: Found::default(), stage_ms: Vec::new(), lost: None }
+        Self { gpu, detector: None, found: DetectionResult::default(), stage_ms: Vec::new(), lost: None }
     }
 
     /// The device.
@@ -37,7 +37,7 @@ impl StepDetector {
     }
 
     /// Why the device was opened anew since this was last asked.
-    pub fn take_loss(&mut self) -> Option<Failed> {
+    pub fn take_loss(&mut self) -> Option<DetectionError> {
         self.lost.take()
     }
 
@@ -52,9 +52,9 @@ impl StepDetector {
         &mut self,
         model: &ContactModel<'_>,
         contact: &mut ContactScratch<'_>,
-    ) -> Result<Counts, Failed> {
+    ) -> Result<Counts, DetectionError> {
         match self.find(model, contact).await {
-            Err(lost @ Failed::Lost(_)) => {
+            Err(lost @ DetectionError::Lost(_)) => {
                 let Ok(gpu) = self.gpu.reopen().await else { return Err(lost) };
                 (self.gpu, self.detector, self.lost) = (gpu, None, Some(lost));
                 self.find(model, contact).await
@@ -63,11 +63,15 @@ impl StepDetector {
         }
     }
 
-    async fn find(&mut self, model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Result<Counts, Failed> {
+    async fn find(
+        &mut self,
+        model: &ContactModel<'_>,
+        contact: &mut ContactScratch<'_>,
+    ) -> Result<Counts, DetectionError> {
         let Self { gpu, detector, found, stage_ms, .. } = self;
         let detector = match detector {
             Some(detector) => detector,
-            None => detector.insert(Detector::new(gpu, &model.surface, model.radii, Wanted::Candidates)?),
+            None => detector.insert(Detector::new(gpu, &model.surface, model.radii, DetectionQuery::Candidates)?),
         };
         detector.set_distances(gpu, REACH * model.thickness, 0.0);
         detector.detect(gpu, contact.boxes, contact.start, contact.start, found).await?;

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use muslin_core::broad_phase::Counts;
 use muslin_core::contact::{ContactModel, ContactScratch};
 use muslin_gpu::device::Ask;
-use muslin_gpu::{Failed, Gpu, step};
+use muslin_gpu::{DetectionError, Gpu, step};
 use serde::Serialize;
 
 use crate::failure::{Failure, print_note};
@@ -21,9 +21,9 @@ pub fn open() -> Result<Gpu, Failure> {
 }
 
 /// What a device says, as a failure of the command.
-pub fn failed(why: Failed) -> Failure {
+pub fn failed(why: DetectionError) -> Failure {
     let advice = match why {
-        Failed::TooLarge(_) => "take a lesser --thickness, or say --backend cpu",
+        DetectionError::TooLarge(_) => "take a lesser --thickness, or say --backend cpu",
         _ => "say --backend cpu",
     };
     Failure::NoDevice(format!("--backend gpu: {why}; {advice}"))
@@ -93,7 +93,7 @@ impl StepDetector {
                 Some(counts)
             }
             // Fewer candidates will have room again.
-            Err(why @ Failed::TooLarge(_)) => {
+            Err(why @ DetectionError::TooLarge(_)) => {
                 print_note(&format!("warning: --backend gpu: {why}; the processor detects once"));
                 *self.own() = Some(own);
                 None

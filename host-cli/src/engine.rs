@@ -74,7 +74,7 @@ pub struct Report {
     pub contacts: [u64; 6],
 }
 
-/// Work that does not depend on the machine, as far as costs are told by it.
+/// IntegratorStatistics that does not depend on the machine, as far as costs are told by it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counted {
     /// Without those of contact.
@@ -90,7 +90,7 @@ pub struct Counted {
 pub struct Snapshot {
     /// Steps taken.
     pub steps: u64,
-    /// Counters of work, in the order of the core's `Work`.
+    /// Counters of work, in the order of the core's `IntegratorStatistics`.
     pub work: [u64; 7],
     /// Counters of contact, in the order of the core's `Tally`.
     pub contacts: [u64; 7],
@@ -186,7 +186,7 @@ macro_rules! engine {
             use $core::colliders::{Body, ColliderColumns, Form};
             use $core::diagnostics::StateHash;
             use $core::error::SceneError;
-            use $core::integrate::Work;
+            use $core::integrate::IntegratorStatistics;
             use $core::mesh::{Stitch, TriMesh};
             use $core::real::{Real, Vec3, to_f64};
             use $core::response::Tally;
@@ -315,7 +315,7 @@ macro_rules! engine {
                 }
 
                 fn report(&self) -> Report {
-                    let (stretch, e, work, tally) = (self.stretch(), self.energy(), self.work(), self.tally());
+                    let (stretch, e, work, tally) = (self.stretch(), self.energy(), self.statistics(), self.tally());
                     Report {
                         steps: self.state().steps,
                         time: self.time(),
@@ -408,7 +408,7 @@ macro_rules! engine {
                 }
 
                 fn snapshot(&self) -> Snapshot {
-                    let (state, w, t) = (self.state(), self.work(), self.tally());
+                    let (state, w, t) = (self.state(), self.statistics(), self.tally());
                     Snapshot {
                         steps: state.steps,
                         work: [
@@ -430,7 +430,7 @@ macro_rules! engine {
                 fn restore(&mut self, snapshot: &Snapshot) -> bool {
                     let columns = [0, 1, 2, 3].map(|i| from_bytes(&snapshot.columns[i]));
                     let w = snapshot.work;
-                    let work = Work {
+                    let work = IntegratorStatistics {
                         force_evaluations: w[0],
                         cg_iterations: w[1],
                         newton_iterations: w[2],

@@ -112,7 +112,7 @@ impl Dispatch for Clock {
             *own(&self.note) = Some(note);
         }
         // Fewer candidates will have room again; what is lost for good is not asked again.
-        if !matches!(found, Err(muslin_gpu::Failed::Lost(_))) {
+        if !matches!(found, Err(muslin_gpu::DetectionError::Lost(_))) {
             self.ask(Some(detector));
         }
         found.ok()

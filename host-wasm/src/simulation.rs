@@ -4,7 +4,7 @@ use muslin_core::colliders::Form;
 use muslin_core::diagnostics::StateHash;
 use muslin_core::real::{Vec3, vec3};
 use muslin_core::scene::SceneDesc;
-use muslin_core::simulation::{Diverged, Simulation as Cloth, State};
+use muslin_core::simulation::{Simulation as Cloth, State, StepError};
 use muslin_gpu::Gpu;
 use muslin_gpu::device::Ask;
 use muslin_gpu::step::StepDetector;
@@ -81,7 +81,7 @@ impl Simulation {
         self.stepped(taken)
     }
 
-    fn stepped(&mut self, taken: Result<(), Diverged>) -> Result<(), JsError> {
+    fn stepped(&mut self, taken: Result<(), StepError>) -> Result<(), JsError> {
         self.clock.pause();
         taken.map_err(error)?;
         self.chain.add(self.own.positions(), self.own.velocities());
@@ -118,10 +118,10 @@ impl Simulation {
         let steps = (self.own.time() / f64::from(next.step_length())).round() as u64;
         // Another method or another step looks back at nothing.
         let state = State { steps, previous: [&[]; 2], ..state };
-        if next.restore(&state, self.own.work(), self.own.tally()) {
+        if next.restore(&state, self.own.statistics(), self.own.tally()) {
             self.released.iter().for_each(|&vertex| _ = next.release(vertex));
             for &vertex in &self.held {
-                next.lead(vertex, self.own.positions()[vertex as usize], 0.0);
+                next.move_to(vertex, self.own.positions()[vertex as usize], 0.0);
             }
         } else {
             (self.held, self.released) = (Vec::new(), Vec::new());
@@ -134,13 +134,14 @@ impl Simulation {
         Ok(())
     }
 
-    /// Leads a vertex to a place, m, within so many seconds; it is held from then on.
-    pub fn lead(&mut self, vertex: f64, x: f32, y: f32, z: f32, seconds: f64) -> Result<(), JsError> {
+    /// Moves a vertex evenly to a place, m, within so many seconds, and holds it there.
+    #[wasm_bindgen(js_name = moveTo)]
+    pub fn move_to(&mut self, vertex: f64, x: f32, y: f32, z: f32, seconds: f64) -> Result<(), JsError> {
         let vertex = self.vertex(vertex)?;
         if ![f64::from(x), f64::from(y), f64::from(z), seconds].iter().all(|x| x.is_finite()) || seconds < 0.0 {
             return Err(JsError::new("a place and a time must be finite numbers"));
         }
-        self.own.lead(vertex, vec3([x, y, z].map(f64::from)), seconds);
+        self.own.move_to(vertex, vec3([x, y, z].map(f64::from)), seconds);
         self.released.retain(|&other| other != vertex);
         if !self.held.contains(&vertex) {
             self.held.push(vertex);
@@ -283,7 +284,7 @@ impl Simulation {
     /// gradients so far.
     pub fn numbers(&self) -> Vec<f64> {
         let (stretch, e) = (self.own.stretch(), self.own.energy());
-        let (tally, work) = (self.own.tally(), self.own.work());
+        let (tally, work) = (self.own.tally(), self.own.statistics());
         let counts =
             [tally.candidates, tally.proximity, tally.impacts, tally.zones, tally.rejected, work.force_evaluations];
         [stretch.max, stretch.mean, e.kinetic, e.stretch, e.shear, e.bend, e.seam, e.gravity]

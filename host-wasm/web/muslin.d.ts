@@ -122,7 +122,7 @@ export class Cloth {
    * Moves a vertex evenly to a place, m, within a simulated time, s, or at once. From then on it is held. Many
    * scenes fail if a vertex moves by more than an edge at once.
    */
-  lead(vertex: number, place: ArrayLike<number>, seconds?: number): void;
+  moveTo(vertex: number, place: ArrayLike<number>, seconds?: number): void;
   /** Holds a vertex at its place. */
   pin(vertex: number): void;
   /** Frees a vertex, also from a pin of the scene. Returns whether it was held. */

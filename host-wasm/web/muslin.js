@@ -198,14 +198,14 @@ export class Cloth {
     this.set("drag.wind", windy(this.#scene, velocity));
   }
 
-  lead(vertex, [x, y, z], seconds = 0) {
+  moveTo(vertex, [x, y, z], seconds = 0) {
     const own = this.#idle;
-    guarded(() => own.lead(vertex, x, y, z, seconds));
+    guarded(() => own.moveTo(vertex, x, y, z, seconds));
   }
 
   pin(vertex) {
     const place = this.positions().subarray(3 * vertex, 3 * vertex + 3);
-    this.lead(vertex, place.length === 3 ? place : [0, 0, 0]);
+    this.moveTo(vertex, place.length === 3 ? place : [0, 0, 0]);
   }
 
   release(vertex) {

@@ -4,8 +4,8 @@ use glam::DVec3;
 use harness::crumpled;
 use harness::rng::Rng;
 
-use super::case::{Case, random, single};
 use super::methods::{Found, METHODS, all};
+use harness::case::{Case, random, single};
 
 /// Checks that all methods agree; returns what they found.
 fn agree(case: &Case) -> Found {

@@ -3,8 +3,8 @@
 
 use harness::crumpled;
 
-use super::case::Case;
 use super::methods::{METHODS, all, double, single};
+use harness::case::Case;
 
 fn case() -> Case {
     let mesh = crumpled::sheet(10);

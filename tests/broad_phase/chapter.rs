@@ -4,8 +4,8 @@
 use glam::DVec3;
 use harness::rng::Rng;
 
-use super::case::{Case, random};
 use super::methods::{METHODS, all};
+use harness::case::{Case, random};
 
 const CROSSING: [[DVec3; 3]; 2] = [
     [

@@ -4,8 +4,8 @@
 use glam::Vec3;
 use harness::cloth_ball;
 
-use super::case::Case;
 use super::methods::{double, single};
+use harness::case::Case;
 
 #[test]
 fn counts_are_exact() {

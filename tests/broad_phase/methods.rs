@@ -1,6 +1,6 @@
 //! Every method in both precisions, as functions from a case to the candidates found.
 
-use super::case::Case;
+use harness::case::Case;
 
 /// Candidates as a method wrote them, and how many it counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

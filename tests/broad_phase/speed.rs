@@ -8,8 +8,8 @@ use harness::crumpled;
 use muslin_core::broad_phase::{self, Candidates, GridColumns};
 use muslin_core::dispatch::Serial;
 
-use super::case::Case;
 use super::methods::single;
+use harness::case::Case;
 
 const RUNS: usize = 15;
 

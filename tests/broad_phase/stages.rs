@@ -28,10 +28,10 @@ fn boxes(rng: &mut Rng) -> Vec<[DVec3; 2]> {
 harness::both_precisions! {
     use super::{CASES, boxes};
     use muslin::broad_phase::byte_boxes::{self, ByteBoxes};
-    use muslin::broad_phase::cells::{self, Home, Lattice};
+    use muslin::broad_phase::cells::{self, Home, CellGrid};
     use muslin::broad_phase::entries::{self, Entry};
     use muslin::broad_phase::spheres::{self, Sphere};
-    use muslin::broad_phase::units::{self, Quantum, UnitBox};
+    use muslin::broad_phase::quantized_boxes::{self, Quantization, QuantizedBox};
     use muslin::broad_phase::{pairs, sort};
     use muslin::dispatch::Serial;
     use muslin::geometry::aabb::Aabb;
@@ -41,24 +41,24 @@ harness::both_precisions! {
     /// The pairs of boxes of one level.
     fn pairs_in_cells(boxes: &[Aabb], levels: &[u8], level: u8) -> Vec<[u32; 2]> {
         let scene = boxes.iter().fold(Aabb::EMPTY, |scene, b| scene.union(b));
-        let mut units = vec![UnitBox::EMPTY; boxes.len()];
-        units::write_units(boxes, &Quantum::new(&scene, 8.0), &mut units, &Serial);
+        let mut quantized_boxes = vec![QuantizedBox::EMPTY; boxes.len()];
+        quantized_boxes::write_quantized_boxes(boxes, &Quantization::new(&scene, 8.0), &mut quantized_boxes, &Serial);
         let points: Vec<_> = (0..boxes.len() as u32).map(|v| [v; 3]).collect();
         let surface = SurfaceColumns::build(boxes.len(), &points, &[]);
         let mut columns = vec![Sphere::default(); boxes.len()];
-        spheres::write_spheres(&units, &points, levels, level, &mut columns, &Serial);
+        spheres::write_spheres(&quantized_boxes, &points, levels, level, &mut columns, &Serial);
         let mut bytes = vec![ByteBoxes::default(); boxes.len()];
-        byte_boxes::write_byte_boxes(&units, &points, levels, level, &mut bytes, &Serial);
-        let lattice = Lattice::new(&columns);
+        byte_boxes::write_byte_boxes(&quantized_boxes, &points, levels, level, &mut bytes, &Serial);
+        let grid = CellGrid::new(&columns);
         let mut homes = vec![Home::default(); boxes.len()];
-        cells::write_cells(&columns, &lattice, &mut homes, &Serial);
+        cells::write_cells(&columns, &grid, &mut homes, &Serial);
         let [mut entries, mut spare] = [(); 2].map(|()| vec![Entry::default(); 8 * boxes.len()]);
-        let count = entries::write_entries(&homes, levels, level, &lattice, &mut entries);
-        let in_spare = sort::sort(&mut entries[..count], &mut spare[..count], lattice.key_bits());
+        let count = entries::write_entries(&homes, levels, level, &grid, &mut entries);
+        let in_spare = sort::sort(&mut entries[..count], &mut spare[..count], grid.key_bits());
         let sorted = &(if in_spare { spare } else { entries })[..count];
         let mut found = Vec::new();
         let near = |&&[a, b]: &&[u32; 2]| boxes[a as usize].overlaps(&boxes[b as usize]);
-        pairs::for_each_pair(sorted, &homes, &bytes, &lattice, &surface.view(), |batch| {
+        pairs::for_each_pair(sorted, &homes, &bytes, &grid, &surface.view(), |batch| {
             found.extend(batch.iter().filter(near).map(|&[a, b]| [a.min(b), a.max(b)]));
         });
         found.sort_unstable();

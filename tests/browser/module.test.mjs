@@ -124,7 +124,7 @@ test("a vertex is led, pinned and let go", { skip }, async () => {
     const vertex = cloth.vertexCount - 1;
     const place = Array.from(cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
     const to = [place[0], place[1] + 0.05, place[2]];
-    cloth.lead(vertex, to, 10 * cloth.stepLength);
+    cloth.moveTo(vertex, to, 10 * cloth.stepLength);
     cloth.step(20);
     const led = Array.from(cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
     cloth.set("cloth.density", 0.4);
@@ -132,7 +132,7 @@ test("a vertex is led, pinned and let go", { skip }, async () => {
     const released = [cloth.release(vertex), cloth.release(vertex)];
     cloth.step(20);
     const fell = cloth.positions()[3 * vertex + 1];
-    const why = [() => cloth.lead(99999, to), () => cloth.pin(-1), () => cloth.release(2.5), () => cloth.pin()].map((what) => {
+    const why = [() => cloth.moveTo(99999, to), () => cloth.pin(-1), () => cloth.release(2.5), () => cloth.pin()].map((what) => {
       try {
         return String(what());
       } catch (error) {

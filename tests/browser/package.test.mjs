@@ -25,7 +25,7 @@ export async function run(): Promise<Summary> {
   cloth.set({ "integrator.step": 0.005 });
   cloth.wind([1, 0, 0]);
   const x: Float32Array = cloth.positions();
-  cloth.lead(0, x.subarray(0, 3), 0.1);
+  cloth.moveTo(0, x.subarray(0, 3), 0.1);
   // @ts-expect-error: a step is no word
   cloth.step("one");
   return cloth.summary();

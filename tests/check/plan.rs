@@ -21,12 +21,12 @@ pub struct Step {
     /// The lowest level that takes it.
     pub level: Level,
     /// What is run.
-    pub work: Work,
+    pub task: Task,
 }
 
 /// What a step runs.
 #[derive(Clone, Debug)]
-pub enum Work {
+pub enum Task {
     /// A command line that is to exit with 0, and the variables that it is given.
     Command(String, &'static [(&'static str, &'static str)]),
     /// Suites of tests in a profile of cargo.
@@ -56,14 +56,14 @@ pub const BARE_TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "wasm32-unknown-un
 const FEATURES: [&str; 2] = ["", " --features alloc"];
 
 fn command(level: Level, name: &str, line: &str) -> Step {
-    Step { name: name.to_owned(), level, work: Work::Command(line.to_owned(), &[]) }
+    Step { name: name.to_owned(), level, task: Task::Command(line.to_owned(), &[]) }
 }
 
 /// Every step of both levels.
 pub fn steps(suites: &[Suite]) -> Vec<Step> {
     use Level::{All, Everyday};
     let in_profile =
-        |name: &str, level, profile, suites| Step { name: name.to_owned(), level, work: Work::Suites(profile, suites) };
+        |name: &str, level, profile, suites| Step { name: name.to_owned(), level, task: Task::Suites(profile, suites) };
     let mut steps = vec![
         command(Everyday, "format", "cargo fmt --all --check"),
         command(Everyday, "lints", &format!("cargo clippy {LINTED} --all-targets -- -D warnings")),
@@ -72,8 +72,8 @@ pub fn steps(suites: &[Suite]) -> Vec<Step> {
         command(Everyday, "manual", "cargo test --doc -p muslin-tests-harness -p muslin-tests -p muslin-cli"),
         command(All, "lints of every package", "cargo clippy --workspace --all-targets -- -D warnings"),
     ];
-    let docs = Work::Command("cargo doc --workspace --no-deps".to_owned(), &[("RUSTDOCFLAGS", "-D warnings")]);
-    steps.push(Step { name: "docs".to_owned(), level: All, work: docs });
+    let docs = Task::Command("cargo doc --workspace --no-deps".to_owned(), &[("RUSTDOCFLAGS", "-D warnings")]);
+    steps.push(Step { name: "docs".to_owned(), level: All, task: docs });
     // Alone, a package has only the features that itself asks for.
     for package in CORES.iter().chain(&["muslin-cli"]) {
         steps.push(command(All, &format!("{package} alone"), &format!("cargo check -p {package}")));
@@ -97,18 +97,18 @@ pub fn steps(suites: &[Suite]) -> Vec<Step> {
 impl Step {
     /// Whether it builds for other targets than this machine.
     pub fn needs_targets(&self) -> bool {
-        matches!(&self.work, Work::Command(line, _) if line.contains("--target") || line.contains("muslin-pack"))
+        matches!(&self.task, Task::Command(line, _) if line.contains("--target") || line.contains("muslin-pack"))
     }
 
     /// The part of it that a level takes.
     pub fn at(self, level: Level) -> Option<Self> {
-        let work = match self.work {
-            Work::Suites(profile, suites) => {
-                Work::Suites(profile, suites.into_iter().filter(|suite| suite.level <= level).collect())
+        let task = match self.task {
+            Task::Suites(profile, suites) => {
+                Task::Suites(profile, suites.into_iter().filter(|suite| suite.level <= level).collect())
             }
             command => command,
         };
-        (self.level <= level).then_some(Self { work, ..self })
+        (self.level <= level).then_some(Self { task, ..self })
     }
 
     /// The part of it that has the word in its name: all of it, or some suites.
@@ -116,9 +116,9 @@ impl Step {
         if self.name.contains(word) {
             return Some(self);
         }
-        let Work::Suites(profile, suites) = self.work else { return None };
+        let Task::Suites(profile, suites) = self.task else { return None };
         let suites: Vec<_> = suites.into_iter().filter(|suite| suite.name.contains(word)).collect();
-        (!suites.is_empty()).then_some(Self { work: Work::Suites(profile, suites), ..self })
+        (!suites.is_empty()).then_some(Self { task: Task::Suites(profile, suites), ..self })
     }
 }
 
@@ -126,9 +126,9 @@ impl fmt::Display for Step {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mark = |level| if level == Level::All { '+' } else { ' ' };
         writeln!(f, "{} {}", mark(self.level), self.name)?;
-        match &self.work {
-            Work::Command(..) => Ok(()),
-            Work::Suites(_, suites) => {
+        match &self.task {
+            Task::Command(..) => Ok(()),
+            Task::Suites(_, suites) => {
                 suites.iter().try_for_each(|suite| writeln!(f, "{}     {}", mark(suite.level), suite.name))
             }
         }

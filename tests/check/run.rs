@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::plan::{BARE_TARGETS, Level, Step, Work};
+use crate::plan::{BARE_TARGETS, Level, Step, Task};
 use crate::report::{Ending, Outcome, Report, Test, reasons};
 use crate::suites::{self, Suite};
 
@@ -27,9 +27,9 @@ pub fn step(root: &Path, step: &Step, level: Level, report: &mut Report) {
     if let Some(why) = missing(step) {
         return report.skipped(&step.name, &why);
     }
-    match &step.work {
-        Work::Command(line, variables) => report.add(command(root, &step.name, line, variables)),
-        Work::Suites(profile, suites) => {
+    match &step.task {
+        Task::Command(line, variables) => report.add(command(root, &step.name, line, variables)),
+        Task::Suites(profile, suites) => {
             let started = Instant::now();
             let built = suites::build(root, profile, suites);
             let mut outcome = Outcome::new(format!("{}: build", step.name), started.elapsed());
@@ -77,9 +77,9 @@ fn told(command: &mut Command, skipped: &mut Vec<String>) -> std::io::Result<Exi
 
 /// Why a step cannot be run here, if it need not be.
 fn missing(step: &Step) -> Option<String> {
-    let line = match &step.work {
-        Work::Command(line, _) => line.as_str(),
-        Work::Suites(..) => return None,
+    let line = match &step.task {
+        Task::Command(line, _) => line.as_str(),
+        Task::Suites(..) => return None,
     };
     let of_browser = line.starts_with("node") || line.contains("muslin-pack");
     (of_browser && std::env::var_os(REQUIRE_BROWSER).is_none() && !is_there("npm"))

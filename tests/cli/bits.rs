@@ -1,7 +1,7 @@
 //! The state hash that a run prints does not depend on threads.
 //!
 //! Nor on the optimiser: that the same hash comes out of every build profile is pinned by
-//! the goldens of `tests/determinism.rs`.
+//! the goldens of `tests/determinism/main.rs`.
 
 use crate::kit::{Place, TINY};
 

@@ -110,7 +110,7 @@ fn a_run_is_repeatable_and_nothing_passes_through() {
     let contacts = |run: &Value| run["contacts"]["proximity"].as_u64().unwrap_or_else(|| panic!("{run}"));
     println!("{} contacts, on the processor {}", contacts(&once), contacts(&cpu));
     assert!(contacts(&once) > 100, "{once}");
-    // Until it touches the bits are the same; then constraints come in another order.
+    // StoppingCriterion it touches the bits are the same; then constraints come in another order.
     assert_eq!(frames[..5], expected[..5]);
     let off = frames[8].iter().zip(&expected[8]).flat_map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs()));
     let off = off.fold(0.0, f32::max);

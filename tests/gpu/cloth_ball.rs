@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 use harness::cloth_ball;
-use muslin_gpu::{Detector, Found, Wanted};
+use muslin_gpu::{DetectionQuery, DetectionResult, Detector};
 
-use super::case::Case;
 use super::methods::{columns, gpu};
+use harness::case::Case;
 
 #[test]
 #[ignore = "takes a graphics driver"]
@@ -16,9 +16,10 @@ fn counts_are_exact_and_the_order_is_repeatable() {
     let case = Case { boxes: swept.collect(), triangles: data.triangles, ..Case::default() };
     let (boxes, surface) = columns(&case);
     let start = vec![Vec3::ZERO; boxes.len()];
-    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], Wanted::Candidates).unwrap();
+    let mut detector =
+        Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], DetectionQuery::Candidates).unwrap();
     let [once, again] = [(); 2].map(|()| {
-        let mut found = Found::default();
+        let mut found = DetectionResult::default();
         pollster::block_on(detector.detect(gpu, &boxes, &start, &start, &mut found)).unwrap();
         detector.stage_ms(gpu).for_each(|(stage, ms)| println!("{stage}: {ms:.1} ms"));
         found

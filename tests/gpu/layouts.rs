@@ -2,8 +2,8 @@
 
 use std::mem::{offset_of, size_of};
 
-use muslin_gpu::params::{PLAN_WORDS, Params, plan};
-use muslin_gpu::stages;
+use muslin_gpu::params::{COUNTER_WORDS, Params, counters};
+use muslin_gpu::shaders;
 use naga::{Expression, Literal, Module, TypeInner};
 
 macro_rules! offsets {
@@ -11,7 +11,7 @@ macro_rules! offsets {
 }
 
 fn any_stage() -> Module {
-    naga::front::wgsl::parse_str(&stages::BOUNDS.source()).expect("the stage parses")
+    naga::front::wgsl::parse_str(&shaders::BOUNDS.source()).expect("the stage parses")
 }
 
 #[test]
@@ -46,18 +46,18 @@ fn params_are_those_of_the_host() {
 #[test]
 fn words_of_the_plan_are_those_of_the_host() {
     let host = [
-        ("STATUS", plan::STATUS),
-        ("GRADED", plan::GRADED),
-        ("SINGLE", plan::SINGLE),
-        ("SCENE", plan::SCENE),
-        ("ENTRIES", plan::ENTRIES),
-        ("PAIRS", plan::PAIRS),
-        ("VERTEX_TRIANGLE", plan::VERTEX_TRIANGLE),
-        ("EDGE_EDGE", plan::EDGE_EDGE),
-        ("MOST_ENTRIES", plan::MOST_ENTRIES),
-        ("CONTACTS", plan::CONTACTS),
-        ("TILES", plan::TILES),
-        ("MOST_TILES", plan::MOST_TILES),
+        ("STATUS", counters::STATUS),
+        ("GRADED", counters::GRADED),
+        ("SINGLE", counters::SINGLE),
+        ("SCENE", counters::SCENE),
+        ("ENTRIES", counters::ENTRIES),
+        ("PAIRS", counters::PAIRS),
+        ("VERTEX_TRIANGLE", counters::VERTEX_TRIANGLE),
+        ("EDGE_EDGE", counters::EDGE_EDGE),
+        ("MOST_ENTRIES", counters::MOST_ENTRIES),
+        ("CONTACTS", counters::CONTACTS),
+        ("TILES", counters::TILES),
+        ("MOST_TILES", counters::MOST_TILES),
     ];
     let module = any_stage();
     for (name, place) in host {
@@ -68,6 +68,6 @@ fn words_of_the_plan_are_those_of_the_host() {
             matches!(value, Expression::Literal(Literal::U32(word)) if *word as usize == place),
             "{name}: {value:?}"
         );
-        assert!(place < PLAN_WORDS);
+        assert!(place < COUNTER_WORDS);
     }
 }

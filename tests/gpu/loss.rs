@@ -3,12 +3,12 @@
 use harness::crumpled;
 use muslin_core::real::Vec3;
 use muslin_gpu::device::Ask;
-use muslin_gpu::{Detector, Failed, Found, Gpu, Wanted};
+use muslin_gpu::{DetectionError, DetectionQuery, DetectionResult, Detector, Gpu};
 
-use super::case::Case;
 use super::methods::{columns, gpu};
 use super::on_device::{OnDevice, begin};
-use super::scenes::SCENES;
+use harness::case::Case;
+use harness::torture::SCENES;
 
 #[test]
 #[ignore = "takes a graphics driver"]
@@ -20,16 +20,16 @@ fn what_a_lost_device_is_asked_fails() {
     let (boxes, surface) = columns(&Case::new("", &mesh.positions, &mesh.triangles, 0.25));
     let (start, radii) = (vec![Vec3::ZERO; boxes.len()], vec![0.0; boxes.len()]);
     let lost = pollster::block_on(Gpu::open(Ask::Web)).unwrap();
-    let mut detector = Detector::new(&lost, &surface.view(), &radii, Wanted::Candidates).unwrap();
+    let mut detector = Detector::new(&lost, &surface.view(), &radii, DetectionQuery::Candidates).unwrap();
     let mut detect = || {
-        let mut found = Found::default();
+        let mut found = DetectionResult::default();
         pollster::block_on(detector.detect(&lost, &boxes, &start, &start, &mut found)).map(|()| found)
     };
     let before = detect().unwrap();
     assert!(before.edge_edge.len() > 100, "{} pairs of edges", before.edge_edge.len());
     lost.close();
     let failed = detect();
-    assert!(matches!(&failed, Err(Failed::Lost(why)) if !why.is_empty()), "{failed:?}");
+    assert!(matches!(&failed, Err(DetectionError::Lost(why)) if !why.is_empty()), "{failed:?}");
 }
 
 /// Steps before the device is lost, and in all: some are in contact by then.

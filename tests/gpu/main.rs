@@ -5,25 +5,15 @@
 
 #[path = "../broad_phase/agree.rs"]
 mod agree;
-#[path = "../broad_phase/case.rs"]
-mod case;
 mod cloth_ball;
-#[path = "../narrow_phase/exact.rs"]
-mod exact;
-#[path = "../narrow_phase/head_on.rs"]
-mod head_on;
 mod layouts;
 mod loss;
 mod methods;
 mod motion;
 mod names;
 mod on_device;
-#[path = "../narrow_phase/polynomial.rs"]
-mod polynomial;
 mod queries;
 mod room;
-#[path = "../torture/scenes.rs"]
-mod scenes;
 mod shaders;
 mod stages;
 mod torture;

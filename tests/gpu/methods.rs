@@ -8,13 +8,12 @@ use std::sync::OnceLock;
 
 use muslin_core::real::Vec3;
 use muslin_gpu::device::Ask;
-use muslin_gpu::{Detector, Found as OnDevice, Gpu, Wanted};
+use muslin_gpu::{DetectionQuery, DetectionResult as OnDevice, Detector, Gpu};
 
 pub use core_methods::single::columns;
 pub use core_methods::{Found, Method};
 
-use super::case;
-use super::case::Case;
+use harness::case::Case;
 
 pub const METHODS: [(&str, Method); 2] = [("grid in f32", core_methods::single::grid), ("grid on a device", on_device)];
 
@@ -47,7 +46,8 @@ fn on_device(case: &Case, room: [usize; 2]) -> Found {
     let (boxes, surface) = columns(case);
     let start = vec![Vec3::ZERO; boxes.len()];
     let mut found = OnDevice::default();
-    let mut detector = Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], Wanted::Candidates).unwrap();
+    let mut detector =
+        Detector::new(gpu, &surface.view(), &vec![0.0; boxes.len()], DetectionQuery::Candidates).unwrap();
     pollster::block_on(detector.detect(gpu, &boxes, &start, &start, &mut found)).unwrap();
     let counts = [found.vertex_triangle.len(), found.edge_edge.len()];
     let (mut vertex_triangle, mut edge_edge) = (found.vertex_triangle, found.edge_edge);

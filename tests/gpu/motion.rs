@@ -8,12 +8,12 @@ use harness::rng::Rng;
 use muslin_core::dispatch::Serial;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::mesh::SurfaceColumns;
-use muslin_core::narrow_phase::continuous::{Motion, NEVER, TOUCHING, times};
+use muslin_core::narrow_phase::continuous::{LinearMotion, NEVER, TOUCHING, times};
 use muslin_core::narrow_phase::{EdgeEdge, VertexTriangle};
-use muslin_gpu::{Detector, Found, Wanted, stages};
+use muslin_gpu::{DetectionQuery, DetectionResult, Detector, shaders};
 
-use super::case::{Case, single};
 use super::methods::{columns, gpu};
+use harness::case::{Case, single};
 
 /// m that features keep, and how far they are looked for.
 const SEPARATION: f64 = 0.05;
@@ -29,8 +29,8 @@ fn radius(vertex: u32) -> f64 {
 /// What a distance may be off by: of the size of a pair.
 fn rounding(query: &Query) -> f64 {
     let stage = match query.pair {
-        Pair::VertexTriangle => &stages::VERTEX_TRIANGLE,
-        Pair::EdgeEdge => &stages::EDGE_EDGE,
+        Pair::VertexTriangle => &shaders::VERTEX_TRIANGLE,
+        Pair::EdgeEdge => &shaders::EDGE_EDGE,
     };
     f64::from(stage.bound) * query.size()
 }
@@ -44,10 +44,10 @@ struct Scene {
     triangles: Vec<[u32; 3]>,
     edges: Vec<[u32; 2]>,
     surface: SurfaceColumns,
-    found: Found,
+    found: DetectionResult,
 }
 
-fn scene(wanted: Wanted) -> Option<Scene> {
+fn scene(query: DetectionQuery) -> Option<Scene> {
     let gpu = gpu()?;
     let (mesh, rng) = (crumpled::sheet(24), &mut Rng::new(11));
     let start: Vec<_> = mesh.positions.iter().map(|&x| single(x)).collect();
@@ -57,9 +57,9 @@ fn scene(wanted: Wanted) -> Option<Scene> {
     let around = |(a, b): (&glam::Vec3, &glam::Vec3)| Aabb { min: a.min(*b) - 0.25, max: a.max(*b) + 0.25 };
     let boxes: Vec<_> = from.iter().zip(&to).map(around).collect();
     let radii: Vec<_> = (0..boxes.len() as u32).map(|vertex| radius(vertex) as f32).collect();
-    let mut detector = Detector::new(gpu, &surface.view(), &radii, wanted).unwrap();
+    let mut detector = Detector::new(gpu, &surface.view(), &radii, query).unwrap();
     detector.set_distances(gpu, REACH as f32, SEPARATION as f32);
-    let mut found = Found::default();
+    let mut found = DetectionResult::default();
     pollster::block_on(detector.detect(gpu, &boxes, &from, &to, &mut found)).unwrap();
     let edges = surface.view().edges.to_vec();
     Some(Scene { start, end, triangles: mesh.triangles, edges, surface, found })
@@ -117,8 +117,9 @@ impl Scene {
         let [start, end] = [&self.start, &self.end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
         let moves: Vec<_> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
         let radii: Vec<_> = (0..start.len() as u32).map(|vertex| radius(vertex) as f32).collect();
-        let motion = Motion { start: &start, end: &end, moves: &moves, radii: &radii, rounds: &[], round: 0 };
-        let Found { vertex_triangle, edge_edge, vertex_triangle_distances, edge_edge_distances, .. } = &self.found;
+        let motion = LinearMotion { start: &start, end: &end, moves: &moves, radii: &radii, rounds: &[], round: 0 };
+        let DetectionResult { vertex_triangle, edge_edge, vertex_triangle_distances, edge_edge_distances, .. } =
+            &self.found;
         let (surface, keeps) = (self.surface.view(), SEPARATION as f32);
         let [mut faces, mut edges] = [vertex_triangle, edge_edge].map(|all| vec![f32::NAN; all.len()]);
         let distances = [vertex_triangle_distances, edge_edge_distances];
@@ -130,7 +131,7 @@ impl Scene {
 
     /// Candidates of both kinds with their distances and times.
     fn answers(&self) -> impl Iterator<Item = Answer> {
-        let Found { vertex_triangle, edge_edge, .. } = &self.found;
+        let DetectionResult { vertex_triangle, edge_edge, .. } = &self.found;
         let of = |pair, candidates: &'_ [[u32; 2]], distances: &'_ [f32], times: &'_ [f32]| {
             let all = candidates.iter().zip(distances).zip(times);
             all.map(|((&c, &d), &t)| self.answer(pair, c, d, t)).collect::<Vec<_>>()
@@ -146,7 +147,7 @@ impl Scene {
 #[test]
 #[ignore = "takes a graphics driver"]
 fn distances_are_right_to_rounding() {
-    let Some(scene) = scene(Wanted::Times) else { return };
+    let Some(scene) = scene(DetectionQuery::Times) else { return };
     let mut near = 0;
     for answer in scene.answers() {
         let Answer { query, told, .. } = &answer;
@@ -163,7 +164,7 @@ fn distances_are_right_to_rounding() {
 #[test]
 #[ignore = "takes a graphics driver"]
 fn contacts_are_what_is_near_but_for_a_band() {
-    let (Some(all), Some(near)) = (scene(Wanted::Times), scene(Wanted::Contacts)) else { return };
+    let (Some(all), Some(near)) = (scene(DetectionQuery::Times), scene(DetectionQuery::Contacts)) else { return };
     assert_eq!(all.found.candidates, near.found.candidates);
     let [mut inside, mut in_band] = [0, 0];
     for (pair, candidates, contacts) in [
@@ -192,7 +193,7 @@ fn contacts_are_what_is_near_but_for_a_band() {
 #[test]
 #[ignore = "takes a graphics driver"]
 fn times_are_never_late_and_not_needlessly_early() {
-    let Some(scene) = scene(Wanted::Times) else { return };
+    let Some(scene) = scene(DetectionQuery::Times) else { return };
     let (mut hits, mut misses) = (0, 0);
     for answer in scene.answers() {
         let Answer { ref query, told, time, .. } = answer;
@@ -224,14 +225,14 @@ fn times_are_never_late_and_not_needlessly_early() {
 #[test]
 #[ignore = "takes a graphics driver"]
 fn times_are_the_core_s_but_for_a_band() {
-    let Some(scene) = scene(Wanted::Times) else { return };
+    let Some(scene) = scene(DetectionQuery::Times) else { return };
     let (mut alike, mut in_band, mut nearly_touching) = (0, 0, 0);
     for (answer, core) in scene.answers().zip(scene.times_of_the_core()) {
         let Answer { ref query, told, time, .. } = answer;
         let keeps = SEPARATION.min(0.5 * told);
         assert_eq!(time == TOUCHING, core == TOUCHING, "{time}, by the core {core}, {told} apart: {query}");
         nearly_touching += usize::from(told > 1e-3 * SEPARATION && told < 0.1 * SEPARATION);
-        if (time - core).abs() <= stages::EDGE_EDGE_CCD.bound.max(stages::VERTEX_TRIANGLE_CCD.bound) {
+        if (time - core).abs() <= shaders::EDGE_EDGE_CCD.bound.max(shaders::VERTEX_TRIANGLE_CCD.bound) {
             alike += 1;
             continue;
         }

@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use muslin_gpu::alone::{Columns, run};
 use muslin_gpu::params::Params;
 use muslin_gpu::schedule::{self, Dispatch, Order};
-use muslin_gpu::slots::Sizes;
-use muslin_gpu::{Failed, Wanted, stages};
+use muslin_gpu::single_stage::{Columns, run};
+use muslin_gpu::slots::SurfaceSizes;
+use muslin_gpu::{DetectionError, DetectionQuery, shaders};
 
 use super::methods::gpu;
 use super::stages::evenly;
@@ -39,12 +39,16 @@ fn stems(of: &str, extension: &str) -> BTreeSet<String> {
 #[test]
 fn every_dispatch_is_of_a_stage_of_the_table() {
     let capacities = evenly(1000);
-    for wanted in [Wanted::Candidates, Wanted::Contacts, Wanted::Times] {
-        let (params, sizes) = (Params::default(), Sizes { triangles: 300, vertices: 200, ..Sizes::default() });
-        for dispatch in schedule::of(&Order { params, sizes, capacities, wanted }) {
-            let found = stages::find(dispatch.stage, dispatch.entry);
-            let [stage, entry] = found.unwrap_or_else(|| panic!("{} has no {}", dispatch.stage, dispatch.entry));
-            assert_eq!((stages::ALL[stage].name, stages::ALL[stage].entries[entry]), (dispatch.stage, dispatch.entry));
+    for query in [DetectionQuery::Candidates, DetectionQuery::Contacts, DetectionQuery::Times] {
+        let (params, sizes) =
+            (Params::default(), SurfaceSizes { triangles: 300, vertices: 200, ..SurfaceSizes::default() });
+        for dispatch in schedule::of(&Order { params, sizes, capacities, query }) {
+            let found = shaders::find(dispatch.shader, dispatch.entry);
+            let [stage, entry] = found.unwrap_or_else(|| panic!("{} has no {}", dispatch.shader, dispatch.entry));
+            assert_eq!(
+                (shaders::ALL[stage].name, shaders::ALL[stage].entries[entry]),
+                (dispatch.shader, dispatch.entry)
+            );
         }
     }
 }
@@ -60,7 +64,7 @@ const UNKNOWN: [(&str, &str); 4] = [
 #[test]
 fn what_is_not_in_the_table_is_not_found() {
     for (stage, entry) in UNKNOWN {
-        assert_eq!(stages::find(stage, entry), None, "{stage} {entry}");
+        assert_eq!(shaders::find(stage, entry), None, "{stage} {entry}");
     }
 }
 
@@ -68,10 +72,10 @@ fn what_is_not_in_the_table_is_not_found() {
 #[ignore = "takes a graphics driver"]
 fn what_is_not_in_the_table_is_not_run() {
     let Some(gpu) = gpu() else { return };
-    for (stage, entry) in UNKNOWN {
-        let dispatch = Dispatch { stage, entry, groups: 1, params: Params::default() };
+    for (shader, entry) in UNKNOWN {
+        let dispatch = Dispatch { shader, entry, groups: 1, params: Params::default() };
         let ran = pollster::block_on(run(gpu, vec![dispatch], &mut Columns::new()));
-        assert_eq!(ran, Err(Failed::Unknown { stage, entry }));
+        assert_eq!(ran, Err(DetectionError::Unknown { shader, entry }));
     }
 }
 

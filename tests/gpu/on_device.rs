@@ -14,7 +14,7 @@ use muslin_gpu::Gpu;
 use muslin_gpu::device::Ask;
 use muslin_gpu::step::StepDetector;
 
-use super::scenes::Scene;
+use harness::torture::Scene;
 
 /// One thread, and a device for detection.
 pub struct OnDevice(Mutex<Option<StepDetector>>);

@@ -7,14 +7,14 @@ use harness::query::{Pair, Query};
 use harness::rng::Rng;
 use harness::truth::queries;
 use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
-use muslin_gpu::alone::{Columns, run};
-use muslin_gpu::params::{PLAN_WORDS, Params, plan};
+use muslin_gpu::params::{COUNTER_WORDS, Params, counters};
 use muslin_gpu::schedule::Dispatch;
+use muslin_gpu::single_stage::{Columns, run};
 use muslin_gpu::slots::Slot;
 
-use super::exact;
-use super::head_on::{KINDS, Row, cases};
 use super::methods::gpu;
+use harness::exact;
+use harness::head_on::{KINDS, Row, cases};
 
 /// m that features keep; nearly all queries that miss do so by less.
 const SEPARATION: f32 = 1e-6;
@@ -25,12 +25,12 @@ fn kind(pair: Pair) -> ([&'static str; 2], [Slot; 3], usize) {
         Pair::VertexTriangle => (
             ["narrow_phase/proximity, vertex_triangle", "narrow_phase/continuous, vertex_triangle"],
             [Slot::VertexTriangle, Slot::VertexTriangleDistances, Slot::VertexTriangleTimes],
-            plan::VERTEX_TRIANGLE,
+            counters::VERTEX_TRIANGLE,
         ),
         Pair::EdgeEdge => (
             ["narrow_phase/proximity, edge_edge", "narrow_phase/continuous, edge_edge"],
             [Slot::EdgeEdge, Slot::EdgeEdgeDistances, Slot::EdgeEdgeTimes],
-            plan::EDGE_EDGE,
+            counters::EDGE_EDGE,
         ),
     }
 }
@@ -49,7 +49,7 @@ fn times_to_keep(separation: f32, pair: Pair, queries: &[Query], radii: &[f32]) 
         let vertices = queries.iter().flat_map(|query| of(query).map(|x| x.as_vec3().to_array()));
         cast_vec(vertices.flatten().collect::<Vec<f32>>())
     };
-    let mut told = vec![0; PLAN_WORDS];
+    let mut told = vec![0; COUNTER_WORDS];
     told[place] = count;
     let pairs: Vec<[u32; 2]> = match pair {
         Pair::VertexTriangle => (0..count).map(|i| [4 * i, i]).collect(),
@@ -70,11 +70,11 @@ fn times_to_keep(separation: f32, pair: Pair, queries: &[Query], radii: &[f32]) 
         (Slot::Radii, cast_vec(around)),
         (distances, empty.clone()),
         (times, empty),
-        (Slot::Plan, told),
+        (Slot::Counters, told),
     ]);
     let params = Params { vertex_triangle: count, edge_edge: count, reach: 1e9, separation, ..Params::default() };
     let dispatch =
-        |stage, entry, group: usize| Dispatch { stage, entry, groups: queries.len().div_ceil(group), params };
+        |shader, entry, group: usize| Dispatch { shader, entry, groups: queries.len().div_ceil(group), params };
     let both = vec![dispatch(stages[0], "write_distances", 256), dispatch(stages[1], "write_times", 64)];
     pollster::block_on(run(gpu, both, &mut all)).unwrap();
     Some(all[&times].iter().map(|&bits| f32::from_bits(bits)).collect())

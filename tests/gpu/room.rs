@@ -3,10 +3,10 @@
 use glam::DVec3;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::real::Vec3;
-use muslin_gpu::{Detector, Failed, Found, Wanted};
+use muslin_gpu::{DetectionError, DetectionQuery, DetectionResult, Detector};
 
-use super::case::Case;
 use super::methods::{columns, gpu};
+use harness::case::Case;
 
 /// Triangles that all lie on one another, or apart.
 fn soup(spread: f64) -> Case {
@@ -26,15 +26,15 @@ fn what_had_no_room_spoils_nothing_after_it() {
     let Some(gpu) = gpu() else { return };
     let [(dense, surface), (sparse, _)] = [0.0, 2.0].map(|spread| columns(&soup(spread)));
     let (start, radii) = (vec![Vec3::ZERO; dense.len()], vec![0.0; dense.len()]);
-    let detector = || Detector::new(gpu, &surface.view(), &radii, Wanted::Candidates).unwrap();
+    let detector = || Detector::new(gpu, &surface.view(), &radii, DetectionQuery::Candidates).unwrap();
     let detect = |detector: &mut Detector, boxes: &[Aabb]| {
-        let mut found = Found::default();
+        let mut found = DetectionResult::default();
         pollster::block_on(detector.detect(gpu, boxes, &start, &start, &mut found)).map(|()| found)
     };
     let (mut used, expected) = (detector(), detect(&mut detector(), &sparse).unwrap());
     for boxes in [&dense[..], &dense[..9]] {
         let failed = detect(&mut used, boxes);
-        assert!(matches!(failed, Err(Failed::TooLarge(_) | Failed::Lengths { .. })), "{failed:?}");
+        assert!(matches!(failed, Err(DetectionError::TooLarge(_) | DetectionError::Lengths { .. })), "{failed:?}");
         assert!(detect(&mut used, &sparse).unwrap() == expected, "after {failed:?} something else is found");
     }
 }
@@ -48,21 +48,21 @@ fn a_detector_finds_what_a_fresh_one_does() {
     let cases = cases.map(|(close, spread)| layers(close, spread, 0.2));
     let radii = vec![0.0; cases[0].boxes.len()];
     let reaches = [[0.1, 0.02], [0.1, 0.02], [0.3, 0.01], [0.8, 0.01], [0.8, 0.01], [0.8, 0.04]];
-    for wanted in [Wanted::Candidates, Wanted::Contacts, Wanted::Times] {
-        let fresh = || Detector::new(gpu, &columns(&cases[0]).1.view(), &radii, wanted).unwrap();
+    for query in [DetectionQuery::Candidates, DetectionQuery::Contacts, DetectionQuery::Times] {
+        let fresh = || Detector::new(gpu, &columns(&cases[0]).1.view(), &radii, query).unwrap();
         let (mut used, mut most) = (fresh(), [0; 2]);
         for (case, [reach, separation]) in cases.iter().zip(reaches) {
             let (boxes, _) = columns(case);
             let [start, end] = [1.0, -1.0].map(|part| boxes.iter().map(|b| part * b.min).collect::<Vec<_>>());
             let [found, expected] = [&mut used, &mut fresh()].map(|detector| {
-                let mut found = Found::default();
+                let mut found = DetectionResult::default();
                 detector.set_distances(gpu, reach, separation);
                 pollster::block_on(detector.detect(gpu, &boxes, &start, &end, &mut found)).unwrap();
                 found
             });
-            assert!(found == expected, "{wanted:?}: {:?} candidates, {:?}", found.candidates, expected.candidates);
+            assert!(found == expected, "{query:?}: {:?} candidates, {:?}", found.candidates, expected.candidates);
             most = [0, 1].map(|k| most[k].max(found.candidates[k]));
         }
-        assert!(most.iter().all(|&most| most > 1500), "{wanted:?}: {most:?} candidates at most say little");
+        assert!(most.iter().all(|&most| most > 1500), "{query:?}: {most:?} candidates at most say little");
     }
 }

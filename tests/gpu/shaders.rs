@@ -1,6 +1,6 @@
-//! Every stage parses and is valid by what browsers guarantee, and is what the table says of it.
+//! Every shader parses and is valid by what browsers guarantee, and is what the table says of it.
 
-use muslin_gpu::stages::{self, Stage};
+use muslin_gpu::shaders::{self, Shader};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess};
 
@@ -9,29 +9,29 @@ const STORAGE_BUFFERS: usize = 8;
 const INVOCATIONS: u32 = 256;
 const WORKGROUP_BYTES: u32 = 16 * 1024;
 
-fn parse(stage: &Stage) -> Module {
-    let source = stage.source();
+fn parse(shader: &Shader) -> Module {
+    let source = shader.source();
     naga::front::wgsl::parse_str(&source)
-        .unwrap_or_else(|error| panic!("{}: {}", stage.name, error.emit_to_string(&source)))
+        .unwrap_or_else(|error| panic!("{}: {}", shader.name, error.emit_to_string(&source)))
 }
 
 #[test]
 fn all_are_valid_without_extensions() {
-    for stage in stages::ALL {
-        let module = parse(stage);
+    for shader in shaders::ALL {
+        let module = parse(shader);
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
         if let Err(error) = validator.validate(&module) {
-            panic!("{}: {}", stage.name, error.emit_to_string(&stage.source()));
+            panic!("{}: {}", shader.name, error.emit_to_string(&shader.source()));
         }
     }
 }
 
 #[test]
 fn entries_and_columns_are_those_of_the_table() {
-    for stage in stages::ALL {
-        let module = parse(stage);
+    for shader in shaders::ALL {
+        let module = parse(shader);
         let entries: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
-        assert_eq!(entries, stage.entries, "{}", stage.name);
+        assert_eq!(entries, shader.entries, "{}", shader.name);
         let mut columns: Vec<_> = module
             .global_variables
             .iter()
@@ -41,21 +41,21 @@ fn entries_and_columns_are_those_of_the_table() {
             })
             .collect();
         columns.sort_unstable();
-        let table: Vec<_> = (1..).zip(stage.bindings).map(|(binding, &(_, writes))| (binding, writes)).collect();
-        assert_eq!(columns, table, "{}: binding and whether it is written", stage.name);
-        assert!(columns.len() <= STORAGE_BUFFERS, "{}: {} columns", stage.name, columns.len());
+        let table: Vec<_> = (1..).zip(shader.bindings).map(|(binding, &(_, writes))| (binding, writes)).collect();
+        assert_eq!(columns, table, "{}: binding and whether it is written", shader.name);
+        assert!(columns.len() <= STORAGE_BUFFERS, "{}: {} columns", shader.name, columns.len());
     }
 }
 
 #[test]
 fn groups_are_as_small_as_browsers_ask() {
-    for stage in stages::ALL {
-        let module = parse(stage);
+    for shader in shaders::ALL {
+        let module = parse(shader);
         for entry in &module.entry_points {
-            assert!(entry.workgroup_size.iter().product::<u32>() <= INVOCATIONS, "{} {}", stage.name, entry.name);
+            assert!(entry.workgroup_size.iter().product::<u32>() <= INVOCATIONS, "{} {}", shader.name, entry.name);
         }
         let shared = module.global_variables.iter().filter(|(_, variable)| variable.space == AddressSpace::WorkGroup);
         let bytes: u32 = shared.map(|(_, variable)| module.types[variable.ty].inner.size(module.to_ctx())).sum();
-        assert!(bytes <= WORKGROUP_BYTES, "{}: {bytes} bytes", stage.name);
+        assert!(bytes <= WORKGROUP_BYTES, "{}: {bytes} bytes", shader.name);
     }
 }

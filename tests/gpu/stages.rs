@@ -4,15 +4,15 @@
 use bytemuck::cast_slice;
 use glam::DVec3;
 use harness::rng::Rng;
+use muslin_core::broad_phase::brute_force_level::for_each_brute_force_pair;
 use muslin_core::broad_phase::byte_boxes::{ByteBoxes, write_byte_boxes};
-use muslin_core::broad_phase::cells::{Home, Lattice, write_cells};
+use muslin_core::broad_phase::cells::{CellGrid, Home, write_cells};
 use muslin_core::broad_phase::entries::{Entry, write_entries};
 use muslin_core::broad_phase::features::add_features;
 use muslin_core::broad_phase::pairs::for_each_pair;
-use muslin_core::broad_phase::plain::for_each_plain_pair;
+use muslin_core::broad_phase::quantized_boxes::{Quantization, QuantizedBox, write_quantized_boxes};
 use muslin_core::broad_phase::sort::sort;
 use muslin_core::broad_phase::spheres::{Sphere, write_spheres};
-use muslin_core::broad_phase::units::{Quantum, UnitBox, write_units};
 use muslin_core::broad_phase::{Candidates, Counts, Surface, bounds::write_bounds, levels};
 use muslin_core::dispatch::Serial;
 use muslin_core::geometry::aabb::Aabb;
@@ -20,15 +20,15 @@ use muslin_core::narrow_phase::contacts::contacts;
 use muslin_core::narrow_phase::continuous::TOUCHING;
 use muslin_core::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
 use muslin_core::real::Vec3;
-use muslin_gpu::Wanted;
-use muslin_gpu::alone::{Columns, run};
-use muslin_gpu::params::{Capacities, PLAN_WORDS, Params, SCAN_BLOCK, fresh_plan, plan};
+use muslin_gpu::DetectionQuery;
+use muslin_gpu::params::{COUNTER_WORDS, Capacities, Params, SCAN_BLOCK, counters, initial_counters};
 use muslin_gpu::schedule::{self, Dispatch, Order};
-use muslin_gpu::slots::{Sizes, Slot};
-use muslin_gpu::stages::{EDGE_EDGE, VERTEX_TRIANGLE};
+use muslin_gpu::shaders::{EDGE_EDGE, VERTEX_TRIANGLE};
+use muslin_gpu::single_stage::{Columns, run};
+use muslin_gpu::slots::{Slot, SurfaceSizes};
 
-use super::case::Case;
 use super::methods::{columns, gpu};
+use harness::case::Case;
 
 /// Around the sizes of groups.
 const SIZES: [usize; 6] = [0, 1, 255, 256, 257, 65_537];
@@ -49,27 +49,27 @@ fn by_the_core(case: &Case) -> Vec<(Slot, Vec<u32>)> {
     ];
     let mut pairs = Vec::new();
     let mut add = |found: &[[u32; 2]]| pairs.extend(found.iter().map(|&[a, b]| [a.min(b), a.max(b)]));
-    for_each_plain_pair(&triangle_boxes, &own_levels, sizes.graded, &surface, &mut add);
+    for_each_brute_force_pair(&triangle_boxes, &own_levels, sizes.graded, &surface, &mut add);
     if sizes.graded == 0 {
         all.push((Slot::Pairs, sorted(pairs, &triangle_boxes)));
         return all;
     }
-    let quantum = Quantum::new(&sizes.scene, sizes.extents[0]);
-    let (mut units, mut spheres) = (vec![UnitBox::EMPTY; boxes.len()], vec![Sphere::ABSENT; count]);
-    write_units(&boxes, &quantum, &mut units, &Serial);
-    write_spheres(&units, surface.triangles, &own_levels, 0, &mut spheres, &Serial);
-    let (lattice, mut homes) = (Lattice::new(&spheres), vec![Home::default(); count]);
-    write_cells(&spheres, &lattice, &mut homes, &Serial);
+    let quantization = Quantization::new(&sizes.scene, sizes.extents[0]);
+    let (mut quantized_boxes, mut spheres) = (vec![QuantizedBox::EMPTY; boxes.len()], vec![Sphere::ABSENT; count]);
+    write_quantized_boxes(&boxes, &quantization, &mut quantized_boxes, &Serial);
+    write_spheres(&quantized_boxes, surface.triangles, &own_levels, 0, &mut spheres, &Serial);
+    let (grid, mut homes) = (CellGrid::new(&spheres), vec![Home::default(); count]);
+    write_cells(&spheres, &grid, &mut homes, &Serial);
     let mut byte_boxes = vec![ByteBoxes::default(); count];
-    write_byte_boxes(&units, surface.triangles, &own_levels, 0, &mut byte_boxes, &Serial);
+    write_byte_boxes(&quantized_boxes, surface.triangles, &own_levels, 0, &mut byte_boxes, &Serial);
     let corner = |b: &ByteBoxes, first: usize| (0..3).map(|k| u32::from(b.whole(first + k) as u8) << (8 * k)).sum();
     let [mut entries, mut spare] = [(); 2].map(|()| vec![Entry::default(); 8 * count]);
-    let length = write_entries(&homes, &own_levels, 0, &lattice, &mut entries);
-    let is_spare = sort(&mut entries[..length], &mut spare[..length], lattice.key_bits());
+    let length = write_entries(&homes, &own_levels, 0, &grid, &mut entries);
+    let is_spare = sort(&mut entries[..length], &mut spare[..length], grid.key_bits());
     let entries = if is_spare { &spare[..length] } else { &entries[..length] };
-    for_each_pair(entries, &homes, &byte_boxes, &lattice, &surface, &mut add);
+    for_each_pair(entries, &homes, &byte_boxes, &grid, &surface, &mut add);
     all.extend([
-        (Slot::Units, cast_slice(&units).to_vec()),
+        (Slot::QuantizedBoxes, cast_slice(&quantized_boxes).to_vec()),
         (Slot::Spheres, cast_slice(&spheres).to_vec()),
         (Slot::Homes, cast_slice(&homes).to_vec()),
         (Slot::ByteBoxes, byte_boxes.iter().flat_map(|b| [corner(b, 0), corner(b, 3)]).collect()),
@@ -88,7 +88,7 @@ fn sorted(mut pairs: Vec<[u32; 2]>, triangle_boxes: &[Aabb]) -> Vec<u32> {
 
 /// The first pairs of a column.
 fn pairs_of(device: &Columns, slot: Slot, place: usize) -> &[[u32; 2]] {
-    &cast_slice(&device[&slot])[..device[&Slot::Plan][place] as usize]
+    &cast_slice(&device[&slot])[..device[&Slot::Counters][place] as usize]
 }
 
 /// As much room for everything, in one level.
@@ -115,7 +115,7 @@ fn detected(case: &Case, capacities: Capacities) -> Option<Columns> {
     let gpu = gpu()?;
     let (boxes, surface) = columns(case);
     let surface = surface.view();
-    let sizes = Sizes::of(&surface, boxes.len());
+    let sizes = SurfaceSizes::of(&surface, boxes.len());
     let params = Params {
         vertices: sizes.vertices as u32,
         triangles: sizes.triangles as u32,
@@ -124,7 +124,7 @@ fn detected(case: &Case, capacities: Capacities) -> Option<Columns> {
         reach: REACH,
         ..Params::default()
     };
-    let dispatches = schedule::of(&Order { params, sizes, capacities, wanted: Wanted::Contacts });
+    let dispatches = schedule::of(&Order { params, sizes, capacities, query: DetectionQuery::Contacts });
     let mut all: Columns = Slot::ALL.into_iter().map(|slot| (slot, vec![0; slot.words(&sizes, &capacities)])).collect();
     let mut give = |slot: Slot, words: &[u32]| all.entry(slot).or_default()[..words.len()].copy_from_slice(words);
     give(Slot::Boxes, cast_slice(&boxes));
@@ -133,7 +133,7 @@ fn detected(case: &Case, capacities: Capacities) -> Option<Columns> {
     give(Slot::Edges, cast_slice(surface.edges));
     give(Slot::Given, &surface.owned.iter().map(|&owned| owned.into()).collect::<Vec<u32>>());
     give(Slot::Start, cast_slice(&centers(&boxes)));
-    give(Slot::Plan, &fresh_plan());
+    give(Slot::Counters, &initial_counters());
     pollster::block_on(run(gpu, dispatches, &mut all)).unwrap();
     Some(all)
 }
@@ -165,10 +165,10 @@ fn every_column_is_the_core_s() {
     for count in SIZES {
         let case = Case::soup("alike", &alike(count), 0.01);
         let Some(device) = on_the_device(&case) else { return };
-        assert_eq!(device[&Slot::Plan][plan::STATUS], 0, "{count} triangles have room");
+        assert_eq!(device[&Slot::Counters][counters::STATUS], 0, "{count} triangles have room");
         for (slot, core) in by_the_core(&case) {
             if slot == Slot::Pairs {
-                let pairs = pairs_of(&device, Slot::Pairs, plan::PAIRS).iter().map(|&[a, b]| [a.min(b), a.max(b)]);
+                let pairs = pairs_of(&device, Slot::Pairs, counters::PAIRS).iter().map(|&[a, b]| [a.min(b), a.max(b)]);
                 let mut pairs: Vec<_> = pairs.collect();
                 pairs.sort_unstable();
                 assert!(pairs.as_flattened() == core, "{count} triangles: pairs {} of {}", pairs.len(), core.len() / 2);
@@ -177,7 +177,11 @@ fn every_column_is_the_core_s() {
             let differs = core.iter().zip(&device[&slot]).position(|(a, b)| a != b);
             assert_eq!(differs, None, "{count} triangles: the first word of {slot:?} that differs");
             if slot == Slot::Entries {
-                assert_eq!(core.len(), 2 * device[&Slot::Plan][plan::ENTRIES] as usize, "{count} triangles: entries");
+                assert_eq!(
+                    core.len(),
+                    2 * device[&Slot::Counters][counters::ENTRIES] as usize,
+                    "{count} triangles: entries"
+                );
             }
         }
     }
@@ -189,8 +193,8 @@ fn every_column_is_the_core_s() {
 fn stages_behind_too_little_room_do_nothing() {
     let (case, all) = (Case::soup("alike", &alike(3000), 0.3), evenly(200_000));
     let counts = |capacities| {
-        let told = &detected(&case, capacities)?[&Slot::Plan];
-        Some([plan::STATUS, plan::MOST_TILES, plan::PAIRS, plan::EDGE_EDGE].map(|place| told[place]))
+        let told = &detected(&case, capacities)?[&Slot::Counters];
+        Some([counters::STATUS, counters::MOST_TILES, counters::PAIRS, counters::EDGE_EDGE].map(|place| told[place]))
     };
     let Some([fits, tiles, pairs, edges]) = counts(all) else { return };
     assert!(fits == 0 && tiles.min(pairs).min(edges) > 4, "{tiles} tiles, {pairs} pairs, {edges} of edges");
@@ -216,14 +220,14 @@ fn room_is_for_the_level_with_the_most_tiles() {
     // A level of its own, and few of them meet.
     triangles.extend(alike(300).iter().map(|t| t.map(|x| 40.0 * x + 1000.0)));
     let case = Case::soup("two levels", &triangles, 0.3);
-    let told = |capacities| detected(&case, capacities)?.remove(&Slot::Plan);
+    let told = |capacities| detected(&case, capacities)?.remove(&Slot::Counters);
     let all = Capacities { levels: 2, rounds: 10, ..evenly(200_000) };
     let Some(enough) = told(all) else { return };
-    let [most, last] = [plan::MOST_TILES, plan::TILES].map(|place| enough[place]);
-    assert_eq!([enough[plan::STATUS], enough[plan::GRADED]], [0, 2]);
+    let [most, last] = [counters::MOST_TILES, counters::TILES].map(|place| enough[place]);
+    assert_eq!([enough[counters::STATUS], enough[counters::GRADED]], [0, 2]);
     assert!(last < most, "{last} tiles in the last level, at most {most}");
     let short = told(Capacities { tiles: most as usize - 1, ..all }).unwrap();
-    assert!(short[plan::STATUS] != 0 && short[plan::MOST_TILES] == most, "room for one too few: {short:?}");
+    assert!(short[counters::STATUS] != 0 && short[counters::MOST_TILES] == most, "room for one too few: {short:?}");
 }
 
 /// Compares distances of candidates with the core's, and what is near with the core's choice of the same
@@ -259,18 +263,18 @@ fn what_becomes_of_pairs_is_the_core_s() {
         let surface = surface.view();
         let (mut triangle_boxes, mut owned) = (vec![Aabb::EMPTY; count], vec![0; count]);
         write_bounds(&boxes, &surface, &mut triangle_boxes, &mut owned, &Serial);
-        let pairs = pairs_of(&device, Slot::Pairs, plan::PAIRS);
-        let [mut vertices, mut edges] =
-            [plan::VERTEX_TRIANGLE, plan::EDGE_EDGE].map(|place| vec![[0; 2]; device[&Slot::Plan][place] as usize]);
+        let pairs = pairs_of(&device, Slot::Pairs, counters::PAIRS);
+        let [mut vertices, mut edges] = [counters::VERTEX_TRIANGLE, counters::EDGE_EDGE]
+            .map(|place| vec![[0; 2]; device[&Slot::Counters][place] as usize]);
         let mut out = Candidates { vertex_triangle: &mut vertices, edge_edge: &mut edges };
         let mut counts = Counts::default();
         add_features(&boxes, &surface, &triangle_boxes, &owned, None, pairs, &mut out, &mut counts);
         assert_eq!([counts.vertex_triangle, counts.edge_edge], [vertices.len(), edges.len()], "{count} triangles");
-        assert!(vertices == pairs_of(&device, Slot::VertexTriangle, plan::VERTEX_TRIANGLE), "{count} triangles");
-        assert!(edges == pairs_of(&device, Slot::EdgeEdge, plan::EDGE_EDGE), "{count} triangles");
+        assert!(vertices == pairs_of(&device, Slot::VertexTriangle, counters::VERTEX_TRIANGLE), "{count} triangles");
+        assert!(edges == pairs_of(&device, Slot::EdgeEdge, counters::EDGE_EDGE), "{count} triangles");
 
-        let told = &device[&Slot::Plan];
-        let [faces, both] = [told[plan::CONTACTS], told[plan::CONTACTS] + told[plan::CONTACTS + 1]];
+        let told = &device[&Slot::Counters];
+        let [faces, both] = [told[counters::CONTACTS], told[counters::CONTACTS] + told[counters::CONTACTS + 1]];
         let (x, all) = (centers(&boxes), &cast_slice(&device[&Slot::Contacts])[..both as usize]);
         let (on_faces, on_edges) = all.split_at(faces as usize);
         let told = (&device[&Slot::VertexTriangleDistances][..], VERTEX_TRIANGLE.bound);
@@ -303,16 +307,16 @@ fn groups_beyond_a_row_are_folded() {
     let (group, row) = (64, 65_535);
     let count = group * (row + 1000) - 7;
     let params = Params { vertex_triangle: count as u32, separation: 1.0, ..Params::default() };
-    let mut told = vec![0; PLAN_WORDS];
-    told[plan::VERTEX_TRIANGLE] = count as u32;
+    let mut words = vec![0; COUNTER_WORDS];
+    words[counters::VERTEX_TRIANGLE] = count as u32;
     let mut all = Columns::from([
         (Slot::VertexTriangle, vec![0; 2 * count]),
         (Slot::VertexTriangleDistances, vec![0; count]),
         (Slot::VertexTriangleTimes, vec![0; count]),
-        (Slot::Plan, told),
+        (Slot::Counters, words),
     ]);
-    let (stage, entry, groups) = ("narrow_phase/continuous, vertex_triangle", "write_times", count.div_ceil(group));
-    pollster::block_on(run(gpu, vec![Dispatch { stage, entry, groups, params }], &mut all)).unwrap();
+    let (shader, entry, groups) = ("narrow_phase/continuous, vertex_triangle", "write_times", count.div_ceil(group));
+    pollster::block_on(run(gpu, vec![Dispatch { shader, entry, groups, params }], &mut all)).unwrap();
     let missed = all[&Slot::VertexTriangleTimes].iter().position(|&time| f32::from_bits(time) != TOUCHING);
     assert_eq!(missed, None, "the first of {count} that touch and were not told so");
 }
@@ -321,7 +325,7 @@ fn groups_beyond_a_row_are_folded() {
 fn scanned(numbers: Vec<u32>) -> Option<(Vec<u32>, u32)> {
     let params = Params { length: numbers.len() as u32, ..Params::default() };
     let groups = numbers.len().div_ceil(SCAN_BLOCK);
-    let dispatch = |entry, groups| Dispatch { stage: "shared/scan", entry, groups, params };
+    let dispatch = |entry, groups| Dispatch { shader: "shared/scan", entry, groups, params };
     let scan = vec![dispatch("sum_blocks", groups), dispatch("scan_blocks", 1), dispatch("spread", groups)];
     let mut all = Columns::from([(Slot::Counts, numbers), (Slot::Blocks, vec![0; groups + 1])]);
     pollster::block_on(run(gpu()?, scan, &mut all)).unwrap();
@@ -354,7 +358,7 @@ fn the_sort_is_stable() {
         let mut dispatches = Vec::new();
         for (shift, stage) in [(0, "broad_phase/sort"), (4, "broad_phase/sort, back")] {
             let length = 16 * blocks;
-            let mut add = |stage, entry, groups, params| dispatches.push(Dispatch { stage, entry, groups, params });
+            let mut add = |shader, entry, groups, params| dispatches.push(Dispatch { shader, entry, groups, params });
             let (own, scan) = (Params { shift, ..params }, Params { length: length as u32, ..params });
             add(stage, "count_digits", blocks, own);
             add("shared/scan", "sum_blocks", length.div_ceil(SCAN_BLOCK), scan);
@@ -362,8 +366,8 @@ fn the_sort_is_stable() {
             add("shared/scan", "spread", length.div_ceil(SCAN_BLOCK), scan);
             add(stage, "scatter", blocks, own);
         }
-        let mut told = vec![0; PLAN_WORDS];
-        told[plan::ENTRIES] = count as u32;
+        let mut told = vec![0; COUNTER_WORDS];
+        told[counters::ENTRIES] = count as u32;
         let numbers = vec![0; 16 * blocks];
         let sums = vec![0; (16 * blocks).div_ceil(SCAN_BLOCK) + 1];
         let mut all = Columns::from([
@@ -371,7 +375,7 @@ fn the_sort_is_stable() {
             (Slot::Spare, vec![0; 2 * count]),
             (Slot::Counts, numbers),
             (Slot::Blocks, sums),
-            (Slot::Plan, told),
+            (Slot::Counters, told),
         ]);
         pollster::block_on(run(gpu, dispatches, &mut all)).unwrap();
         assert!(all[&Slot::Entries] == cast_slice::<_, u32>(&expected), "{count} entries, sorted");

@@ -4,7 +4,7 @@ use muslin_core::dispatch::Serial;
 
 use super::methods::gpu;
 use super::on_device::{OnDevice, begin};
-use super::scenes::{SCENES, Scene};
+use harness::torture::{SCENES, Scene};
 
 fn check(scene: &Scene, seed: u64) {
     let (device, mut sim) = (OnDevice::open(), begin(scene, seed));

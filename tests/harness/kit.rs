@@ -251,9 +251,9 @@ macro_rules! kit {
                 let scheme =
                     Scheme { method: Method::BackwardEuler, newton: 1, tolerance: 0.1, preconditioner, jacobian };
                 let mut columns = ScratchColumns::build(built, &scheme);
-                let Scratch { targets, tangents, mut matrix, .. } = columns.view();
+                let Scratch { assembly_map, tangents, mut matrix, .. } = columns.view();
                 let scale = TangentScale { position: position as Real, velocity: velocity as Real };
-                forces::write_tangents(model, &x, scale, jacobian, &targets, tangents, &mut matrix, &Serial);
+                forces::write_tangents(model, &x, scale, jacobian, &assembly_map, tangents, &mut matrix, &Serial);
                 let (masses, mut product) = (vec![1.0; x.len()], vec![Vec3::ZERO; x.len()]);
                 let mut dense = [[0.0; N]; N];
                 for column in 0..N {

@@ -1,22 +1,27 @@
 //! What the tests share.
 
 pub mod belt;
+pub mod case;
 pub mod cloth_ball;
 #[path = "../../host-cli/src/bench/crumpled.rs"]
 pub mod crumpled;
 pub mod data;
 pub mod dense;
 pub mod differences;
+pub mod exact;
+pub mod head_on;
 pub mod kit;
 pub mod net;
 pub mod oscillator;
 pub mod pieces;
+pub mod polynomial;
 pub mod query;
 pub mod rng;
 pub mod states;
 pub mod steps;
 pub mod threads;
 pub mod topology;
+pub mod torture;
 pub mod truth;
 pub mod worst;
 

@@ -124,5 +124,5 @@ pub fn settle(sim: &mut Simulation, speed: f64, most: u32) {
         }
     }
     let fastest = sim.velocities().iter().map(|v| v.length()).fold(0.0, f64::max);
-    panic!("not at rest after {most} steps: {fastest:e} m/s, {:?}", sim.work());
+    panic!("not at rest after {most} steps: {fastest:e} m/s, {:?}", sim.statistics());
 }

@@ -3,18 +3,18 @@
 /// A simulation that takes steps.
 pub trait Steps {
     /// Why it cannot.
-    type Diverged;
+    type Error;
 
     /// Takes one step on one thread.
-    fn take_step(&mut self) -> Result<(), Self::Diverged>;
+    fn take_step(&mut self) -> Result<(), Self::Error>;
 }
 
 macro_rules! steps {
     ($muslin:ident) => {
         impl Steps for $muslin::simulation::Simulation {
-            type Diverged = $muslin::simulation::Diverged;
+            type Error = $muslin::simulation::StepError;
 
-            fn take_step(&mut self) -> Result<(), Self::Diverged> {
+            fn take_step(&mut self) -> Result<(), Self::Error> {
                 self.step(&$muslin::dispatch::Serial)
             }
         }

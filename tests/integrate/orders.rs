@@ -10,7 +10,7 @@ use harness::kit::double as kit;
 use harness::net::{converged, linearised};
 use harness::rng::Rng;
 use harness::steps::Steps;
-use muslin_core_f64::integrate::pins::Side;
+use muslin_core_f64::integrate::pins::JumpSide;
 use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
@@ -78,7 +78,7 @@ fn cloth(material: &str, size: f64, pin: &str, air: &str) -> BuiltScene {
     for anchor in &mut built.pins.anchors {
         *anchor *= size;
     }
-    built.pins.view().impose(0.0, Side::After, &mut particles.positions, &mut particles.velocities);
+    built.pins.view().impose(0.0, JumpSide::After, &mut particles.positions, &mut particles.velocities);
     built
 }
 

@@ -62,7 +62,7 @@ macro_rules! surface {
             triangle_edges: &$columns.triangle_edges,
             owned: &$columns.owned,
             edges: &$columns.edges,
-            fans: $muslin::mesh::Incidence { offsets: &[], slots: &[] },
+            incidence: $muslin::mesh::Incidence { offsets: &[], slots: &[] },
             sewn: $muslin::broad_phase::Sewn { offsets: &$columns.offsets, others: &$columns.others },
             first_passive: $columns.first_passive,
             own_contact: true,

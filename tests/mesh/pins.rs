@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 use harness::kit::double as kit;
-use muslin_core_f64::integrate::pins::{AT_REST, Side};
+use muslin_core_f64::integrate::pins::{AT_REST, JumpSide};
 use muslin_core_f64::scene::BuiltScene;
 
 use super::cloth;
@@ -106,7 +106,7 @@ fn pins_follow_keys_and_turn() {
         (2.0 * std::f64::consts::PI, [0.0, 5.0, 8.0], [0.0; 3]),
     ];
     for (time, position, velocity) in cases {
-        let (x, v) = pins.target(0, time, Side::After);
+        let (x, v) = pins.target(0, time, JumpSide::After);
         assert!((x - DVec3::from(position)).length() < 1e-14, "at {time} s: {x}, expected {position:?}");
         assert!((v - DVec3::from(velocity)).length() < 1e-14, "at {time} s: {v} m/s, expected {velocity:?}");
     }
@@ -141,7 +141,7 @@ fn velocities_jump_at_keys_that_turn() {
         (0.5, -0.12, 0.0, true),
         (0.6, 0.0, 0.0, false),
     ] {
-        let speeds = [speed(time, Side::Before), speed(time, Side::After)];
+        let speeds = [speed(time, JumpSide::Before), speed(time, JumpSide::After)];
         let off = (speeds[0] - before).abs().max((speeds[1] - after).abs());
         assert!(off < 1e-12, "at {time} s: {speeds:?}, expected {before} and {after}");
         assert_eq!(pins.jump(time), jumps, "at {time} s");

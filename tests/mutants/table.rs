@@ -76,7 +76,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         what: "Coordinates are rounded to the nearest unit, not down",
-        file: "core/src/broad_phase/units.rs",
+        file: "core/src/broad_phase/quantized_boxes.rs",
         old: "v.clamp(0.0, MOST) as i32",
         new: "(v.clamp(0.0, MOST) + 0.5) as i32",
         everyday: &["broad_phase"],
@@ -124,7 +124,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         what: "The audit takes a step for free whose end has a new crossing where an old one is",
-        file: "core/src/audit.rs",
+        file: "core/src/audit/mod.rs",
         old: "if !crosses(surface, before, crossing) {",
         new: "if !crosses(surface, after, crossing) {",
         everyday: &["response"],

@@ -5,14 +5,14 @@ const COUNT: [u64; 2] = [1_000, 60_000];
 
 harness::both_precisions! {
     use super::COUNT;
-    use crate::exact;
-    use crate::head_on::{Case, KINDS, Row, cases};
+    use harness::exact;
+    use harness::head_on::{Case, KINDS, Row, cases};
     use muslin::broad_phase::{Candidates, Surface, brute_force};
     use muslin::contact::{ContactColumns, ContactScratchColumns};
     use muslin::dispatch::Serial;
     use muslin::geometry::aabb::Aabb;
     use muslin::mesh::SurfaceColumns;
-    use muslin::narrow_phase::continuous::{Motion, NEVER, times};
+    use muslin::narrow_phase::continuous::{LinearMotion, NEVER, times};
     use muslin::narrow_phase::{EdgeEdge, Nearest, Pairing, VertexTriangle, proximity};
     use muslin::real::{NAME, Real, Vec3, vec3};
     use muslin::response::friction::Law;
@@ -59,7 +59,7 @@ harness::both_precisions! {
             let Self(pair, surface) = self;
             let [start, end] = [&query.start, &query.end].map(kit::narrow);
             let moves: [Vec3; 4] = std::array::from_fn(|i| end[i] - start[i]);
-            let motion = Motion { start: &start, end: &end, moves: &moves, radii: &[0.0; 4], rounds: &[], round: 0 };
+            let motion = LinearMotion { start: &start, end: &end, moves: &moves, radii: &[0.0; 4], rounds: &[], round: 0 };
             // The thickness.
             let reach = rng.pick(&[0.0, Real::INFINITY]);
             let (surface, mut distance, mut time) = (surface.view(), [0.0], [NEVER]);
@@ -112,7 +112,7 @@ harness::both_precisions! {
             let counts = step::detect(&model, &mut scratch, &Serial);
             let moves: Vec<Vec3> = scratch.end.iter().zip(&*scratch.start).map(|(end, start)| *end - *start).collect();
             let (start, end, rounds) = (&*scratch.start, &*scratch.end, &*scratch.rounds);
-            let motion = Motion { start, end, moves: &moves, radii: model.radii, rounds, round: 0 };
+            let motion = LinearMotion { start, end, moves: &moves, radii: model.radii, rounds, round: 0 };
             let separation = SEPARATION * model.thickness;
             macro_rules! meets {
                 ($pairing:ident, $pairs:ident) => {{
@@ -216,7 +216,7 @@ harness::both_precisions! {
         found.1.truncate(counts.edge_edge);
         let (candidates, radii) = (pick(&found), vec![0.0; start.len()]);
         let (mut distances, mut found) = (vec![0.0; candidates.len()], vec![NEVER; candidates.len()]);
-        let motion = Motion { start: &start, end: &end, moves: &moves, radii: &radii, rounds: &[], round: 0 };
+        let motion = LinearMotion { start: &start, end: &end, moves: &moves, radii: &radii, rounds: &[], round: 0 };
         proximity::distances::<P>(candidates, &surface, &start, &radii, 0.0, &mut distances, &Serial);
         ADVANCED.set(0);
         times::<Counted<P>>(candidates, &distances, &surface, motion, 0.0, &mut found, &Serial);

@@ -35,14 +35,14 @@ fn least_distance(query: &Query, until: f64, distance: impl Fn(&[DVec3; 4]) -> f
 
 harness::both_precisions! {
     use super::{contacts, least_distance, motions};
-    use crate::exact;
+    use harness::exact;
     use crate::tight_inclusion::{self, Contact};
     use glam::DVec3;
     use muslin::dispatch::Serial;
     use muslin::mesh::SurfaceColumns;
     use muslin::narrow_phase::VertexTriangle;
     use muslin::narrow_phase::advance::MOST_ADVANCES;
-    use muslin::narrow_phase::continuous::{Motion, NEVER, TOUCHING, times};
+    use muslin::narrow_phase::continuous::{LinearMotion, NEVER, TOUCHING, times};
     use muslin::real::Real;
     use harness::kit::double::distance;
     use harness::query::{PAIRS, Query};
@@ -200,7 +200,7 @@ harness::both_precisions! {
         let start = [DVec3::new(0.2, gap, 0.2), DVec3::ZERO, DVec3::X, DVec3::Z];
         let [start, end] = [start, start.map(|x| DVec3::new(x.x, far, x.z))].map(|x| kit::narrow(&x));
         let moves: [_; 4] = std::array::from_fn(|i| end[i] - start[i]);
-        let motion = Motion { start: &start, end: &end, moves: &moves, radii: &[0.0; 4], rounds: &[], round: 0 };
+        let motion = LinearMotion { start: &start, end: &end, moves: &moves, radii: &[0.0; 4], rounds: &[], round: 0 };
         let (distances, mut found) = ([gap as Real], [NEVER]);
         times::<VertexTriangle>(&[[0, 0]], &distances, &surface.view(), motion, 0.0, &mut found, &Serial);
         assert!(found[0] <= 1.0 || found[0] == TOUCHING, "{} for what ends in one plane", found[0]);

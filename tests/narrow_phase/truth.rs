@@ -4,7 +4,7 @@
 //! truth, then decides for the rounded copies. False hits are counted: what comes closer than the
 //! rounding reserve without touching is one.
 
-use crate::exact;
+use harness::exact;
 use harness::truth::{Known, queries};
 
 #[test]
@@ -15,7 +15,7 @@ fn exact_decision_is_the_published_truth() {
 }
 
 harness::both_precisions! {
-    use crate::exact;
+    use harness::exact;
     use harness::truth::{FAMILIES, Known, queries};
 
     /// With a tolerance of a micrometre, of 2,324 queries. Nearly all are separated by less than

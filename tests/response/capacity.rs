@@ -38,7 +38,7 @@ both_precisions! {
     use muslin::contact::ContactScratchColumns;
     use muslin::diagnostics::StateHash;
     use muslin::dispatch::Serial;
-    use muslin::integrate::Work;
+    use muslin::integrate::IntegratorStatistics;
     use muslin::real::{Real, Vec3, vec3};
     use muslin::response::{Outcome, Settings, Tally};
     use muslin::step::{self, Sweep};
@@ -101,7 +101,7 @@ both_precisions! {
         let start = sim.clone();
         let (grown, bytes) = hash(&mut sim);
         assert!(bytes[1] > bytes[0], "nothing had to grow: {bytes:?} bytes, {:?}", sim.tally());
-        assert!(sim.restore(&start.state(), Work::default(), Tally::default()), "a simulation restores its own start");
+        assert!(sim.restore(&start.state(), IntegratorStatistics::default(), Tally::default()), "a simulation restores its own start");
         let (roomy, bytes) = hash(&mut sim);
         assert_eq!(bytes[0], bytes[1], "the same run needs more room the second time");
         assert_eq!(grown, roomy, "with and without growth the hashes differ");

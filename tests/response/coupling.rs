@@ -30,8 +30,8 @@ both_precisions! {
     use muslin::dispatch::Serial;
     use muslin::forces::matrix;
     use muslin::integrate::coupling::{self, Hold};
-    use muslin::integrate::pins::Side;
-    use muslin::integrate::{Context, Jacobian, Method, Preconditioner, Scheme, Work};
+    use muslin::integrate::pins::JumpSide;
+    use muslin::integrate::{StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
     use muslin::particles::Particles;
     use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
     use muslin::scene::BuiltScene;
@@ -82,7 +82,7 @@ both_precisions! {
             *x += vec3(rng.cube(0.01).into());
             *v = vec3(rng.cube(1.0).into());
         }
-        built.pins.view().impose(0.0, Side::After, &mut particles.positions, &mut particles.velocities);
+        built.pins.view().impose(0.0, JumpSide::After, &mut particles.positions, &mut particles.velocities);
         built
     }
 
@@ -124,7 +124,7 @@ both_precisions! {
         solution: Vec<DVec3>,
         holds: Vec<Hold>,
         built: BuiltScene,
-        work: Work,
+        work: IntegratorStatistics,
     }
 
     fn correct(
@@ -137,9 +137,9 @@ both_precisions! {
         let tolerance = kit::bound(1e-7, 1e-13) as Real;
         let scheme = Scheme { method: advance.method, newton: 1, tolerance, preconditioner, jacobian: Jacobian::Projected };
         let mut columns = ScratchColumns::build(&built, &scheme);
-        let (mut particles, mut work) = (built.particles.clone(), Work::default());
+        let (mut particles, mut work) = (built.particles.clone(), IntegratorStatistics::default());
         let (model, pins) = (built.model.view(), built.pins.view());
-        let context = Context {
+        let context = StepInput {
             model: &model,
             pins: &pins,
             masses: &built.particles.masses,
@@ -147,7 +147,7 @@ both_precisions! {
             time: 0.0,
             step: STEP as Real,
             scheme: &scheme,
-                leads: true,
+                extrapolates: true,
             dispatch: &Serial,
         };
         let particles = Particles {
@@ -165,7 +165,7 @@ both_precisions! {
                 *v = particles.velocities[k] + vec3(rng.cube(0.1).into());
                 *x = particles.positions[k] - *v * STEP as Real;
             }
-            pins.impose(0.0, Side::After, s.previous_positions, s.previous_velocities);
+            pins.impose(0.0, JumpSide::After, s.previous_positions, s.previous_velocities);
         }
         step::predict(&context, &particles, s, &mut work);
         let predicted = [column(s.next_positions), column(s.next_velocities)];

@@ -25,7 +25,7 @@ both_precisions! {
     use harness::steps::Steps;
     use muslin::mesh::TriMesh;
     use muslin::scene::{Content, Resource};
-    use muslin::simulation::{Cause, Diverged, Simulation};
+    use muslin::simulation::{Cause, StepError, Simulation};
     use harness::pieces::Piece;
 
     /// Below this distance rounding hides what happens: a part of the thickness.
@@ -55,7 +55,7 @@ both_precisions! {
     }
 
     /// A step of needles: crossings before and after it, and why it was refused.
-    fn step(needles: &[String]) -> (Simulation, [usize; 2], Result<(), Diverged>) {
+    fn step(needles: &[String]) -> (Simulation, [usize; 2], Result<(), StepError>) {
         let mut sim = kit::simulation(&format!("{HEAD}{}", needles.concat()), &meshes());
         let before = sim.crossings(&Serial);
         let taken = sim.take_step();

@@ -45,8 +45,8 @@ both_precisions! {
         for n in 1..=40 {
             let taken = [one.take_step(), other.take_step()];
             assert!(taken.iter().all(Result::is_ok), "{} {what}, step {n}: {taken:?}", muslin::real::NAME);
-            let same = one.state() == other.state() && one.work() == other.work() && one.tally() == other.tally();
-            assert!(same, "{} {what}: step {n} differs, {:?} {:?}", muslin::real::NAME, one.work(), other.work());
+            let same = one.state() == other.state() && one.statistics() == other.statistics() && one.tally() == other.tally();
+            assert!(same, "{} {what}: step {n} differs, {:?} {:?}", muslin::real::NAME, one.statistics(), other.statistics());
         }
         assert!(one.tally().proximity > 100, "{what}: hardly anything touches");
     }
@@ -68,7 +68,7 @@ both_precisions! {
         let pinned = build(0.003, "pin = [{ select = { edge = \"left\" } }]\n");
         let mut held = build(0.003, "");
         for &vertex in pinned.pins().vertices {
-            assert!(held.lead(vertex, held.positions()[vertex as usize], 0.0));
+            assert!(held.move_to(vertex, held.positions()[vertex as usize], 0.0));
         }
         agree(held, pinned, "held");
     }
@@ -82,7 +82,7 @@ both_precisions! {
         let from = DVec3::from(to_f64(sim.positions()[middle as usize]));
         for (to, steps) in [(DVec3::new(from.x, 0.0065, from.z), 20), (from, 20)] {
             let start = DVec3::from(to_f64(sim.positions()[middle as usize]));
-            assert!(sim.lead(middle, vec3(to.into()), f64::from(steps) * f64::from(sim.step_length())));
+            assert!(sim.move_to(middle, vec3(to.into()), f64::from(steps) * f64::from(sim.step_length())));
             for n in 1..=steps {
                 sim.take_step().unwrap_or_else(|refused| panic!("{refused}"));
                 let place = start + (to - start) * (f64::from(n) / f64::from(steps));

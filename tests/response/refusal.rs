@@ -47,7 +47,7 @@ both_precisions! {
     use muslin::mesh::{SurfaceColumns, TriMesh};
     use muslin::real::Vec3;
     use muslin::scene::{Content, Resource};
-    use muslin::simulation::{Cause, Diverged, Simulation};
+    use muslin::simulation::{Cause, StepError, Simulation};
 
     fn plate() -> [Resource; 1] {
         let corners = [[-1.0, 0.1, -1.0], [1.0, 0.1, -1.0], [1.0, 0.1, 1.0], [-1.0, 0.1, 1.0]];
@@ -67,7 +67,7 @@ both_precisions! {
     }
 
     /// Steps until one is refused, for a second at most.
-    fn refused(sim: &mut Simulation, what: &str) -> Diverged {
+    fn refused(sim: &mut Simulation, what: &str) -> StepError {
         while sim.time() < 1.0 {
             let before = state(sim);
             let Err(refused) = sim.take_step() else {
@@ -145,11 +145,11 @@ both_precisions! {
                 let impatient = Impatient(AtomicU32::new(asked));
                 let mut given_up = 0;
                 for _ in 0..20 {
-                    let (before, counted) = (state(&sim), (sim.work(), sim.tally()));
+                    let (before, counted) = (state(&sim), (sim.statistics(), sim.tally()));
                     while let Err(refused) = sim.step(&impatient) {
                         assert_eq!(refused.cause, Cause::Stopped, "{method}: {refused}");
                         assert!(state(&sim) == before, "{method}: given up, and the state is no more that before");
-                        let counts = (sim.work(), sim.tally());
+                        let counts = (sim.statistics(), sim.tally());
                         assert!(counts == counted, "{method}: given up, and its work counts: {counts:?}, {counted:?}");
                         given_up += 1;
                     }

@@ -8,7 +8,7 @@ use harness::steps::Steps;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::forces::Term;
 use muslin_core_f64::integrate::Method;
-use muslin_core_f64::simulation::{Part, Simulation};
+use muslin_core_f64::simulation::{Simulation, Substep};
 use muslin_core_f64::step::Prediction;
 
 /// Sheets in gravity and air with one term too stiff for the step.
@@ -55,7 +55,7 @@ fn divergence_names_step_particle_and_term_and_keeps_the_state() {
         assert_eq!(error.step, steps + 1, "{error}");
         assert_eq!(error.term, Some(term), "{error}");
         // The particle is the first whose candidate is not finite; asked again, the same.
-        assert_eq!(sim.predict(Part::WHOLE, &Serial), Prediction::NotFinite { particle: error.particle }, "{error}");
+        assert_eq!(sim.predict(Substep::WHOLE, &Serial), Prediction::NotFinite { particle: error.particle }, "{error}");
         assert_eq!(sim.state().steps, steps);
         assert_eq!([sim.positions(), sim.velocities()].concat(), before, "{error}: the state has changed");
         assert!(before.iter().all(|x| x.is_finite()), "{error}: the state is not finite");

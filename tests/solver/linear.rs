@@ -10,7 +10,7 @@ use harness::rng::Rng;
 use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::forces::strain_rate;
-use muslin_core_f64::integrate::pins::Side;
+use muslin_core_f64::integrate::pins::JumpSide;
 use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::Tangent;
@@ -85,7 +85,7 @@ fn simulation(cells: u32, sheet: &str, pins: &str, scheme: Scheme, step: f64) ->
         *x += rng.cube(0.008);
         *v = rng.cube(1.0);
     }
-    built.pins.view().impose(0.0, Side::After, &mut particles.positions, &mut particles.velocities);
+    built.pins.view().impose(0.0, JumpSide::After, &mut particles.positions, &mut particles.velocities);
     Simulation::from_columns(built, scheme, step)
 }
 
@@ -94,7 +94,11 @@ fn rates(sim: &Simulation) -> Vec<(usize, DVec3, u8)> {
     let (pins, step) = (sim.pins(), sim.step_length());
     let rate = |pin: usize, vertex: u32| {
         let vertex = vertex as usize;
-        (vertex, (pins.target(pin, sim.time() + step, Side::After).0 - sim.positions()[vertex]) / step, pins.axes[pin])
+        (
+            vertex,
+            (pins.target(pin, sim.time() + step, JumpSide::After).0 - sim.positions()[vertex]) / step,
+            pins.axes[pin],
+        )
     };
     pins.vertices.iter().enumerate().map(|(pin, &vertex)| rate(pin, vertex)).collect()
 }
@@ -147,7 +151,7 @@ fn check(what: String, mut sim: Simulation) {
     let midpoint = sim.scheme().method == Method::ImplicitMidpoint;
     let stage = dense(&sim, if midpoint { 0.5 * h } else { h });
     sim.take_step().expect("finite");
-    assert_eq!((sim.work().unconverged, sim.work().negative_curvature), (0, 0), "{what}");
+    assert_eq!((sim.statistics().unconverged, sim.statistics().negative_curvature), (0, 0), "{what}");
     let mut worst = Worst::new(what, BOUND);
     let scale = v0.iter().chain(&stage).map(|v| v.length()).fold(0.0, f64::max);
     for (i, &y) in stage.iter().enumerate() {

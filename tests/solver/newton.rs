@@ -7,7 +7,7 @@ use harness::net::{converged, linearised};
 use harness::rng::Rng;
 use harness::steps::Steps;
 use muslin_core_f64::diagnostics;
-use muslin_core_f64::integrate::pins::Side;
+use muslin_core_f64::integrate::pins::JumpSide;
 use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
@@ -51,7 +51,7 @@ fn crumpled(material: &str, air: &str, size: f64, noise: f64) -> BuiltScene {
         *v = rng.cube(2.0);
     }
     built.pins.anchors.iter_mut().for_each(|x| *x *= size);
-    built.pins.view().impose(0.0, Side::After, &mut particles.positions, &mut particles.velocities);
+    built.pins.view().impose(0.0, JumpSide::After, &mut particles.positions, &mut particles.velocities);
     built
 }
 
@@ -84,7 +84,7 @@ fn every_iteration_decreases_the_objective() {
             // A step that may take k iterations stops at the k-th iterate.
             for newton in 2..=20 {
                 let sim = step(&built, Scheme { newton, ..converged(Method::BackwardEuler, 1e-10) }, h);
-                let (now, work) = (objective(&built, &sim), sim.work());
+                let (now, work) = (objective(&built, &sim), sim.statistics());
                 assert_eq!(work.stalled_searches, 0, "{what}, h {h}, newton = {newton}");
                 let iterated = work.newton_iterations > seen;
                 assert!(
@@ -122,7 +122,10 @@ fn converged_step_leaves_no_residual() {
             for tolerance in tolerances {
                 let sim = step(&built, converged(Method::BackwardEuler, tolerance), h);
                 let left = residual(&built, &sim) / scale;
-                println!("{what}, h {h}: residual {left:.1e} of its start, asked {tolerance:.0e}, {:?}", sim.work());
+                println!(
+                    "{what}, h {h}: residual {left:.1e} of its start, asked {tolerance:.0e}, {:?}",
+                    sim.statistics()
+                );
                 assert!(
                     left <= tolerance * (1.0 + 1e-6),
                     "{what}, h {h}: residual {left:e} of its start, expected {tolerance:e}"

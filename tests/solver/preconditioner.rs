@@ -9,15 +9,15 @@ use muslin_core::dispatch::Serial;
 use muslin_core::forces::matrix::{self, Block, BlockMatrix};
 use muslin_core::integrate::conjugate_gradient::{System, write_inverse_diagonal};
 use muslin_core::integrate::pins::PinColumns;
-use muslin_core::integrate::{Preconditioner, Work};
+use muslin_core::integrate::{IntegratorStatistics, Preconditioner};
 use muslin_core::scene::{BUILT_IN, SceneDesc};
 use muslin_core::simulation::Simulation;
 use nalgebra::Matrix3;
 
 const STEPS: u32 = 12;
 
-/// Work of the first steps of a built-in scene, changed a little.
-fn work(name: &str, change: impl Fn(&mut SceneDesc)) -> Work {
+/// IntegratorStatistics of the first steps of a built-in scene, changed a little.
+fn work(name: &str, change: impl Fn(&mut SceneDesc)) -> IntegratorStatistics {
     let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("the scene is built in").1;
     let mut scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
     change(&mut scene);
@@ -25,7 +25,7 @@ fn work(name: &str, change: impl Fn(&mut SceneDesc)) -> Work {
     for _ in 0..STEPS {
         cloth.take_step().expect("the first steps are finite");
     }
-    cloth.work()
+    cloth.statistics()
 }
 
 #[test]
@@ -46,7 +46,11 @@ fn a_running_simulations_columns_make_another() {
     columns.cloths.clear();
     let mut second = Simulation::from_columns(columns, *first.scheme(), first.step_length());
     second.take_step().expect("the first step is finite");
-    assert!(second.work().cg_iterations < 40, "{} iterations: there are no patches", second.work().cg_iterations);
+    assert!(
+        second.statistics().cg_iterations < 40,
+        "{} iterations: there are no patches",
+        second.statistics().cg_iterations
+    );
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use harness::both_precisions;
 
 both_precisions! {
-    use crate::scenes::SCENES;
+    use harness::torture::SCENES;
     use harness::steps::Steps;
     use muslin::real::{Real, Vec3};
 

@@ -12,8 +12,8 @@ pub fn candidates(boxes: &[Aabb], surface: &Surface<'_>, out: &mut Candidates<'_
     let mut counts = Counts::default();
     let part_of = parts(boxes.len(), surface);
     let may_pair = |a: u32, b: u32| match (part_of[a as usize], part_of[b as usize]) {
-        (Part::Active, Part::Active) => surface.own_contact,
-        (Part::Active, Part::Passive) | (Part::Passive, Part::Active) => true,
+        (Membership::Active, Membership::Active) => surface.own_contact,
+        (Membership::Active, Membership::Passive) | (Membership::Passive, Membership::Active) => true,
         _ => false,
     };
     let are_apart = |a: &[u32], b: &[u32]| a.iter().all(|a| b.iter().all(|b| a != b && !surface.sewn.joins(*a, *b)));
@@ -44,18 +44,18 @@ pub fn candidates(boxes: &[Aabb], surface: &Surface<'_>, out: &mut Candidates<'_
 }
 
 #[derive(Clone, Copy)]
-enum Part {
+enum Membership {
     None,
     Active,
     Passive,
 }
 
 /// What each vertex belongs to.
-fn parts(vertices: usize, surface: &Surface<'_>) -> Vec<Part> {
-    let mut parts = vec![Part::None; vertices];
+fn parts(vertices: usize, surface: &Surface<'_>) -> Vec<Membership> {
+    let mut parts = vec![Membership::None; vertices];
     for (triangle, corners) in (0..).zip(surface.triangles) {
         for &v in corners {
-            parts[v as usize] = if triangle < surface.first_passive { Part::Active } else { Part::Passive };
+            parts[v as usize] = if triangle < surface.first_passive { Membership::Active } else { Membership::Passive };
         }
     }
     parts

@@ -7,7 +7,7 @@
 use bytemuck::{Pod, Zeroable};
 use wide::i8x16;
 
-use super::units::UnitBox;
+use super::quantized_boxes::QuantizedBox;
 use crate::dispatch::Dispatch;
 
 /// Boxes by coordinate, the three minima before the three maxima. In each: bytes of the edges 0,
@@ -62,7 +62,7 @@ pub fn may_overlap(a: &ByteLanes, b: &ByteLanes) -> u32 {
 /// Writes the boxes of every triangle up to a level. Those of features with an empty vertex are
 /// without meaning.
 pub fn write_byte_boxes(
-    units: &[UnitBox],
+    quantized_boxes: &[QuantizedBox],
     triangles: &[[u32; 3]],
     levels: &[u8],
     level: u8,
@@ -72,7 +72,7 @@ pub fn write_byte_boxes(
     dispatch.run(byte_boxes, |start, part| {
         let present = triangles[start..].iter().zip(&levels[start..]).zip(part);
         for ((triangle, _), out) in present.filter(|&((_, &own), _)| own <= level) {
-            let [a, b, c] = triangle.map(|v| units[v as usize]);
+            let [a, b, c] = triangle.map(|v| quantized_boxes[v as usize]);
             let edges = [a.union(&b), b.union(&c), c.union(&a)];
             let whole = edges[0].union(&c);
             for k in 0..6 {

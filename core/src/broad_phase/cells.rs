@@ -25,14 +25,14 @@ pub struct Home {
 
 /// The size of the cells and the fields of their keys.
 #[derive(Clone, Copy, Debug)]
-pub struct Lattice {
+pub struct CellGrid {
     /// Edge of a cell in half units.
     pub size: i32,
     /// Bits of a key for each axis.
     pub bits: [u32; 3],
 }
 
-impl Lattice {
+impl CellGrid {
     /// For spheres: cells of at least `2 R + sqrt(2) R` and keys of about as many values as there are
     /// objects.
     pub fn new(spheres: &[Sphere]) -> Self {
@@ -80,27 +80,27 @@ fn root_above(n: u32) -> u32 {
 }
 
 /// Writes where every sphere has its home and its phantoms.
-pub fn write_cells(spheres: &[Sphere], lattice: &Lattice, homes: &mut [Home], dispatch: &impl Dispatch) {
+pub fn write_cells(spheres: &[Sphere], grid: &CellGrid, homes: &mut [Home], dispatch: &impl Dispatch) {
     dispatch.run(homes, |start, part| {
         for (sphere, home) in spheres[start..].iter().zip(part) {
-            *home = place(sphere, lattice);
+            *home = place(sphere, grid);
         }
     });
 }
 
 #[inline]
-fn place(sphere: &Sphere, lattice: &Lattice) -> Home {
+fn place(sphere: &Sphere, grid: &CellGrid) -> Home {
     if *sphere == Sphere::ABSENT {
         return Home::default();
     }
-    let (size, shifts, cover_squared) = (lattice.size, lattice.shifts(), 2 * sphere.diagonal_squared);
+    let (size, shifts, cover_squared) = (grid.size, grid.shifts(), 2 * sphere.diagonal_squared);
     let (mut key, mut parity, mut upward) = (0, 0, 0);
     let mut gaps_squared = [0; 3];
     for k in 0..3 {
         let cell = sphere.center[k] / size;
         let below = sphere.center[k] - cell * size;
         let above = size - below;
-        key |= (cell as u32 & ((1 << lattice.bits[k]) - 1)) << shifts[k];
+        key |= (cell as u32 & ((1 << grid.bits[k]) - 1)) << shifts[k];
         parity |= (cell as u32 & 1) << k;
         upward |= u32::from(above < below) << k;
         let gap = above.min(below).min(1 << 14) as u32;

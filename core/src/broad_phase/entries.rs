@@ -6,7 +6,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::cells::{Home, Lattice, UPWARD};
+use super::cells::{CellGrid, Home, UPWARD};
 use super::control_bits;
 
 /// In [`Entry::object`]: the cell is the object's home.
@@ -33,9 +33,9 @@ impl Entry {
 }
 
 /// Writes the entries of all objects, at most eight each, and returns how many.
-pub fn write_entries(homes: &[Home], levels: &[u8], level: u8, lattice: &Lattice, entries: &mut [Entry]) -> usize {
-    let (shifts, mut end) = (lattice.shifts(), 0);
-    let fields: [u32; 3] = core::array::from_fn(|k| ((1 << lattice.bits[k]) - 1) << shifts[k]);
+pub fn write_entries(homes: &[Home], levels: &[u8], level: u8, grid: &CellGrid, entries: &mut [Entry]) -> usize {
+    let (shifts, mut end) = (grid.shifts(), 0);
+    let fields: [u32; 3] = core::array::from_fn(|k| ((1 << grid.bits[k]) - 1) << shifts[k]);
     let mut push = |key, object| {
         entries[end] = Entry { key, object };
         end += 1;

@@ -1,16 +1,16 @@
 //! The broad phase: bounds, then for each level of sizes spheres, cells, entries, sort and pairs.
 
 use super::bounds::write_bounds;
+use super::brute_force_level::for_each_brute_force_pair;
 use super::byte_boxes::{ByteBoxes, write_byte_boxes};
-use super::cells::{Home, Lattice, write_cells};
+use super::cells::{CellGrid, Home, write_cells};
 use super::entries::{Entry, write_entries};
 use super::features::add_features;
 use super::levels;
 use super::pairs::for_each_pair;
-use super::plain::for_each_plain_pair;
+use super::quantized_boxes::{Quantization, QuantizedBox, write_quantized_boxes};
 use super::sort::sort;
 use super::spheres::{Sphere, write_spheres};
-use super::units::{Quantum, UnitBox, write_units};
 use super::{Candidates, Counts, Surface};
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
@@ -25,7 +25,7 @@ pub struct Grid<'a> {
     /// Levels of sizes.
     pub levels: &'a mut [u8],
     /// Boxes in a level's units, one a vertex.
-    pub units: &'a mut [UnitBox],
+    pub quantized_boxes: &'a mut [QuantizedBox],
     /// Spheres around the boxes in a level's units.
     pub spheres: &'a mut [Sphere],
     /// Boxes of triangles and their features in bytes, in a level's units.
@@ -47,26 +47,26 @@ pub fn candidates(
     out: &mut Candidates<'_>,
     dispatch: &impl Dispatch,
 ) -> Counts {
-    let Grid { triangle_boxes, owned, levels, units, spheres, byte_boxes, homes, entries, spare } = work;
+    let Grid { triangle_boxes, owned, levels, quantized_boxes, spheres, byte_boxes, homes, entries, spare } = work;
     write_bounds(boxes, surface, triangle_boxes, owned, dispatch);
     let sizes = levels::assign(triangle_boxes, levels);
     let mut counts = Counts::default();
     for level in 0..sizes.graded {
-        let quantum = Quantum::new(&sizes.scene, sizes.extents[level as usize]);
-        write_units(boxes, &quantum, units, dispatch);
-        write_spheres(units, surface.triangles, levels, level, spheres, dispatch);
-        write_byte_boxes(units, surface.triangles, levels, level, byte_boxes, dispatch);
-        let lattice = Lattice::new(spheres);
-        write_cells(spheres, &lattice, homes, dispatch);
-        let count = write_entries(homes, levels, level, &lattice, entries);
+        let quantization = Quantization::new(&sizes.scene, sizes.extents[level as usize]);
+        write_quantized_boxes(boxes, &quantization, quantized_boxes, dispatch);
+        write_spheres(quantized_boxes, surface.triangles, levels, level, spheres, dispatch);
+        write_byte_boxes(quantized_boxes, surface.triangles, levels, level, byte_boxes, dispatch);
+        let grid = CellGrid::new(spheres);
+        write_cells(spheres, &grid, homes, dispatch);
+        let count = write_entries(homes, levels, level, &grid, entries);
         let (entries, spare) = (&mut entries[..count], &mut spare[..count]);
-        let sorted = if sort(entries, spare, lattice.key_bits()) { spare } else { entries };
-        for_each_pair(sorted, homes, byte_boxes, &lattice, surface, |pairs| {
+        let sorted = if sort(entries, spare, grid.key_bits()) { spare } else { entries };
+        for_each_pair(sorted, homes, byte_boxes, &grid, surface, |pairs| {
             add_features(boxes, surface, triangle_boxes, owned, Some(byte_boxes), pairs, out, &mut counts);
         });
     }
     if sizes.single > 0 {
-        for_each_plain_pair(triangle_boxes, levels, sizes.graded, surface, |pairs| {
+        for_each_brute_force_pair(triangle_boxes, levels, sizes.graded, surface, |pairs| {
             add_features(boxes, surface, triangle_boxes, owned, None, pairs, out, &mut counts);
         });
     }
@@ -81,7 +81,7 @@ pub struct GridColumns {
     owned: alloc::vec::Vec<u8>,
     byte_boxes: alloc::vec::Vec<ByteBoxes>,
     levels: alloc::vec::Vec<u8>,
-    units: alloc::vec::Vec<UnitBox>,
+    quantized_boxes: alloc::vec::Vec<QuantizedBox>,
     spheres: alloc::vec::Vec<Sphere>,
     homes: alloc::vec::Vec<Home>,
     entries: alloc::vec::Vec<Entry>,
@@ -98,7 +98,7 @@ impl GridColumns {
             owned: vec![0; triangles],
             byte_boxes: vec![ByteBoxes::default(); triangles],
             levels: vec![0; triangles],
-            units: vec![UnitBox::EMPTY; vertices],
+            quantized_boxes: vec![QuantizedBox::EMPTY; vertices],
             spheres: vec![Sphere::default(); triangles],
             homes: vec![Home::default(); triangles],
             entries: vec![Entry::default(); 8 * triangles],
@@ -113,7 +113,7 @@ impl GridColumns {
             owned: &mut self.owned,
             byte_boxes: &mut self.byte_boxes,
             levels: &mut self.levels,
-            units: &mut self.units,
+            quantized_boxes: &mut self.quantized_boxes,
             spheres: &mut self.spheres,
             homes: &mut self.homes,
             entries: &mut self.entries,
@@ -126,7 +126,7 @@ impl GridColumns {
         size_of_val(&self.triangle_boxes[..])
             + size_of_val(&self.owned[..])
             + size_of_val(&self.byte_boxes[..])
-            + size_of_val(&self.units[..])
+            + size_of_val(&self.quantized_boxes[..])
             + size_of_val(&self.levels[..])
             + size_of_val(&self.spheres[..])
             + size_of_val(&self.homes[..])

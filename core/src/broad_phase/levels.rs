@@ -2,7 +2,7 @@
 //! its own, in which its triangles meet one another and all smaller ones.
 //!
 //! A level starts at the sixteenth quantile of what is left and reaches to four times that size.
-//! Sizes are greatest extents in quarters of an octave. The last few, and boxes without bounds,
+//! TrafficSizes are greatest extents in quarters of an octave. The last few, and boxes without bounds,
 //! are a level of one cell.
 
 use crate::geometry::aabb::Aabb;

@@ -10,7 +10,7 @@
 pub mod bounds;
 pub mod levels;
 
-pub mod units;
+pub mod quantized_boxes;
 
 pub mod spheres;
 
@@ -22,8 +22,8 @@ pub mod entries;
 
 pub mod sort;
 
+pub mod brute_force_level;
 pub mod pairs;
-pub mod plain;
 
 pub mod features;
 
@@ -61,7 +61,7 @@ pub struct Surface<'a> {
     /// Ends of each edge.
     pub edges: &'a [[u32; 2]],
     /// Which corners of triangles meet at each vertex: slot `3 t + k` is corner k of triangle t.
-    pub fans: Incidence<'a>,
+    pub incidence: Incidence<'a>,
     /// What is sewn to what.
     pub sewn: Sewn<'a>,
     /// Triangles from here on are passive: they never pair with one another. They share no vertex

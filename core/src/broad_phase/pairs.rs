@@ -9,7 +9,7 @@ use wide::i8x16;
 
 use super::Surface;
 use super::byte_boxes::{ByteBoxes, may_overlap};
-use super::cells::{Home, Lattice};
+use super::cells::{CellGrid, Home};
 use super::control_bits::skips;
 use super::entries::{Entry, IS_HOME, IS_OWN};
 
@@ -28,7 +28,7 @@ pub fn for_each_pair(
     entries: &[Entry],
     homes: &[Home],
     byte_boxes: &[ByteBoxes],
-    lattice: &Lattice,
+    grid: &CellGrid,
     surface: &Surface<'_>,
     mut add: impl FnMut(&[[u32; 2]]),
 ) {
@@ -42,7 +42,7 @@ pub fn for_each_pair(
         if all_homes == 0 || to < 2 {
             continue;
         }
-        let cell = lattice.cell_type(run[0].key);
+        let cell = grid.cell_type(run[0].key);
         for start in (from..to).step_by(BLOCK) {
             let block = &run[start..(start + BLOCK).min(to)];
             gather(block, byte_boxes, &mut columns);

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::units::UnitBox;
+use super::quantized_boxes::QuantizedBox;
 use crate::dispatch::Dispatch;
 
 /// The sphere around a box.
@@ -22,7 +22,7 @@ impl Sphere {
 
 /// Writes the sphere of every triangle up to a level.
 pub fn write_spheres(
-    units: &[UnitBox],
+    quantized_boxes: &[QuantizedBox],
     triangles: &[[u32; 3]],
     levels: &[u8],
     level: u8,
@@ -32,7 +32,11 @@ pub fn write_spheres(
     dispatch.run(spheres, |start, part| {
         for ((&[a, b, c], &own), out) in triangles[start..].iter().zip(&levels[start..]).zip(part) {
             *out = if own <= level {
-                around(&units[a as usize].union(&units[b as usize]).union(&units[c as usize]))
+                around(
+                    &quantized_boxes[a as usize]
+                        .union(&quantized_boxes[b as usize])
+                        .union(&quantized_boxes[c as usize]),
+                )
             } else {
                 Sphere::ABSENT
             };
@@ -41,7 +45,7 @@ pub fn write_spheres(
 }
 
 #[inline(always)]
-fn around(&UnitBox([x, y, z, u, v, w]): &UnitBox) -> Sphere {
+fn around(&QuantizedBox([x, y, z, u, v, w]): &QuantizedBox) -> Sphere {
     let square = |size: i32| (size * size) as u32;
     Sphere { center: [x + u, y + v, z + w], diagonal_squared: square(u - x) + square(v - y) + square(w - z) }
 }

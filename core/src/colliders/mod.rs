@@ -8,7 +8,7 @@ pub mod cuboid;
 pub mod plane;
 pub mod round;
 
-use crate::motion::{Key, Motion, Side};
+use crate::motion::{JumpSide, Key, Motion};
 use crate::real::{Real, Sum, Vec3};
 
 /// What a collider is, and its first vertex.
@@ -88,7 +88,7 @@ impl Colliders<'_> {
                 Drive::Rest => out.copy_from_slice(anchors),
                 Drive::Motion(motion) => {
                     for (out, &anchor) in out.iter_mut().zip(anchors) {
-                        *out = motion.at(self.keys, anchor, time, Side::After).0;
+                        *out = motion.at(self.keys, anchor, time, JumpSide::After).0;
                     }
                 }
                 Drive::Cache { first, frames, rate } => {

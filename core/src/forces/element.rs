@@ -70,14 +70,14 @@ pub fn energy<const K: usize, E: Element<K>>(term: &E, x: &[Vec3]) -> Energy {
     each.fold(Energy::default(), |sum, (element, ids)| sum + term.energy(element, &corners(ids, x)))
 }
 
-/// Adds `-(position Kx + velocity Kv)` to `matrix`. `targets` says where in its row each block
+/// Adds `-(position Kx + velocity Kv)` to `matrix`. `assembly_map` says where in its row each block
 /// goes; `scratch` holds the packed Jacobians.
 pub fn add_tangents<const K: usize, E: Element<K>>(
     term: &E,
     x: &[Vec3],
     scale: TangentScale,
     jacobian: Jacobian,
-    targets: &[u16],
+    assembly_map: &[u16],
     scratch: &mut [Real],
     matrix: &mut BlockMatrix<'_>,
     dispatch: &impl Dispatch,
@@ -99,11 +99,11 @@ pub fn add_tangents<const K: usize, E: Element<K>>(
             for at in incidence.range(start + i) {
                 let slot = incidence.slots[at] as usize;
                 let (element, a) = (slot / K, slot % K);
-                let targets = &targets[at * K..at * K + K];
+                let assembly_map = &assembly_map[at * K..at * K + K];
                 match jacobian {
                     Jacobian::Projected => {
-                        for b in (0..K).filter(|&b| targets[b] != NOT_STORED) {
-                            add(&mut row[targets[b] as usize], &term.block(element, &tangents[element], a, b));
+                        for b in (0..K).filter(|&b| assembly_map[b] != NOT_STORED) {
+                            add(&mut row[assembly_map[b] as usize], &term.block(element, &tangents[element], a, b));
                         }
                     }
                     // For studies: computed once a corner rather than stored. At rest (v = 0) the
@@ -111,8 +111,8 @@ pub fn add_tangents<const K: usize, E: Element<K>>(
                     Jacobian::Exact => {
                         let x = corners(&vertices[element], x);
                         let blocks = term.exact(element, &x, &[Vec3::ZERO; K], scale);
-                        for b in (0..K).filter(|&b| targets[b] != NOT_STORED) {
-                            add(&mut row[targets[b] as usize], &blocks[a][b]);
+                        for b in (0..K).filter(|&b| assembly_map[b] != NOT_STORED) {
+                            add(&mut row[assembly_map[b] as usize], &blocks[a][b]);
                         }
                     }
                 }

@@ -55,12 +55,12 @@ pub struct Mirrored {
     pub block: u32,
 }
 
-/// In [`Targets`]: the block lies left of the diagonal and is not stored.
+/// In [`AssemblyMap`]: the block lies left of the diagonal and is not stored.
 pub const NOT_STORED: u16 = u16::MAX;
 
 /// For each force term, where in its row the block of each neighbour goes.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Targets<'a> {
+pub struct AssemblyMap<'a> {
     /// One for each stored spring end.
     pub stretch_springs: &'a [u16],
     /// One for each stored spring end.
@@ -156,10 +156,3 @@ pub fn multiply(
         }
     });
 }
-
-#[cfg(feature = "alloc")]
-pub use pattern::Pattern;
-
-#[cfg(feature = "alloc")]
-#[path = "pattern.rs"]
-mod pattern;

@@ -9,6 +9,8 @@ pub mod matrix;
 pub mod membrane;
 mod model;
 pub mod seam;
+#[cfg(feature = "alloc")]
+pub mod sparsity;
 pub mod spring;
 pub mod wind;
 
@@ -20,7 +22,7 @@ use crate::dispatch::Dispatch;
 use crate::real::{Real, Sum, Vec3, dot_sum, scaled_identity};
 use crate::stage::Stage;
 pub use crate::stage::Term;
-use matrix::{BlockMatrix, Targets, add};
+use matrix::{AssemblyMap, BlockMatrix, add};
 
 /// Which Jacobian implicit methods use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -168,7 +170,7 @@ pub fn write_tangents(
     x: &[Vec3],
     scale: TangentScale,
     jacobian: Jacobian,
-    targets: &Targets<'_>,
+    assembly_map: &AssemblyMap<'_>,
     scratch: &mut [Real],
     matrix: &mut BlockMatrix<'_>,
     dispatch: &impl Dispatch,
@@ -183,31 +185,31 @@ pub fn write_tangents(
         }
     });
     let springs = [
-        (Term::StretchSpring, &model.stretch_springs, targets.stretch_springs),
-        (Term::BendSpring, &model.bend_springs, targets.bend_springs),
+        (Term::StretchSpring, &model.stretch_springs, assembly_map.stretch_springs),
+        (Term::BendSpring, &model.bend_springs, assembly_map.bend_springs),
     ];
-    for (term, springs, targets) in springs {
+    for (term, springs, assembly_map) in springs {
         if let Some(springs) = springs {
             dispatch.enter(Stage::Jacobian(term));
-            spring::add_tangents(springs, x, scale, jacobian, targets, matrix, dispatch);
+            spring::add_tangents(springs, x, scale, jacobian, assembly_map, matrix, dispatch);
         }
     }
     if let Some(membrane) = &model.membrane {
         dispatch.enter(Stage::Jacobian(Term::Membrane));
-        element::add_tangents(membrane, x, scale, jacobian, targets.membrane, scratch, matrix, dispatch);
+        element::add_tangents(membrane, x, scale, jacobian, assembly_map.membrane, scratch, matrix, dispatch);
     }
     if let Some(hinges) = &model.hinges {
         dispatch.enter(Stage::Jacobian(Term::Hinge));
-        element::add_tangents(hinges, x, scale, jacobian, targets.hinges, scratch, matrix, dispatch);
+        element::add_tangents(hinges, x, scale, jacobian, assembly_map.hinges, scratch, matrix, dispatch);
     }
     if let Some(seams) = &model.seams {
         dispatch.enter(Stage::Jacobian(Term::Seam));
-        element::add_tangents(seams, x, scale, jacobian, targets.seams, scratch, matrix, dispatch);
+        element::add_tangents(seams, x, scale, jacobian, assembly_map.seams, scratch, matrix, dispatch);
     }
     if let Some(wind) = &model.wind {
         dispatch.enter(Stage::Jacobian(Term::Wind));
         // Wind has no potential: its exact Jacobian is not symmetric, its projected one is.
-        element::add_tangents(wind, x, scale, Jacobian::Projected, targets.wind, scratch, matrix, dispatch);
+        element::add_tangents(wind, x, scale, Jacobian::Projected, assembly_map.wind, scratch, matrix, dispatch);
     }
     dispatch.enter(Stage::Integrate);
 }

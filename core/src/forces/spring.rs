@@ -179,14 +179,14 @@ pub fn total_energy(springs: &Springs<'_>, x: &[Vec3]) -> Sum {
     0.5 * (0..x.len()).map(at_vertex).sum::<Sum>()
 }
 
-/// Adds `-(position Kx + velocity Kv)` to `matrix`; `targets` says where in its row each block
+/// Adds `-(position Kx + velocity Kv)` to `matrix`; `assembly_map` says where in its row each block
 /// goes.
 pub fn add_tangents(
     springs: &Springs<'_>,
     x: &[Vec3],
     scale: TangentScale,
     jacobian: Jacobian,
-    targets: &[u16],
+    assembly_map: &[u16],
     matrix: &mut BlockMatrix<'_>,
     dispatch: &impl Dispatch,
 ) {
@@ -200,8 +200,8 @@ pub fn add_tangents(
                     Jacobian::Exact => exact(d, Vec3::ZERO, &springs.spring(at), scale),
                 };
                 add(&mut row[0], &block);
-                if targets[at] != NOT_STORED {
-                    add(&mut row[targets[at] as usize], &-block);
+                if assembly_map[at] != NOT_STORED {
+                    add(&mut row[assembly_map[at] as usize], &-block);
                 }
             }
         }

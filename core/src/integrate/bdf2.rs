@@ -2,17 +2,23 @@
 //! likewise [Choi 2002]: a backward Euler stage from an extrapolated state. Second order,
 //! dissipative; needs a constant step. Without a history the first step is implicit midpoint.
 
-use super::newton::{self, Stage};
-use super::{Context, Work, implicit_midpoint};
+use super::newton::{self, ImplicitStage};
+use super::{IntegratorStatistics, StepInput, implicit_midpoint};
 use crate::dispatch::Dispatch;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
 /// One step into `s.next_positions`, `s.next_velocities`; reads `s.previous_positions`,
 /// `s.previous_velocities` where `s.has_history`.
-pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut Scratch<'_>, work: &mut Work) {
+pub fn advance<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    x: &[Vec3],
+    v: &[Vec3],
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
     if !s.has_history {
-        return implicit_midpoint::advance(c, x, v, s, work);
+        return implicit_midpoint::advance(c, x, v, s, statistics);
     }
     let g = c.step * (2.0 / 3.0);
     let (xp, vp) = (&*s.previous_positions, &*s.previous_velocities);
@@ -24,10 +30,10 @@ pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut 
     });
     let (base_positions, base_velocities) =
         (core::mem::take(&mut s.base_positions), core::mem::take(&mut s.base_velocities));
-    let stage = Stage { length: g, positions: base_positions, velocities: base_velocities };
+    let stage = ImplicitStage { length: g, positions: base_positions, velocities: base_velocities };
     s.next_velocities.copy_from_slice(base_velocities);
-    c.pins.lead(c.time_after(1.0), base_positions, g, s.next_velocities);
-    newton::solve(c, &stage, s, work);
+    c.pins.prescribe(c.time_after(1.0), base_positions, g, s.next_velocities);
+    newton::solve(c, &stage, s, statistics);
     let (xh, v1) = (&*base_positions, &*s.next_velocities);
     c.dispatch.run(&mut *s.next_positions, |start, x1| {
         for (i, x1) in (start..).zip(x1) {

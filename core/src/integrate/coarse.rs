@@ -320,10 +320,3 @@ fn total(sums: SumLanes, a: &[Sum], b: &[Sum]) -> Sum {
     let [x, y, z, w] = sums.to_array();
     (x + y) + (z + w) + a.iter().zip(b).map(|(a, b)| a * b).sum::<Sum>()
 }
-
-#[cfg(feature = "alloc")]
-pub use patches::PatchColumns;
-
-#[cfg(feature = "alloc")]
-#[path = "patches.rs"]
-mod patches;

@@ -2,7 +2,7 @@
 //! [Tamstorf 2015], A = M + S': held axes never enter. Stops on the preconditioned residual, on
 //! negative curvature (truncated Newton) or on the limit of iterations.
 
-use super::Work;
+use super::IntegratorStatistics;
 use super::coarse::{self, CoarseFactor, Patches};
 use super::coupling::{self, Hold};
 use super::pins::Pins;
@@ -30,7 +30,7 @@ pub struct System<'a> {
 }
 
 /// What the residual is multiplied with before a step.
-pub struct Preconditioner<'a, 'b> {
+pub struct FactoredPreconditioner<'a, 'b> {
     /// Inverse of each diagonal block.
     pub inverse_diagonal: &'a [Mat3],
     /// Patches and the factor of their small system, where there are two levels.
@@ -55,17 +55,17 @@ pub struct Vectors<'a> {
 
 /// Where a solve begins and ends.
 #[derive(Clone, Copy, Debug)]
-pub struct Until {
+pub struct StoppingCriterion {
     /// The preconditioned residual of the solution beside that of zero.
     pub reduction: Sum,
     /// Whether to begin from the solution that there is; else from zero.
-    pub warm: bool,
+    pub warm_start: bool,
 }
 
-impl Until {
+impl StoppingCriterion {
     /// From zero.
     pub fn reduced_by(reduction: Sum) -> Self {
-        Self { reduction, warm: false }
+        Self { reduction, warm_start: false }
     }
 }
 
@@ -100,18 +100,18 @@ fn is_positive_definite(block: &Mat3) -> bool {
 /// Solves for `vectors.solution`.
 pub fn solve(
     system: &System<'_>,
-    preconditioner: &mut Preconditioner<'_, '_>,
-    until: Until,
+    preconditioner: &mut FactoredPreconditioner<'_, '_>,
+    stopping: StoppingCriterion,
     vectors: Vectors<'_>,
-    work: &mut Work,
+    statistics: &mut IntegratorStatistics,
     dispatch: &impl Dispatch,
 ) {
     let Vectors { solution, residual, direction, product, preconditioned, partials } = vectors;
     precondition(system, preconditioner, residual, preconditioned, dispatch);
     let mut rho = dot(residual, preconditioned, partials, dispatch);
-    let target = rho * until.reduction * until.reduction;
-    let guessed = if until.warm {
-        work.matrix_products += 1;
+    let target = rho * stopping.reduction * stopping.reduction;
+    let guessed = if stopping.warm_start {
+        statistics.matrix_products += 1;
         apply(system, solution, product, dispatch);
         product.iter_mut().zip(&*residual).for_each(|(q, &b)| *q = b - *q);
         precondition(system, preconditioner, product, direction, dispatch);
@@ -130,16 +130,16 @@ pub fn solve(
     let mut iteration = 0;
     while rho > target && rho > 0.0 {
         if iteration == MOST_ITERATIONS {
-            work.unconverged += 1;
+            statistics.unconverged += 1;
             return;
         }
         iteration += 1;
-        work.cg_iterations += 1;
-        work.matrix_products += 1;
+        statistics.cg_iterations += 1;
+        statistics.matrix_products += 1;
         apply(system, direction, product, dispatch);
         let curvature = dot(direction, product, partials, dispatch);
         if curvature <= 0.0 {
-            work.negative_curvature += 1;
+            statistics.negative_curvature += 1;
             if iteration == 1 {
                 solution.copy_from_slice(direction);
             }
@@ -165,7 +165,7 @@ pub fn solve(
         });
     }
     if rho < 0.0 {
-        work.negative_curvature += 1;
+        statistics.negative_curvature += 1;
     }
     if !(rho.is_finite() && target.is_finite()) {
         // Never a step without its forces: what is not a number is found after the step.
@@ -182,7 +182,7 @@ fn apply(system: &System<'_>, p: &[Vec3], out: &mut [Vec3], dispatch: &impl Disp
 
 fn precondition(
     system: &System<'_>,
-    preconditioner: &mut Preconditioner<'_, '_>,
+    preconditioner: &mut FactoredPreconditioner<'_, '_>,
     residual: &[Vec3],
     out: &mut [Vec3],
     dispatch: &impl Dispatch,

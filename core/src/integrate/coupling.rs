@@ -8,8 +8,8 @@
 //! elastically. Without it only the vertices that touch would be moved, and a sheet pressed
 //! together would stay as if it were not [Otaduy 2009, Tang 2016].
 
-use super::conjugate_gradient::Until;
-use super::{Context, Method, Work, newton};
+use super::conjugate_gradient::StoppingCriterion;
+use super::{IntegratorStatistics, Method, StepInput, newton};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::real::{Mat3, Real, Vec3, outer, scaled_identity};
@@ -111,10 +111,10 @@ fn length(method: Method, step: Real, has_history: bool) -> Real {
 /// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. After each
 /// solve `release` may let go of holds; it returns whether it did.
 pub fn correct<D: Dispatch>(
-    c: &Context<'_, D>,
+    c: &StepInput<'_, D>,
     holds: &mut [Hold],
     s: &mut Scratch<'_>,
-    work: &mut Work,
+    statistics: &mut IntegratorStatistics,
     mut release: impl FnMut(&mut [Hold]) -> bool,
 ) {
     let to_position = length(c.scheme.method, c.step, s.has_history);
@@ -127,7 +127,7 @@ pub fn correct<D: Dispatch>(
     let reduction = (c.scheme.tolerance * TIGHTER).into();
     for trial in 0..=MOST_TRIALS {
         // Each solve goes on from the one before.
-        solve(c, holds, to_position, Until { reduction, warm: trial > 0 }, s, work);
+        solve(c, holds, to_position, StoppingCriterion { reduction, warm_start: trial > 0 }, s, statistics);
         for hold in &mut *holds {
             let relative = gather(hold, s.solution);
             hold.impulse = hold.along(hold.missing / to_position - relative);
@@ -148,19 +148,19 @@ pub fn correct<D: Dispatch>(
 
 /// Writes y to `s.solution`.
 fn solve<D: Dispatch>(
-    c: &Context<'_, D>,
+    c: &StepInput<'_, D>,
     holds: &[Hold],
     to_position: Real,
-    until: Until,
+    until: StoppingCriterion,
     s: &mut Scratch<'_>,
-    work: &mut Work,
+    statistics: &mut IntegratorStatistics,
 ) {
     s.residual.fill(Vec3::ZERO);
     for hold in holds {
         scatter(hold, hold.along(hold.missing / to_position), s.residual);
     }
     c.pins.filter(s.residual);
-    newton::solve_linear(c, holds, until, s, work);
+    newton::solve_linear(c, holds, until, s, statistics);
 }
 
 /// 1 / sum W^2 / (n . A n) over a hold's vertices, kg.

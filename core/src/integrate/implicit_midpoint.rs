@@ -2,19 +2,25 @@
 //! x1 = x0 + h vm: a backward Euler stage to the middle of the step, extrapolated. Second order,
 //! keeps the energy of a linear system exactly.
 
-use super::newton::{self, Stage};
-use super::{Context, Work};
+use super::newton::{self, ImplicitStage};
+use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
 /// One step into `s.next_positions`, `s.next_velocities`.
-pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut Scratch<'_>, work: &mut Work) {
-    let stage = Stage { length: 0.5 * c.step, positions: x, velocities: v };
+pub fn advance<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    x: &[Vec3],
+    v: &[Vec3],
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
+    let stage = ImplicitStage { length: 0.5 * c.step, positions: x, velocities: v };
     s.next_velocities.copy_from_slice(v);
     // The mean velocity that brings a pin to its place at the end of the step.
-    c.pins.lead(c.time_after(1.0), x, c.step, s.next_velocities);
-    newton::solve(c, &stage, s, work);
+    c.pins.prescribe(c.time_after(1.0), x, c.step, s.next_velocities);
+    newton::solve(c, &stage, s, statistics);
     let h = c.step;
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
         for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {

@@ -2,16 +2,22 @@
 //! x1 = x0 + h vm [eqs. 3.16-3.19]. Second order; without damping a mode grows by
 //! 1 + (h omega)^4 / 4 in energy each step.
 
-use super::pins::Side;
-use super::{Context, Work};
+use super::pins::JumpSide;
+use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
 /// One step into `s.next_positions`, `s.next_velocities`.
-pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut Scratch<'_>, work: &mut Work) {
+pub fn advance<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    x: &[Vec3],
+    v: &[Vec3],
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
     let (h, half, w) = (c.step, 0.5 * c.step, c.inverse_masses);
-    c.forces(x, v, s.elements, s.forces, work);
+    c.forces(x, v, s.elements, s.forces, statistics);
     let f = &*s.forces;
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (xm, vm)| {
         for (i, (xm, vm)) in (start..).zip(xm.iter_mut().zip(vm)) {
@@ -19,8 +25,8 @@ pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut 
             *vm = v[i] + f[i] * (half * w[i]);
         }
     });
-    c.pins.impose(c.time_after(0.5), Side::Before, s.next_positions, s.next_velocities);
-    c.forces(s.next_positions, s.next_velocities, s.elements, s.forces, work);
+    c.pins.impose(c.time_after(0.5), JumpSide::Before, s.next_positions, s.next_velocities);
+    c.forces(s.next_positions, s.next_velocities, s.elements, s.forces, statistics);
     let f = &*s.forces;
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
         for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {

@@ -12,6 +12,8 @@ pub mod explicit_euler;
 pub mod implicit_midpoint;
 pub mod midpoint;
 pub mod newton;
+#[cfg(feature = "alloc")]
+pub mod patches;
 pub mod pins;
 pub mod rk4;
 pub mod stability;
@@ -23,7 +25,7 @@ use crate::dispatch::Dispatch;
 use crate::forces::{self, Model};
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
-use pins::{Pins, Side};
+use pins::{JumpSide, Pins};
 
 /// The integration methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -103,9 +105,9 @@ pub struct Scheme {
     pub jacobian: Jacobian,
 }
 
-/// Work done, in counts that do not depend on the machine.
+/// IntegratorStatistics done, in counts that do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
+pub struct IntegratorStatistics {
     /// Evaluations of all forces.
     pub force_evaluations: u64,
     /// Iterations of conjugate gradients.
@@ -124,7 +126,7 @@ pub struct Work {
 
 /// What every method is handed: what acts on the particles, and when.
 #[derive(Clone, Copy)]
-pub struct Context<'a, D> {
+pub struct StepInput<'a, D> {
     /// The forces.
     pub model: &'a Model<'a>,
     /// The held vertices.
@@ -139,16 +141,23 @@ pub struct Context<'a, D> {
     pub step: Real,
     /// The method and its settings.
     pub scheme: &'a Scheme,
-    /// Whether the velocities say where the step leads: not after contact, which stops and turns them.
-    pub leads: bool,
+    /// Whether the velocities say where the step extrapolates: not after contact, which stops and turns them.
+    pub extrapolates: bool,
     /// Runs the kernels.
     pub dispatch: &'a D,
 }
 
-impl<D: Dispatch> Context<'_, D> {
+impl<D: Dispatch> StepInput<'_, D> {
     /// Forces at a state, into `f`.
-    pub fn forces(&self, x: &[Vec3], v: &[Vec3], scratch: &mut [Vec3], f: &mut [Vec3], work: &mut Work) {
-        work.force_evaluations += 1;
+    pub fn forces(
+        &self,
+        x: &[Vec3],
+        v: &[Vec3],
+        scratch: &mut [Vec3],
+        f: &mut [Vec3],
+        statistics: &mut IntegratorStatistics,
+    ) {
+        statistics.force_evaluations += 1;
         forces::evaluate(self.model, self.masses, x, v, scratch, f, self.dispatch);
     }
 
@@ -159,15 +168,21 @@ impl<D: Dispatch> Context<'_, D> {
 }
 
 /// Advances `x`, `v` by one step into `scratch.next_positions` and `scratch.next_velocities`.
-pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], scratch: &mut Scratch<'_>, work: &mut Work) {
+pub fn advance<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    x: &[Vec3],
+    v: &[Vec3],
+    scratch: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
     match c.scheme.method {
-        Method::ExplicitEuler => explicit_euler::advance(c, x, v, scratch, work),
-        Method::SymplecticEuler => symplectic_euler::advance(c, x, v, scratch, work),
-        Method::Midpoint => midpoint::advance(c, x, v, scratch, work),
-        Method::Rk4 => rk4::advance(c, x, v, scratch, work),
-        Method::BackwardEuler => backward_euler::advance(c, x, v, scratch, work),
-        Method::ImplicitMidpoint => implicit_midpoint::advance(c, x, v, scratch, work),
-        Method::Bdf2 => bdf2::advance(c, x, v, scratch, work),
+        Method::ExplicitEuler => explicit_euler::advance(c, x, v, scratch, statistics),
+        Method::SymplecticEuler => symplectic_euler::advance(c, x, v, scratch, statistics),
+        Method::Midpoint => midpoint::advance(c, x, v, scratch, statistics),
+        Method::Rk4 => rk4::advance(c, x, v, scratch, statistics),
+        Method::BackwardEuler => backward_euler::advance(c, x, v, scratch, statistics),
+        Method::ImplicitMidpoint => implicit_midpoint::advance(c, x, v, scratch, statistics),
+        Method::Bdf2 => bdf2::advance(c, x, v, scratch, statistics),
     }
-    c.pins.impose(c.time_after(1.0), Side::After, scratch.next_positions, scratch.next_velocities);
+    c.pins.impose(c.time_after(1.0), JumpSide::After, scratch.next_positions, scratch.next_velocities);
 }

@@ -15,9 +15,9 @@
 //! where E is the potential and R the dissipation, frozen during a line search. Without
 //! dissipation G is one function and every accepted iteration decreases it.
 
-use super::conjugate_gradient::{self, System, Until};
+use super::conjugate_gradient::{self, StoppingCriterion, System};
 use super::coupling::Hold;
-use super::{Context, Preconditioner, Work, coarse};
+use super::{IntegratorStatistics, Preconditioner, StepInput, coarse};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::forces::{self, Model, TangentScale};
@@ -27,7 +27,7 @@ use crate::stage;
 
 /// A backward Euler stage of `length` g from (xh, vh).
 #[derive(Clone, Copy)]
-pub struct Stage<'a> {
+pub struct ImplicitStage<'a> {
     /// g, s.
     pub length: Real,
     /// xh, m.
@@ -51,23 +51,33 @@ const SUFFICIENT_DECREASE: Sum = 1e-4;
 const MOST_HALVINGS: u32 = 24;
 
 /// Solves the stage for `s.next_velocities`, which holds the guess, with pins already led.
-pub fn solve<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
+pub fn solve<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    stage: &ImplicitStage<'_>,
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
     if c.scheme.newton <= 1 {
-        once(c, stage, s, work);
+        linearized_step(c, stage, s, statistics);
     } else {
-        converged(c, stage, s, work);
+        newton_iterations(c, stage, s, statistics);
     }
 }
 
-fn once<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
-    let part = if c.leads {
+fn linearized_step<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    stage: &ImplicitStage<'_>,
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
+    let part = if c.extrapolates {
         (MOST_STRAIN / (stage.length * forces::strain_rate(c.model, s.next_velocities))).min(1.0)
     } else {
         0.0
     };
     write_scaled(c, s.next_velocities, part, s.products);
     write_positions(c, stage, s.products, s.stage_positions);
-    c.forces(s.stage_positions, s.products, s.elements, s.forces, work);
+    c.forces(s.stage_positions, s.products, s.elements, s.forces, statistics);
     write_matrix(c, stage, s);
     write_residual(c, stage, s);
     if part < 1.0 {
@@ -76,19 +86,24 @@ fn once<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>,
         add_scaled(c, s.products, -1.0, s.residual);
     }
     c.pins.filter(s.residual);
-    work.newton_iterations += 1;
+    statistics.newton_iterations += 1;
     let norm = residual_norm(c, s.residual).max(Sum::MIN_POSITIVE);
     let reduction = Sum::from(c.scheme.tolerance) * (weight_impulse(c, stage) / norm).max(1.0);
-    solve_linear(c, &[], Until::reduced_by(reduction), s, work);
+    solve_linear(c, &[], StoppingCriterion::reduced_by(reduction), s, statistics);
     add_scaled(c, s.solution, 1.0, s.next_velocities);
 }
 
-fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>, work: &mut Work) {
+fn newton_iterations<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    stage: &ImplicitStage<'_>,
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
     let weight = weight_impulse(c, stage);
     let (mut target, mut rounding, mut previous): (Sum, Sum, Sum) = (0.0, 0.0, Sum::INFINITY);
     for iteration in 0..c.scheme.newton {
         write_positions(c, stage, s.next_velocities, s.stage_positions);
-        c.forces(s.stage_positions, s.next_velocities, s.elements, s.forces, work);
+        c.forces(s.stage_positions, s.next_velocities, s.elements, s.forces, statistics);
         write_residual(c, stage, s);
         c.pins.filter(s.residual);
         let norm = residual_norm(c, s.residual);
@@ -106,25 +121,25 @@ fn converged<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch
         }
         write_matrix(c, stage, s);
         rounding = rounding_norm(c, stage, s);
-        work.newton_iterations += 1;
+        statistics.newton_iterations += 1;
         // Conjugate gradients consume the residual, which is minus the slope of the objective.
         s.base_residual.copy_from_slice(s.residual);
         let reduction = c.scheme.tolerance.max(INNER_TOLERANCE).into();
-        solve_linear(c, &[], Until::reduced_by(reduction), s, work);
+        solve_linear(c, &[], StoppingCriterion::reduced_by(reduction), s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
-        match search(c, stage, slope, s, work) {
+        match search(c, stage, slope, s, statistics) {
             Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
             None => {
-                work.stalled_searches += 1;
+                statistics.stalled_searches += 1;
                 return;
             }
         }
     }
-    work.unconverged += 1;
+    statistics.unconverged += 1;
 }
 
 /// `S = -(g^2 Kx + g Kv)` at the iterate in `stage_positions`.
-fn write_matrix<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>) {
+fn write_matrix<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &mut Scratch<'_>) {
     let scale = TangentScale { position: stage.length * stage.length, velocity: stage.length };
     let jacobian = c.scheme.jacobian;
     forces::write_tangents(
@@ -132,7 +147,7 @@ fn write_matrix<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scra
         s.stage_positions,
         scale,
         jacobian,
-        &s.targets,
+        &s.assembly_map,
         s.tangents,
         &mut s.matrix,
         c.dispatch,
@@ -140,7 +155,7 @@ fn write_matrix<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scra
 }
 
 /// `residual = M (vh - v) + g f`.
-fn write_residual<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Scratch<'_>) {
+fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &mut Scratch<'_>) {
     let (v, f) = (&*s.next_velocities, &*s.forces);
     c.dispatch.run(&mut *s.residual, |start, part| {
         for (i, r) in (start..).zip(part) {
@@ -151,11 +166,11 @@ fn write_residual<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &mut Sc
 
 /// Solves `(M + S' + holds) y = s.residual` for `s.solution`.
 pub(super) fn solve_linear<D: Dispatch>(
-    c: &Context<'_, D>,
+    c: &StepInput<'_, D>,
     holds: &[Hold],
-    until: Until,
+    stopping: StoppingCriterion,
     s: &mut Scratch<'_>,
-    work: &mut Work,
+    statistics: &mut IntegratorStatistics,
 ) {
     let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds };
     c.dispatch.enter(stage::Stage::Solve);
@@ -173,26 +188,27 @@ pub(super) fn solve_linear<D: Dispatch>(
         coarse::write_factor(&s.patches, &system, &mut s.coarse);
         coarse = Some((s.patches, &mut s.coarse));
     }
-    let mut preconditioner = conjugate_gradient::Preconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
-    conjugate_gradient::solve(&system, &mut preconditioner, until, vectors, work, c.dispatch);
+    let mut preconditioner =
+        conjugate_gradient::FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
+    conjugate_gradient::solve(&system, &mut preconditioner, stopping, vectors, statistics, c.dispatch);
     c.dispatch.enter(stage::Stage::Integrate);
 }
 
 /// Norm of the impulse that gravity gives in the stage, sqrt(sum m |g h|^2): a residual small
 /// beside it is small, even where a sheet at rest leaves nothing else to compare with.
-fn weight_impulse<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>) -> Sum {
+fn weight_impulse<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>) -> Sum {
     let gravity = c.model.gravity.unwrap_or(Vec3::ZERO) * stage.length;
     let mass: Sum = c.masses.iter().map(|&m| Sum::from(m)).sum();
     libm::sqrt(mass * dot_sum(gravity, gravity))
 }
 
 /// sqrt(sum |r|^2 / m): the mass-weighted change of velocity that the residual asks for.
-fn residual_norm<D: Dispatch>(c: &Context<'_, D>, residual: &[Vec3]) -> Sum {
+fn residual_norm<D: Dispatch>(c: &StepInput<'_, D>, residual: &[Vec3]) -> Sum {
     libm::sqrt(residual.iter().zip(c.inverse_masses).map(|(&r, &w)| dot_sum(r, r) * Sum::from(w)).sum())
 }
 
 /// Bound on what rounding the positions leaves in the residual, g K |x| epsilon.
-fn rounding_norm<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &Scratch<'_>) -> Sum {
+fn rounding_norm<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &Scratch<'_>) -> Sum {
     let at_vertex = |vertex: usize| {
         let diagonal = matrix::to_mat3(&s.matrix.blocks[s.matrix.offsets[vertex] as usize]);
         let stiffness = diagonal.x_axis.x.max(diagonal.y_axis.y).max(diagonal.z_axis.z) / stage.length;
@@ -203,7 +219,7 @@ fn rounding_norm<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, s: &Scratch
 }
 
 /// `out = xh + g v`.
-fn write_positions<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, v: &[Vec3], out: &mut [Vec3]) {
+fn write_positions<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, v: &[Vec3], out: &mut [Vec3]) {
     c.dispatch.run(out, |start, part| {
         for (i, x) in (start..).zip(part) {
             *x = stage.positions[i] + v[i] * stage.length;
@@ -212,7 +228,7 @@ fn write_positions<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, v: &[Vec3
 }
 
 /// `out = from * scale`.
-fn write_scaled<D: Dispatch>(c: &Context<'_, D>, from: &[Vec3], scale: Real, out: &mut [Vec3]) {
+fn write_scaled<D: Dispatch>(c: &StepInput<'_, D>, from: &[Vec3], scale: Real, out: &mut [Vec3]) {
     c.dispatch.run(out, |start, part| {
         for (to, &from) in part.iter_mut().zip(&from[start..]) {
             *to = from * scale;
@@ -221,7 +237,12 @@ fn write_scaled<D: Dispatch>(c: &Context<'_, D>, from: &[Vec3], scale: Real, out
 }
 
 /// `stage_positions = xh + g (v + scale y)`.
-fn write_stage_positions<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, scale: Real, s: &mut Scratch<'_>) {
+fn write_stage_positions<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    stage: &ImplicitStage<'_>,
+    scale: Real,
+    s: &mut Scratch<'_>,
+) {
     let (v, y) = (&*s.next_velocities, &*s.solution);
     c.dispatch.run(&mut *s.stage_positions, |start, part| {
         for (i, x) in (start..).zip(part) {
@@ -232,13 +253,13 @@ fn write_stage_positions<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, sca
 
 /// Halves the step along `s.solution` until the objective falls; `slope` is its derivative.
 fn search<D: Dispatch>(
-    c: &Context<'_, D>,
-    stage: &Stage<'_>,
+    c: &StepInput<'_, D>,
+    stage: &ImplicitStage<'_>,
     slope: Sum,
     s: &mut Scratch<'_>,
-    work: &mut Work,
+    statistics: &mut IntegratorStatistics,
 ) -> Option<Real> {
-    let (linear, quadratic) = dissipation(c, s, work);
+    let (linear, quadratic) = dissipation(c, s, statistics);
     let start = objective(c, stage, 0.0, s);
     // Below the rounding of the objective a decrease can no longer be seen.
     let rounding = 8.0 * Sum::from(Real::EPSILON) * start.abs();
@@ -257,7 +278,7 @@ fn search<D: Dispatch>(
 }
 
 /// `|v + scale y - vh|^2_M / 2 + E` at `s.stage_positions`, J.
-pub fn objective<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, scale: Real, s: &Scratch<'_>) -> Sum {
+pub fn objective<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, scale: Real, s: &Scratch<'_>) -> Sum {
     let columns = s.next_velocities.iter().zip(&*s.solution).zip(stage.velocities).zip(c.masses);
     let inertia: Sum = columns
         .map(|(((&v, &y), &vh), &m)| {
@@ -270,18 +291,22 @@ pub fn objective<D: Dispatch>(c: &Context<'_, D>, stage: &Stage<'_>, scale: Real
 
 /// Slope and curvature along `s.solution` of the frozen dissipation R, whose gradient is minus
 /// the force without potential.
-fn dissipation<D: Dispatch>(c: &Context<'_, D>, s: &mut Scratch<'_>, work: &mut Work) -> (Sum, Sum) {
+fn dissipation<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) -> (Sum, Sum) {
     if !c.model.dissipates() {
         return (0.0, 0.0);
     }
     let conservative = Model { wind: None, drag: None, ..*c.model };
     s.products.fill(Vec3::ZERO);
-    work.force_evaluations += 1;
+    statistics.force_evaluations += 1;
     forces::evaluate(&conservative, c.masses, s.stage_positions, s.products, s.elements, s.direction, c.dispatch);
     for (p, (&v, &y)) in s.products.iter_mut().zip(s.next_velocities.iter().zip(&*s.solution)) {
         *p = v + y;
     }
-    c.forces(s.stage_positions, s.products, s.elements, s.preconditioned, work);
+    c.forces(s.stage_positions, s.products, s.elements, s.preconditioned, statistics);
     let difference = |a: &[Vec3], b: &[Vec3]| -> Sum {
         a.iter().zip(b).zip(&*s.solution).map(|((&a, &b), &y)| dot_sum(a - b, y)).sum()
     };
@@ -292,7 +317,7 @@ fn column_dot(a: &[Vec3], b: &[Vec3]) -> Sum {
     a.iter().zip(b).map(|(&a, &b)| dot_sum(a, b)).sum()
 }
 
-fn add_scaled<D: Dispatch>(c: &Context<'_, D>, from: &[Vec3], scale: Real, to: &mut [Vec3]) {
+fn add_scaled<D: Dispatch>(c: &StepInput<'_, D>, from: &[Vec3], scale: Real, to: &mut [Vec3]) {
     c.dispatch.run(to, |start, part| {
         for (to, &from) in part.iter_mut().zip(&from[start..]) {
             *to += from * scale;

@@ -8,8 +8,8 @@ use core::ops::Range;
 
 use glam::DVec3;
 
-use super::{MODES, Patches};
-use crate::forces::matrix::Pattern;
+use super::coarse::{MODES, Patches};
+use crate::forces::sparsity::SparsityPattern;
 use crate::integrate::pins::Pins;
 use crate::real::Real;
 
@@ -32,7 +32,7 @@ pub struct PatchColumns {
 impl PatchColumns {
     /// Patches of vertices with material coordinates, each cloth (a range of vertices) by itself.
     #[cfg_attr(small, optimize(size))]
-    pub fn build(material: &[DVec3], cloths: &[Range<u32>], pattern: &Pattern, pins: &Pins<'_>) -> Self {
+    pub fn build(material: &[DVec3], cloths: &[Range<u32>], pattern: &SparsityPattern, pins: &Pins<'_>) -> Self {
         let size = PATCH.max(material.len().div_ceil(MOST_PATCHES));
         let mut patches = Vec::new();
         for cloth in cloths {
@@ -103,7 +103,7 @@ impl PatchColumns {
         }
     }
 
-    fn set_envelope(&mut self, count: usize, pattern: &Pattern) {
+    fn set_envelope(&mut self, count: usize, pattern: &SparsityPattern) {
         let mut first: Vec<u32> = (0..count as u32).collect();
         for (a, b) in pattern.pairs() {
             let (a, b) = (self.labels[a as usize], self.labels[b as usize]);
@@ -143,7 +143,7 @@ fn halve(material: &[DVec3], mut part: Vec<u32>, size: usize, patches: &mut Vec<
 
 /// Patches in the order in which a walk over neighbours reaches them from one that is far from
 /// the rest [Cuthill 1969].
-fn outward(patches: Vec<Vec<u32>>, pattern: &Pattern) -> Vec<Vec<u32>> {
+fn outward(patches: Vec<Vec<u32>>, pattern: &SparsityPattern) -> Vec<Vec<u32>> {
     let label = labels(&patches, patches.iter().map(Vec::len).sum());
     let mut neighbours = vec![Vec::new(); patches.len()];
     for (a, b) in pattern.pairs() {

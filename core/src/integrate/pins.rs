@@ -1,7 +1,7 @@
 //! Pins: vertices whose chosen axes follow a prescribed motion, whatever the forces. Explicit
 //! stages are overwritten; implicit solves are filtered [Baraff 1998, Tamstorf 2015].
 
-pub use crate::motion::{Key, Motion, Side, Turn};
+pub use crate::motion::{JumpSide, Key, Motion, Turn};
 use crate::real::{Mat3, Real, Sum, Vec3};
 
 /// A change of velocity at a key is a jump from this part of the larger speed on. A smaller change
@@ -30,7 +30,7 @@ pub struct Pins<'a> {
 
 impl Pins<'_> {
     /// Where a pin is at a time, m, and how fast it moves on a side of it, m/s.
-    pub fn target(&self, pin: usize, time: Sum, side: Side) -> (Vec3, Vec3) {
+    pub fn target(&self, pin: usize, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
         let anchor = self.anchors[pin];
         match self.table.get(self.motions[pin] as usize) {
             Some(motion) => motion.at(self.keys, anchor, time, side),
@@ -41,7 +41,7 @@ impl Pins<'_> {
     /// Whether a pin's velocity jumps at a time, by more than a quarter of the larger speed.
     pub fn jump(&self, time: Sum) -> bool {
         (0..self.vertices.len()).any(|pin| {
-            let [before, after] = [Side::Before, Side::After].map(|side| self.target(pin, time, side).1);
+            let [before, after] = [JumpSide::Before, JumpSide::After].map(|side| self.target(pin, time, side).1);
             let fastest = before.length_squared().max(after.length_squared());
             (after - before).length_squared() > JUMP * JUMP * fastest
         })
@@ -50,7 +50,7 @@ impl Pins<'_> {
     /// Gives the held axes the velocities with which they leave a time.
     pub fn set_out(&self, time: Sum, v: &mut [Vec3]) {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
-            let (_, velocity) = self.target(pin, time, Side::After);
+            let (_, velocity) = self.target(pin, time, JumpSide::After);
             for axis in held(self.axes[pin]) {
                 v[vertex as usize][axis] = velocity[axis];
             }
@@ -59,7 +59,7 @@ impl Pins<'_> {
 
     /// Puts the held axes where they belong at a time, moving as they do on a side of it: before it
     /// in a stage of the step that ends there, after it in a state that the next one starts from.
-    pub fn impose(&self, time: Sum, side: Side, x: &mut [Vec3], v: &mut [Vec3]) {
+    pub fn impose(&self, time: Sum, side: JumpSide, x: &mut [Vec3], v: &mut [Vec3]) {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
             let (position, velocity) = self.target(pin, time, side);
             for axis in held(self.axes[pin]) {
@@ -70,9 +70,9 @@ impl Pins<'_> {
     }
 
     /// Sets the held axes of `v` so that `base + length v` is where they belong at a time.
-    pub fn lead(&self, time: Sum, base: &[Vec3], length: Real, v: &mut [Vec3]) {
+    pub fn prescribe(&self, time: Sum, base: &[Vec3], length: Real, v: &mut [Vec3]) {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
-            let (position, _) = self.target(pin, time, Side::Before);
+            let (position, _) = self.target(pin, time, JumpSide::Before);
             let velocity = (position - base[vertex as usize]) / length;
             for axis in held(self.axes[pin]) {
                 v[vertex as usize][axis] = velocity[axis];
@@ -152,9 +152,9 @@ impl PinColumns {
         }
     }
 
-    /// Holds all axes of a vertex, whatever held it, and leads it evenly from one place to another, m, from
+    /// Holds all axes of a vertex, whatever held it, and extrapolates it evenly from one place to another, m, from
     /// one time to another, s.
-    pub fn lead(&mut self, vertex: u32, [start, end]: [Sum; 2], [from, to]: [Vec3; 2]) {
+    pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], [from, to]: [Vec3; 2]) {
         self.release(vertex);
         let motion = self.spare_motion();
         let first = self.table[motion as usize].keys[0] as usize;

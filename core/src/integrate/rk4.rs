@@ -1,8 +1,8 @@
 //! The classical Runge-Kutta method of fourth order, y1 = y0 + h/6 (k1 + 2 k2 + 2 k3 + k4).
 //! Stable for h omega <= 2 sqrt 2 without damping.
 
-use super::pins::Side;
-use super::{Context, Work};
+use super::pins::JumpSide;
+use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
@@ -12,9 +12,15 @@ const STAGES: [(Real, Real); 3] = [(0.5, 2.0), (0.5, 2.0), (1.0, 1.0)];
 
 /// One step into `s.next_positions`, `s.next_velocities`; the stages are kept in
 /// `s.stage_positions`, `s.stage_velocities`.
-pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut Scratch<'_>, work: &mut Work) {
+pub fn advance<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    x: &[Vec3],
+    v: &[Vec3],
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
     let (sixth, w) = (c.step / 6.0, c.inverse_masses);
-    c.forces(x, v, s.elements, s.forces, work);
+    c.forces(x, v, s.elements, s.forces, statistics);
     let f = &*s.forces;
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
         for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {
@@ -32,8 +38,8 @@ pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut 
                 *vs = v[i] + f[i] * (h * w[i]);
             }
         });
-        c.pins.impose(c.time_after(fraction as Sum), Side::Before, s.stage_positions, s.stage_velocities);
-        c.forces(s.stage_positions, s.stage_velocities, s.elements, s.forces, work);
+        c.pins.impose(c.time_after(fraction as Sum), JumpSide::Before, s.stage_positions, s.stage_velocities);
+        c.forces(s.stage_positions, s.stage_velocities, s.elements, s.forces, statistics);
         let (f, vs, part) = (&*s.forces, &*s.stage_velocities, weight * sixth);
         c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
             for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {

@@ -1,14 +1,20 @@
 //! Symplectic Euler, v1 = v0 + h a(x0, v0), x1 = x0 + h v1. First order, stable for
 //! h omega < 2 without damping.
 
-use super::{Context, Work};
+use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
 /// One step into `s.next_positions`, `s.next_velocities`.
-pub fn advance<D: Dispatch>(c: &Context<'_, D>, x: &[Vec3], v: &[Vec3], s: &mut Scratch<'_>, work: &mut Work) {
-    c.forces(x, v, s.elements, s.forces, work);
+pub fn advance<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    x: &[Vec3],
+    v: &[Vec3],
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
+    c.forces(x, v, s.elements, s.forces, statistics);
     let (h, f, w) = (c.step, &*s.forces, c.inverse_masses);
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
         for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {

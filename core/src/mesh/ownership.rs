@@ -24,7 +24,7 @@ pub struct SurfaceColumns {
     /// Ends of each edge, the lesser first, in ascending order.
     pub edges: Vec<[u32; 2]>,
     /// Which corners of triangles meet at each vertex.
-    pub fans: IncidenceColumns,
+    pub incidence: IncidenceColumns,
     /// Start of each vertex's row of `sewn_others`; empty where nothing is sewn.
     pub sewn_offsets: Vec<u32>,
     /// The vertices sewn to each.
@@ -47,7 +47,7 @@ impl SurfaceColumns {
             triangles: triangles.to_vec(),
             triangle_edges,
             edges,
-            fans: IncidenceColumns::build(vertices, triangles),
+            incidence: IncidenceColumns::build(vertices, triangles),
             sewn_offsets,
             sewn_others,
             first_passive: triangles.len() as u32,
@@ -61,7 +61,7 @@ impl SurfaceColumns {
             + size_of_val(&self.triangle_edges[..])
             + size_of_val(&self.owned[..])
             + size_of_val(&self.edges[..])
-            + self.fans.view().bytes()
+            + self.incidence.view().bytes()
             + size_of_val(&self.sewn_offsets[..])
             + size_of_val(&self.sewn_others[..])
     }
@@ -73,7 +73,7 @@ impl SurfaceColumns {
             triangle_edges: &self.triangle_edges,
             owned: &self.owned,
             edges: &self.edges,
-            fans: self.fans.view(),
+            incidence: self.incidence.view(),
             sewn: Sewn { offsets: &self.sewn_offsets, others: &self.sewn_others },
             first_passive: self.first_passive,
             own_contact: self.own_contact,

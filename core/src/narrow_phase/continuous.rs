@@ -35,7 +35,7 @@ const RESERVE: Real = 2.0 * ROUNDING;
 
 /// The motion of all vertices, and which of them moved since they were last tested.
 #[derive(Clone, Copy)]
-pub struct Motion<'a> {
+pub struct LinearMotion<'a> {
     /// m.
     pub start: &'a [Vec3],
     /// m.
@@ -65,7 +65,7 @@ pub fn times<P: Pairing>(
     candidates: &[[u32; 2]],
     distances: &[Real],
     surface: &Surface<'_>,
-    motion: Motion<'_>,
+    motion: LinearMotion<'_>,
     separation: Real,
     times: &mut [Real],
     dispatch: &impl Dispatch,

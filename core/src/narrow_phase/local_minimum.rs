@@ -56,7 +56,7 @@ fn is_lowest(surface: &Surface<'_>, x: &[Vec3], feature: Feature<'_>, other: Fea
         let normal = (b - a).cross(c - a);
         out.dot(normal).abs() <= ALONG * sqrt(normal.length_squared())
     };
-    surface.fans.at(foot as usize).iter().all(|&slot| {
+    surface.incidence.at(foot as usize).iter().all(|&slot| {
         let corners = surface.triangles[slot as usize / 3];
         let is_around = corners.iter().filter(|&&v| feature.touches(v)).count() >= feature.touched();
         !(is_around && corners.iter().any(rises))

@@ -28,7 +28,7 @@ pub use contact::{ContactDesc, FrictionDesc};
 pub use disc::DiscDesc;
 pub use grid::{GridDesc, Pattern};
 pub use resource::{Content, PointCache, Resource};
-pub use select::{SelectDesc, Side};
+pub use select::{SelectDesc, SheetSide};
 pub use tube::TubeDesc;
 
 use crate::integrate::{Jacobian, Method, Preconditioner};

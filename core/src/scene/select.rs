@@ -9,7 +9,7 @@ use crate::error::SceneError;
 /// A side of a sheet as it lies before it is placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum Side {
+pub enum SheetSide {
     /// Least x.
     Left,
     /// Greatest x.
@@ -34,7 +34,7 @@ pub struct SelectDesc {
     /// The vertex nearest to a point once the sheet is placed, m.
     pub nearest: Option<[f64; 3]>,
     /// A side of the sheet before it is placed.
-    pub edge: Option<Side>,
+    pub edge: Option<SheetSide>,
 }
 
 /// Why a selection is not usable; the scene adds where it stands.
@@ -95,12 +95,12 @@ fn by_corners(corners: &[u32], flat: &[[f64; 3]]) -> Result<Vec<u32>, SelectErro
     Ok(corners.iter().map(corner).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
-fn by_side(side: Side, flat: &[[f64; 3]]) -> Vec<u32> {
+fn by_side(side: SheetSide, flat: &[[f64; 3]]) -> Vec<u32> {
     let (axis, sign) = match side {
-        Side::Left => (0, 1.0),
-        Side::Right => (0, -1.0),
-        Side::Back => (2, 1.0),
-        Side::Front => (2, -1.0),
+        SheetSide::Left => (0, 1.0),
+        SheetSide::Right => (0, -1.0),
+        SheetSide::Back => (2, 1.0),
+        SheetSide::Front => (2, -1.0),
     };
     let along = |v: usize| sign * flat[v][axis];
     let (low, high) = (0..flat.len()).map(along).fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));

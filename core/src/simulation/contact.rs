@@ -1,12 +1,12 @@
 //! The phases of a step between prediction and commit, over owned columns that grow where a step
 //! needs more room, and the untangling of a start.
 
-use super::{Cause, Part, Simulation};
+use super::{Cause, Simulation, Substep};
 use crate::audit;
 use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, ContactScratchColumns};
 use crate::dispatch::{Dispatch, Here, block_on};
-use crate::integrate::Context;
+use crate::integrate::StepInput;
 use crate::real::{Real, sqrt};
 use crate::response::impact::SEPARATION;
 use crate::response::{Outcome, Settings, Tally};
@@ -42,7 +42,12 @@ pub(super) struct Obstacle {
 
 impl Simulation {
     /// The phases between prediction and commit.
-    pub(super) async fn resolve<D: Dispatch>(&mut self, part: Part, hold: bool, dispatch: &D) -> Result<(), Obstacle> {
+    pub(super) async fn resolve<D: Dispatch>(
+        &mut self,
+        part: Substep,
+        hold: bool,
+        dispatch: &D,
+    ) -> Result<(), Obstacle> {
         let most = if hold { LAST_WIDENINGS } else { MOST_WIDENINGS };
         let mut widened = 0;
         loop {
@@ -71,7 +76,7 @@ impl Simulation {
     }
 
     /// Contact: writes the boxes around the motion, wider where that was too little.
-    pub fn sweep(&mut self, part: Part, widened: u32) {
+    pub fn sweep(&mut self, part: Substep, widened: u32) {
         let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return };
         let margin = 0.5 * model.thickness * (1 << widened) as Real;
@@ -93,7 +98,7 @@ impl Simulation {
 
     /// Contact: corrects the candidate state, with more room where there was too little for what
     /// touches.
-    pub fn respond(&mut self, part: Part, hold: bool, dispatch: &impl Dispatch) -> Outcome {
+    pub fn respond(&mut self, part: Substep, hold: bool, dispatch: &impl Dispatch) -> Outcome {
         let step = self.step * part.length as Real;
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return Outcome::Free };
         dispatch.enter(Stage::Response);
@@ -106,10 +111,10 @@ impl Simulation {
 
     /// Contact: solves what touches together with the cloth. Where there is too little room for what
     /// touches, it is grown.
-    pub fn press(&mut self, part: Part, dispatch: &impl Dispatch) {
+    pub fn press(&mut self, part: Substep, dispatch: &impl Dispatch) {
         let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
-        let (scheme, leads) = (&self.scheme_of(part), !self.after_contact);
-        let Self { built, scratch, contact, work, .. } = self;
+        let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);
+        let Self { built, scratch, contact, statistics, .. } = self;
         let (Some(touching), Some(contact)) = (&built.contact, contact) else { return };
         if !scheme.method.is_implicit() {
             return;
@@ -126,8 +131,8 @@ impl Simulation {
         let BuiltScene { particles, model, pins, .. } = built;
         let (model, pins) = (&model.view(), &pins.view());
         let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
-        let context = Context { model, pins, masses, inverse_masses, time, step, scheme, leads, dispatch };
-        step::couple(&context, &touching.view(), &mut contact.view(), holds, &mut scratch.view(), work);
+        let context = StepInput { model, pins, masses, inverse_masses, time, step, scheme, extrapolates, dispatch };
+        step::couple(&context, &touching.view(), &mut contact.view(), holds, &mut scratch.view(), statistics);
     }
 
     /// Whether nothing passes through at the end of the step that did not at its start.

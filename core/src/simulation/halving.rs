@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::{Diverged, Part, Simulation, State};
+use super::{Simulation, State, StepError, Substep};
 use crate::dispatch::Dispatch;
 use crate::real::{Sum, Vec3};
 
@@ -32,7 +32,7 @@ impl Kept {
 impl Simulation {
     /// Takes a step in halves, as short as they must be; where that does not help the state is put
     /// back.
-    pub(super) async fn step_in_halves<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Diverged> {
+    pub(super) async fn step_in_halves<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         self.keep();
         let taken = self.halves(dispatch).await;
         if taken.is_err() {
@@ -41,13 +41,13 @@ impl Simulation {
         taken
     }
 
-    async fn halves<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Diverged> {
+    async fn halves<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         self.tally.rejected += 1;
         let whole = 1u32 << MOST_HALVINGS;
         let (mut done, mut halvings) = (0, 1);
         while done < whole {
             let length = whole >> halvings;
-            let part = Part { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
+            let part = Substep { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
             match self.try_part(part, halvings == MOST_HALVINGS, dispatch).await {
                 Ok(()) => {
                     done += length;
@@ -79,7 +79,7 @@ impl Simulation {
         let [positions, velocities, previous @ ..] = kept.columns.each_ref().map(|column| &column[..]);
         let previous = if kept.has_history { previous } else { [&[][..]; 2] };
         let state = State { steps: self.steps, positions, velocities, previous, after_contact: kept.after_contact };
-        self.restore(&state, self.work, self.tally);
+        self.restore(&state, self.statistics, self.tally);
         self.kept = kept;
     }
 }

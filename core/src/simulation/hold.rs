@@ -1,4 +1,4 @@
-//! Vertices that a host takes hold of, leads and lets go: a hand in the cloth.
+//! Vertices that a host takes hold of, extrapolates and lets go: a hand in the cloth.
 
 use super::Simulation;
 use crate::real::{Sum, Vec3};
@@ -8,13 +8,13 @@ impl Simulation {
     /// Moves a vertex, held or free, evenly to a place, m, within `seconds`, or at once for 0. There it is held.
     /// Returns false and changes nothing if the vertex does not exist, the place or the time is not finite, or
     /// the time is negative.
-    pub fn lead(&mut self, vertex: u32, place: Vec3, seconds: Sum) -> bool {
+    pub fn move_to(&mut self, vertex: u32, place: Vec3, seconds: Sum) -> bool {
         let Some(&from) = self.positions().get(vertex as usize) else { return false };
         if !place.is_finite() || !(0.0..Sum::INFINITY).contains(&seconds) {
             return false;
         }
         let now = self.time();
-        self.built.pins.lead(vertex, [now, now + seconds], [from, place]);
+        self.built.pins.move_to(vertex, [now, now + seconds], [from, place]);
         self.take_over_pins();
         // A method of two steps cannot look back over what a hand does.
         self.scratch.has_history = false;

@@ -4,7 +4,7 @@ use crate::stage::Term;
 
 /// A step that was not taken. The state is that before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Diverged {
+pub struct StepError {
     /// The step that failed, counted from 1.
     pub step: u64,
     /// The first particle that is not finite, that meets something, or the one that moves farthest.
@@ -33,14 +33,14 @@ pub enum Cause {
     Stopped,
 }
 
-impl Diverged {
+impl StepError {
     /// Whether a shorter step may be taken where this one was not.
     pub(super) fn may_help(&self) -> bool {
         matches!(self.cause, Cause::Contact { .. } | Cause::TooMuch)
     }
 }
 
-impl core::fmt::Display for Diverged {
+impl core::fmt::Display for StepError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self { step, particle, .. } = self;
         let term = self.term.map_or("no term", Term::name);
@@ -63,4 +63,4 @@ impl core::fmt::Display for Diverged {
     }
 }
 
-impl core::error::Error for Diverged {}
+impl core::error::Error for StepError {}

@@ -16,7 +16,7 @@ const IS_FACE: u32 = 64u;
 
 @compute @workgroup_size(256)
 fn write_bounds(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let triangle = place(group) * GROUP + local;
+    let triangle = workgroup_index(group) * GROUP + local;
     if triangle >= params.triangles {
         return;
     }

@@ -3,7 +3,7 @@
 //
 // Coordinates are rounded outward to units, at most 60 across a triangle, and taken modulo 256.
 
-@group(0) @binding(1) var<storage, read> units: array<i32>;
+@group(0) @binding(1) var<storage, read> quantized_boxes: array<i32>;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
 @group(0) @binding(3) var<storage, read> levels: array<u32>;
 @group(0) @binding(4) var<storage, read> entries: array<vec2<u32>>;
@@ -11,7 +11,7 @@
 @group(0) @binding(5) var<storage, read_write> byte_boxes: array<vec2<u32>>;
 // Key, object and its box.
 @group(0) @binding(6) var<storage, read_write> boxed: array<vec4<u32>>;
-@group(0) @binding(7) var<storage, read> plan: array<u32>;
+@group(0) @binding(7) var<storage, read> counters: array<u32>;
 
 // From units of which 2^10 span a triangle to bytes' units of which 60 do.
 fn word(corner: vec3<i32>) -> u32 {
@@ -21,7 +21,7 @@ fn word(corner: vec3<i32>) -> u32 {
 
 @compute @workgroup_size(256)
 fn write_byte_boxes(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let triangle = place(group) * GROUP + local;
+    let triangle = workgroup_index(group) * GROUP + local;
     if triangle >= params.triangles || levels[triangle] > params.level {
         return;
     }
@@ -29,16 +29,16 @@ fn write_byte_boxes(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
     var high = vec3<i32>(-1);
     for (var k = 0u; k < 3u; k++) {
         let at = 6u * triangles[3u * triangle + k];
-        low = min(low, vec3<i32>(units[at], units[at + 1u], units[at + 2u]));
-        high = max(high, vec3<i32>(units[at + 3u], units[at + 4u], units[at + 5u]));
+        low = min(low, vec3<i32>(quantized_boxes[at], quantized_boxes[at + 1u], quantized_boxes[at + 2u]));
+        high = max(high, vec3<i32>(quantized_boxes[at + 3u], quantized_boxes[at + 4u], quantized_boxes[at + 5u]));
     }
     byte_boxes[triangle] = vec2<u32>(word(low), word(high));
 }
 
 @compute @workgroup_size(256)
 fn gather(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let at = place(group) * GROUP + local;
-    if at < min(plan[ENTRIES], params.entries) {
+    let at = workgroup_index(group) * GROUP + local;
+    if at < min(counters[ENTRIES], params.entries) {
         let entry = entries[at];
         boxed[at] = vec4<u32>(entry, byte_boxes[entry.y & ID]);
     }

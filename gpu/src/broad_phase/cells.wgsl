@@ -3,7 +3,7 @@
 @group(0) @binding(1) var<storage, read> spheres: array<vec4<i32>>;
 // Keys and control bits.
 @group(0) @binding(2) var<storage, read_write> homes: array<vec2<u32>>;
-@group(0) @binding(3) var<storage, read_write> plan: array<u32>;
+@group(0) @binding(3) var<storage, read_write> counters: array<u32>;
 
 // The least integer whose square is not less.
 fn root_above(n: u32) -> u32 {
@@ -19,13 +19,13 @@ fn root_above(n: u32) -> u32 {
 
 // One invocation.
 @compute @workgroup_size(1)
-fn choose_lattice() {
-    let count = plan[SPHERES];
-    let diagonal_squared = plan[SPHERES + 1u];
+fn choose_grid() {
+    let count = counters[SPHERES];
+    let diagonal_squared = counters[SPHERES + 1u];
     let size = 2u * root_above(diagonal_squared) + root_above(2u * diagonal_squared) + 1u;
     var bits: vec3<u32>;
     for (var k = 0u; k < 3u; k++) {
-        bits[k] = max(firstLeadingBit(plan[SPHERES + 2u + k] / size + 1u) + 1u, 2u);
+        bits[k] = max(firstLeadingBit(counters[SPHERES + 2u + k] / size + 1u) + 1u, 2u);
     }
     let most = max(32u - countLeadingZeros(count) + 1u, 6u);
     while bits.x + bits.y + bits.z > most {
@@ -38,15 +38,15 @@ fn choose_lattice() {
         }
         bits[longest] -= 1u;
     }
-    plan[LATTICE] = size;
+    counters[CELL_GRID] = size;
     for (var k = 0u; k < 3u; k++) {
-        plan[LATTICE + 1u + k] = bits[k];
+        counters[CELL_GRID + 1u + k] = bits[k];
     }
 }
 
 @compute @workgroup_size(256)
 fn write_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let triangle = place(group) * GROUP + local;
+    let triangle = workgroup_index(group) * GROUP + local;
     if triangle >= params.triangles {
         return;
     }
@@ -55,7 +55,7 @@ fn write_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         homes[triangle] = vec2<u32>(0u);
         return;
     }
-    let size = i32(plan[LATTICE]);
+    let size = i32(counters[CELL_GRID]);
     let cover_squared = 2u * u32(sphere.w);
     var key = 0u;
     var parity = 0u;
@@ -66,7 +66,7 @@ fn write_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         let cell = sphere[k] / size;
         let below = sphere[k] - cell * size;
         let above = size - below;
-        let bits = plan[LATTICE + 1u + k];
+        let bits = counters[CELL_GRID + 1u + k];
         key |= (u32(cell) & ((1u << bits) - 1u)) << field;
         field += bits;
         parity |= (u32(cell) & 1u) << k;

@@ -9,11 +9,11 @@
 @group(0) @binding(4) var<storage, read> blocks: array<u32>;
 // Key and object.
 @group(0) @binding(5) var<storage, read_write> entries: array<vec2<u32>>;
-@group(0) @binding(6) var<storage, read_write> plan: array<u32>;
+@group(0) @binding(6) var<storage, read_write> counters: array<u32>;
 
 @compute @workgroup_size(256)
 fn count_entries(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let triangle = place(group) * GROUP + local;
+    let triangle = workgroup_index(group) * GROUP + local;
     if triangle >= params.triangles {
         return;
     }
@@ -36,13 +36,13 @@ fn push(at: u32, key: u32, object: u32) {
 
 @compute @workgroup_size(256)
 fn write_entries(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let triangle = place(group) * GROUP + local;
+    let triangle = workgroup_index(group) * GROUP + local;
     if triangle == 0u {
         let all = blocks[(4u * params.triangles + 2047u) / 2048u];
-        plan[ENTRIES] = all;
-        plan[MOST_ENTRIES] = max(plan[MOST_ENTRIES], all);
+        counters[ENTRIES] = all;
+        counters[MOST_ENTRIES] = max(counters[MOST_ENTRIES], all);
         if all > params.entries {
-            plan[STATUS] |= NO_ROOM_ENTRIES;
+            counters[STATUS] |= NO_ROOM_ENTRIES;
         }
     }
     if triangle >= params.triangles {
@@ -65,7 +65,7 @@ fn write_entries(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
         var neighbour = key;
         var field = 0u;
         for (var k = 0u; k < 3u; k++) {
-            let bits = plan[LATTICE + 1u + k];
+            let bits = counters[CELL_GRID + 1u + k];
             if ((across >> k) & 1u) == 1u {
                 let one = 1u << field;
                 let mask = ((1u << bits) - 1u) << field;

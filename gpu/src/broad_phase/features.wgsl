@@ -10,7 +10,7 @@
 @group(0) @binding(5) var<storage, read> sewn: array<u32>;
 @group(0) @binding(6) var<storage, read> pairs: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> masks: array<u32>;
-@group(0) @binding(8) var<storage, read> plan: array<u32>;
+@group(0) @binding(8) var<storage, read> counters: array<u32>;
 
 const OWNS_VERTEX: u32 = 1u;
 const OWNS_EDGE: u32 = 8u;
@@ -95,10 +95,10 @@ fn features_of(a: u32, b: u32) -> u32 {
 
 @compute @workgroup_size(256)
 fn find_features(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let pair = place(group) * GROUP + local;
+    let pair = workgroup_index(group) * GROUP + local;
     if pair < params.pairs {
         masks[pair] = 0u;
-        if pair < plan[PAIRS] && !lacks(NO_ROOM_FOR_PAIRS) {
+        if pair < counters[PAIRS] && !overflowed(NO_ROOM_FOR_PAIRS) {
             masks[pair] = features_of(pairs[pair].x, pairs[pair].y);
         }
     }

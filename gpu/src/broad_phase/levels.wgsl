@@ -4,7 +4,7 @@
 @group(0) @binding(2) var<storage, read_write> levels: array<u32>;
 // The counts, then the level of each bin.
 @group(0) @binding(3) var<storage, read_write> histogram: array<atomic<u32>>;
-@group(0) @binding(4) var<storage, read_write> plan: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
 
 const MOST: u32 = 8u;
 const FEW: u32 = 32u;
@@ -49,7 +49,7 @@ fn count_sizes(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         atomicStore(&scene[local], 0xffffffffu);
     }
     workgroupBarrier();
-    let triangle = place(group) * GROUP + local;
+    let triangle = workgroup_index(group) * GROUP + local;
     if triangle < params.triangles {
         let size = extent(triangle);
         let bin = size.bits >> 21u;
@@ -71,8 +71,8 @@ fn count_sizes(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         }
     }
     if local < 3u {
-        atomicMin(&plan[SCENE + local], atomicLoad(&scene[local]));
-        atomicMax(&plan[SCENE + 3u + local], atomicLoad(&scene[3u + local]));
+        atomicMin(&counters[SCENE + local], atomicLoad(&scene[local]));
+        atomicMax(&counters[SCENE + 3u + local], atomicLoad(&scene[3u + local]));
     }
 }
 
@@ -112,14 +112,14 @@ fn divide(@builtin(local_invocation_index) local: u32) {
         for (var bin = next; bin < BINS; bin++) {
             table[bin] = level;
         }
-        atomicStore(&plan[GRADED], level);
-        atomicStore(&plan[SINGLE], left);
+        atomicStore(&counters[GRADED], level);
+        atomicStore(&counters[SINGLE], left);
         // The host runs so many levels and rounds.
         if level > params.level {
-            atomicOr(&plan[STATUS], NO_ROOM_LEVELS);
+            atomicOr(&counters[STATUS], NO_ROOM_LEVELS);
         }
         if left > params.length {
-            atomicOr(&plan[STATUS], NO_ROOM_ROUNDS);
+            atomicOr(&counters[STATUS], NO_ROOM_ROUNDS);
         }
     }
     workgroupBarrier();
@@ -130,7 +130,7 @@ fn divide(@builtin(local_invocation_index) local: u32) {
 
 @compute @workgroup_size(256)
 fn assign(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let triangle = place(group) * GROUP + local;
+    let triangle = workgroup_index(group) * GROUP + local;
     if triangle >= params.triangles {
         return;
     }
@@ -139,7 +139,7 @@ fn assign(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
     if size.is_valid {
         level = atomicLoad(&histogram[BINS + (size.bits >> 21u)]);
         if level < MOST {
-            atomicMax(&plan[EXTENTS + level], size.bits);
+            atomicMax(&counters[EXTENTS + level], size.bits);
         }
     }
     levels[triangle] = level;

@@ -13,7 +13,7 @@
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(6) var<storage, read> blocks: array<u32>;
 @group(0) @binding(7) var<storage, read_write> pairs: array<vec2<u32>>;
-@group(0) @binding(8) var<storage, read_write> plan: array<u32>;
+@group(0) @binding(8) var<storage, read_write> counters: array<u32>;
 
 const WORD: u32 = 32u;
 // A phantom of no cell.
@@ -23,8 +23,8 @@ var<workgroup> others: array<vec4<u32>, SIDE>;
 var<workgroup> hits: array<u32, SIDE>;
 
 fn cell_type(key: u32) -> u32 {
-    let y = plan[LATTICE + 1u];
-    let z = y + plan[LATTICE + 2u];
+    let y = counters[CELL_GRID + 1u];
+    let z = y + counters[CELL_GRID + 2u];
     return (key & 1u) | (((key >> y) & 1u) << 1u) | (((key >> z) & 1u) << 2u);
 }
 
@@ -44,7 +44,7 @@ fn may_overlap(a: vec2<u32>, b: vec2<u32>) -> bool {
 // Reads an entry, and one of the others for all of the group.
 fn load(tile: u32, local: u32) -> vec4<u32> {
     let place = tiles[tile] + local;
-    let end = min(plan[ENTRIES], params.entries);
+    let end = min(counters[ENTRIES], params.entries);
     others[local] = NOTHING;
     if place.y < end {
         others[local] = boxed[place.y];
@@ -113,8 +113,8 @@ fn hits_before(local: u32) -> u32 {
 // A group a tile.
 @compute @workgroup_size(64)
 fn count_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let tile = place(group);
-    let is_there = tile < min(plan[TILES], params.tiles) && !lacks(NO_ROOM_BEFORE_PAIRS);
+    let tile = workgroup_index(group);
+    let is_there = tile < min(counters[TILES], params.tiles) && !overflowed(NO_ROOM_BEFORE_PAIRS);
     find(tile, local, is_there);
     if local == 0u && tile < params.tiles {
         counts[tile] = hits_before(SIDE);
@@ -131,14 +131,14 @@ fn pairs_before(tile: u32) -> u32 {
 
 @compute @workgroup_size(64)
 fn write_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let tile = place(group);
-    let has_some = tile < params.tiles && pairs_before(tile) < pairs_before(tile + 1u) && !lacks(NO_ROOM_FOR_PAIRS);
+    let tile = workgroup_index(group);
+    let has_some = tile < params.tiles && pairs_before(tile) < pairs_before(tile + 1u) && !overflowed(NO_ROOM_FOR_PAIRS);
     let found = find(tile, local, has_some);
     if !any(found != vec2<u32>(0u)) {
         return;
     }
     let own = boxed[tiles[tile].x + local].y & ID;
-    var at = plan[PAIRS] + pairs_before(tile) + hits_before(local);
+    var at = counters[PAIRS] + pairs_before(tile) + hits_before(local);
     for (var half = 0u; half < 2u; half++) {
         var left = found[half];
         while left != 0u {
@@ -155,8 +155,8 @@ fn write_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 // One invocation: later pairs come behind these.
 @compute @workgroup_size(1)
 fn close_pairs() {
-    plan[PAIRS] = saturated(plan[PAIRS], pairs_before(params.tiles));
-    if plan[PAIRS] > params.pairs {
-        plan[STATUS] |= NO_ROOM_PAIRS;
+    counters[PAIRS] = saturated(counters[PAIRS], pairs_before(params.tiles));
+    if counters[PAIRS] > params.pairs {
+        counters[STATUS] |= NO_ROOM_PAIRS;
     }
 }

@@ -5,7 +5,7 @@
 @group(0) @binding(2) var<storage, read_write> sorted: array<vec2<u32>>;
 // One number a digit and block, digit by digit.
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
-@group(0) @binding(4) var<storage, read> plan: array<u32>;
+@group(0) @binding(4) var<storage, read> counters: array<u32>;
 
 const EACH: u32 = 8u;
 const BLOCK: u32 = 2048u;
@@ -17,25 +17,25 @@ fn digit(key: u32) -> u32 {
 }
 
 fn count() -> u32 {
-    return min(plan[ENTRIES], params.entries);
+    return min(counters[ENTRIES], params.entries);
 }
 
 fn blocks() -> u32 {
     return (params.entries + BLOCK - 1u) / BLOCK;
 }
 
-var<workgroup> tally: array<atomic<u32>, DIGITS>;
+var<workgroup> digit_counts: array<atomic<u32>, DIGITS>;
 
 @compute @workgroup_size(256)
 fn count_digits(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let block = place(group);
+    let block = workgroup_index(group);
     let end = min(count(), (block + 1u) * BLOCK);
     for (var at = block * BLOCK + local; at < end; at += GROUP) {
-        atomicAdd(&tally[digit(entries[at].x)], 1u);
+        atomicAdd(&digit_counts[digit(entries[at].x)], 1u);
     }
     workgroupBarrier();
     if local < DIGITS && block < blocks() {
-        counts[local * blocks() + block] = atomicLoad(&tally[local]);
+        counts[local * blocks() + block] = atomicLoad(&digit_counts[local]);
     }
 }
 
@@ -44,7 +44,7 @@ var<workgroup> ranks: array<u32, 2048>;
 
 @compute @workgroup_size(256)
 fn scatter(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let block = place(group);
+    let block = workgroup_index(group);
     let start = block * BLOCK + local * EACH;
     let end = min(count(), start + EACH);
     var own = array<u32, HALF>();

@@ -8,20 +8,20 @@
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(6) var<storage, read> blocks: array<u32>;
 @group(0) @binding(7) var<storage, read_write> contacts: array<vec2<u32>>;
-@group(0) @binding(8) var<storage, read_write> plan: array<u32>;
+@group(0) @binding(8) var<storage, read_write> counters: array<u32>;
 
 // Whether what is at a place is a candidate of which there is room, and near.
 fn is_near(at: u32) -> bool {
     if at < params.vertex_triangle {
-        return at < plan[VERTEX_TRIANGLE] && vertex_triangle_distances[at] < params.reach;
+        return at < counters[VERTEX_TRIANGLE] && vertex_triangle_distances[at] < params.reach;
     }
     let edge = at - params.vertex_triangle;
-    return edge < min(plan[EDGE_EDGE], params.edge_edge) && edge_edge_distances[edge] < params.reach;
+    return edge < min(counters[EDGE_EDGE], params.edge_edge) && edge_edge_distances[edge] < params.reach;
 }
 
 @compute @workgroup_size(256)
 fn count_contacts(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let at = place(group) * GROUP + local;
+    let at = workgroup_index(group) * GROUP + local;
     if at < params.vertex_triangle + params.edge_edge {
         counts[at] = select(0u, 1u, is_near(at));
     }
@@ -29,14 +29,14 @@ fn count_contacts(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
 
 @compute @workgroup_size(256)
 fn write_contacts(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let at = place(group) * GROUP + local;
+    let at = workgroup_index(group) * GROUP + local;
     let count = params.vertex_triangle + params.edge_edge;
     if at == 0u {
-        plan[CONTACTS] = counts[params.vertex_triangle];
+        counters[CONTACTS] = counts[params.vertex_triangle];
         let all = blocks[(count + 2047u) / 2048u];
-        plan[CONTACTS + 1u] = all - counts[params.vertex_triangle];
+        counters[CONTACTS + 1u] = all - counts[params.vertex_triangle];
         if all > params.contacts {
-            plan[STATUS] |= NO_ROOM_CONTACTS;
+            counters[STATUS] |= NO_ROOM_CONTACTS;
         }
     }
     if at < count && is_near(at) && counts[at] < params.contacts {

@@ -12,7 +12,7 @@
 @group(0) @binding(5) var<storage, read> radii: array<f32>;
 @group(0) @binding(6) var<storage, read> distances: array<f32>;
 @group(0) @binding(7) var<storage, read_write> times: array<f32>;
-@group(0) @binding(8) var<storage, read> plan: array<u32>;
+@group(0) @binding(8) var<storage, read> counters: array<u32>;
 
 const TOUCH: f32 = 1e-3;
 const TOUCHING: f32 = 3.0;
@@ -32,7 +32,7 @@ fn farthest(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>) -> f32 {
 
 @compute @workgroup_size(64)
 fn write_times(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let at = place(group) * 64u + local;
+    let at = workgroup_index(group) * 64u + local;
     if at >= candidate_count() {
         return;
     }

@@ -6,11 +6,11 @@
 @group(0) @binding(3) var<storage, read> start: array<f32>;
 @group(0) @binding(4) var<storage, read> radii: array<f32>;
 @group(0) @binding(5) var<storage, read_write> distances: array<f32>;
-@group(0) @binding(6) var<storage, read> plan: array<u32>;
+@group(0) @binding(6) var<storage, read> counters: array<u32>;
 
 @compute @workgroup_size(256)
 fn write_distances(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let at = place(group) * GROUP + local;
+    let at = workgroup_index(group) * GROUP + local;
     if at >= candidate_count() {
         return;
     }

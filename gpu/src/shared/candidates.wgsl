@@ -8,14 +8,14 @@
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(6) var<storage, read_write> vertex_triangle: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> edge_edge: array<vec2<u32>>;
-@group(0) @binding(8) var<storage, read_write> plan: array<u32>;
+@group(0) @binding(8) var<storage, read_write> counters: array<u32>;
 
 const FACES: u32 = 0x7888u;
 const EDGES: u32 = 0x0777u;
 
 @compute @workgroup_size(256)
 fn count_candidates(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let pair = place(group) * GROUP + local;
+    let pair = workgroup_index(group) * GROUP + local;
     if pair < params.pairs {
         counts[pair] = countOneBits(masks[pair] & FACES);
         counts[params.pairs + pair] = countOneBits(masks[pair] & EDGES);
@@ -24,8 +24,8 @@ fn count_candidates(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
 
 @compute @workgroup_size(256)
 fn write_candidates(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let pair = place(group) * GROUP + local;
-    let count = min(plan[PAIRS], params.pairs);
+    let pair = workgroup_index(group) * GROUP + local;
+    let count = min(counters[PAIRS], params.pairs);
     if pair >= count {
         return;
     }
@@ -55,13 +55,13 @@ fn write_candidates(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
         }
     }
     if pair + 1u == count {
-        plan[VERTEX_TRIANGLE] = face;
-        plan[EDGE_EDGE] = edge;
+        counters[VERTEX_TRIANGLE] = face;
+        counters[EDGE_EDGE] = edge;
         if face > params.vertex_triangle {
-            plan[STATUS] |= NO_ROOM_VERTEX_TRIANGLE;
+            counters[STATUS] |= NO_ROOM_VERTEX_TRIANGLE;
         }
         if edge > params.edge_edge {
-            plan[STATUS] |= NO_ROOM_EDGE_EDGE;
+            counters[STATUS] |= NO_ROOM_EDGE_EDGE;
         }
     }
 }

@@ -17,7 +17,7 @@ fn gather_radii(vertices: vec4<u32>) -> vec4<f32> {
 // Candidates of this kind that there is room for.
 fn candidate_count() -> u32 {
     if IS_EDGES {
-        return min(plan[EDGE_EDGE], params.edge_edge);
+        return min(counters[EDGE_EDGE], params.edge_edge);
     }
-    return min(plan[VERTEX_TRIANGLE], params.vertex_triangle);
+    return min(counters[VERTEX_TRIANGLE], params.vertex_triangle);
 }

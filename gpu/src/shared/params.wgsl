@@ -31,6 +31,6 @@ const GROUP: u32 = 256u;
 const ROW: u32 = 65535u;
 
 // Workgroups are folded into rows: none has more than the web allows.
-fn place(group: vec3<u32>) -> u32 {
+fn workgroup_index(group: vec3<u32>) -> u32 {
     return group.y * ROW + group.x;
 }

@@ -34,7 +34,7 @@ fn number(at: u32) -> u32 {
 
 @compute @workgroup_size(256)
 fn sum_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let block = place(group);
+    let block = workgroup_index(group);
     let start = block * BLOCK + local * EACH;
     var sum = 0u;
     for (var k = 0u; k < EACH; k++) {
@@ -78,7 +78,7 @@ fn scan_blocks(@builtin(local_invocation_index) local: u32) {
 
 @compute @workgroup_size(256)
 fn spread(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let block = place(group);
+    let block = workgroup_index(group);
     let start = block * BLOCK + local * EACH;
     var own = 0u;
     for (var k = 0u; k < EACH; k++) {

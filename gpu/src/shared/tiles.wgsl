@@ -10,7 +10,7 @@
 @group(0) @binding(3) var<storage, read> blocks: array<u32>;
 // The first entry and the first other.
 @group(0) @binding(4) var<storage, read_write> tiles: array<vec2<u32>>;
-@group(0) @binding(5) var<storage, read_write> plan: array<u32>;
+@group(0) @binding(5) var<storage, read_write> counters: array<u32>;
 
 var<workgroup> first: atomic<u32>;
 var<workgroup> last: atomic<u32>;
@@ -43,7 +43,7 @@ fn span(row: u32, local: u32) -> vec2<u32> {
     }
     workgroupBarrier();
     let at = row * SIDE + local;
-    let end = min(plan[ENTRIES], params.entries);
+    let end = min(counters[ENTRIES], params.entries);
     if at < end {
         let entry = boxed[at].xy;
         let kind = kind_of(entry.y);
@@ -68,26 +68,26 @@ fn span(row: u32, local: u32) -> vec2<u32> {
 // A group a row.
 @compute @workgroup_size(64)
 fn count_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let row = place(group);
+    let row = workgroup_index(group);
     let own = span(row, local);
     if local == 0u && row < row_count() {
-        counts[row] = select(own.y, 0u, lacks(NO_ROOM_BEFORE_TILES));
+        counts[row] = select(own.y, 0u, overflowed(NO_ROOM_BEFORE_TILES));
     }
 }
 
 @compute @workgroup_size(64)
 fn write_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let row = place(group);
+    let row = workgroup_index(group);
     let own = span(row, local);
     if row == 0u && local == 0u {
         let all = blocks[(row_count() + 2047u) / 2048u];
-        plan[TILES] = all;
-        plan[MOST_TILES] = max(plan[MOST_TILES], all);
+        counters[TILES] = all;
+        counters[MOST_TILES] = max(counters[MOST_TILES], all);
         if all > params.tiles {
-            plan[STATUS] |= NO_ROOM_TILES;
+            counters[STATUS] |= NO_ROOM_TILES;
         }
     }
-    if row >= row_count() || lacks(NO_ROOM_BEFORE_TILES) {
+    if row >= row_count() || overflowed(NO_ROOM_BEFORE_TILES) {
         return;
     }
     for (var k = local; k < own.y && counts[row] + k < params.tiles; k += SIDE) {

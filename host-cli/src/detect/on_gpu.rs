@@ -1,7 +1,7 @@
 //! The same stages on a graphics processor.
 
 use muslin_core::narrow_phase::contacts::contacts;
-use muslin_gpu::{Detector, Found, Wanted};
+use muslin_gpu::{DetectionQuery, DetectionResult, Detector};
 
 use super::mesh::Subject;
 use super::report::{Pairs, Report, StageMs};
@@ -17,11 +17,11 @@ pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Re
     let gpu = device::open()?;
     let radii = vec![0.0; subject.positions.len()];
     let next = subject.next.as_ref().filter(|_| arguments.stage >= DetectStage::Ccd);
-    let wanted = if next.is_some() { Wanted::Times } else { Wanted::Contacts };
+    let wanted = if next.is_some() { DetectionQuery::Times } else { DetectionQuery::Contacts };
     let mut detector = Detector::new(&gpu, &subject.surface.view(), &radii, wanted).map_err(device::failed)?;
     detector.set_distances(&gpu, subject.thickness, 0.0);
     let (start, end) = (&subject.positions, next.unwrap_or(&subject.positions));
-    let mut found = Found::default();
+    let mut found = DetectionResult::default();
     let mut detect = || pollster::block_on(detector.detect(&gpu, &subject.boxes, start, end, &mut found));
     detect().map_err(device::failed)?;
     let (again, time) = clocked(detect);
@@ -34,7 +34,7 @@ pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Re
     if arguments.stage >= DetectStage::Contacts {
         let [vertices, edges] = [&found.vertex_triangle, &found.edge_edge];
         let near = |pairs: &[[u32; 2]], distances: &[f32]| match wanted {
-            Wanted::Contacts => Some(pairs.len()),
+            DetectionQuery::Contacts => Some(pairs.len()),
             _ => Some(contacts(pairs, distances, subject.thickness, &mut [])),
         };
         report.vertex_triangle.contacts = near(vertices, &found.vertex_triangle_distances);

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use muslin_core::broad_phase::{self, Candidates, Counts, GridColumns, Surface, brute_force, reference_cell};
 use muslin_core::geometry::aabb::Aabb;
-use muslin_core::narrow_phase::continuous::{self, Motion, NEVER, TOUCHING};
+use muslin_core::narrow_phase::continuous::{self, LinearMotion, NEVER, TOUCHING};
 use muslin_core::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
 use muslin_core::real::Vec3;
 
@@ -87,7 +87,7 @@ impl Touch {
         let (vertices, edges) = (&found.vertex_triangle, &found.edge_edge);
         let (start, radii) = (&subject.positions[..], &vec![0.0; next.len()][..]);
         let moves: Vec<_> = next.iter().zip(start).map(|(&end, &start)| end - start).collect();
-        let motion = Motion { start, end: next, moves: &moves, radii, rounds: &[], round: 0 };
+        let motion = LinearMotion { start, end: next, moves: &moves, radii, rounds: &[], round: 0 };
         let vertex_triangle = times::<VertexTriangle>(vertices, &distances.vertex_triangle, subject, motion, pool);
         let edge_edge = times::<EdgeEdge>(edges, &distances.edge_edge, subject, motion, pool);
         Self::of(&vertex_triangle, &edge_edge)
@@ -110,7 +110,7 @@ fn times<P: Pairing>(
     candidates: &[[u32; 2]],
     distances: &[f32],
     subject: &Subject,
-    motion: Motion<'_>,
+    motion: LinearMotion<'_>,
     pool: &Pool,
 ) -> Vec<f32> {
     let mut times = vec![NEVER; candidates.len()];

@@ -10,7 +10,7 @@ mod raster;
 mod shade;
 mod shadow;
 mod solids;
-mod stage;
+mod view;
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ use palette::Palette;
 use picture::Things;
 pub use solids::Solid;
 use solids::Solids;
-use stage::Stage;
+use view::View;
 
 /// Picture size, pixels.
 const SIZE: [usize; 2] = [480, 360];
@@ -121,15 +121,15 @@ impl Preview {
 
     /// Writes an animation that loops and runs in real time.
     pub fn write_gif(&self, path: &Path) -> Result<(), PreviewError> {
-        let stage = self.stage()?;
+        let view = self.view()?;
         let shown = self.shown();
         let sample: Vec<usize> = spread(shown.len(), PALETTE_PICTURES).map(|k| shown[k]).collect();
-        let palette = Palette::of(&self.draw(&stage, &sample));
+        let palette = Palette::of(&self.draw(&view, &sample));
         let delays = self.delays(&shown);
         whole::write(path.into(), |file| {
             let mut animation = Animation::new(file, SIZE, &palette.colours)?;
             for (batch, delays) in shown.chunks(BATCH).zip(delays.chunks(BATCH)) {
-                let pictures = self.draw(&stage, batch);
+                let pictures = self.draw(&view, batch);
                 let indexed: Vec<_> = pictures.par_iter().map(|picture| palette.indices(picture)).collect();
                 for (pixels, &delay) in indexed.into_iter().zip(delays) {
                     animation.add(pixels, delay)?;
@@ -142,31 +142,31 @@ impl Preview {
 
     /// Writes one picture of six instants over the run.
     pub fn write_png(&self, path: &Path) -> Result<(), PreviewError> {
-        let stage = self.stage()?;
+        let view = self.view()?;
         let instants: Vec<usize> = spread(self.snapshots.len(), SHEET[0] * SHEET[1]).collect();
         let size = [0, 1].map(|k| SHEET[k] * (SIZE[k] + GAP) - GAP);
         let mut sheet = Image::filled(size, [255; 3]);
-        for (k, tile) in self.draw(&stage, &instants).iter().enumerate() {
+        for (k, tile) in self.draw(&view, &instants).iter().enumerate() {
             sheet.put(tile, [k % SHEET[0] * (SIZE[0] + GAP), k / SHEET[0] * (SIZE[1] + GAP)]);
         }
         whole::write(path.into(), |file| sheet.write_png(file))?;
         Ok(())
     }
 
-    fn stage(&self) -> Result<Stage, PreviewError> {
+    fn view(&self) -> Result<View, PreviewError> {
         let first = self.snapshots.first().ok_or(PreviewError::Empty)?;
         let solids: Vec<_> = self.snapshots.iter().flat_map(|snapshot| self.solids.points(&snapshot.places)).collect();
         let cloth = self.snapshots.iter().map(|snapshot| snapshot.cloth.as_slice());
-        Ok(Stage::around(cloth, &solids, self.solids.floor(&first.places), SIZE))
+        Ok(View::around(cloth, &solids, self.solids.floor(&first.places), SIZE))
     }
 
-    fn draw(&self, stage: &Stage, snapshots: &[usize]) -> Vec<Image> {
+    fn draw(&self, view: &View, snapshots: &[usize]) -> Vec<Image> {
         let last = (self.snapshots.len() - 1).max(1) as f32;
         let draw = |&k: &usize| {
             let Snapshot { cloth, places } = &self.snapshots[k];
             let solids = self.solids.points(places);
             let things = Things { cloth, triangles: &self.triangles, solids: &solids, others: &self.solids.triangles };
-            picture::draw(stage, &things, &self.pins, k as f32 / last)
+            picture::draw(view, &things, &self.pins, k as f32 / last)
         };
         snapshots.par_iter().map(draw).collect()
     }
@@ -204,7 +204,7 @@ mod tests {
 
     const SIDE: usize = 12;
 
-    /// Side by side squares, two triangles each.
+    /// Face by side squares, two triangles each.
     fn grid() -> Vec<[u32; 3]> {
         let corner = |i: usize, j: usize| (j * SIDE + i) as u32;
         let squares = (1..SIDE).flat_map(|j| (1..SIDE).map(move |i| [i - 1, i, j - 1, j]));

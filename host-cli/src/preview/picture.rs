@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use super::image::Image;
 use super::raster;
-use super::shade::{self, Side, Surface};
+use super::shade::{self, Face, Surface};
 use super::shadow::ShadowMap;
-use super::stage::Stage;
+use super::view::View;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
@@ -50,25 +50,25 @@ struct Hit {
 }
 
 /// Draws everything and the pins; `progress`, from 0 to 1, is shown as a bar along the bottom.
-pub fn draw(stage: &Stage, things: &Things<'_>, pins: &[u32], progress: f32) -> Image {
-    let scenery = Scenery::new(stage, things);
-    let hits = scenery.hits(stage);
-    let [width, height] = stage.size;
-    let pixel = |k: usize| scenery.pixel(stage, &hits, k % width, k / width);
+pub fn draw(view: &View, things: &Things<'_>, pins: &[u32], progress: f32) -> Image {
+    let scenery = Scenery::new(view, things);
+    let hits = scenery.hits(view);
+    let [width, height] = view.size;
+    let pixel = |k: usize| scenery.pixel(view, &hits, k % width, k / width);
     let mut pixels: Vec<Vec3> = (0..width * height).map(pixel).collect();
     for &pin in pins.iter().filter_map(|&pin| things.cloth.get(pin as usize)) {
-        draw_pin(stage, &hits, pin, &mut pixels);
+        draw_pin(view, &hits, pin, &mut pixels);
     }
-    draw_bar(stage, progress, &mut pixels);
-    Image { size: stage.size, pixels: pixels.into_iter().map(shade::encode).collect() }
+    draw_bar(view, progress, &mut pixels);
+    Image { size: view.size, pixels: pixels.into_iter().map(shade::encode).collect() }
 }
 
 impl<'a> Scenery<'a> {
-    fn new(stage: &'a Stage, things: &Things<'_>) -> Self {
+    fn new(view: &'a View, things: &Things<'_>) -> Self {
         let Things { cloth, triangles, solids, others } = *things;
         let points = [cloth, solids].concat();
         let shown = |v: usize| match cloth.get(v) {
-            Some(&point) => stage.shows(point),
+            Some(&point) => view.shows(point),
             None => points.get(v).is_some_and(|point| point.is_finite()),
         };
         let whole = |triangle: &[usize; 3]| triangle.iter().all(|&v| shown(v));
@@ -78,7 +78,7 @@ impl<'a> Scenery<'a> {
         let mut triangles: Vec<[usize; 3]> = fabric.filter(whole).collect();
         let fabric = triangles.len();
         triangles.extend(others.iter().map(|t| t.map(|v| cloth.len() + v as usize)).filter(whole));
-        let shadows = stage.light.shadows(triangles.iter().map(|t| t.map(|v| points[v])));
+        let shadows = view.light.shadows(triangles.iter().map(|t| t.map(|v| points[v])));
         let normals = normals(&points, &triangles);
         Scenery { points, normals, triangles, fabric, shadows }
     }
@@ -88,12 +88,12 @@ impl<'a> Scenery<'a> {
     }
 
     /// What each sample sees, the nearest triangle first.
-    fn hits(&self, stage: &Stage) -> Vec<Hit> {
-        let size = stage.size.map(|s| s * SAMPLES);
+    fn hits(&self, view: &View) -> Vec<Hit> {
+        let size = view.size.map(|s| s * SAMPLES);
         let mut hits = vec![Hit { nearness: 0.0, triangle: 0, weights: [0.0; 3] }; size[0] * size[1]];
         let scale = Vec3::new(SAMPLES as f32, SAMPLES as f32, 1.0);
         for triangle in 0..self.triangles.len() {
-            let corners = self.corners(triangle).map(|corner| stage.camera.project(corner) * scale);
+            let corners = self.corners(triangle).map(|corner| view.camera.project(corner) * scale);
             if corners.iter().any(|corner| corner.z <= 0.0) {
                 continue;
             }
@@ -109,19 +109,19 @@ impl<'a> Scenery<'a> {
     }
 
     /// Colour of a pixel: the mean over its samples.
-    fn pixel(&self, stage: &Stage, hits: &[Hit], x: usize, y: usize) -> Vec3 {
-        let samples = samples(stage, x, y).map(|sample| hits[sample]).filter(|hit| hit.nearness > 0.0);
-        let (count, seen) = samples.fold((0, Vec3::ZERO), |(n, sum), hit| (n + 1, sum + self.surface(stage, hit)));
+    fn pixel(&self, view: &View, hits: &[Hit], x: usize, y: usize) -> Vec3 {
+        let samples = samples(view, x, y).map(|sample| hits[sample]).filter(|hit| hit.nearness > 0.0);
+        let (count, seen) = samples.fold((0, Vec3::ZERO), |(n, sum), hit| (n + 1, sum + self.surface(view, hit)));
         let free = (SAMPLES * SAMPLES - count) as f32;
-        let behind = if count < SAMPLES * SAMPLES { self.backdrop(stage, x, y) } else { Vec3::ZERO };
+        let behind = if count < SAMPLES * SAMPLES { self.backdrop(view, x, y) } else { Vec3::ZERO };
         (seen + behind * free) / (SAMPLES * SAMPLES) as f32
     }
 
-    fn surface(&self, stage: &Stage, hit: Hit) -> Vec3 {
+    fn surface(&self, view: &View, hit: Hit) -> Vec3 {
         let blend = |values: [Vec3; 3]| (0..3).map(|k| values[k] * hit.weights[k]).sum::<Vec3>();
         let corners = self.corners(hit.triangle);
         let point = blend(corners);
-        let to_eye = (stage.camera.eye - point).normalize_or_zero();
+        let to_eye = (view.camera.eye - point).normalize_or_zero();
         let flat = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let front = flat.dot(to_eye) > 0.0;
         let normals = self.triangles[hit.triangle].map(|v| self.normals[v]);
@@ -131,28 +131,28 @@ impl<'a> Scenery<'a> {
         let normal = if front { smooth } else { -smooth };
 
         let side = match (solid, front) {
-            (false, true) => Side::Front,
-            (false, false) => Side::Back,
-            (true, _) => Side::Solid,
+            (false, true) => Face::Front,
+            (false, false) => Face::Back,
+            (true, _) => Face::Solid,
         };
 
         // Off the surface towards the light, so that it does not shade itself.
-        let light = &stage.light;
+        let light = &view.light;
         let off = normal * normal.dot(light.direction).signum();
         let lit = self.shadows.lit(point + (off * 3.0 + light.direction) * light.texel, SOFTNESS[0]);
-        shade::surface(stage, &Surface { to_eye, normal, side, lit })
+        shade::surface(view, &Surface { to_eye, normal, side, lit })
     }
 
-    fn backdrop(&self, stage: &Stage, x: usize, y: usize) -> Vec3 {
-        let down = y as f32 / stage.size[1] as f32;
+    fn backdrop(&self, view: &View, x: usize, y: usize) -> Vec3 {
+        let down = y as f32 / view.size[1] as f32;
         let centre = [x as f32 + 0.5, y as f32 + 0.5];
-        shade::backdrop(stage, centre, down, |point| self.shadows.lit(point, SOFTNESS[1]))
+        shade::backdrop(view, centre, down, |point| self.shadows.lit(point, SOFTNESS[1]))
     }
 }
 
 /// The samples of a pixel.
-fn samples(stage: &Stage, x: usize, y: usize) -> impl Iterator<Item = usize> + use<> {
-    let row = stage.size[0] * SAMPLES;
+fn samples(view: &View, x: usize, y: usize) -> impl Iterator<Item = usize> + use<> {
+    let row = view.size[0] * SAMPLES;
     (0..SAMPLES * SAMPLES).map(move |k| (y * SAMPLES + k / SAMPLES) * row + x * SAMPLES + k % SAMPLES)
 }
 
@@ -168,32 +168,31 @@ fn normals(points: &[Vec3], triangles: &[[usize; 3]]) -> Vec<Vec3> {
 }
 
 /// A dot on a vertex, unless something hides it.
-fn draw_pin(stage: &Stage, hits: &[Hit], pin: Vec3, pixels: &mut [Vec3]) {
-    let place = stage.camera.project(pin);
-    let inside = (0.0..stage.size[0] as f32).contains(&place.x) && (0.0..stage.size[1] as f32).contains(&place.y);
-    if !stage.shows(pin) || !inside || place.z <= 0.0 {
+fn draw_pin(view: &View, hits: &[Hit], pin: Vec3, pixels: &mut [Vec3]) {
+    let place = view.camera.project(pin);
+    let inside = (0.0..view.size[0] as f32).contains(&place.x) && (0.0..view.size[1] as f32).contains(&place.y);
+    if !view.shows(pin) || !inside || place.z <= 0.0 {
         return;
     }
-    let hidden = |sample: usize| {
-        hits[sample].nearness > 0.0 && 1.0 / place.z - 1.0 / hits[sample].nearness > 0.01 * stage.extent
-    };
-    if samples(stage, place.x as usize, place.y as usize).all(hidden) {
+    let hidden =
+        |sample: usize| hits[sample].nearness > 0.0 && 1.0 / place.z - 1.0 / hits[sample].nearness > 0.01 * view.extent;
+    if samples(view, place.x as usize, place.y as usize).all(hidden) {
         return;
     }
     let around =
         |x: f32, count: usize| (x - PIN_RADIUS - 1.0).max(0.0) as usize..count.min((x + PIN_RADIUS + 2.0) as usize);
-    for y in around(place.y, stage.size[1]) {
-        for x in around(place.x, stage.size[0]) {
+    for y in around(place.y, view.size[1]) {
+        for x in around(place.x, view.size[0]) {
             let off = (x as f32 + 0.5 - place.x).hypot(y as f32 + 0.5 - place.y);
-            let pixel = &mut pixels[y * stage.size[0] + x];
+            let pixel = &mut pixels[y * view.size[0] + x];
             *pixel = pixel.lerp(shade::PIN, (PIN_RADIUS + 0.5 - off).clamp(0.0, 1.0));
         }
     }
 }
 
 /// A bar of three pixels that shows how much of the run has passed.
-fn draw_bar(stage: &Stage, progress: f32, pixels: &mut [Vec3]) {
-    let [width, height] = stage.size;
+fn draw_bar(view: &View, progress: f32, pixels: &mut [Vec3]) {
+    let [width, height] = view.size;
     let passed = ((width as f32 * progress) as usize).min(width);
     for y in height.saturating_sub(3)..height {
         pixels[y * width..][..passed].iter_mut().for_each(|pixel| *pixel = shade::BAR);

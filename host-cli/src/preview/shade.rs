@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::stage::Stage;
+use super::view::View;
 
 const FRONT: Vec3 = Vec3::new(0.60, 0.135, 0.075);
 const BACK: Vec3 = Vec3::new(0.085, 0.23, 0.28);
@@ -23,7 +23,7 @@ pub const BAR: Vec3 = Vec3::new(0.16, 0.20, 0.24);
 
 /// What is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum Face {
     /// The front of the cloth.
     Front,
     /// Its back.
@@ -39,51 +39,51 @@ pub struct Surface {
     /// Normal on the side that is seen, of length 1.
     pub normal: Vec3,
     /// Which side of what it is.
-    pub side: Side,
+    pub side: Face,
     /// How much of the key light reaches it, 0 to 1.
     pub lit: f32,
 }
 
 /// Light from a sky, a key and a fill; of fabric also a soft highlight, a sheen at the rim and a
 /// little light that comes through.
-pub fn surface(stage: &Stage, surface: &Surface) -> Vec3 {
+pub fn surface(view: &View, surface: &Surface) -> Vec3 {
     let Surface { to_eye, normal, side, lit } = *surface;
-    let to_key = stage.light.direction;
+    let to_key = view.light.direction;
     let towards_key = normal.dot(to_key);
-    let through = if side == Side::Solid { 0.0 } else { 0.22 * (-towards_key).max(0.0) };
+    let through = if side == Face::Solid { 0.0 } else { 0.22 * (-towards_key).max(0.0) };
     let key = KEY * lit * (towards_key.max(0.0) + through);
     let fill = FILL * normal.dot(TOWARDS_FILL).max(0.0);
     let ambient = GROUND.lerp(SKY, 0.5 + 0.5 * normal.y);
     let highlight = 0.10 * lit * normal.dot((to_key + to_eye).normalize_or_zero()).max(0.0).powi(28);
     let sheen = 0.22 * (1.0 - normal.dot(to_eye).clamp(0.0, 1.0)).powi(4);
     match side {
-        Side::Front => FRONT * (key + fill + ambient) + KEY * highlight + SKY * sheen,
-        Side::Back => BACK * (key + fill + ambient) + KEY * highlight + SKY * sheen,
-        Side::Solid => SOLID * (key + fill + ambient),
+        Face::Front => FRONT * (key + fill + ambient) + KEY * highlight + SKY * sheen,
+        Face::Back => BACK * (key + fill + ambient) + KEY * highlight + SKY * sheen,
+        Face::Solid => SOLID * (key + fill + ambient),
     }
 }
 
 /// Wall and floor in one: a gradient down the picture (`down` from 0 to 1), darkened by a faint
 /// grid and the shadow, both of which fade away from the cloth.
-pub fn backdrop(stage: &Stage, [x, y]: [f32; 2], down: f32, lit: impl Fn(Vec3) -> f32) -> Vec3 {
+pub fn backdrop(view: &View, [x, y]: [f32; 2], down: f32, lit: impl Fn(Vec3) -> f32) -> Vec3 {
     let plain = TOP.lerp(BOTTOM, down);
-    let Some(point) = floor_point(stage, x, y) else { return plain };
-    let away = (point - stage.floor).length() / stage.extent;
+    let Some(point) = floor_point(view, x, y) else { return plain };
+    let away = (point - view.floor).length() / view.extent;
     let near = (1.0 - away / 1.5).clamp(0.0, 1.0);
     let near = near * near * (3.0 - 2.0 * near);
-    plain * (1.0 - near * (0.45 * (1.0 - lit(point)) + 0.12 * grid(stage, point, [x, y])))
+    plain * (1.0 - near * (0.45 * (1.0 - lit(point)) + 0.12 * grid(view, point, [x, y])))
 }
 
-fn floor_point(stage: &Stage, x: f32, y: f32) -> Option<Vec3> {
-    let (eye, ray, up) = (stage.camera.eye, stage.camera.ray(x, y), stage.up);
-    let (height, sinking) = (up.dot(eye - stage.floor), -up.dot(ray));
+fn floor_point(view: &View, x: f32, y: f32) -> Option<Vec3> {
+    let (eye, ray, up) = (view.camera.eye, view.camera.ray(x, y), view.up);
+    let (height, sinking) = (up.dot(eye - view.floor), -up.dot(ray));
     (sinking > 1e-4 && height > 0.0).then(|| eye + ray * (height / sinking))
 }
 
 /// How much of a pixel of the floor is covered by lines, 0 to 1.
-fn grid(stage: &Stage, point: Vec3, [x, y]: [f32; 2]) -> f32 {
-    let spacing = round_length(stage.extent / 7.0);
-    let beside = [floor_point(stage, x + 1.0, y), floor_point(stage, x, y + 1.0)];
+fn grid(view: &View, point: Vec3, [x, y]: [f32; 2]) -> f32 {
+    let spacing = round_length(view.extent / 7.0);
+    let beside = [floor_point(view, x + 1.0, y), floor_point(view, x, y + 1.0)];
     let line = |along: fn(Vec3) -> f32| {
         let width: f32 = beside.iter().flatten().map(|&p| (along(p) - along(point)).abs()).sum();
         let off = along(point) / spacing;

@@ -1,4 +1,4 @@
-// The hand of who looks: takes hold of vertices, leads them, pins them, turns the view.
+// The hand of who looks: takes hold of vertices, moves them, pins them, turns the view.
 
 /** px within which a vertex is taken. */
 const REACH = 40;
@@ -18,7 +18,7 @@ export class Hand {
   /** What the hand let go last: it may be seen as pinned until the next step. */
   #free;
 
-  /** `cloth` gives {positions, pins, lead, release} of what is in view. */
+  /** `cloth` gives {positions, pins, moveTo, release} of what is in view. */
   constructor(canvas, camera, cloth) {
     this.#canvas = canvas;
     this.#camera = camera;
@@ -86,7 +86,7 @@ export class Hand {
   #toggle({ vertex, pinned }) {
     if (pinned) return this.#release(vertex);
     this.#free = undefined;
-    this.#cloth.lead(vertex, this.#place(vertex), 0);
+    this.#cloth.moveTo(vertex, this.#place(vertex), 0);
   }
 
   #move(event) {
@@ -137,12 +137,12 @@ export class Hand {
   }
 
   /** Leads what is held, for so many simulated seconds from now on. */
-  lead(seconds, lead) {
+  moveTo(seconds, moveTo) {
     if (!this.#held) return;
     const { at, to, vertex } = this.#held;
     const way = Math.hypot(...to.map((x, k) => x - at[k]));
     const part = Math.min(1, (FASTEST * seconds) / (way || 1));
     this.#held.at = at.map((x, k) => x + part * (to[k] - x));
-    lead(vertex, this.#held.at, seconds);
+    moveTo(vertex, this.#held.at, seconds);
   }
 }

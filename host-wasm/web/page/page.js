@@ -51,7 +51,7 @@ const picture = new Picture(el("picture"), camera, new URLSearchParams(location.
 const hand = new Hand(pad, camera, {
   positions: () => run.positions(),
   pins: () => run.pins(),
-  lead: (...given) => run.lead(...given),
+  moveTo: (...given) => run.moveTo(...given),
   release: (vertex) => run.release(vertex),
 });
 const numbers = new Numbers(el("numbers"));

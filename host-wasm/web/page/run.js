@@ -47,16 +47,16 @@ export class Run {
   // What the hand needs.
   positions = () => this.view.positions;
   pins = () => this.view.pins;
-  lead = (...given) => this.ask(() => this.#lead(...given));
+  moveTo = (...given) => this.ask(() => this.#moveTo(...given));
   release = (vertex) =>
     this.ask(() => {
       this.cloth.release(vertex);
       this.reference?.tell({ ask: "release", vertex, time: this.cloth.time });
     });
 
-  #lead = (vertex, place, seconds) => {
-    this.cloth.lead(vertex, place, seconds);
-    this.reference?.tell({ ask: "lead", vertex, place, seconds, time: this.cloth.time });
+  #moveTo = (vertex, place, seconds) => {
+    this.cloth.moveTo(vertex, place, seconds);
+    this.reference?.tell({ ask: "moveTo", vertex, place, seconds, time: this.cloth.time });
   };
 
   /** Between steps: other values at keys of the scene. */
@@ -104,7 +104,7 @@ export class Run {
     const began = performance.now();
     let taken = 0;
     while (taken < count && (taken === 0 || performance.now() - began < BUDGET)) {
-      this.hand.lead(cloth.stepLength, this.#lead);
+      this.hand.moveTo(cloth.stepLength, this.#moveTo);
       if (this.device) await cloth.awaitStep();
       else cloth.step();
       taken += 1;

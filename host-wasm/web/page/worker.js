@@ -35,9 +35,9 @@ const asks = {
     reference.set({ ...changes, ...finer(step, tolerance, FINER) });
     ahead = after - reference.time;
   },
-  lead({ vertex, place, seconds, time }) {
+  moveTo({ vertex, place, seconds, time }) {
     go_on(time);
-    reference.lead(vertex, place, seconds);
+    reference.moveTo(vertex, place, seconds);
   },
   release({ vertex, time }) {
     go_on(time);

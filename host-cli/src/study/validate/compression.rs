@@ -71,7 +71,7 @@ fn pressed(lab: &Lab, material: &str, jacobian: Jacobian, newton: u32) -> Result
         let scheme = Scheme { jacobian, newton, tolerance: 1e-8, ..linearised(Method::BackwardEuler) };
         let mut sim = Simulation::from_columns(built, scheme, 0.05);
         lab.steps(&mut sim, 1)?;
-        solves += sim.work().negative_curvature;
+        solves += sim.statistics().negative_curvature;
     }
     Ok(solves as f64)
 }
@@ -90,6 +90,6 @@ fn spring(lab: &Lab) -> Result<f64, Miss> {
         let scheme = Scheme { jacobian: Jacobian::Exact, ..linearised(Method::BackwardEuler) };
         let mut sim = Simulation::from_columns(built, scheme, ratio * theory);
         lab.steps(&mut sim, 1)?;
-        Ok(sim.work().negative_curvature > 0)
+        Ok(sim.statistics().negative_curvature > 0)
     })
 }

@@ -98,7 +98,7 @@ fn exact(built: &BuiltScene) -> Vec<Vec<f64>> {
     let mut columns = ScratchColumns::build(built, &lab::linearised(Method::BackwardEuler));
     let s = &mut columns.view();
     let scale = TangentScale { position: 1.0, velocity: 0.0 };
-    write_tangents(&model, x, scale, Jacobian::Exact, &s.targets, s.tangents, &mut s.matrix, &Serial);
+    write_tangents(&model, x, scale, Jacobian::Exact, &s.assembly_map, s.tangents, &mut s.matrix, &Serial);
     let mut product = vec![DVec3::ZERO; x.len()];
     let column = |c: usize| {
         let mut unit = vec![DVec3::ZERO; x.len()];

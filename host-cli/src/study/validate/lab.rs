@@ -10,7 +10,7 @@ use muslin_core_f64::error::{MeshError, SceneError};
 use muslin_core_f64::forces;
 use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
 use muslin_core_f64::scene::{self, BuiltScene, Resource, SceneDesc};
-use muslin_core_f64::simulation::{Cause, Diverged, Simulation};
+use muslin_core_f64::simulation::{Cause, Simulation, StepError};
 
 /// Why nothing was measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,8 +21,8 @@ pub enum Miss {
     Why(String),
 }
 
-impl From<Diverged> for Miss {
-    fn from(diverged: Diverged) -> Self {
+impl From<StepError> for Miss {
+    fn from(diverged: StepError) -> Self {
         match diverged.cause {
             Cause::Stopped => Self::Stopped,
             _ => Self::Why(diverged.to_string()),

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use muslin_core_f64::integrate::pins::Side;
+use muslin_core_f64::integrate::pins::JumpSide;
 use muslin_core_f64::integrate::{Method, Scheme};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
@@ -127,7 +127,7 @@ fn of_sheet(lab: &Lab, method: Method, material: &str) -> Result<f64, Miss> {
         *x += scatter3(place) * 0.004;
         *v = scatter3(place + 100) * 0.3;
     }
-    built.pins.view().impose(0.0, Side::After, &mut particles.positions, &mut particles.velocities);
+    built.pins.view().impose(0.0, JumpSide::After, &mut particles.positions, &mut particles.velocities);
     let truth = run(lab, &built, linearised(Method::Rk4), DURATION, 8192)?;
     // Where the next term of the error is small enough.
     let coarsest = if order(method) == 1.0 { 512 } else { 128 };

@@ -1,0 +1,80 @@
+//! The boxes of vertices rounded outward to integers.
+//!
+//! Rounding is monotone: boxes that overlap still do in integers. The scale is a power of two, so
+//! that an integer does not depend on how a compiler orders `(x - origin) scale`.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::bounds::is_valid;
+use crate::dispatch::Dispatch;
+use crate::geometry::aabb::Aabb;
+use crate::real::{Real, Vec3, to_f32};
+
+/// Units across the largest box of a level: 2^9 to 2^10.
+const FINE: i32 = 9;
+
+/// Coordinates stay below 2^27, so that sums and small multiples are an i32.
+const RANGE: i32 = 26;
+
+/// From metres to units.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantization {
+    /// The corner that becomes zero, m.
+    pub origin: Vec3,
+    /// Units a metre, a power of two.
+    pub scale: Real,
+}
+
+/// A box in units: the three minima, then the three maxima.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct QuantizedBox(pub [i32; 6]);
+
+impl QuantizedBox {
+    /// Contains nothing; small enough to be multiplied.
+    pub const EMPTY: Self = Self([1 << (RANGE + 1), 1 << (RANGE + 1), 1 << (RANGE + 1), 0, 0, 0]);
+
+    /// The smallest box around both.
+    #[inline(always)]
+    pub fn union(&self, other: &Self) -> Self {
+        let outer = |k: usize| if k < 3 { self.0[k].min(other.0[k]) } else { self.0[k].max(other.0[k]) };
+        Self(core::array::from_fn(outer))
+    }
+}
+
+impl Quantization {
+    /// For boxes of up to `extent` in a scene; both at most the greatest f32.
+    pub fn new(scene: &Aabb, extent: f32) -> Self {
+        let size = scene.max - scene.min;
+        let whole = to_f32(size.x.max(size.y).max(size.z));
+        let shift = (FINE - exponent(extent)).min(RANGE - exponent(whole)).clamp(-126, 127);
+        Self { origin: scene.min, scale: f32::from_bits(((shift + 127) as u32) << 23) as Real }
+    }
+
+    #[inline(always)]
+    fn apply(&self, corner: Vec3) -> [i32; 3] {
+        const MOST: Real = (1 << (RANGE + 1)) as Real;
+        let v = (corner - self.origin) * self.scale;
+        [v.x, v.y, v.z].map(|v| v.clamp(0.0, MOST) as i32)
+    }
+}
+
+/// Of the power of two at or below a positive number; low for zero.
+fn exponent(x: f32) -> i32 {
+    (x.to_bits() >> 23) as i32 - 127
+}
+
+/// Writes the box of every vertex in units; empty where it is not valid.
+pub fn write_quantized_boxes(
+    boxes: &[Aabb],
+    quantization: &Quantization,
+    quantized_boxes: &mut [QuantizedBox],
+    dispatch: &impl Dispatch,
+) {
+    dispatch.run(quantized_boxes, |start, part| {
+        for (b, out) in boxes[start..].iter().zip(part) {
+            let ([x, y, z], [u, v, w]) = (quantization.apply(b.min), quantization.apply(b.max));
+            *out = if is_valid(b) { QuantizedBox([x, y, z, u, v, w]) } else { QuantizedBox::EMPTY };
+        }
+    });
+}

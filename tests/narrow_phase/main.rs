@@ -1,0 +1,14 @@
+//! Narrow phase: distances against brute force, times of impact against exact truth.
+//!
+//! Run: `cargo test -p muslin-tests --test narrow_phase`; with `-- --nocapture` it prints
+//! counts of queries, hits, false hits and distances. The long fuzzes: `-- --ignored --nocapture long_form`,
+//! or one of them: `never_missed::long_form`.
+
+mod distances;
+mod fuzz;
+mod lattice;
+mod local_minimum;
+mod never_missed;
+mod tight_inclusion;
+mod times;
+mod truth;
