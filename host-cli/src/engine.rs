@@ -269,17 +269,26 @@ macro_rules! engine {
                 fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Halt> {
                     Simulation::step(self, stopwatch).map_err(|diverged| {
                         let advice = match diverged.cause {
+                            Cause::NotFinite if self.scheme().method.is_implicit() => {
+                                "take a smaller integrator.step, softer terms or less damping"
+                            }
                             Cause::NotFinite => {
                                 "take a smaller integrator.step, softer terms, less damping or an implicit method"
                             }
-                            Cause::TooMuch => {
-                                "take a smaller integrator.step, a lesser contact.thickness, softer terms or an \
-                                 implicit method"
-                            }
-                            Cause::Contact { pinned: true, .. } => "lead the pin clear of it, or free that vertex",
-                            Cause::Contact { pinned: false, .. } => {
-                                "leave the cloth room between what closes in on it, slow that down, or take a smaller \
+                            Cause::TooMuch if self.scheme().method.is_implicit() => {
+                                "take a contact.thickness well below the length of the edges, or a smaller \
                                  integrator.step"
+                            }
+                            Cause::TooMuch => {
+                                "take a contact.thickness well below the length of the edges, a smaller \
+                                 integrator.step or an implicit method"
+                            }
+                            Cause::Contact { pinned: true, .. } => {
+                                "move the pin on a path clear of that surface, or free the vertex"
+                            }
+                            Cause::Contact { pinned: false, .. } => {
+                                "leave the cloth room between the surfaces that close in on it, slow them down, or take \
+                                 a smaller integrator.step"
                             }
                             Cause::Stopped => return Halt::Stopped,
                         };

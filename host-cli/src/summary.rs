@@ -171,17 +171,22 @@ impl Summary {
             self.state_hash,
         );
         text += &self.contact_lines();
-        if self.stretch.max_of_all_frames > TOO_LONG {
-            text += "\nthat is more than cloth stretches: take a smaller integrator.step, or check density (kg/m^2), \
-                     stiffness (N/m), the mesh's size (m) and how far pins and colliders draw it";
-        }
-        if self.work.unconverged > 0 {
-            text += &format!(
-                "\n{} solves ended at their limit of iterations, before their tolerance",
-                self.work.unconverged
-            );
-        }
         text
+    }
+
+    /// Signs that the result is wrong although the run reached its end.
+    pub fn warnings(&self) -> Vec<String> {
+        let stretch = (self.stretch.max_of_all_frames > TOO_LONG).then(|| {
+            format!(
+                "cloth does not stretch by {}: take a smaller integrator.step, or check density (kg/m^2), stiffness \
+                 (N/m), the mesh's size (m) and how far pins and colliders draw it",
+                percent(self.stretch.max_of_all_frames)
+            )
+        });
+        let unconverged = (self.work.unconverged > 0).then(|| {
+            format!("{} solves ended at their limit of iterations, before their tolerance", self.work.unconverged)
+        });
+        stretch.into_iter().chain(unconverged).collect()
     }
 
     /// Which device found candidates, and what it took by its own clock where it has one; nothing without.

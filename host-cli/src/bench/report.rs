@@ -27,6 +27,8 @@ pub struct SceneReport {
     pub particles: usize,
     pub bytes_per_particle: f64,
     pub steps: u64,
+    /// From the start of the scene to the last step.
+    pub simulated_s: f64,
     pub ms_per_step: f64,
     pub ms_per_frame: f64,
     pub particles_per_s: f64,
@@ -81,12 +83,15 @@ impl SceneReport {
     fn table(&self) -> String {
         let mut text = format!(
             "\n{}: {} particles, {}, {:.0} bytes a particle held\n\
-             {:.3} ms a step, {:.2} ms a frame, {:.1} CG iterations a step, largest stretch {:.2} %\n",
+             {:.3} ms per step over the first {:.2} s ({} steps), {:.2} ms per frame, {:.1} CG iterations per step, \
+             largest stretch {:.2} %\n",
             self.scene,
             self.particles,
             self.method,
             self.bytes_per_particle,
             self.ms_per_step,
+            self.simulated_s,
+            self.steps,
             self.ms_per_frame,
             self.cg_iterations_per_step,
             1e2 * (self.largest_stretch - 1.0),

@@ -206,6 +206,7 @@ impl<'a> Files<'a> {
             return Err(Failure::Interrupted(message));
         }
         let mut summary = course.summary(scene, ending, pool, wall);
+        summary.warnings().iter().for_each(|warning| print_note(warning));
         summary.divergence = summary.divergence.map(|what| format!("{what}. The frames before it are kept"));
         let intersecting = course.intersecting(scene);
         let Self { arguments, out, exporter, preview, .. } = self;
