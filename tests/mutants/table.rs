@@ -53,8 +53,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "Conjugate gradients stop ten times too early",
         file: "core/src/integrate/conjugate_gradient.rs",
-        old: "let target = rho * until.reduction * until.reduction;",
-        new: "let target = rho * until.reduction * until.reduction * 100.0;",
+        old: "let target = rho * stopping.reduction * stopping.reduction;",
+        new: "let target = rho * stopping.reduction * stopping.reduction * 100.0;",
         everyday: &["solver", "response"],
         all: &[],
     },
@@ -179,3 +179,15 @@ pub const MUTANTS: &[Mutant] = &[
         all: &["gpu"],
     },
 ];
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn every_place_occurs_once() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        for super::Mutant { what, file, old, .. } in super::MUTANTS {
+            let text = std::fs::read_to_string(root.join(file)).unwrap_or_default();
+            assert_eq!(text.matches(old).count(), 1, "{what:?}: {file} must contain {old:?} exactly once");
+        }
+    }
+}
