@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
@@ -32,6 +32,15 @@ export async function run(): Promise<Summary> {
 }
 `;
 
+/** The snippets of a manual, with a module that Node.js reads from its file, and a `draw` that prints the views' lengths. */
+function snippets(manual) {
+  const text = readFileSync(join(root, manual), "utf8");
+  const blocks = [...text.matchAll(/```js\n(.*?)```/gs)].map(([, block]) => block);
+  const draw = "const draw = (...views) => console.log(...views.map(({ length }) => length));\n";
+  const bytes = 'readFileSync(new URL(import.meta.resolve("muslin/muslin_wasm_bg.wasm")))';
+  return blocks.map((block) => `import { readFileSync } from "node:fs";\n${draw}${block.replace("load()", `load(${bytes})`)}`);
+}
+
 test("it is installed from its tarball, runs in Node.js and has types", () => {
   const folder = mkdtempSync(join(tmpdir(), "muslin-package-"));
   try {
@@ -40,6 +49,13 @@ test("it is installed from its tarball, runs in Node.js and has types", () => {
     execFileSync("npm", ["install", "--no-audit", "--no-fund", "--offline", join(folder, tarball)], { cwd: folder });
     writeFileSync(join(folder, "use.mjs"), USE);
     assert.equal(execFileSync("node", ["use.mjs"], { cwd: folder, encoding: "utf8" }), "13 423 10\nthere is no WebGPU here\n");
+    const manuals = ["README.md", "host-wasm/README.md"].flatMap(snippets);
+    assert.ok(manuals.length >= 2, "the manuals have no snippets in JavaScript");
+    for (const snippet of manuals) {
+      writeFileSync(join(folder, "manual.mjs"), snippet);
+      assert.equal(execFileSync("node", ["manual.mjs"], { cwd: folder, encoding: "utf8" }), "5643 5643 10767\n");
+    }
+    assert.match(readFileSync(join(folder, "node_modules/muslin/README.md"), "utf8"), /^# muslin in the browser/);
     writeFileSync(join(folder, "typed.ts"), TYPED);
     const tsc = join(root, "host-wasm/node_modules/.bin/tsc");
     const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom"];

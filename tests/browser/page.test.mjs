@@ -31,7 +31,7 @@ test("it opens without an error, draws, and the cloth falls on the ball", { skip
   assert.ok((await drawn(page)) > 2000, "the picture shows cloth and ball");
   assert.equal(await page.locator("#banner").textContent(), "detection: processor · picture: WebGL2");
   await page.waitForFunction(() => /\d (µm|mm|m) at/.test(document.getElementById("numbers").textContent));
-  for (const name of ["largest stretch", "energy", "contacts a step", "ms a step", "error (RMS"]) {
+  for (const name of ["largest stretch", "energy", "contacts per step", "ms per step", "error (RMS"]) {
     assert.ok((await page.locator("#numbers").textContent()).includes(name), name);
   }
   const ms = await inPage(page, () => muslin.firstFrame());
@@ -282,8 +282,8 @@ test("two choices at once are both done", { skip }, async () => {
 test("a run that stops by itself can be gone on with", { skip }, async () => {
   const { page } = await open("#scene=hanging&compare=0");
   await page.selectOption("#method", "explicit-euler");
-  await page.locator("#pause", { hasText: "Go on" }).waitFor();
-  assert.match(await page.locator("#banner").textContent(), /Reset begins anew/);
+  await page.locator("#pause", { hasText: "Continue" }).waitFor();
+  assert.match(await page.locator("#banner").textContent(), /then Reset/);
   await page.close();
 });
 
@@ -372,7 +372,7 @@ test("a stall is not caught up; a lost context is drawn anew", { skip }, async (
   });
   assert.ok(after - before < 0.5, `two seconds of stall are not caught up: ${before} to ${after} s`);
   await inPage(page, () => muslin.picture.canvas.getContext("webgl2").getExtension("WEBGL_lose_context").loseContext());
-  await page.waitForFunction(() => /drawn anew/.test(document.getElementById("banner").textContent));
+  await page.waitForFunction(() => /redrawn/.test(document.getElementById("banner").textContent));
   assert.ok((await drawn(page)) > 200, "drawn again on a fresh canvas");
   const at = await inPage(page, () => muslin.run().cloth.steps);
   await steps(page, at + 3);

@@ -20,7 +20,7 @@ test("it draws with WebGPU, and again when the device is lost", { skip }, async 
   await page.evaluate(() => {
     muslin.picture.renderer.lose();
   });
-  await page.waitForFunction(() => /the picture was lost .*drawn anew/.test(document.getElementById("banner").textContent));
+  await page.waitForFunction(() => /the picture was lost .*redrawn/.test(document.getElementById("banner").textContent));
   assert.ok((await drawn(page)) > 1000, "drawn anew");
   await more(page, 2);
   assert.deepEqual(errors, []);

@@ -23,6 +23,7 @@ mod hindsight;
 mod interrupt;
 mod kit;
 mod limit;
+mod manual_commands;
 mod needs;
 mod options;
 mod outputs;

@@ -24,8 +24,9 @@ const STANDARD: [&str; 2] = ["-Zbuild-std=std,panic_abort", "-Zbuild-std-feature
 const BUNDLES: [&str; 4] = ["muslin.js", "page/page.js", "page/worker.js", "page/style.css"];
 
 /// What is taken as it is.
-const COPIED: [(&str, &str); 4] = [
+const COPIED: [(&str, &str); 5] = [
     ("package.json", "package.json"),
+    ("README.md", "README.md"),
     ("web/muslin.d.ts", "muslin.d.ts"),
     ("../LICENSE-MIT", "LICENSE-MIT"),
     ("../LICENSE-APACHE", "LICENSE-APACHE"),

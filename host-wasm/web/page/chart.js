@@ -59,7 +59,7 @@ export function drawn({ name = "untitled", points, doing, failed, until, referen
     const line = own.map(({ ms, error }, k) => `${k ? "L" : "M"}${x(ms)} ${y(error)}`).join("");
     parts.push(`<path d="${line}" fill="none" stroke="${COLOURS[k]}" stroke-width="1.5"/>`);
     for (const { ms, error, step } of own) {
-      const title = `${method}, ${(1000 * step).toPrecision(3)} ms steps: ${length(error)}, ${ms.toPrecision(3)} ms a second`;
+      const title = `${method}, ${(1000 * step).toPrecision(3)} ms steps: ${length(error)}, ${ms.toPrecision(3)} ms per second`;
       parts.push(`<circle cx="${x(ms)}" cy="${y(error)}" r="4" fill="${COLOURS[k]}"><title>${title}</title></circle>`);
     }
   });

@@ -38,11 +38,11 @@ export class Numbers {
     const joules = Object.values(energy).reduce((sum, part) => sum + part, 0);
     const rows = [
       ["time", `${cloth.time.toFixed(2)} s, ${paused ? "paused" : `${speed.toFixed(2)} × real`}`],
-      ["error (RMS, against 1/4 of the step)", error ?? (comparing ? "from the next reset on" : "off")],
+      ["error (RMS; reference: step / 4)", error ?? (comparing ? "after the next reset" : "off")],
       ["largest stretch", `${(100 * (stretch.max - 1)).toFixed(2)} %`],
       ["energy", `${joules.toPrecision(4)} J`],
-      ["contacts a step", (contacts / steps).toFixed(0)],
-      ...PARTS.filter(([part]) => part === "predict" || times[part] > 0).map(([part, name]) => [name, `${(times[part] / steps).toFixed(2)} ms a step`]),
+      ["contacts per step", (contacts / steps).toFixed(0)],
+      ...PARTS.filter(([part]) => part === "predict" || times[part] > 0).map(([part, name]) => [name, `${(times[part] / steps).toFixed(2)} ms per step`]),
     ];
     this.#list.replaceChildren(
       ...rows.flatMap(([name, text]) => [["dt", name], ["dd", text]].map(([tag, text]) => {

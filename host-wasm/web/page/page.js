@@ -158,7 +158,7 @@ function reset() {
 
 function pause(whether = run.paused) {
   run.paused = whether;
-  el("pause").textContent = whether ? "Go on" : "Pause";
+  el("pause").textContent = whether ? "Continue" : "Pause";
 }
 
 function strain(whether) {

@@ -35,7 +35,7 @@ export class Picture {
   }
 
   async #find() {
-    const lost = (why) => this.#replace(`the picture was lost (${why}); drawn anew`);
+    const lost = (why) => this.#replace(`the picture was lost (${why}); redrawn`);
     const best = this.#only === "webgl" ? undefined : await webgpu(this.canvas, lost).catch(() => undefined);
     this.#renderer = best ?? webgl(this.canvas, lost);
     if (!this.#renderer) throw new Error("this browser has neither WebGPU nor WebGL2, or they are switched off");

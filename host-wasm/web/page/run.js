@@ -125,7 +125,7 @@ export class Run {
       return await this.#step(count);
     } catch (error) {
       this.paused = true;
-      this.say(`${error.message}\nA shorter step, softer cloth or an implicit method may hold; Reset begins anew.`, true);
+      this.say(`${error.message}\nTry a shorter step, softer cloth or an implicit method, then Reset.`, true);
       return 0;
     }
   }
