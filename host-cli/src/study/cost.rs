@@ -1,15 +1,15 @@
-//! What runs cost: by the clock, or by what is counted, in seconds of a machine that nobody has and that is the
-//! same everywhere.
+//! Conversion of counted work into the seconds of a fixed, imaginary machine, so that costs by counts are the same
+//! on every computer.
 
 use crate::engine::Counted;
 
-/// What that machine streams, B/s, and its time for a candidate and for a contact, s: about those of the server
-/// on which the bench was taken.
+/// Speed of this machine: bytes streamed per second, and seconds per candidate and per contact. It is about as fast
+/// as the server on which the benchmarks were run.
 const BYTES: f64 = 1e10;
 const CANDIDATE: f64 = 1e-7;
 const CONTACT: f64 = 3e-6;
 
-/// The time that it takes for what was counted, s.
+/// Computing time of the counted work, s.
 pub fn seconds(counted: Counted) -> f64 {
     let Counted { streamed_bytes, candidates, contacts } = counted;
     streamed_bytes as f64 / BYTES + candidates as f64 * CANDIDATE + contacts as f64 * CONTACT

@@ -1,4 +1,4 @@
-//! How far two runs of a scene are apart.
+//! The distance between two runs of a scene.
 
 use serde::Serialize;
 
@@ -7,28 +7,28 @@ use crate::record::extent;
 
 use super::trajectory::Trajectory;
 
-/// Between two runs, over all samples, m.
+/// Distance between two runs over all samples, m.
 #[derive(Clone, Copy, Debug)]
 pub struct Distance {
-    /// Root of the mean square; of positions weighed by mass.
+    /// Root mean square; positions are weighted by mass.
     pub rms: f64,
-    /// The largest.
+    /// The largest distance.
     pub max: f64,
 }
 
-/// What is compared of two runs.
+/// The quantity in which two runs are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Measure {
-    /// Where each vertex is.
+    /// The position of each vertex.
     Positions,
-    /// How far the cloth reaches in each direction: in contact no vertex has a place that another
-    /// method would give it too, but the drape may be the same.
+    /// How far the cloth reaches in each direction. With contact two methods put each vertex at different places,
+    /// but the drape may still be the same.
     Outline,
 }
 
 impl Measure {
-    /// As people call it.
+    /// Name in texts and pictures.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Positions => "positions",
@@ -36,12 +36,12 @@ impl Measure {
         }
     }
 
-    /// Compares two complete runs of vertices of given masses, kg.
+    /// Compares two complete runs; `masses` are the masses of the vertices, kg.
     pub fn between(self, a: &Trajectory, b: &Trajectory, masses: &[f64]) -> Distance {
         self.of_samples(&a.samples, &b.samples, masses)
     }
 
-    /// The same of their last samples.
+    /// Compares only the last samples of two runs.
     pub fn at_end(self, a: &Trajectory, b: &Trajectory, masses: &[f64]) -> Distance {
         let last = |run: &Trajectory| run.samples.len().saturating_sub(1)..;
         self.of_samples(&a.samples[last(a)], &b.samples[last(b)], masses)
@@ -71,7 +71,7 @@ fn positions(a: &[Sample], b: &[Sample], masses: &[f64]) -> Distance {
     Distance { rms: (sum / weight).sqrt(), max: max.sqrt() }
 }
 
-/// Horizontal directions in which an outline is taken; up and down come to them.
+/// Number of horizontal directions of an outline; up and down are added to them.
 const AROUND: u32 = 16;
 
 fn outlines(a: &[Sample], b: &[Sample]) -> Distance {
@@ -84,7 +84,7 @@ fn outlines(a: &[Sample], b: &[Sample]) -> Distance {
     Distance { rms: square.sqrt(), max: off.into_iter().fold(0.0, f64::max) }
 }
 
-/// How far positions reach in each direction, m: the support function of their hull.
+/// How far the positions reach in each direction, m: the support function of their convex hull.
 fn outline(positions: &[[f64; 3]]) -> Vec<f64> {
     let around = (0..AROUND).map(|k| {
         let (sine, cosine) = (f64::from(k) * core::f64::consts::TAU / f64::from(AROUND)).sin_cos();
@@ -98,14 +98,14 @@ fn outline(positions: &[[f64; 3]]) -> Vec<f64> {
     directions.map(reach).collect()
 }
 
-/// The diagonal of the box around a scene's cloth at the start, m.
+/// The diagonal of the bounding box of a scene's cloth at the start, m.
 pub fn diagonal(engine: &dyn Engine) -> f64 {
     let mut start = Vec::new();
     engine.write_state(&mut start);
     extent(start.into_iter()).iter().map(|side| side * side).sum::<f64>().sqrt()
 }
 
-/// The largest difference of total energy at a sample, J.
+/// The largest difference of the total energies at a common sample, J.
 pub fn energy_drift(a: &Trajectory, b: &Trajectory) -> f64 {
     let samples = 0..a.energies.len().min(b.energies.len());
     samples.map(|sample| (a.energy(sample) - b.energy(sample)).abs()).fold(0.0, f64::max)

@@ -1,4 +1,4 @@
-//! The folder of a study, and the results in it: a picture, the numbers and the words.
+//! The folder of a study and the results in it: a picture, numbers as JSON and a text.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,24 +8,24 @@ use serde::Serialize;
 use crate::export::whole;
 use crate::failure::{Failure, print_data, print_note};
 
-/// What a study found.
+/// The results of a study.
 pub struct Results {
-    /// The picture, where there is something to show.
+    /// The picture, if there is anything to show.
     pub svg: Option<String>,
     /// The numbers as one JSON document.
     pub json: String,
-    /// For people.
+    /// The report as text.
     pub lines: String,
 }
 
 impl Results {
-    /// Of numbers that can be written.
+    /// Converts the numbers to JSON. An error means that they cannot be converted.
     pub fn new(svg: Option<String>, numbers: &impl Serialize, lines: String) -> Result<Self, Failure> {
         let json = serde_json::to_string_pretty(numbers).map_err(|error| Failure::Tool(error.to_string()))?;
         Ok(Self { svg, json, lines })
     }
 
-    /// Prints the numbers or the words, and says what was written.
+    /// Prints the numbers or the text, and then the names of the written files.
     pub fn print(&self, json: bool, quiet: bool, written: &[PathBuf]) -> Result<(), Failure> {
         if json {
             print_data(&self.json)?;
@@ -40,15 +40,16 @@ impl Results {
     }
 }
 
-/// Where a study writes.
+/// The folder that a study writes to.
 pub struct Folder {
     path: PathBuf,
-    /// Folders that were not there, the innermost first.
+    /// Folders that this study created, the innermost first.
     made: Vec<PathBuf>,
 }
 
 impl Folder {
-    /// Makes a folder before the time is spent that ends in it.
+    /// Creates the folder. A study does this first, so that a folder that cannot be created costs no computing
+    /// time.
     pub fn make(path: PathBuf) -> Result<Self, Failure> {
         let missing = path.ancestors().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
         let made = missing.map(Path::to_path_buf).collect();
@@ -57,19 +58,19 @@ impl Folder {
         Ok(Self { path, made })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes a whole file.
+    /// Writes a text to a file, either completely or not at all.
     pub fn write(&self, file: &str, text: &str) -> Result<PathBuf, Failure> {
         use std::io::Write;
         whole::write(self.path.join(file), |out| writeln!(out, "{text}"))
             .map_err(|error| Failure::Tool(error.to_string()))
     }
 
-    /// Writes results to files of one name.
+    /// Writes the results to files with one stem: `NAME.svg`, `NAME.json` and `NAME.txt`.
     pub fn keep(&self, name: &str, results: &Results) -> Result<Vec<PathBuf>, Failure> {
         let files = [("svg", results.svg.as_ref()), ("json", Some(&results.json)), ("txt", Some(&results.lines))];
         let files = files.into_iter().filter_map(|(kind, text)| Some((kind, text?)));
@@ -78,7 +79,7 @@ impl Folder {
 }
 
 impl Drop for Folder {
-    /// A study without results leaves no folder: only empty ones can be removed.
+    /// Removes the created folders if they are empty, so that a study without results leaves no folder.
     fn drop(&mut self) {
         self.made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }

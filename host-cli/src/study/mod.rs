@@ -1,4 +1,4 @@
-//! Studies: a scene run many times under other settings, and what the runs say together.
+//! Studies: each runs a scene many times with different settings and compares the runs.
 
 mod bending_spring;
 mod choose;
@@ -41,24 +41,24 @@ use crate::progress;
 use crate::scene_file::{self, SceneFile};
 use folder::{Folder, Results};
 
-/// More than a life.
+/// Upper bound of a budget, s: about 300 years.
 const MOST_SECONDS: f64 = 1e10;
 
-/// A study under way: the scene, the time that is left, and where the results go.
+/// A study in progress: the scene, the remaining time and the output folder.
 pub struct Study<'a> {
-    /// What was asked for.
+    /// The command-line arguments.
     pub arguments: &'a StudyArguments,
     /// The scene as it was given.
     pub scene: SceneFile,
-    /// Where to write.
+    /// Output folder.
     pub folder: Folder,
-    /// Runs kernels on one thread: costs are compared.
+    /// Runs kernels on one thread, so that costs can be compared.
     pub pool: Pool,
-    /// Raised by an interrupt.
+    /// Set by an interrupt.
     pub stop: Arc<AtomicBool>,
     bar: ProgressBar,
     started: Instant,
-    /// By counts, ns.
+    /// Cost of all runs by counts, ns.
     spent: AtomicU64,
 }
 
@@ -69,7 +69,7 @@ impl Drop for Study<'_> {
 }
 
 impl<'a> Study<'a> {
-    /// Loads the scene and begins to count the time.
+    /// Loads the scene and starts to measure the time.
     pub fn begin(arguments: &'a StudyArguments) -> Result<Self, Failure> {
         let scene = scene_file::asked(&arguments.of)?;
         if scene.desc.duration <= 0.0 {
@@ -77,7 +77,7 @@ impl<'a> Study<'a> {
         }
         let out = scene_file::folder(&arguments.of, &scene)?;
         let pool = Pool::new(Some(1)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
-        // Before there is anything that an interrupt would leave behind.
+        // The handler is installed before anything is written that an interrupt would leave behind.
         let stop = interrupt::watch()?;
         let folder = Folder::make(out)?;
         let template = "{elapsed_precise} of {len} s {wide_bar} {msg}";
@@ -85,18 +85,18 @@ impl<'a> Study<'a> {
         Ok(Self { arguments, scene, folder, pool, stop, bar, started: Instant::now(), spent: AtomicU64::new(0) })
     }
 
-    /// Says what is being run.
+    /// Shows the name of the current run in the progress bar.
     pub fn say(&self, what: &str) {
         self.bar.set_position(self.seconds() as u64);
         self.bar.set_message(what.to_owned());
     }
 
-    /// What is left of the budget.
+    /// The remaining budget.
     pub fn left(&self) -> Duration {
         Duration::from_secs_f64((self.arguments.budget.min(MOST_SECONDS) - self.seconds()).max(0.0))
     }
 
-    /// Seconds since it began, or by counts those of its runs.
+    /// Time used, s: since the start of the study, or with costs by counts the cost of its runs.
     pub fn seconds(&self) -> f64 {
         match self.arguments.cost {
             Cost::Clock => self.started.elapsed().as_secs_f64(),
@@ -104,22 +104,23 @@ impl<'a> Study<'a> {
         }
     }
 
-    /// Adds what a run took, s.
+    /// Adds the cost of a run, s.
     pub fn spend(&self, seconds: f64) {
         self.spent.fetch_add((1e9 * seconds) as u64, Ordering::Relaxed);
     }
 
-    /// Whether costs are told by the clock, so that the same run takes another time each time.
+    /// Whether costs are measured by the clock, so that the same run takes a different time each time.
     pub fn is_clocked(&self) -> bool {
         self.arguments.cost == Cost::Clock
     }
 
-    /// How often what is to be timed so many times is run: by counts it costs the same each time.
+    /// Number of times to run something that is timed `times` times by the clock: once if costs are counted, since
+    /// each repeat would cost the same.
     pub fn repeats(&self, times: usize) -> usize {
         if self.is_clocked() { times } else { 1 }
     }
 
-    /// On what costs were told: the processor, or none.
+    /// The processor on which costs were measured; a note if costs are counted.
     pub fn machine(&self) -> String {
         if self.is_clocked() { cpu_name() } else { "none: by counts".into() }
     }

@@ -1,12 +1,12 @@
-//! One page with all that was studied of a scene.
+//! One HTML page with the results of all studies of a scene.
 
 use std::fs;
 use std::path::Path;
 
-/// Its file.
+/// Name of the file.
 pub const NAME: &str = "study.html";
 
-/// The studies in the order in which they are asked: title, and the stem of their files.
+/// Title and file stem of each study, in the order of the page.
 const STUDIES: [(&str, &str); 4] = [
     ("Error against cost", "chart"),
     ("Where methods fail", "stability"),
@@ -18,7 +18,7 @@ const STYLE: &str =
     "body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }
 svg { max-width: 100%; height: auto } pre { overflow-x: auto }";
 
-/// The page of the studies whose files lie in a folder.
+/// The page of all studies whose files are in a folder.
 pub fn of(folder: &Path, scene: &str) -> String {
     let sections = STUDIES.iter().filter_map(|(title, stem)| {
         let svg = fs::read_to_string(folder.join(format!("{stem}.svg"))).ok()?;
@@ -35,7 +35,7 @@ pub fn of(folder: &Path, scene: &str) -> String {
     )
 }
 
-/// Gives the names inside a picture a prefix: in a page they must differ from picture to picture.
+/// Adds a prefix to the ids inside a picture: on a page with several pictures ids must be unique.
 fn named_apart(svg: &str, stem: &str) -> String {
     svg.replace(" id=\"", &format!(" id=\"{stem}-")).replace("url(#", &format!("url(#{stem}-"))
 }

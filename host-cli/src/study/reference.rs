@@ -1,5 +1,5 @@
-//! What errors are measured against: a run in double precision, by steps halved until they no
-//! longer matter.
+//! The reference that errors are measured against: a run in double precision whose step is halved until a further
+//! halving no longer matters.
 
 use std::time::Duration;
 
@@ -13,27 +13,28 @@ use super::distance::Measure;
 use super::trajectory::{Ending, Limits, Trajectory, fly};
 use super::variant::{self, SAMPLES, Variant};
 
-/// How a reference is found and how far it is believed.
+/// How a reference is found, and which errors it can resolve.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
-    /// Its method.
+    /// Method of the reference.
     pub method: Method,
-    /// What counts as its error.
+    /// The quantity that is compared.
     pub measure: Measure,
-    /// Errors below this many times its own are not charted.
+    /// Errors smaller than `trusted` times the reference's own error are not charted.
     pub trusted: f64,
-    /// Its own error at which halving ends, m.
+    /// Own error at which halving ends, m.
     pub enough: f64,
-    /// How many times as far as the last halving the one before must have moved it, unless neither
-    /// moved it by more than is enough; none where that is not asked.
+    /// Required ratio of the previous halving's change to the last halving's change, unless the previous change is
+    /// at most `enough`. `None`: no ratio is required.
     pub fall: Option<f64>,
 }
 
 impl Rule {
-    /// Without contact RK4, which is nearest where forces are smooth. With it steps jump, none is
-    /// better than of first order, and what the reference leaves cannot be a thousandth.
+    /// The rule for the most exact reference, for a cloth with the given diagonal, m.
     ///
-    /// As exact as a cloth of some diagonal, m, can be had.
+    /// Without contact by RK4, which is the most accurate method where forces are smooth. With contact velocities
+    /// jump: no method converges by more than first order, so the reference's own error cannot be a thousandth of
+    /// the errors that are charted.
     pub fn of(contact: bool, diagonal: f64) -> Self {
         let (enough, fall) = (ENOUGH * diagonal, None);
         match contact {
@@ -42,9 +43,10 @@ impl Rule {
         }
     }
 
-    /// As exact as a tolerance asks, m, the first that is found: by BDF2, which bears long steps, or RK4,
-    /// which bears fine tolerances, converging nearly by its order, so that what is left is less than a
-    /// sixteenth. With contact a fourth, by backward Euler.
+    /// Rules for a reference that is just exact enough for a tolerance, m, in the order in which they are tried.
+    /// Without contact BDF2, which is stable with long steps, then RK4, which reaches fine tolerances; they must
+    /// converge nearly by their order, and the last halving must change at most a sixteenth of the tolerance. With
+    /// contact backward Euler and a fourth.
     pub fn within(contact: bool, tolerance: f64) -> Vec<Self> {
         let by = |method| {
             let fall = 2f64.powf(f64::from(variant::order(method)) - SHORT_OF_ORDER);
@@ -57,72 +59,73 @@ impl Rule {
     }
 }
 
-/// Steps from sample to sample beyond which nothing is tried.
+/// Largest number of steps from sample to sample that is tried.
 pub const MOST_STEPS: u64 = 1 << 24;
 
-/// Its own error at which halving ends where it must be as exact as can be, of the diagonal.
+/// Own error at which halving ends for the most exact reference, as a part of the diagonal.
 const ENOUGH: f64 = 1e-12;
 
-/// What rounding leaves at least, of what is enough.
+/// Smallest own error that is assumed, as a part of `enough`: smaller distances are rounding.
 const ROUNDING: f64 = 1e-3;
 
-/// By how much less than its order a method may converge.
+/// By how much the measured order of convergence may be below the order of the method.
 const SHORT_OF_ORDER: f64 = 0.5;
 
-/// Times the most energy of the reference: beyond that a run has blown up.
+/// A run has blown up when its energy exceeds this many times the largest energy of the reference.
 pub const BLOWN_UP: f64 = 10.0;
 
-/// J/kg; less is rounding where nothing moves.
+/// Smallest energy that counts as motion, J/kg: less is rounding.
 const REST: f64 = 1e-6;
 
-/// The part of the budget that it may take.
+/// The part of the budget that the reference may take.
 pub const SHARE: f64 = 0.4;
 
-/// The runs of a refinement, each of twice the steps of the one before, all complete.
+/// The runs of a refinement. All are complete, and each takes twice the steps of the run before.
 pub struct Reference {
-    /// How it was found.
+    /// The rule by which it was found.
     pub rule: Rule,
-    /// The variants and what came of them; the last is the reference.
+    /// The variants and their runs; the last one is the reference.
     pub runs: Vec<(Variant, Trajectory)>,
-    /// The last variant before them, which failed.
+    /// The last variant that failed before these runs.
     pub failed: Option<(Variant, Trajectory)>,
-    /// The variant after them, where the time ended it.
+    /// The variant after these runs that ran out of time.
     pub cut: Option<(Variant, Trajectory)>,
-    /// Distance between the last two, m.
+    /// Distance between the last two runs, m.
     pub self_error: f64,
-    /// Distance that the halving before moved it, m, if there was one.
+    /// Change by the halving before the last one, m, if there was one.
     pub before: Option<f64>,
 }
 
 impl Reference {
-    /// The least error that it can tell, m.
+    /// The smallest error that it can resolve, m.
     pub fn least(&self) -> f64 {
         self.rule.trusted * self.self_error
     }
 
-    /// The least error of which the order can be told, m: beside smaller ones its own counts.
+    /// The smallest error that an order of convergence may be computed from, m: smaller errors contain too much of
+    /// the reference's own error.
     pub fn least_in_order(&self) -> f64 {
         self.least().max(8.0 * self.self_error)
     }
 
-    /// Whether it is as exact as it was to be.
+    /// Whether it is as exact as its rule requires.
     pub fn is_enough(&self) -> bool {
         let falls = |fall| self.before.is_some_and(|d| d >= fall * self.self_error || d <= self.rule.enough);
         self.self_error <= self.rule.enough && self.rule.fall.is_none_or(falls)
     }
 
-    /// The most kinetic and elastic energy that it has, J; of a cloth of some mass, kg.
+    /// The largest kinetic and elastic energy of the reference, J; `mass` is the mass of the cloth, kg.
     pub fn liveliest(&self, mass: f64) -> f64 {
         self.best().1.liveliest().max(REST * mass)
     }
 
     /// The reference itself.
     pub fn best(&self) -> &(Variant, Trajectory) {
-        // Never empty where it is found.
+        // A reference that was found has at least two runs.
         &self.runs[self.runs.len() - 1]
     }
 
-    /// By which power of the step it converged in its last two halvings, if there were so many.
+    /// The order of convergence in the last two halvings, if there were two.
     pub fn order(&self) -> Option<f64> {
         self.before.map(|before| (before / self.self_error).log2())
     }
@@ -132,25 +135,24 @@ impl Reference {
         self.runs.len() > 1
     }
 
-    /// The budget that two runs to compare would take at least, s, where a run that was ended by the
-    /// time tells what its step costs.
+    /// The smallest budget that would allow two runs to compare, s, if some run shows the cost of a step.
     pub fn least_budget(&self) -> Option<f64> {
         let whole = match (self.runs.as_slice(), &self.cut) {
             ([], Some((variant, run))) => run.wall * (SAMPLES * variant.steps) as f64 / run.report.steps.max(1) as f64,
             ([(_, run)], _) => run.wall,
             _ => return None,
         };
-        // It and one of half its step.
+        // This run, and one with half the step for twice the cost.
         Some(3.0 * whole / SHARE)
     }
 }
 
-/// A reference, or none where no two steps could be found that work.
+/// Finds a reference; `None` if fewer than two steps worked.
 pub fn find(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Option<Reference>, Failure> {
     Ok(Some(refine(study, rule, masses)?).filter(Reference::is_found))
 }
 
-/// Refines until the error is enough or the share of the budget is used up.
+/// Halves the step until the error is small enough or the share of the budget is used up.
 pub fn refine(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Reference, Failure> {
     let share = study.left().mul_f64(SHARE).as_secs_f64();
     let end = study.seconds() + share;
@@ -171,7 +173,8 @@ pub fn refine(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Reference
                 reference.cut = Some((variant, run));
                 break;
             }
-            // Half the step of one that worked fails: that one only seemed to.
+            // A run that fails with half the step shows that the runs with longer steps worked only by chance: they
+            // are dropped.
             Ending::Diverged(_) | Ending::Grown => {
                 reference.runs.clear();
                 reference.self_error = f64::INFINITY;

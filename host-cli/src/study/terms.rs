@@ -1,4 +1,5 @@
-//! What a scene models, and how to run it without, or with what could be modelled besides.
+//! The terms of a scene, and how to run the scene without each of them, with a simpler one, or with an additional
+//! one.
 
 use muslin_core::scene::{BendModel, ClothDesc, ContactDesc, FrictionDesc, SceneDesc, StretchModel};
 use serde::Serialize;
@@ -8,37 +9,37 @@ use crate::args::Precision;
 
 use super::bending_spring;
 
-/// What is done to a term.
+/// The action on a term.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Deed {
-    /// Switched off.
+    /// The term is switched off.
     Off,
-    /// Put simpler.
+    /// The term is replaced by a simpler one.
     Simpler,
-    /// Added: the scene does not model it.
+    /// The term is added: the scene does not model it.
     Added,
 }
 
-/// A value at a key of the scene, or that it is removed.
+/// A key of the scene and its new value; `None` removes the key.
 pub type Edit = (String, Option<Value>);
 
-/// A term of the model and what is done to it.
+/// A term of the model and the action on it.
 #[derive(Clone, Debug)]
 pub struct Term {
-    /// As rows call it.
+    /// Name in rows.
     pub name: &'static str,
-    /// What is done to it.
+    /// The action on the term.
     pub deed: Deed,
-    /// As the subject of a sentence.
+    /// The term as the subject of a sentence.
     pub subject: String,
-    /// The scene as it is run, after a comma: "without bending".
+    /// The changed scene, in words after a comma: "without bending".
     pub run: String,
-    /// Larger terms that switch it off too.
+    /// Larger terms that include this one: switching them off switches it off too.
     pub part_of: &'static [&'static str],
-    /// What is changed in the scene.
+    /// Changes of the scene.
     pub edits: Vec<Edit>,
-    /// In which it is run.
+    /// Precision of the run.
     pub precision: Precision,
 }
 
@@ -57,12 +58,12 @@ impl Term {
         Self { subject: format!("{name} instead of {than}"), ..term }
     }
 
-    /// The same as a part of larger terms.
+    /// Marks the term as a part of larger terms.
     fn within(self, part_of: &'static [&'static str]) -> Self {
         Self { part_of, ..self }
     }
 
-    /// Several at once, none a part of another.
+    /// Switches several terms off at once. None of them may be a part of another.
     pub fn together<'a>(terms: impl Iterator<Item = &'a Self>) -> Self {
         let edits = terms.flat_map(|term| term.edits.iter().cloned()).collect();
         let term = Self::new("all of these", Deed::Off, "without them all".into(), edits);
@@ -70,8 +71,8 @@ impl Term {
     }
 }
 
-/// Every term that the scene models, in the order of the scene, then what could be added;
-/// `mean_edges` are those of its cloths, m.
+/// Every term that the scene models, in the order of the scene, followed by terms that could be added. `mean_edges`
+/// are the mean edge lengths of the cloths, m.
 pub fn of(scene: &SceneDesc, mean_edges: &[f64]) -> Vec<Term> {
     let contact = scene.contact.as_ref();
     let terms = [
@@ -96,14 +97,14 @@ fn removed(key: &str) -> Edit {
     (key.into(), None)
 }
 
-/// A value in each cloth that gives one.
+/// One edit for each cloth for which `value` returns a value.
 fn in_cloths(scene: &SceneDesc, key: &str, value: impl Fn(usize, &ClothDesc) -> Option<Value>) -> Vec<Edit> {
     let cloths = scene.cloth.iter().enumerate();
     cloths.filter_map(|(index, cloth)| Some((format!("cloth.{index}.{key}"), Some(value(index, cloth)?)))).collect()
 }
 
-/// The sheet's membranes as springs of the same Young's modulus, which resist shear by themselves: a
-/// shear term goes with the membrane.
+/// Replaces the membranes by springs of the same Young's modulus. Springs resist shear themselves, so the shear
+/// term is removed with the membrane.
 fn membrane(scene: &SceneDesc) -> Option<Term> {
     let mut edits = in_cloths(scene, "stretch.model", |_, cloth| {
         let stretch = cloth.stretch.as_ref().filter(|stretch| stretch.model == StretchModel::Membrane);
@@ -123,7 +124,8 @@ fn shear(scene: &SceneDesc) -> Option<Term> {
     modelled.then(|| Term::off("shear", vec![removed("cloth.shear")]).within(&["membrane"]))
 }
 
-/// Hinges as bending springs of comparable stiffness, each cloth's by its own edges.
+/// Replaces hinges by bending springs of comparable stiffness; each cloth's stiffness follows from its own mean
+/// edge.
 fn hinges(scene: &SceneDesc, mean_edges: &[f64]) -> Option<Term> {
     let hinged = |cloth: &ClothDesc| cloth.bend.clone().filter(|bend| bend.model == BendModel::Hinge);
     let mut edits = in_cloths(scene, "bend.stiffness", |index, cloth| {
@@ -140,7 +142,7 @@ fn bending(scene: &SceneDesc) -> Option<Term> {
     modelled.then(|| Term::off("bending", vec![removed("cloth.bend")]))
 }
 
-/// Of the cloth; seams keep theirs.
+/// Switches off the damping of the cloth; seams keep their damping.
 fn damping(scene: &SceneDesc) -> Option<Term> {
     let damped = |cloth: &ClothDesc| {
         let stretch = cloth.stretch.as_ref().map(|stretch| stretch.damping);
@@ -172,7 +174,7 @@ fn continuous(contact: &ContactDesc) -> Option<Term> {
     contact.continuous.then(|| Term::off("continuous testing", edits).within(&["contact"]))
 }
 
-/// That of the colliders too.
+/// Switches off all friction, including the friction of the colliders.
 fn friction(scene: &SceneDesc, contact: &ContactDesc) -> Option<Term> {
     let own = scene.collider.iter().filter_map(|collider| collider.friction);
     let acts = |f: FrictionDesc| f.at_rest.max(f.kinetic).max(f.viscous) > 0.0;
@@ -180,14 +182,14 @@ fn friction(scene: &SceneDesc, contact: &ContactDesc) -> Option<Term> {
     own.chain([contact.friction]).any(acts).then(|| Term::off("friction", edits).within(&["contact"]))
 }
 
-/// Colliders go with it: the core takes none without contact.
+/// Switches off contact and removes all colliders: the core does not accept colliders without contact.
 fn whole_contact(scene: &SceneDesc) -> Term {
     let term = Term::off("contact", ["contact", "collider"].map(removed).into());
     let with = if scene.collider.is_empty() { "" } else { ", with all colliders," };
     Term { subject: format!("{}{with}", term.subject), ..term }
 }
 
-/// Iterations in which a step converges as a rule.
+/// Number of iterations in which a step usually converges.
 const CONVERGED: u32 = 20;
 
 fn newton(scene: &SceneDesc) -> Option<Term> {
@@ -220,7 +222,7 @@ mod tests {
             let edit = springs.edits.iter().find(|(edited, _)| *edited == key);
             edit.and_then(|(_, value)| value.as_ref()?.as_float()).unwrap()
         };
-        // As the inverse square of the edge.
+        // The stiffness falls as the inverse square of the edge.
         assert!((stiffness(0) / stiffness(1) - 9.0).abs() < 1e-12);
     }
 }

@@ -1,4 +1,4 @@
-//! A variant run from start to end, kept at samples.
+//! A run of a variant from start to end, recorded at samples.
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -15,30 +15,30 @@ use super::{Study, cost};
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
-    /// At its time.
+    /// It reached its end.
     Complete,
-    /// A step could not be taken.
+    /// A step failed, or an edge was stretched too far; the reason.
     Diverged(String),
-    /// More energy than the scene can have.
+    /// Its energy exceeded the limit.
     Grown,
-    /// It would have taken longer than it was given.
+    /// It would have taken longer than its time limit.
     OutOfTime,
 }
 
-/// What a run went through.
+/// The record of a run.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     /// Positions at each sample, m.
     pub samples: Vec<Vec<[f64; 3]>>,
-    /// kinetic, stretch, shear, bend, seam, gravity at each sample, J.
+    /// Kinetic, stretch, shear, bend, seam and gravity energy at each sample, J.
     pub energies: Vec<[f64; 6]>,
-    /// The largest length over rest length of an edge at a sample.
+    /// The largest ratio of length to rest length of any edge at any sample.
     pub stretch: f64,
-    /// The deepest that a vertex lies in a collider at a sample, m; none without colliders.
+    /// The largest depth of a vertex inside a collider at any sample, m; `None` without colliders.
     pub penetration: Option<f64>,
-    /// At the end.
+    /// State and work at the end.
     pub report: Report,
-    /// What its steps cost, s.
+    /// Cost of its steps, s.
     pub wall: f64,
     /// How it ended.
     pub ending: Ending,
@@ -50,28 +50,28 @@ impl Trajectory {
         self.energies[sample][..5].iter().sum()
     }
 
-    /// The most that it has at any sample, J.
+    /// The largest kinetic and elastic energy at any sample, J.
     pub fn liveliest(&self) -> f64 {
         (0..self.energies.len()).map(|sample| self.lively(sample)).fold(0.0, f64::max)
     }
 
-    /// All energies together at a sample, J.
+    /// Total energy at a sample, J.
     pub fn energy(&self, sample: usize) -> f64 {
         self.energies[sample].iter().sum()
     }
 }
 
-/// What stops a run before its end.
+/// Limits that end a run early.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Time in steps.
+    /// Time for steps.
     pub wall: Duration,
     /// Kinetic and elastic energy, J.
     pub energy: f64,
 }
 
 impl Limits {
-    /// The run, or that it has grown too much where that was not looked at on the way.
+    /// Applies the energy limit to a complete run that was made without it.
     pub fn judge(&self, mut run: Trajectory) -> Trajectory {
         if run.ending == Ending::Complete && run.liveliest() > self.energy {
             run.ending = Ending::Grown;
@@ -86,12 +86,12 @@ pub fn fly(study: &Study<'_>, variant: &Variant, limits: Limits) -> Result<Traje
     fly_of(study, &study.scene, variant, limits)
 }
 
-/// Runs a variant of a scene, as a rule the study's with something changed.
+/// Runs a variant of a scene, usually of the study's scene with some changes.
 pub fn fly_of(study: &Study<'_>, scene: &SceneFile, variant: &Variant, limits: Limits) -> Result<Trajectory, Failure> {
     fly_scene(study, &variant.scene(scene)?, variant.precision, variant.steps, limits)
 }
 
-/// Runs a scene by so many steps from sample to sample.
+/// Runs a scene with `steps` steps from sample to sample.
 pub fn fly_scene(
     study: &Study<'_>,
     scene: &SceneFile,
@@ -123,7 +123,7 @@ pub fn fly_scene(
     Ok(flight)
 }
 
-/// Steps to the next sample and keeps it.
+/// Takes the steps to the next sample and records it.
 fn sample(
     study: &Study<'_>,
     engine: &mut dyn Engine,
@@ -148,7 +148,7 @@ fn sample(
             Ok(()) if flight.wall > limits.wall.as_secs_f64() => return Ok(Ending::OutOfTime),
             Ok(()) => {}
             Err(Halt::Diverged(divergence)) => return Ok(Ending::Diverged(divergence.what)),
-            // The flag is down: it was the deadline.
+            // The stop flag is not set, so the deadline caused the stop.
             Err(Halt::Stopped) => return Ok(Ending::OutOfTime),
         }
     }

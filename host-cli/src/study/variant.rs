@@ -1,4 +1,4 @@
-//! One way to run the scene of a study.
+//! One way to run the scene of a study: method, precision and step.
 
 use muslin_core::integrate::Method;
 use muslin_core::integrate::stability::{Mode, longest_step};
@@ -8,7 +8,7 @@ use crate::args::Precision;
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 
-/// States of a run that are compared, at equal times.
+/// Number of samples at which runs are compared, at equal time intervals.
 pub const SAMPLES: u64 = 20;
 
 /// A method, a step and a precision.
@@ -16,7 +16,7 @@ pub const SAMPLES: u64 = 20;
 pub struct Variant {
     /// The method.
     pub method: Method,
-    /// In which precision.
+    /// The precision.
     pub precision: Precision,
     /// Steps from sample to sample.
     pub steps: u64,
@@ -31,24 +31,24 @@ pub const fn order(method: Method) -> i32 {
     }
 }
 
-/// The longest step of theory, s, of a method; where every step gains energy, of symplectic Euler. None
-/// where nothing limits it.
+/// The longest stable step of a method by theory, s. For a method that gains energy with every step, the limit of
+/// symplectic Euler. `None` if nothing limits the step.
 pub fn limit(modes: &[Mode], method: Method) -> Option<f64> {
     let own = longest_step(modes, method);
     if own == Some(0.0) { longest_step(modes, Method::SymplecticEuler) } else { own }
 }
 
-/// Tolerances below which rounding ends the solver.
+/// Smallest useful solver tolerances in single and double precision: rounding prevents smaller residuals.
 const LEAST_TOLERANCE: [f64; 2] = [1e-6, 1e-12];
 
 impl Variant {
-    /// s.
+    /// Length of a step, s.
     pub fn step(&self, scene: &SceneFile) -> f64 {
         scene.desc.duration / (SAMPLES * self.steps) as f64
     }
 
-    /// The solver's tolerance: the scene's, and below the scene's step smaller by the method's
-    /// order, so that it is never what the error comes from.
+    /// The solver's tolerance. For steps shorter than the scene's it is reduced by the order of the method, so that
+    /// the solver never dominates the error.
     pub fn tolerance(&self, scene: &SceneFile) -> f64 {
         let integrator = &scene.desc.integrator;
         let finer = (self.step(scene) / integrator.step).min(1.0).powi(order(self.method));
@@ -56,13 +56,13 @@ impl Variant {
         (integrator.tolerance * finer).max(least).min(integrator.tolerance)
     }
 
-    /// The scene that is run.
+    /// The scene to run, with one frame per sample.
     pub fn scene(&self, scene: &SceneFile) -> Result<SceneFile, Failure> {
         let sampled = [("frame_rate", Some(Value::Float(SAMPLES as f64 / scene.desc.duration)))];
         self.chosen(scene)?.changed(&sampled)
     }
 
-    /// The scene with these settings as its own.
+    /// The scene with this method, step and tolerance.
     pub fn chosen(&self, scene: &SceneFile) -> Result<SceneFile, Failure> {
         let mut own = vec![
             ("integrator.method", Some(Value::String(self.method.name().into()))),
@@ -74,7 +74,7 @@ impl Variant {
         scene.changed(&own)
     }
 
-    /// As a line of progress names it.
+    /// Name in the progress bar.
     pub fn name(&self, scene: &SceneFile) -> String {
         format!("{} {}, step {:.3e} s", self.method.name(), self.precision.name(), self.step(scene))
     }

@@ -1,4 +1,4 @@
-//! The choice run afresh, against a reference of half the step.
+//! The check of the choice: new runs against a reference with half the step.
 
 use std::time::Duration;
 
@@ -12,27 +12,30 @@ use super::pilot::Pilot;
 use super::row::Row;
 use super::saving::Found;
 
-/// Times that a choice which misses by a little is made finer, and by which part of its steps.
+/// A choice that misses the tolerance in the check gets 1 / `FINER` more steps. The choice is checked at most
+/// `ROUNDS` times.
 const ROUNDS: u64 = 4;
 const FINER: u64 = 16;
 
-/// Runs of the choice, where they are shorter than this, s.
+/// The choice is run this often if a run takes less than `SHORT`, s.
 const REPEATS: usize = 3;
 const SHORT: f64 = 2.0;
 
-/// A choice that was checked.
+/// The checked choice.
 pub struct Checked {
     /// The choice.
     pub found: Found,
-    /// RMS, m.
+    /// RMS error, m.
     pub error: f64,
-    /// s; the median.
+    /// Median computing time, s.
     pub wall: f64,
-    /// The step of the reference of the check, s: that of the pilot where there was no time for less.
+    /// Step of the reference of the check, s: the step of the pilot's reference if there was no time for a shorter
+    /// one.
     pub step: f64,
 }
 
-/// Runs the choice; by a little shorter steps where it misses the tolerance after all.
+/// Checks the choice, and shortens its step slightly if it misses the tolerance. An error means that shorter steps
+/// do not help.
 pub fn check(pilot: &mut Pilot<'_>, mut found: Found) -> Result<Checked, Failure> {
     let (variant, finer) = finer_reference(pilot)?;
     let step = variant.step(&pilot.study.scene);
@@ -54,8 +57,8 @@ pub fn check(pilot: &mut Pilot<'_>, mut found: Found) -> Result<Checked, Failure
     )))
 }
 
-/// A reference of half the step, none where there was no time for it; and the variant that is the
-/// reference then.
+/// The variant of the check's reference with its run, which has half the step of the pilot's reference. Without
+/// time for this run, the variant of the pilot's reference and `None`.
 fn finer_reference(pilot: &Pilot<'_>) -> Result<(Variant, Option<Trajectory>), Failure> {
     let coarse = pilot.reference.best().0;
     let variant = Variant { steps: 2 * coarse.steps, ..coarse };
@@ -67,10 +70,10 @@ fn finer_reference(pilot: &Pilot<'_>) -> Result<(Variant, Option<Trajectory>), F
     })
 }
 
-/// Error and time of fresh runs of a choice.
+/// Error, m, and computing time, s, of new runs of a choice.
 fn measure(pilot: &Pilot<'_>, found: &Found, finer: Option<&Trajectory>) -> Result<(f64, f64), Failure> {
     let reference = finer.unwrap_or(&pilot.reference.best().1);
-    // It has run before: however late it is, this ends.
+    // This run has been completed before, so it ends even without a time limit.
     let limits = Limits { wall: Duration::MAX, energy: f64::INFINITY };
     let scene = &found.scene;
     let fly = || fly_of(pilot.study, scene, &found.row.variant, limits);
@@ -83,7 +86,7 @@ fn measure(pilot: &Pilot<'_>, found: &Found, finer: Option<&Trajectory>) -> Resu
     Ok((if complete { pilot.error(&run, reference) } else { f64::INFINITY }, median(walls)))
 }
 
-/// The same with a few more steps, to its end. Without an error there is no prediction.
+/// Runs the choice with a few more steps to its end. This gives the new prediction.
 fn shorter(pilot: &mut Pilot<'_>, found: &Found) -> Result<Row, Failure> {
     let steps = found.row.variant.steps;
     let variant = Variant { steps: steps + steps.div_ceil(FINER), ..found.row.variant };

@@ -24,7 +24,7 @@ pub use report::Choice;
 pub use row::Row;
 use saving::Found;
 
-/// Chooses for a scene.
+/// Runs the command.
 pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
     let study = Study::begin(&arguments.study)?;
     if let Some(path) = &arguments.write {
@@ -51,7 +51,7 @@ pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
     study.finish("choose", &draw::choose(&choice), &choice, &choice.lines())
 }
 
-/// The best that there is, for who asked for more.
+/// The error if no method meets the tolerance; it names the best result.
 fn nothing_meets(pilot: &Pilot<'_>) -> Failure {
     let told = pilot.considered.iter().filter_map(|row| Some((row.error?, row)));
     let best = told.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -69,7 +69,7 @@ fn nothing_meets(pilot: &Pilot<'_>) -> Failure {
     ))
 }
 
-/// What can be told of a cloth of some size, m, for who asked for more.
+/// The error if no reference was found that resolves the tolerance; `size` is the diagonal of the cloth, m.
 fn no_reference(study: &Study<'_>, tolerance: f64, size: f64, reference: Option<&Reference>) -> Failure {
     let what = reference.map_or_else(
         || "its longest steps already take too long, or fail".into(),
@@ -90,7 +90,7 @@ fn no_reference(study: &Study<'_>, tolerance: f64, size: f64, reference: Option<
     ))
 }
 
-/// Of a reference that is near enough, but by luck.
+/// Words for a reference whose own error is small enough, but which does not converge regularly.
 fn unsteady(reference: &Reference, step: &str) -> String {
     let before = reference.before.map_or_else(
         || "and longer steps fail, so that nothing shows how it converges".into(),
@@ -99,8 +99,8 @@ fn unsteady(reference: &Reference, step: &str) -> String {
     format!("halving the step to {step} moves it by {}, {before}", length(reference.self_error))
 }
 
-/// Of a reference that is not near enough: the tolerance of which its own error is the part that it may
-/// be, unless the cloth itself is smaller.
+/// Words for a reference whose own error is too large. They name the tolerance that this error would allow, unless
+/// the cloth itself is smaller.
 fn too_coarse(reference: &Reference, step: &str, tolerance: f64, size: f64) -> String {
     let reachable = reference.self_error * tolerance / reference.rule.enough;
     let best = match reachable < size {
@@ -110,7 +110,8 @@ fn too_coarse(reference: &Reference, step: &str, tolerance: f64, size: f64) -> S
     format!("halving the step to {step} still moves it by {}; {best}", length(reference.self_error))
 }
 
-/// In the order of what is likely to be cheap: the first to meet the tolerance shortens the others.
+/// The methods, those that are likely to be cheap first: the first one to meet the tolerance limits the time of the
+/// others.
 const fn methods(measure: Measure) -> [Method; 7] {
     let [first, second, third] = match measure {
         Measure::Positions => [Method::Bdf2, Method::ImplicitMidpoint, Method::BackwardEuler],

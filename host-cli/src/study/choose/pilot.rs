@@ -1,4 +1,4 @@
-//! Pilot runs of the scene, weighed against a reference no better than the tolerance asks.
+//! Pilot runs of the scene, compared with a reference that is just exact enough for the tolerance.
 
 use std::time::Duration;
 
@@ -13,32 +13,34 @@ use crate::units::time;
 use super::no_reference;
 use super::row::{Row, Verdict};
 
-/// Times the time of the cheapest that meets the tolerance, at which a run is given up: what is nearer
-/// is told as the next.
+/// A run is given up when it takes this many times as long as the cheapest run that meets the tolerance. The report
+/// names the next best method if it is nearer than this.
 const DEAR: f64 = 2.0;
 
-/// No run is given up before, s: the machine may have been busy with something else for so long.
+/// A run is never given up earlier than this, s: another process may have delayed it for that long.
 const GRACE: f64 = 0.1;
 
-/// Times the time of the last run of the reference, kept for that of half its step and the check.
+/// Time kept for the reference of the check and the check itself, as a multiple of the time of the last run of the
+/// reference.
 const KEPT: f64 = 3.0;
 
-/// What was run so far.
+/// The pilot runs of a study.
 pub struct Pilot<'a> {
     /// The study.
     pub study: &'a Study<'a>,
-    /// RMS, m.
+    /// RMS error that is allowed, m.
     pub tolerance: f64,
-    /// What errors are measured against.
+    /// The reference that errors are measured against.
     pub reference: Reference,
-    /// kg.
+    /// Masses of the vertices, kg.
     pub masses: Vec<f64>,
-    /// All runs, in their order.
+    /// All runs, in the order in which they were made.
     pub considered: Vec<Row>,
 }
 
 impl<'a> Pilot<'a> {
-    /// Finds the reference of a cloth of some size, m.
+    /// Finds the reference; `size` is the diagonal of the cloth, m. An error means that no reference is exact
+    /// enough.
     pub fn begin(study: &'a Study<'a>, masses: Vec<f64>, tolerance: f64, size: f64) -> Result<Self, Failure> {
         let mut nearest: Option<Reference> = None;
         for rule in Rule::within(study.scene.desc.contact.is_some(), tolerance) {
@@ -53,35 +55,36 @@ impl<'a> Pilot<'a> {
         Err(no_reference(study, tolerance, size, nearest.as_ref()))
     }
 
-    /// Steps from sample to sample of the longest step: a run takes one a frame at least.
+    /// Number of steps from sample to sample with the longest allowed step: a run takes at least one step per
+    /// frame.
     pub fn fewest_steps(&self) -> u64 {
         let desc = &self.study.scene.desc;
         let frames = desc.duration * desc.frame_rate / SAMPLES as f64;
         (frames - 1e-9).ceil().max(1.0) as u64
     }
 
-    /// Whether a run is to be had: it meets the tolerance, and none of its method does by less work.
+    /// Whether a run may be chosen: it meets the tolerance, and no run of the same method meets it with less work.
     pub fn is_candidate(&self, row: &Row) -> bool {
         row.meets() && !self.considered.iter().any(|other| row.is_outdone(other))
     }
 
-    /// The cheapest that meets the tolerance of the runs that are wanted.
+    /// The cheapest run that meets the tolerance, among those for which `is_wanted` holds.
     pub fn cheapest_of(&self, is_wanted: impl Fn(&Row) -> bool) -> Option<&Row> {
         let rows = self.considered.iter().filter(|row| is_wanted(row) && self.is_candidate(row));
         rows.min_by(|a, b| a.wall_s.total_cmp(&b.wall_s))
     }
 
-    /// The cheapest of all that meets the tolerance.
+    /// The cheapest of all runs that meet the tolerance.
     pub fn cheapest(&self) -> Option<&Row> {
         self.cheapest_of(|_| true)
     }
 
-    /// Seconds that are left before the check.
+    /// Time left for pilot runs, s, without the time that is kept for the check.
     pub fn left(&self) -> f64 {
         (self.study.left().as_secs_f64() - KEPT * self.reference.best().1.wall).max(0.0)
     }
 
-    /// Runs a variant of a scene and keeps what came of it, given up after `longest` seconds or when it
+    /// Runs a variant of a scene and records the result. The run is given up after `longest` seconds or when it
     /// costs too much.
     pub fn weigh(
         &mut self,
@@ -97,7 +100,7 @@ impl<'a> Pilot<'a> {
         Ok(self.keep(scene, variant, terms, &run, dear <= longest))
     }
 
-    /// The same of a variant that is run to its end, however long that takes.
+    /// Runs a variant to its end without a time limit, and records the result.
     pub fn weigh_whole(&mut self, scene: &SceneFile, variant: Variant, terms: &[String]) -> Result<Row, Failure> {
         self.study.say(&variant.name(scene));
         let run = fly_of(self.study, scene, &variant, Limits { wall: Duration::MAX, energy: self.most_energy() })?;
@@ -111,18 +114,18 @@ impl<'a> Pilot<'a> {
         row
     }
 
-    /// What has more has blown up, J.
+    /// Energy above which a run counts as blown up, J.
     fn most_energy(&self) -> f64 {
         BLOWN_UP * self.reference.liveliest(self.masses.iter().sum())
     }
 
-    /// Runs a variant of a scene for some seconds at most.
+    /// Runs a variant of a scene for at most `longest` seconds.
     pub fn fly(&self, scene: &SceneFile, variant: &Variant, longest: f64) -> Result<Trajectory, Failure> {
         let wall = Duration::from_secs_f64(longest.min(self.left()));
         fly_of(self.study, scene, variant, Limits { wall, energy: self.most_energy() })
     }
 
-    /// How far a run is from the reference, m; RMS.
+    /// RMS distance of a run from the reference, m.
     pub fn error(&self, run: &Trajectory, reference: &Trajectory) -> f64 {
         self.reference.rule.measure.between(run, reference, &self.masses).rms
     }

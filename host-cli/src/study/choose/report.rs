@@ -1,4 +1,4 @@
-//! What was chosen and why, in numbers and words.
+//! The report of `muslin choose`: numbers and text.
 
 use serde::Serialize;
 
@@ -14,92 +14,92 @@ use super::row::{Row, Verdict};
 /// How to run the scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Chosen {
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
-    /// s.
+    /// Step, s.
     pub step: f64,
-    /// That which `muslin run` takes, s: frames may cut it.
+    /// Step that `muslin run` takes, s: it may be shorter, to fit the frames.
     pub run_step: f64,
-    /// None of explicit methods.
+    /// Tolerance of the solver; `None` for explicit methods.
     pub solver_tolerance: Option<f64>,
-    /// Terms left out or put simpler, in words.
+    /// Terms that are left out or simplified, in words.
     pub terms: Vec<String>,
 }
 
 /// An error, m, and a time, s.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Figures {
-    /// RMS, m.
+    /// RMS error, m.
     pub error: f64,
-    /// s.
+    /// Computing time, s.
     pub wall_s: f64,
 }
 
-/// What errors are measured against.
+/// The reference that errors are measured against.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReferenceReport {
-    /// As scenes spell it; in double precision.
+    /// Name as in a scene file; it runs in double precision.
     pub method: &'static str,
-    /// s.
+    /// Step, s.
     pub step: f64,
-    /// What the last halving of its step moved it by, m.
+    /// Change by the last halving of its step, m.
     pub self_error: f64,
-    /// Whether that is only a bound: less is rounding.
+    /// Whether `self_error` is only an upper bound, because the change is below rounding.
     pub is_bound: bool,
-    /// The step of the one that the choice was checked against, s.
+    /// Step of the reference of the check, s.
     pub check_step: f64,
 }
 
-/// The run of another method than the reference's that is nearest to it.
+/// The run of another method that is nearest to the reference.
 #[derive(Clone, Debug, Serialize)]
 pub struct Nearest {
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
-    /// s.
+    /// Step, s.
     pub step: f64,
-    /// RMS, m.
+    /// RMS distance from the reference, m.
     pub error: f64,
 }
 
-/// `choose --json`. Errors are metres.
+/// The report, `choose --json`. Errors are in metres.
 #[derive(Clone, Debug, Serialize)]
 pub struct Choice {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// Simulated, s.
+    /// Simulated time, s.
     pub duration_s: f64,
-    /// Of all cloths.
+    /// Number of vertices of all cloths.
     pub vertices: usize,
-    /// What an error is of: positions, or with contact the outline.
+    /// The compared quantity: positions, or with contact the outline.
     pub measure: Measure,
-    /// RMS, m.
+    /// RMS error that is allowed, m.
     pub tolerance: f64,
     /// The choice.
     pub chosen: Chosen,
-    /// By the pilot runs.
+    /// Prediction from the pilot runs.
     pub predicted: Figures,
-    /// By the check.
+    /// Result of the check.
     pub measured: Figures,
-    /// What it took to find and check, s.
+    /// Cost of the search and the check, s.
     pub pilot_s: f64,
-    /// Why.
+    /// Why this method was chosen.
     pub reason: String,
-    /// What errors are measured against.
+    /// The reference that errors are measured against.
     pub reference: ReferenceReport,
-    /// With contact no theory says that another method comes to the same drape: how near one comes;
-    /// none without contact, or where no other came to its end.
+    /// With contact no theory says that methods converge to the same drape, so this shows how near another method
+    /// comes. `None` without contact, or if no other method reached its end.
     pub nearest_other: Option<Nearest>,
-    /// Steps fit into 20 equal parts of the time: none longer is tried, s.
+    /// Longest step that is tried, s: the scene takes at least 20 steps and at least one per frame.
     pub longest_step: f64,
-    /// The processor; one thread of it.
+    /// The processor, of which one thread is used; a note if costs are counted.
     pub machine: String,
-    /// All pilot runs but those of the reference, in their order.
+    /// All pilot runs except the runs of the reference, in their order.
     pub considered: Vec<Row>,
 }
 
-/// Puts together what was found.
+/// Creates the report.
 pub fn of(pilot: &Pilot<'_>, checked: &Checked) -> Result<Choice, Failure> {
     let (study, row) = (pilot.study, &checked.found.row);
     let (reference, _): &(Variant, _) = pilot.reference.best();
@@ -137,14 +137,14 @@ pub fn of(pilot: &Pilot<'_>, checked: &Checked) -> Result<Choice, Failure> {
     })
 }
 
-/// Whether the last halving moved the reference by less than it is said to.
+/// Whether the last halving moved the reference by less than its reported own error.
 fn is_bound(pilot: &Pilot<'_>) -> bool {
     let reference = &pilot.reference;
     let [.., (_, coarse), (_, fine)] = reference.runs.as_slice() else { return false };
     pilot.error(fine, coarse) < reference.self_error
 }
 
-/// The nearest to the reference with all terms of another method, with contact.
+/// The run of another method, with all terms, that is nearest to the reference; `None` without contact.
 fn nearest_other(pilot: &Pilot<'_>) -> Option<Nearest> {
     let rule = pilot.reference.rule;
     let others = pilot.considered.iter().filter(|row| row.terms.is_empty() && row.variant.method != rule.method);
@@ -153,7 +153,7 @@ fn nearest_other(pilot: &Pilot<'_>) -> Option<Nearest> {
     nearest.filter(|_| rule.measure == Measure::Outline)
 }
 
-/// The choice beside the next, both with all terms.
+/// Compares the choice with the next best method, both with all terms.
 fn reason(pilot: &Pilot<'_>, row: &Row) -> String {
     let whole = |other: &Row| other.terms.is_empty();
     let own = pilot.cheapest_of(|other| whole(other) && other.method == row.method);
@@ -174,7 +174,7 @@ fn reason(pilot: &Pilot<'_>, row: &Row) -> String {
 }
 
 impl Choice {
-    /// For people.
+    /// The report as text.
     pub fn lines(&self) -> String {
         let mut lines = self.asked();
         lines.push(String::new());
@@ -185,7 +185,7 @@ impl Choice {
         lines.join("\n")
     }
 
-    /// What was asked for, and what it is measured by.
+    /// The scene, the tolerance and the reference.
     fn asked(&self) -> Vec<String> {
         let r = &self.reference;
         let mut lines = vec![
@@ -219,7 +219,7 @@ impl Choice {
         lines
     }
 
-    /// The choice, why, how far it is off and what it cost to find.
+    /// The choice, the reason for it, its error and the cost of the search.
     fn answered(&self) -> Vec<String> {
         let c = &self.chosen;
         let terms = if c.terms.is_empty() { "with all terms".into() } else { c.terms.join(", ") };
@@ -253,7 +253,7 @@ pub fn is_cut(taken: f64, step: f64) -> bool {
     taken < (1.0 - 1e-6) * step
 }
 
-/// A line of the table.
+/// One line of the table.
 fn line(row: &Row, tolerance: f64) -> String {
     let verdict = match row.verdict {
         Verdict::Meets => "meets it",

@@ -1,4 +1,4 @@
-//! One run that was weighed, as it is told.
+//! One pilot run, as the report shows it.
 
 use serde::Serialize;
 
@@ -8,36 +8,37 @@ use crate::study::median::median;
 use crate::study::variant::Variant;
 use crate::units::time;
 
-/// How a run stands to the tolerance.
+/// The result of a run with respect to the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// Its error is within it.
+    /// Its error is within the tolerance.
     Meets,
-    /// Its error is beyond it.
+    /// Its error is larger than the tolerance.
     Misses,
-    /// It did not come to its end.
+    /// It did not reach its end.
     Failed,
-    /// It took too long beside the cheapest that meets it, and was given up.
+    /// It was given up, because it costs much more than the cheapest run that meets the tolerance or used up its
+    /// part of the budget.
     Dear,
 }
 
 /// A run. Errors are metres.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
-    /// s.
+    /// Step, s.
     pub step: f64,
-    /// Terms left out or put simpler, in words.
+    /// Terms that are left out or simplified, in words.
     pub terms: Vec<String>,
-    /// RMS over all samples; none where it did not come to its end.
+    /// RMS error over all samples; `None` if the run did not reach its end.
     pub error: Option<f64>,
-    /// In steps, s; the median of the repeats.
+    /// Median computing time of the steps, s.
     pub wall_s: f64,
-    /// Runs that were timed.
+    /// Number of timed runs.
     pub repeats: usize,
     /// Evaluations of all forces.
     pub force_evaluations: u64,
@@ -45,11 +46,11 @@ pub struct Row {
     pub cg_iterations: u64,
     /// Products of the system matrix with a vector.
     pub matrix_products: u64,
-    /// Whether it meets the tolerance.
+    /// Whether the run meets the tolerance.
     pub verdict: Verdict,
     /// Why there is no error.
     pub why: Option<String>,
-    /// What was run.
+    /// The variant that was run.
     #[serde(skip)]
     pub variant: Variant,
     #[serde(skip)]
@@ -57,7 +58,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// A run of a variant of a scene that took `wall`, s.
+    /// A run of a variant of a scene that took `wall` seconds; its verdict is not known yet.
     pub fn new(scene: &SceneFile, variant: Variant, terms: &[String], report: &Report, wall: f64) -> Self {
         Self {
             method: variant.method.name(),
@@ -77,14 +78,14 @@ impl Row {
         }
     }
 
-    /// Counts one more time of the same, s.
+    /// Adds the time of a repeat of this run, s.
     pub fn timed(&mut self, wall: f64) {
         self.walls.push(wall);
         self.wall_s = median(self.walls.clone());
         self.repeats = self.walls.len();
     }
 
-    /// As sentences call it.
+    /// Name in sentences.
     pub fn name(&self) -> String {
         format!("{} {} by {}", self.method, self.precision, time(self.step))
     }
@@ -94,8 +95,8 @@ impl Row {
         self.verdict == Verdict::Meets
     }
 
-    /// Whether another run of the same method meets the tolerance by less of all that is counted: that one
-    /// is cheaper, whatever the clock said.
+    /// Whether another run of the same method, precision and terms meets the tolerance with less counted work. Then
+    /// that run is cheaper, whatever the clock shows.
     pub fn is_outdone(&self, other: &Self) -> bool {
         let kind = |row: &Self| (row.method, row.precision, row.terms.clone());
         let counts = |row: &Self| [row.force_evaluations, row.cg_iterations];

@@ -1,5 +1,4 @@
-//! What the choice can do without: terms that are not needed to meet the tolerance, and exactness of
-//! the solver.
+//! Simplification of the choice: leaves out terms that the tolerance does not need, and loosens the solver.
 
 use toml::Value;
 
@@ -13,32 +12,32 @@ use crate::study::trajectory::Ending;
 use super::pilot::Pilot;
 use super::row::Row;
 
-/// Of the time: what saves less is not worth the error.
+/// Smallest saving that justifies an additional error, as a part of the time.
 const WORTH: f64 = 0.05;
 
-/// Pairs of runs in which a saving is timed; long ones, s, are timed once more only.
+/// Number of pairs of runs that time a saving. Runs longer than `LONG`, s, are timed in one pair only.
 const PAIRS: usize = 5;
 const LONG: f64 = 2.0;
 
-/// Times the solver's tolerance.
+/// Factor by which the solver's tolerance is loosened.
 const LOOSER: f64 = 10.0;
 
-/// A choice: the scene without what it can do without, and how it is run.
+/// A choice: the simplified scene and how it is run.
 pub struct Found {
-    /// The scene, with its own method and step.
+    /// The scene with its original method and step.
     pub scene: SceneFile,
-    /// The pilot run of it.
+    /// Its pilot run.
     pub row: Row,
 }
 
 impl Found {
-    /// The scene as it was given.
+    /// The choice with the scene as it was given.
     pub fn new(study: &Study<'_>, row: Row) -> Self {
         Self { scene: study.scene.clone(), row }
     }
 }
 
-/// Leaves out one after the other what is not needed, whole terms before their parts.
+/// Leaves out the terms that are not needed one after the other, whole terms before their parts.
 pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Found, mean_edges: &[f64]) -> Result<Found, Failure> {
     if found.row.variant.method.is_implicit() {
         let looser = LOOSER * found.scene.desc.integrator.tolerance;
@@ -50,7 +49,7 @@ pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Found, mean_edges: &[f64]) ->
     names.retain(|term| term.deed != Deed::Added);
     names.sort_by_key(|term| !term.part_of.is_empty());
     for name in names {
-        // As it is now: what stood in the place of another term may have changed it.
+        // The term as it is now: a simplification of another term may have changed it.
         let now = modelled(&found.scene).into_iter().find(|term| (term.name, term.deed) == (name.name, name.deed));
         if let Some(term) = now {
             found = attempt(pilot, found, &term.run, &term.edits)?;
@@ -59,7 +58,7 @@ pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Found, mean_edges: &[f64]) ->
     Ok(found)
 }
 
-/// The choice with some edits, if it meets the tolerance so and saves time; else as it was.
+/// Applies the edits if the choice still meets the tolerance and saves time; otherwise returns it unchanged.
 fn attempt(pilot: &mut Pilot<'_>, found: Found, words: &str, edits: &[Edit]) -> Result<Found, Failure> {
     let longest = pilot.left();
     if longest <= 0.0 {
@@ -78,8 +77,8 @@ fn attempt(pilot: &mut Pilot<'_>, found: Found, words: &str, edits: &[Edit]) -> 
     Ok(if saved.is_some_and(|saved| saved > WORTH) { Found { scene, row } } else { found })
 }
 
-/// The part of its time that the choice saves as another scene, the run at `place`; the median of
-/// pairs of runs, none where there was no time for one.
+/// The part of its time that the choice saves with another scene, whose pilot run is at `place`: the median of
+/// pairs of runs. `None` if there was no time for a pair.
 fn saved(pilot: &mut Pilot<'_>, found: &Found, scene: &SceneFile, place: usize) -> Result<Option<f64>, Failure> {
     let pairs = if found.row.wall_s > LONG { 1 } else { pilot.study.repeats(PAIRS) };
     let mut parts = Vec::new();

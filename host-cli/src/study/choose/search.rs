@@ -1,5 +1,5 @@
-//! The cheapest method and step: each method by steps halved until one meets the tolerance, then
-//! between the last two.
+//! Search for the cheapest method and step. For each method the step is halved until a run meets the tolerance, and
+//! then refined between the last two steps.
 
 use muslin_core::integrate::Method;
 use muslin_core::integrate::stability::Mode;
@@ -15,35 +15,37 @@ use super::methods;
 use super::pilot::Pilot;
 use super::row::{Row, Verdict};
 
-/// Of the theory's limit: the first step of an explicit method.
+/// First step of an explicit method, as a part of the limit of theory.
 const BELOW_LIMIT: f64 = 0.95;
 
-/// How steady the fastest mode must be, and iterations at most.
+/// Relative accuracy of the fastest mode, and the largest number of iterations.
 const STEADY: f64 = 1e-4;
 const ITERATIONS: u32 = 2000;
 
-/// Runs that are too dear before a method is given up: of an implicit one longer steps may cost more.
+/// Number of too expensive runs after which an explicit or an implicit method is given up. An implicit method may
+/// cost more with longer steps, so it gets a second chance.
 const PATIENCE: [u32; 2] = [1, 2];
 
-/// Of its error at twice the step: what falls by less may be rounding.
+/// An error larger than this part of the error with twice the step may be rounding.
 const STALLED: f64 = 0.7;
 
-/// Of the tolerance: the error to aim at, and the least with which a step is long enough.
+/// Parts of the tolerance: the error to aim at, and the error from which on a step is long enough.
 const AIM: f64 = 0.9;
 const NEAR: f64 = 0.8;
 
-/// By which part of its steps a run has fewer than the first one that meets the tolerance.
+/// A longer step is tried with 1 / `FEWER` fewer steps.
 const FEWER: u64 = 20;
 
-/// Runs between a step that misses and one that meets.
+/// Number of runs between a step that misses the tolerance and one that meets it.
 const BETWEEN: u32 = 3;
 
-/// Times the time of the cheapest: what is nearer is timed again, in so many rounds, if it is short, s.
+/// Runs that take up to `RIVAL` times as long as the cheapest one are timed `ROUNDS` more times, if the cheapest
+/// takes less than `SHORT`, s.
 const RIVAL: f64 = 1.5;
 const ROUNDS: usize = 4;
 const SHORT: f64 = 2.0;
 
-/// The cheapest of all methods; none where no step of any meets the tolerance.
+/// The cheapest run of all methods; `None` if no run meets the tolerance.
 pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>, Failure> {
     let modes = engine.fastest_modes(STEADY, ITERATIONS);
     let methods = methods(pilot.reference.rule.measure);
@@ -59,8 +61,8 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
     Ok(pilot.cheapest().cloned())
 }
 
-/// Steps from sample to sample to begin with: explicit methods below their limit, or that of symplectic
-/// Euler where it is longer: what gains energy by every step may not gain much until the end.
+/// Number of steps from sample to sample to begin with. Explicit methods start below their limit or the limit of
+/// symplectic Euler, whichever is longer: a method that gains energy with every step may gain little until the end.
 fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
     let [own, other] = [method, Method::SymplecticEuler].map(|method| variant::limit(modes, method));
     let limit = own.zip(other).map(|(own, other)| own.max(other));
@@ -69,7 +71,7 @@ fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
     steps.max(pilot.fewest_steps())
 }
 
-/// Halves steps until the tolerance is met or it costs too much, until `end`, s of the study.
+/// Halves the step until a run meets the tolerance or costs too much, or until the study's time `end`, s.
 fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Failure> {
     let scene = &pilot.study.scene;
     let mut patience = PATIENCE[usize::from(variant.method.is_implicit())];
@@ -82,7 +84,7 @@ fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Fa
         let mut row = pilot.weigh(scene, variant, &[], left)?;
         if variant.precision == Precision::F32 && is_stalled(before.as_ref(), &row) {
             let double = pilot.weigh(scene, Variant { precision: Precision::F64, ..variant }, &[], left)?;
-            // It is rounding where double precision is nearer.
+            // Where double precision has a smaller error, the error is rounding.
             if double.error < row.error.map(|error| STALLED * error) && double.error.is_some() {
                 (variant.precision, row) = (Precision::F64, double);
             }
@@ -104,14 +106,14 @@ fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Fa
     Ok(())
 }
 
-/// Whether half the step made the error hardly less, which is still too large.
+/// Whether halving the step hardly reduced the error although it is still too large.
 fn is_stalled(before: Option<&Row>, row: &Row) -> bool {
     let before = before.and_then(|before| before.error);
     row.verdict == Verdict::Misses && before.zip(row.error).is_some_and(|(before, now)| now > STALLED * before)
 }
 
-/// Looks for longer steps than the first, which meets the tolerance: the limit of theory, below which
-/// explicit methods begin, is that of the start, and steps are whole parts.
+/// Looks for a longer step than the first one if the first one already meets the tolerance. Explicit methods begin
+/// below the limit of theory, but that limit is for the start of the scene, and step counts are rounded up.
 fn lengthen(pilot: &mut Pilot<'_>, mut meets: Row, end: f64) -> Result<(), Failure> {
     let scene = &pilot.study.scene;
     loop {
@@ -128,7 +130,7 @@ fn lengthen(pilot: &mut Pilot<'_>, mut meets: Row, end: f64) -> Result<(), Failu
     }
 }
 
-/// Looks for the longest step between one that does not meet the tolerance and one that does.
+/// Looks for the longest step between one that misses the tolerance and one that meets it.
 fn refine(pilot: &mut Pilot<'_>, mut misses: Row, mut meets: Row, end: f64) -> Result<(), Failure> {
     for _ in 0..BETWEEN {
         let left = end - pilot.study.seconds();
@@ -147,8 +149,8 @@ fn refine(pilot: &mut Pilot<'_>, mut misses: Row, mut meets: Row, end: f64) -> R
     Ok(())
 }
 
-/// Steps by which the error should be a little less than the tolerance, by the order that two runs show;
-/// the middle where one has no error; at least one more than too few.
+/// Number of steps for which the error should be slightly below the tolerance, by the order that two runs show; the
+/// middle if a run has no error. Always strictly between the two runs.
 fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
     let [coarse, fine] = [misses, meets].map(|row| (row.variant.steps as f64).ln());
     let part = match misses.error.zip(meets.error) {
@@ -159,7 +161,7 @@ fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
     steps.clamp(misses.variant.steps + 1, meets.variant.steps - 1)
 }
 
-/// Times what is nearly as cheap as the cheapest again, in turn: one time alone may be chance.
+/// Times all runs again that are nearly as cheap as the cheapest, in turn: a single time may be chance.
 fn time_rivals(pilot: &mut Pilot<'_>) -> Result<(), Failure> {
     let Some(best) = pilot.cheapest().map(|row| row.wall_s).filter(|&wall| wall < SHORT) else { return Ok(()) };
     let is_rival = |row: &Row| pilot.is_candidate(row) && row.wall_s <= RIVAL * best;
@@ -168,7 +170,7 @@ fn time_rivals(pilot: &mut Pilot<'_>) -> Result<(), Failure> {
         for &rival in &rivals {
             let variant = pilot.considered[rival].variant;
             let run = pilot.fly(&pilot.study.scene, &variant, f64::INFINITY)?;
-            // What ran out of time says nothing new.
+            // A repeat that ran out of time gives no information.
             if run.ending == Ending::Complete {
                 pilot.considered[rival].timed(run.wall);
             }

@@ -1,4 +1,4 @@
-//! The scene with the choice in it, as a file.
+//! Writes the scene with the choice to a file.
 
 use std::fs;
 use std::io::Write;
@@ -15,7 +15,8 @@ use crate::study::Study;
 use super::report::is_cut;
 use super::saving::Found;
 
-/// Refuses a folder in which the scene would not find the files that it names.
+/// Refuses to overwrite the scene itself, or to write into a folder in which the scene would not find the files
+/// that it names.
 pub fn allow(study: &Study<'_>, path: &Path) -> Result<(), Failure> {
     let scene = Path::new(&study.arguments.of.scene);
     let own = if scene.is_file() { folder(scene) } else { PathBuf::from(".") };
@@ -39,16 +40,16 @@ pub fn allow(study: &Study<'_>, path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Where a file lies.
+/// The folder of a file.
 fn folder(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     folder.unwrap_or(Path::new(".")).into()
 }
 
-/// Saves the scene, with its comments.
+/// Writes the scene with its comments.
 pub fn write(study: &Study<'_>, found: &Found, path: &Path) -> Result<(), Failure> {
     let chosen = found.row.variant.chosen(&found.scene)?;
-    // What was looked at may be less than what is to be run.
+    // The study may have run a shorter duration than the scene has.
     let scene = chosen.changed(&[("duration", Some(Value::Float(own_duration(study)?)))])?;
     let text = scene_file::commented(&study.arguments.of.scene, &scene)?;
     whole::write(path.into(), |out| out.write_all((head(study) + &text).as_bytes()))
@@ -59,7 +60,7 @@ pub fn write(study: &Study<'_>, found: &Found, path: &Path) -> Result<(), Failur
     Ok(())
 }
 
-/// How it was chosen, and what was set for that.
+/// Comment at the top of the file: how the choice was made and which values `--set` changed.
 fn head(study: &Study<'_>) -> String {
     let chosen = format!("Chosen by muslin choose by the first {} s.", study.scene.desc.duration);
     let lines = [chosen, "Comments are those of the scene before.".into()];
@@ -67,13 +68,14 @@ fn head(study: &Study<'_>) -> String {
     lines.into_iter().chain(sets).map(|line| format!("# {line}\n")).collect()
 }
 
-/// That of the scene, whatever --duration says, s.
+/// The duration of the scene, s, without `--duration`.
 fn own_duration(study: &Study<'_>) -> Result<f64, Failure> {
     let own = SceneArguments { duration: None, ..study.arguments.of.clone() };
     Ok(scene_file::asked(&own)?.desc.duration)
 }
 
-/// What was written and how to run it: frames may ask for shorter steps.
+/// Message with the written file and the command that runs it. It names the step if the frames require a shorter
+/// one.
 fn note(scene: &SceneFile, found: &Found, path: &Path) -> String {
     let precision = if found.row.variant.precision == Precision::F64 { " --precision f64" } else { "" };
     let timing = scene.desc.timing();

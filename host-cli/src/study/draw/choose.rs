@@ -1,4 +1,4 @@
-//! Error against cost of what was considered, and the tolerance.
+//! The picture of `muslin choose`: error against cost of all runs, and the tolerance.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::scatter::MarkerShape;
@@ -15,14 +15,14 @@ use super::{LOOKS, named, range};
 /// Errors are drawn in micrometres: the library draws nothing below 1e-10.
 const DRAWN: f64 = 1e6;
 
-/// px.
+/// Size of the picture, px.
 const PANEL: [f64; 2] = [660.0, 440.0];
 
-/// Of what is tried on the winner.
+/// Colour of the simplifications of the best method.
 const TRIED: &str = "#666666";
 
-/// Error against time. Above all errors stand crosses by the time that they took, a row for each method:
-/// what failed or was given up. What was tried on the winner is numbered.
+/// Error against computing time. Runs that failed or were given up are crosses above all errors, one row for each
+/// method. Simplifications of the best method are numbered.
 pub fn choose(choice: &Choice) -> String {
     let rows = &choice.considered;
     let errors = range(rows.iter().filter_map(|row| row.error).chain([choice.tolerance]));
@@ -51,8 +51,8 @@ fn layout(choice: &Choice, times: (f64, f64), low: f64, crosses: &Crosses) -> La
         .with_y_label(format!("RMS error of {}, m", choice.measure.name()))
 }
 
-/// The runs of a method with all terms, from step to step, those in double precision larger; and its
-/// crosses.
+/// The runs of one method with all terms, in the order of their steps, and its crosses. Marks of double precision
+/// are larger.
 fn method(rows: &[Row], (method, color, marker): (&str, &str, MarkerShape), crosses: &mut Crosses) -> Vec<Plot> {
     let of = |precision: &'static str| {
         let own = rows.iter().filter(move |row| row.method == method && row.precision == precision);
@@ -77,7 +77,7 @@ fn method(rows: &[Row], (method, color, marker): (&str, &str, MarkerShape), cros
     plots
 }
 
-/// What was tried on the winner, numbered; crosses for what failed so.
+/// The simplifications of the best method, numbered; those without an error are crosses.
 fn tried(rows: &[Row], crosses: &mut Crosses) -> Vec<Plot> {
     let tried = rows.iter().filter_map(|row| Some((row, row.terms.last()?)));
     let drawn = tried.enumerate().map(|(index, (row, term))| {

@@ -1,4 +1,4 @@
-//! The picture of `muslin validate`: the heavy cantilever's master curve and what the core makes of it.
+//! The picture of `muslin validate`: the master curve of the heavy cantilever and the results of the core.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::scatter::MarkerShape;
@@ -9,23 +9,23 @@ use kuva::render::plots::Plot;
 
 use crate::study::validate::{CUTS, GAMMAS, Row, TOLERANCE, drop_over_reach};
 
-/// Of the three cuts [Wong 2011].
+/// Colour [Wong 2011], marker and size for each of the three cuts.
 const LOOKS: [(&str, MarkerShape, f64); 3] = [
     ("#0072b2", MarkerShape::Square, 5.5),
     ("#d55e00", MarkerShape::Triangle, 4.5),
     ("#009e73", MarkerShape::Circle, 3.0),
 ];
 
-/// px of one panel.
+/// Size of one panel, px.
 const PANEL: [f64; 2] = [430.0, 400.0];
 
-/// Of Gamma, drawn a little wider than measured.
+/// Range of Gamma that is drawn, slightly wider than the measured one.
 const ENDS: (f64, f64) = (0.06, 1600.0);
 
-/// Points of the curve.
+/// Number of points of the curve.
 const POINTS: u32 = 120;
 
-/// Drop over reach by Gamma beside its error; none where none was measured.
+/// Drop over reach against Gamma, and beside it the error. `None` if nothing was measured.
 pub fn master_curve(rows: &[Row]) -> Option<String> {
     let panel = |title: &str, label: &str, heights: (f64, f64)| {
         let layout = Layout::new(ENDS, heights).with_title(title).with_x_label("Gamma = w L^3 / D").with_y_label(label);
@@ -51,7 +51,7 @@ pub fn master_curve(rows: &[Row]) -> Option<String> {
     Some(SvgBackend.render_scene(&figure.render()))
 }
 
-/// Gamma and a value of each cut where it was measured.
+/// For each cut, Gamma and a value of the checks that have one.
 fn points(rows: &[Row], value: fn(&Row) -> Option<f64>) -> [Vec<(f64, f64)>; 3] {
     CUTS.map(|cut| {
         let at = |gamma: f64| rows.iter().find(|row| row.name == cut.check(gamma)).and_then(value);
@@ -67,14 +67,14 @@ fn marks(points: [Vec<(f64, f64)>; 3], named: bool) -> impl Iterator<Item = Plot
     })
 }
 
-/// The truth, evenly by the logarithm of Gamma.
+/// The exact curve at points that are equidistant in log Gamma.
 fn curve() -> Vec<(f64, f64)> {
     let grown = ENDS.1 / ENDS.0;
     let gammas = (0..=POINTS).map(|k| ENDS.0 * grown.powf(f64::from(k) / f64::from(POINTS)));
     gammas.map(|gamma| (gamma, drop_over_reach(gamma))).collect()
 }
 
-/// Nothing, and what is tolerated.
+/// Lines at zero error and at the tolerance.
 fn band() -> Vec<LinePlot> {
     let level = |percent: f64| LinePlot::new().with_data([(ENDS.0, percent), (ENDS.1, percent)]).with_color("#000000");
     let bound = |sign: f64| level(100.0 * sign * TOLERANCE).with_dashed();

@@ -16,7 +16,8 @@ pub use work_precision::work_precision;
 use kuva::plot::ScatterPlot;
 use kuva::plot::scatter::MarkerShape;
 
-/// Colours that the colour-blind tell apart [Wong 2011], and shapes for those who print.
+/// Name, colour and marker of each method. Colour-blind readers can distinguish the colours [Wong 2011]; the
+/// markers serve prints without colour.
 pub const LOOKS: [(&str, &str, MarkerShape); 7] = [
     ("explicit-euler", "#cc79a7", MarkerShape::TriangleDown),
     ("symplectic-euler", "#e69f00", MarkerShape::Triangle),
@@ -27,12 +28,12 @@ pub const LOOKS: [(&str, &str, MarkerShape); 7] = [
     ("bdf2", "#d55e00", MarkerShape::Star),
 ];
 
-/// The least and the largest.
+/// The smallest and the largest value.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, 0.0), |(low, high), value| (low.min(value), high.max(value)))
 }
 
-/// The first marks of a method carry its name.
+/// Puts the name of a method into the legend with its first marks only.
 fn named(marks: ScatterPlot, name: &mut Option<&str>) -> ScatterPlot {
     match name.take() {
         Some(name) => marks.with_legend(name),

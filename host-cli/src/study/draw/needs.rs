@@ -14,20 +14,20 @@ use super::range;
 use crate::study::needs::{Needs, Row, Verdict};
 use crate::study::terms::Deed;
 
-/// Colours that the colour-blind tell apart [Wong 2011].
+/// Name and colour of each action; colour-blind readers can distinguish the colours [Wong 2011].
 const DEEDS: [(Deed, &str, &str); 3] = [
     (Deed::Off, "switched off", "#0072b2"),
     (Deed::Simpler, "put simpler", "#e69f00"),
     (Deed::Added, "added", "#009e73"),
 ];
 
-/// px: of each panel, of what is above and below the bars, of a bar and from one to the next.
+/// Sizes, px: width of each panel, height above and below the bars, width of a bar, and distance of the bars.
 const WIDTHS: [f64; 2] = [480.0, 360.0];
 const MARGIN: f64 = 130.0;
 const BAR: f64 = 12.0;
 const PITCH: f64 = 24.0;
 
-/// What each term changes beside what it costs.
+/// The change by each term beside its cost.
 pub fn needs(needs: &Needs) -> String {
     let height = MARGIN + PITCH * needs.rows.len() as f64;
     let figure = Figure::new(1, 2)
@@ -41,7 +41,7 @@ pub fn needs(needs: &Needs) -> String {
     SvgBackend.render_scene(&figure.render())
 }
 
-/// Rows with the height at which they stand: the first on top.
+/// Rows with their heights in the picture; the first row is on top.
 fn places(needs: &Needs) -> impl Iterator<Item = (f64, &Row)> {
     let count = needs.rows.len();
     needs.rows.iter().enumerate().map(move |(row, what)| ((count - row) as f64, what))
@@ -56,7 +56,7 @@ fn marks(data: Vec<(f64, f64)>, marker: MarkerShape, name: &str) -> Option<Plot>
     (!data.is_empty()).then(|| Plot::Scatter(marks.with_data(data)))
 }
 
-/// Bars of each deed, the first with its name.
+/// The bars of each action; the first bar puts it into the legend.
 fn bars(needs: &Needs, ends: impl Fn(&Row) -> Option<[f64; 2]>) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (deed, name, color) in DEEDS {
@@ -72,21 +72,21 @@ fn bars(needs: &Needs, ends: impl Fn(&Row) -> Option<[f64; 2]>) -> Vec<Plot> {
     plots
 }
 
-/// Whole decades around all changes, mm.
+/// Range of whole decades around all changes, mm.
 fn span(needs: &Needs) -> (f64, f64) {
     let rows = needs.rows.iter().flat_map(|row| [row.change_rms, row.change_max]);
     let own = needs.step_error.map(|own| own.rms);
     let changes = rows.chain([own]).flatten().filter(|change| *change > 0.0);
     match range(changes.map(|metres| 1e3 * metres)) {
         (least, most) if least <= most => {
-            // Room for the shortest bar, and for crosses beyond the longest.
+            // Leaves room for the shortest bar, and for crosses to the right of the longest.
             (10f64.powf((0.5 * least).log10().floor()), 10f64.powf((2.0 * most).log10().ceil()))
         }
         _ => (1e-3, 1.0),
     }
 }
 
-/// Bars of the RMS, dots at the largest, crosses at the far end for what fails.
+/// Bars for the RMS, dots for the maximum, and crosses at the right end for runs that fail.
 fn changes(needs: &Needs) -> Vec<Plot> {
     let (from, to) = span(needs);
     let mut plots = bars(needs, |row| row.change_rms.filter(|rms| *rms > 0.0).map(|rms| [from, 1e3 * rms]));
@@ -119,21 +119,21 @@ fn change_layout(needs: &Needs) -> Layout {
     }
 }
 
-/// Bars are cut here, %, and say how long they are: else one of them hides all others.
+/// Bars longer than this, %, are cut and labelled with their length: otherwise one bar could hide all others.
 const CUT: f64 = 100.0;
 
-/// %, cut.
+/// A cost in %, cut to the longest bar.
 fn cut(cost: f64) -> f64 {
     (100.0 * cost).clamp(-CUT, CUT)
 }
 
-/// Where bars are cut, and how long they are, %.
+/// Heights of the cut bars, and their full lengths, %.
 fn long_bars(needs: &Needs) -> impl Iterator<Item = (f64, f64)> {
     let all = places(needs).filter_map(|(at, row)| Some((at, 100.0 * row.cost_fraction?)));
     all.filter(|(_, cost)| cost.abs() > CUT)
 }
 
-/// Bars of the median and lines over the middle half of the pairs, %.
+/// Bars for the median, and lines over the middle half of the pairs, %.
 fn costs(needs: &Needs) -> Vec<Plot> {
     let mut plots = bars(needs, |row| row.cost_fraction.map(|cost| [0.0, cut(cost)]));
     let ranges = places(needs).filter_map(|(at, row)| Some((at, row.cost_range?.map(cut))));
@@ -150,13 +150,13 @@ fn cost_layout(needs: &Needs) -> Layout {
     let names = needs.rows.iter().map(|_| String::new()).collect();
     let layout = layout(needs, (1.1 * least, 1.1 * most), "cost", "part of the time as it is, %")
         .with_y_categories(names)
-        // The axis ends where bars are cut: beyond there is room for their lengths.
+        // Ticks end where bars are cut: the room beyond is for the lengths.
         .with_x_tick_format(TickFormat::Custom(Arc::new(|cost| {
             if cost.abs() > CUT { String::new() } else { format!("{cost:.0}") }
         })))
         .with_reference_line(ReferenceLine::vertical(0.0).with_color("#666666").with_dasharray("none"));
     long_bars(needs).fold(layout, |layout, (at, cost)| {
-        // The library writes above a place: lower, it is beside the bar's end.
+        // The library writes text above its position: a lower position puts it beside the end of the bar.
         let text = TextAnnotation::new(format!("{cost:.0} %"), 1.25 * CUT.copysign(cost), at - 0.4);
         layout.with_annotation(text.with_font_size(10))
     })

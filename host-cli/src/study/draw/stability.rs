@@ -1,4 +1,4 @@
-//! Maps of step against stiffness and damping.
+//! The picture of `muslin stability`: maps of step against stiffness and damping.
 
 use std::sync::Arc;
 
@@ -14,7 +14,8 @@ use crate::study::stability::{Axis, Map, Row, Verdict};
 
 use super::range;
 
-/// Colours that the colour-blind tell apart [Wong 2011], and shapes for those who print.
+/// Colour and marker of each class of runs. Colour-blind readers can distinguish the colours [Wong 2011]; the
+/// markers serve prints without colour.
 const LOOKS: [(Verdict, &str, MarkerShape); 5] = [
     (Verdict::Fine, "#009e73", MarkerShape::Circle),
     (Verdict::Growth, "#e69f00", MarkerShape::Triangle),
@@ -23,19 +24,19 @@ const LOOKS: [(Verdict, &str, MarkerShape); 5] = [
     (Verdict::NotRun, "#999999", MarkerShape::Plus),
 ];
 
-/// The limit of theory.
+/// Colour of the limit of theory.
 const THEORY: &str = "#0072b2";
 
-/// px of one panel, by the number of axes: as many columns fit the width of a page.
+/// Number of columns and size of one panel, px, for one axis and for two: the columns fill the width of a page.
 const PANELS: [(usize, [f64; 2]); 2] = [(2, [410.0, 190.0]), (4, [200.0, 185.0])];
 
-/// px of titles, of labels and of the numbers at ticks.
+/// Font sizes of titles, of labels and of the numbers at ticks, px.
 const SIZES: [u32; 3] = [11, 11, 10];
 
-/// A panel for each method and axis.
+/// One panel for each method and axis.
 pub fn stability(map: &Map) -> String {
     let axes = map.axes();
-    // Without a run there is nothing to show.
+    // A method without runs has no panel.
     let limits = map.limits.iter().filter(|limit| limit.runs > 0);
     let panels = limits.flat_map(|limit| axes.iter().map(move |&axis| (limit.name.as_str(), axis)));
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.map(|(name, axis)| panel(map, name, axis)).unzip();
@@ -54,7 +55,7 @@ pub fn stability(map: &Map) -> String {
     SvgBackend.render_scene(&figure.render())
 }
 
-/// What there is on the maps.
+/// The legend of the classes that occur on the maps.
 fn legend(map: &Map) -> Vec<LegendEntry> {
     let entry = |label: &str, color: &str, shape| LegendEntry {
         label: label.into(),
@@ -88,13 +89,13 @@ fn panel(map: &Map, name: &str, axis: Axis) -> (Vec<Plot>, Layout) {
     (plots, layout)
 }
 
-/// Between powers of ten labels have no room.
+/// Labels powers of ten only: there is no room for other labels.
 fn decade(step: f64) -> String {
     let power = step.log10().round();
     if (step.log10() - power).abs() < 1e-6 { format!("1e{power}") } else { String::new() }
 }
 
-/// What went one way.
+/// The marks of all runs of one class.
 fn marks(cells: &[(&Row, f64)], look: &(Verdict, &str, MarkerShape)) -> Plot {
     let &(verdict, color, marker) = look;
     let at: Vec<_> =
@@ -102,7 +103,7 @@ fn marks(cells: &[(&Row, f64)], look: &(Verdict, &str, MarkerShape)) -> Plot {
     Plot::Scatter(ScatterPlot::new().with_data(at).with_color(color).with_marker(marker).with_size(3.0))
 }
 
-/// The limit of theory by scale, as far as it lies on the map.
+/// The limit of theory against the scale, where it lies on the map.
 fn theory(cells: &[(&Row, f64)], steps: (f64, f64)) -> Option<Plot> {
     let limits = cells.iter().filter_map(|(row, scale)| Some((row.theory?, *scale)));
     let mut limits: Vec<_> = limits.filter(|(limit, _)| (steps.0..=steps.1).contains(limit)).collect();

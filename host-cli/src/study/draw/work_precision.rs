@@ -1,4 +1,4 @@
-//! Error against step and against cost.
+//! The picture of `muslin chart`: error against step and error against cost.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::scatter::MarkerShape;
@@ -13,34 +13,35 @@ use crate::units::round_length;
 use super::crosses::Crosses;
 use super::{LOOKS, named, range};
 
-/// Errors are drawn in these units: the library draws nothing below 1e-10.
+/// Factor from the error to the drawn number: the library draws nothing below 1e-10.
 const DRAWN: f64 = 1e6;
 
-/// px of one panel.
+/// Size of one panel, px.
 const PANEL: [f64; 2] = [430.0, 400.0];
 
-/// How far below the least error that can be told the ticks of what is nearer reach, as a factor.
+/// Factor by which the tick of a hollow mark reaches below the smallest error that the reference resolves.
 const TICK: f64 = 2.0;
 
-/// How much of a hollow mark is white.
+/// Part of a hollow mark's diameter that is white.
 const HOLLOW: f64 = 0.6;
 
-/// What one panel shows.
+/// The contents of one panel.
 struct Panel {
     title: &'static str,
     label: &'static str,
     across: fn(&Row) -> f64,
-    /// Whether failures are shown: what they took is no cost of anything.
+    /// Whether failures are shown: the time of a failed run is not the cost of any result.
     failures: bool,
-    /// What an error of the whole diagonal is drawn as.
+    /// Drawn number of an error as large as the diagonal.
     unit: f64,
     up: String,
-    /// From where the library puts that, px: ticks may be wider than it takes them for.
+    /// Horizontal offset of the y label from its default position, px: the library underestimates the width of tick
+    /// labels.
     aside: f64,
     format: fn(f64) -> String,
 }
 
-/// Error, as a part of the diagonal, against step, beside error in metres against time.
+/// Error as a part of the diagonal against step, and beside it error as a length against computing time.
 pub fn work_precision(chart: &Chart) -> String {
     let measure = chart.measure.name();
     let by_step = Panel {
@@ -99,7 +100,7 @@ fn layout(chart: &Chart, panel: &Panel, low: f64, crosses: &Crosses) -> Layout {
         .with_y_label_offset(panel.aside, 0.0)
 }
 
-/// A line and marks for each method and precision, and what the marks mean.
+/// A line and marks for each method and precision, and legend entries for the kinds of marks.
 fn curves(chart: &Chart, panel: &Panel, crosses: &mut Crosses) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (method, color, marker) in LOOKS {
@@ -111,7 +112,7 @@ fn curves(chart: &Chart, panel: &Panel, crosses: &mut Crosses) -> Vec<Plot> {
             plots.extend(told(&rows, panel, precision, marks.clone().with_marker(marker), &mut name));
             plots.extend(nearest(&rows, panel, chart.reference.least_charted, marks.with_marker(marker), &mut name));
         }
-        // Both panels end at the same error.
+        // Rows of failures are reserved in both panels, so that both end at the same error.
         let failures = chart.rows.iter().filter(|row| row.method == method && !row.stable);
         let failures = crosses.row(failures.map(panel.across));
         if panel.failures && !failures.is_empty() {
@@ -123,7 +124,7 @@ fn curves(chart: &Chart, panel: &Panel, crosses: &mut Crosses) -> Vec<Plot> {
     plots
 }
 
-/// Errors that could be told.
+/// Line and marks of the errors that the reference resolves.
 fn told(
     rows: &[&Row],
     panel: &Panel,
@@ -140,7 +141,8 @@ fn told(
     vec![Plot::Line(line), Plot::Scatter(named(marks.with_data(at), name))]
 }
 
-/// What is nearer than the reference can tell: hollow, where it can just tell, with a tick down.
+/// Hollow marks for errors that are too small for the reference. They stand at the smallest error that it resolves,
+/// with a tick down.
 fn nearest(rows: &[&Row], panel: &Panel, least: f64, marks: ScatterPlot, name: &mut Option<&'static str>) -> Vec<Plot> {
     let (at, end) = (panel.unit * least, panel.unit * least / TICK);
     let across: Vec<_> = rows.iter().filter(|row| row.is_nearest()).map(|row| (panel.across)(row)).collect();
@@ -152,7 +154,7 @@ fn nearest(rows: &[&Row], panel: &Panel, least: f64, marks: ScatterPlot, name: &
     let mut plots: Vec<_> = across.iter().map(tick).collect();
     if !across.is_empty() {
         let data: Vec<_> = across.iter().map(|&x| (x, at)).collect();
-        // The library leaves only circles open: white covers the others.
+        // The library can draw only circles hollow, so a smaller white mark covers the inside of the others.
         let inside = marks.clone().with_color("white").with_size(HOLLOW * marks.size).with_data(data.clone());
         plots.push(Plot::Scatter(named(marks.with_data(data), name)));
         plots.push(Plot::Scatter(inside));
@@ -160,7 +162,7 @@ fn nearest(rows: &[&Row], panel: &Panel, least: f64, marks: ScatterPlot, name: &
     plots
 }
 
-/// Entries of the legend for what all methods share; they draw nothing.
+/// Legend entries that all methods share; they draw nothing.
 fn meanings() -> [Plot; 3] {
     const GRAY: &str = "#666666";
     let none = Vec::<(f64, f64)>::new;

@@ -1,4 +1,4 @@
-//! `muslin needs`: what each modelled term of a scene changes and what it costs.
+//! `muslin needs`: the change that each term of a scene makes, and its cost.
 
 mod report;
 mod row;
@@ -15,7 +15,7 @@ pub use report::Needs;
 pub use row::{Row, Verdict};
 use trial::{Baseline, Trial};
 
-/// Measures a scene's terms.
+/// Runs the command.
 pub fn needs(arguments: &NeedsArguments) -> Result<(), Failure> {
     let study = Study::begin(&arguments.study)?;
     let baseline = Baseline::fly(&study)?;
@@ -36,7 +36,8 @@ pub fn needs(arguments: &NeedsArguments) -> Result<(), Failure> {
     }
 }
 
-/// Which terms the step cannot tell, run without all of them where there are several.
+/// Finds the terms whose change is smaller than the step's own error, and runs the scene without all of them if
+/// there are several.
 fn hidden(study: &Study<'_>, baseline: &Baseline, trials: &[Trial]) -> Result<Hidden, Failure> {
     let is_hidden = |trial: &&Trial| {
         let row = Row::of(baseline, trial);

@@ -1,4 +1,4 @@
-//! What the terms of a scene are worth, in numbers and words.
+//! The report of `muslin needs`: numbers and text.
 
 use serde::Serialize;
 
@@ -11,59 +11,58 @@ use super::row::{Change, Counts, Row, Verdict, own_error};
 use super::trial::{Baseline, Trial, why_not};
 use super::words::{extent, list, moved};
 
-/// Terms that the step cannot tell: the scene models them, and each by itself changes less than half
-/// the step does.
+/// Terms of the scene that the step hides: each alone changes less than half the step does.
 #[derive(Clone, Debug, Serialize)]
 pub struct Hidden {
-    /// Which they are; what is a part of one of them is not named.
+    /// Names of the terms, without those that are parts of other hidden terms.
     pub terms: Vec<&'static str>,
-    /// Those of them that move nothing at all.
+    /// Those of `terms` that move nothing at all.
     pub still: Vec<&'static str>,
-    /// What else is hidden, as parts of them: switched off with them.
+    /// Other hidden terms: they are parts of `terms` and are switched off with them.
     pub parts: Vec<&'static str>,
-    /// What came of switching them off together; none of none.
+    /// Result of switching them all off together; `None` if there are no hidden terms.
     pub without_them: Option<Row>,
 }
 
-/// `needs --json`. Lengths are metres.
+/// The report, `needs --json`. Lengths are in metres.
 #[derive(Clone, Debug, Serialize)]
 pub struct Needs {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// Simulated, s.
+    /// Simulated time, s.
     pub duration_s: f64,
-    /// Of all cloths.
+    /// Number of vertices of all cloths.
     pub vertices: usize,
-    /// As scenes spell it; in single precision.
+    /// Name as in a scene file; it runs in single precision.
     pub method: &'static str,
-    /// As taken, s: so that it fits 20 equal parts of the time.
+    /// Step of the study, s: it fits 20 equal parts of the time.
     pub step: f64,
-    /// That which `muslin run` takes, s: so that it fits the frames.
+    /// Step that `muslin run` takes, s: it fits the frames.
     pub run_step: f64,
-    /// What a change is of: positions, or with contact the outline.
+    /// The compared quantity: positions, or with contact the outline.
     pub measure: Measure,
-    /// What half the step changes; none where that could not be run.
+    /// The change by half the step; `None` if that run did not reach its end.
     pub step_error: Option<Change>,
-    /// Why it could not.
+    /// Why `step_error` is missing.
     pub step_error_why: Option<String>,
-    /// Of the scene as it is, in steps, s; the median.
+    /// Median computing time of the unchanged scene's steps, s.
     pub wall_s: f64,
-    /// Its work.
+    /// Work of the unchanged scene.
     pub counts: Counts,
-    /// The processor; one thread of it.
+    /// The processor, of which one thread is used; a note if costs are counted.
     pub machine: String,
-    /// First terms without which the scene diverges, then by what they change, last what there was no
-    /// time for.
+    /// First the terms without which the scene diverges, then the others by their change, last those that the
+    /// budget did not allow.
     pub rows: Vec<Row>,
-    /// Terms that the step cannot tell.
+    /// Terms that the step hides.
     pub hidden: Hidden,
-    /// Which terms the step cannot tell, and what they cost.
+    /// Sentence about the hidden terms and their cost.
     pub conclusion: String,
-    /// What the study took, s.
+    /// Cost of the study, s.
     pub study_s: f64,
 }
 
-/// Puts together what came of the trials.
+/// Creates the report.
 pub fn of(study: &Study<'_>, baseline: &Baseline, trials: &[Trial], hidden: Hidden) -> Needs {
     let mut rows: Vec<_> = trials.iter().map(|trial| Row::of(baseline, trial)).collect();
     rows.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
@@ -87,7 +86,7 @@ pub fn of(study: &Study<'_>, baseline: &Baseline, trials: &[Trial], hidden: Hidd
     }
 }
 
-/// What comes first is worth more.
+/// Sort key of a row; larger values come first.
 fn rank(row: &Row) -> f64 {
     match row.verdict {
         Verdict::Diverged => f64::INFINITY,
@@ -96,13 +95,13 @@ fn rank(row: &Row) -> f64 {
     }
 }
 
-/// Of all runs of the scene as it is, s.
+/// Median time of all runs of the unchanged scene, s.
 fn wall_as_it_is(baseline: &Baseline, trials: &[Trial]) -> f64 {
     let repeats = trials.iter().flat_map(|trial| &trial.walls).map(|[as_is, _]| *as_is);
     median(repeats.chain([baseline.run.wall]).collect())
 }
 
-/// Which of the modelled terms the step cannot tell, and what they cost together.
+/// Sentence about the terms that the step hides and their common cost.
 fn conclusion(hidden: &Hidden, baseline: &Baseline) -> String {
     let what = moved(baseline.measure);
     match (hidden.terms.as_slice(), &hidden.without_them) {
@@ -115,7 +114,7 @@ fn conclusion(hidden: &Hidden, baseline: &Baseline) -> String {
     }
 }
 
-/// What is hidden, and what moves nothing at all.
+/// Names the hidden terms, and those that move nothing at all.
 fn called(hidden: &Hidden, what: &str) -> String {
     let still = hidden.still.as_slice();
     let moving: Vec<_> = hidden.terms.iter().copied().filter(|term| !still.contains(term)).collect();
@@ -127,7 +126,7 @@ fn called(hidden: &Hidden, what: &str) -> String {
     capital(&[still, moving, parts].into_iter().flatten().collect::<Vec<_>>().join("; "))
 }
 
-/// The run without all of them.
+/// Sentence about the run without all hidden terms.
 fn without_them(row: &Row, what: &str) -> String {
     let change = row.change_rms.zip(row.change_max).zip(row.change_end);
     let Some(((rms, max), end)) = change else { return row.sentence.clone() };
@@ -146,11 +145,11 @@ fn capital(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Of what half the step changes: where rounding changes more, a motion is no longer determined.
+/// If rounding changes more than this part of half the step's change, the motion is no longer determined.
 const UNSTABLE: f64 = 0.1;
 
 impl Needs {
-    /// A warning where rounding alone changes much.
+    /// A warning if rounding alone changes much.
     fn chance(&self) -> Option<String> {
         let rounding = self.rows.iter().find(|row| row.precision == "f64")?.change_rms?;
         let own = self.step_error?.rms;
@@ -160,7 +159,7 @@ impl Needs {
         })
     }
 
-    /// For people.
+    /// The report as text.
     pub fn lines(&self) -> String {
         let what = moved(self.measure);
         let mut lines = vec![format!(
@@ -192,14 +191,14 @@ impl Needs {
             "run", "evaluations", "CG iterations", "candidates", "time"
         ));
         lines.push(counted("as it is", Some(self.counts), Some(self.wall_s)));
-        // A row of one term stands there already.
+        // A single hidden term is in the table already.
         let together = self.hidden.without_them.iter().filter(|_| self.hidden.terms.len() > 1);
         lines.extend(self.rows.iter().chain(together).map(|row| counted(&row.run, row.counts, row.wall_s)));
         lines.join("\n")
     }
 }
 
-/// A line of the table: evaluations of forces, iterations, candidates, time.
+/// One line of the table: force evaluations, CG iterations, candidates and time.
 fn counted(run: &str, counts: Option<Counts>, wall: Option<f64>) -> String {
     let column = |count: fn(&Counts) -> u64| counts.as_ref().map_or_else(|| "-".into(), |c| count(c).to_string());
     format!(

@@ -1,4 +1,4 @@
-//! What came of a trial, in numbers.
+//! The result of a trial, in numbers.
 
 use serde::Serialize;
 
@@ -11,19 +11,19 @@ use crate::study::trajectory::{Ending, Trajectory};
 use super::trial::{Baseline, Trial, why_not};
 use super::words;
 
-/// How far a run is from the scene as it is, m.
+/// Distance of a run from the unchanged scene, m.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Change {
-    /// Root of the mean square over all samples; of positions by mass, or of the outline.
+    /// Root mean square over all samples: of the positions, weighted by mass, or of the outline.
     pub rms: f64,
-    /// The largest.
+    /// The largest distance at any sample.
     pub max: f64,
-    /// The root of the mean square at the end.
+    /// Root mean square at the end.
     pub end: f64,
 }
 
 impl Change {
-    /// Of a run that came to its end.
+    /// The change of a run that reached its end.
     pub fn of(baseline: &Baseline, run: &Trajectory, measure: Measure) -> Self {
         let all = measure.between(run, &baseline.run, &baseline.masses);
         let end = measure.at_end(run, &baseline.run, &baseline.masses);
@@ -40,16 +40,16 @@ pub struct Counts {
     pub cg_iterations: u64,
     /// Products of the system matrix with a vector.
     pub matrix_products: u64,
-    /// Pairs of features whose boxes overlapped.
+    /// Number of candidates.
     pub candidates: u64,
-    /// Pairs that were within the thickness.
+    /// Number of contacts.
     pub contacts: u64,
-    /// Steps and halves of steps that were taken back.
+    /// Steps and half steps that were rejected.
     pub rejected_steps: u64,
 }
 
 impl Counts {
-    /// Of a whole run.
+    /// The counts of a whole run.
     pub fn of(report: &Report) -> Self {
         let [candidates, contacts, .., rejected_steps] = report.contacts;
         Self {
@@ -63,21 +63,22 @@ impl Counts {
     }
 }
 
-/// What a term costs, over the time of the scene as it is.
+/// The cost of a term, as parts of the time of the unchanged scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {
     /// Time with the term minus time without it; the median of the pairs.
     pub fraction: f64,
-    /// The least and the most of the middle half of the pairs; of three, of all.
+    /// The smallest and the largest cost in the middle half of the pairs; with up to three pairs, of all pairs.
     pub range: [f64; 2],
-    /// Pairs.
+    /// Number of pairs.
     pub repeats: usize,
-    /// The least and the most of all pairs; of eight or more without the outermost on each side.
+    /// The smallest and the largest cost of all pairs; with eight or more pairs, without the outermost on each
+    /// side.
     pub spread: [f64; 2],
 }
 
 impl Cost {
-    /// Of pairs of times as it is and of the trial; none of none.
+    /// The cost from pairs of times of the unchanged scene and of the trial, s; `None` without pairs.
     fn of(walls: &[[f64; 2]], deed: Deed) -> Option<Self> {
         let sign = if deed == Deed::Added { -1.0 } else { 1.0 };
         let fractions = sorted(walls.iter().map(|[as_is, trial]| sign * (as_is - trial) / as_is).collect());
@@ -88,13 +89,14 @@ impl Cost {
         Some(Self { fraction: median(fractions), range, repeats: walls.len(), spread })
     }
 
-    /// Whether the clock can tell it from nothing: the pairs are on one side. By chance five are once in
-    /// 16 times, and nine but for one once in 26.
+    /// Whether the cost differs significantly from zero: all pairs within `spread` agree in sign. By chance five
+    /// pairs agree once in 16 times, and at least eight of nine once in 26 times.
     pub fn is_clear(&self) -> bool {
         self.spread[0] > 0.0 || self.spread[1] < 0.0
     }
 
-    /// The sizes to tell, from the lesser: the median, or the range where pairs differ by more.
+    /// The sizes to report, in ascending order: the median, or the range if the pairs differ by more than the
+    /// median.
     pub fn told(&self) -> Vec<f64> {
         let [least, most] = self.range;
         if most - least <= self.fraction.abs() {
@@ -108,11 +110,11 @@ impl Cost {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// At its time.
+    /// It reached its end.
     Ok,
-    /// The scene does not run so.
+    /// It failed: the scene does not run with this change.
     Diverged,
-    /// There was no time for it.
+    /// The budget did not allow it.
     Unfinished,
 }
 
@@ -126,50 +128,49 @@ impl Verdict {
     }
 }
 
-/// A term and what it is worth.
+/// A term, its change and its cost.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// The term.
     pub term: &'static str,
-    /// Whether it is switched off, put simpler, or added.
+    /// Whether the term is switched off, simplified or added.
     pub deed: Deed,
-    /// The scene as it was run, as after a comma.
+    /// The changed scene, in words after a comma.
     pub run: String,
     /// f32 or f64.
     pub precision: &'static str,
-    /// How that ended.
+    /// How the run ended.
     pub verdict: Verdict,
-    /// m; none where the run did not come to its end.
+    /// RMS change, m; `None` if the run did not reach its end.
     pub change_rms: Option<f64>,
-    /// m; the largest, of any vertex or in any direction, at any sample.
+    /// The largest change of any vertex, or in any direction, at any sample, m.
     pub change_max: Option<f64>,
-    /// m; at the end.
+    /// RMS change at the end, m.
     pub change_end: Option<f64>,
-    /// m; of vertices, where the change is of the outline.
+    /// RMS change of the positions, m, where the change is of the outline.
     pub positions_rms: Option<f64>,
-    /// Whether it changes more than half the step does; none where either is not known.
+    /// Whether it changes more than half the step does; `None` if one of the two is not known.
     pub told: Option<bool>,
-    /// Time with the term minus time without it, over the time of the scene as it is.
+    /// Time with the term minus time without it, as a part of the time of the unchanged scene.
     pub cost_fraction: Option<f64>,
-    /// The same of the middle half of the pairs of runs: the least and the most.
+    /// The smallest and the largest cost in the middle half of the pairs of runs.
     pub cost_range: Option<[f64; 2]>,
-    /// Whether all that is counted is as much as in the scene as it is; none where the run did not come
-    /// to its end.
+    /// Whether all counts equal the counts of the unchanged scene; `None` if the run did not reach its end.
     pub same_counts: Option<bool>,
-    /// Pairs of runs that were timed.
+    /// Number of timed pairs of runs.
     pub repeats: usize,
-    /// In steps, s; the median.
+    /// Median computing time of the steps, s.
     pub wall_s: Option<f64>,
     /// Work of the run.
     pub counts: Option<Counts>,
-    /// All of it in words.
+    /// The result as a sentence.
     pub sentence: String,
-    /// Why there is no change to tell.
+    /// Why there is no change to report.
     pub why: Option<String>,
 }
 
 impl Row {
-    /// What a trial tells.
+    /// The result of a trial.
     pub fn of(baseline: &Baseline, trial: &Trial) -> Self {
         let term = &trial.term;
         let change = trial.complete().map(|run| Change::of(baseline, run, baseline.measure));
@@ -204,7 +205,7 @@ impl Row {
     }
 }
 
-/// What half the step changes; none where that run did not come to its end.
+/// The change by half the step; `None` if that run did not reach its end.
 pub fn own_error(baseline: &Baseline) -> Option<Change> {
     why_not(&baseline.half).is_none().then(|| Change::of(baseline, &baseline.half, baseline.measure))
 }

@@ -1,4 +1,4 @@
-//! The scene as it stands, and each of its terms tried: runs in pairs, so that both see the same
+//! The unchanged scene and the trials of its terms. Both are run in pairs, so that both see the same load on the
 //! machine.
 
 use std::time::Duration;
@@ -15,32 +15,33 @@ use crate::study::terms::Term;
 use crate::study::trajectory::{Ending, Limits, Trajectory, fly_of};
 use crate::study::variant::{SAMPLES, Variant};
 
-/// Pairs; the more while they took less than so long, s. Of fewer than five all could be on one side by
-/// chance.
+/// Number of pairs: nine if the trial's runs together take less than `SHORT`, s, otherwise five. Fewer than five
+/// could easily agree in sign by chance.
 const REPEATS: [usize; 2] = [5, 9];
 const SHORT: f64 = 1.0;
 
-/// Times the time of the scene as it is, kept for the last run: that without several terms.
+/// Time kept for the last trial, which switches off several terms at once, as a multiple of the time of the
+/// unchanged scene.
 const KEPT: u32 = 10;
 
-/// What everything is compared with.
+/// The unchanged scene, which all trials are compared with.
 pub struct Baseline {
     /// The scene's own method and step, in single precision.
     pub variant: Variant,
-    /// What came of it.
+    /// The run of the unchanged scene.
     pub run: Trajectory,
-    /// What came of half its step.
+    /// The run with half the step.
     pub half: Trajectory,
-    /// What of a run is compared.
+    /// The quantity that is compared.
     pub measure: Measure,
-    /// kg.
+    /// Masses of the vertices, kg.
     pub masses: Vec<f64>,
     /// Mean rest length of the edges of each cloth, m.
     pub mean_edges: Vec<f64>,
 }
 
 impl Baseline {
-    /// Runs the scene as it stands, and by half its step.
+    /// Runs the unchanged scene, also with half its step.
     pub fn fly(study: &Study<'_>) -> Result<Self, Failure> {
         let (engine, _) = engine::build(&study.scene, Precision::F32)
             .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
@@ -60,13 +61,13 @@ impl Baseline {
     }
 }
 
-/// A run for as long as there is time.
+/// Runs a variant until its end or the end of the budget.
 fn fly(study: &Study<'_>, scene: &SceneFile, variant: &Variant, what: &str) -> Result<Trajectory, Failure> {
     study.say(what);
     fly_of(study, scene, variant, Limits { wall: study.left(), energy: f64::INFINITY })
 }
 
-/// The run, or why there is nothing to compare with.
+/// Returns a complete run, or an error that says why there is nothing to compare with.
 fn complete(study: &Study<'_>, run: Trajectory) -> Result<Trajectory, Failure> {
     let scene = &study.scene.desc.name;
     match why_not(&run) {
@@ -82,7 +83,7 @@ fn complete(study: &Study<'_>, run: Trajectory) -> Result<Trajectory, Failure> {
     }
 }
 
-/// How a run ended that is not complete, as the end of a sentence.
+/// How an incomplete run ended, as the end of a sentence; `None` for a complete run.
 pub fn why_not(run: &Trajectory) -> Option<String> {
     let time = run.report.time;
     match &run.ending {
@@ -93,34 +94,34 @@ pub fn why_not(run: &Trajectory) -> Option<String> {
     }
 }
 
-/// A term and what came of it.
+/// A term and the results of its runs.
 pub struct Trial {
     /// The term.
     pub term: Term,
-    /// The run; none where there was no time to begin it.
+    /// The first run; `None` if there was no time to begin it.
     pub run: Option<Trajectory>,
-    /// Seconds of the scene as it is and of the trial, in pairs.
+    /// Computing times of the unchanged scene and of the trial, in pairs, s.
     pub walls: Vec<[f64; 2]>,
 }
 
 impl Trial {
-    /// One that is not run yet.
+    /// A trial that has not been run yet.
     pub fn new(term: Term) -> Self {
         Self { term, run: None, walls: Vec::new() }
     }
 
-    /// The run, if it came to its end.
+    /// The run, if it reached its end.
     pub fn complete(&self) -> Option<&Trajectory> {
         self.run.as_ref().filter(|run| run.ending == Ending::Complete)
     }
 
-    /// Whether its time is known well enough.
+    /// Whether its time has been measured often enough.
     fn is_timed(&self, study: &Study<'_>) -> bool {
         let taken: f64 = self.walls.iter().map(|[_, wall]| wall).sum();
         self.walls.len() >= study.repeats(REPEATS[usize::from(taken < SHORT)])
     }
 
-    /// Runs the trial and the scene as it is once, in turn first, so that neither gains by its place.
+    /// Runs the trial and the unchanged scene once each. The order alternates, so that neither has an advantage.
     fn pair(&mut self, study: &Study<'_>, baseline: &Baseline) -> Result<(), Failure> {
         let scene = study.scene.changed(&self.term.edits)?;
         let variant = Variant { precision: self.term.precision, ..baseline.variant };
@@ -136,14 +137,14 @@ impl Trial {
         if as_is.ending == Ending::Complete && run.ending == Ending::Complete {
             self.walls.push([as_is.wall, run.wall]);
         }
-        // A repeat that ran out of time says nothing new.
+        // A repeat that ran out of time gives no information.
         self.run.get_or_insert(run);
         Ok(())
     }
 }
 
-/// Runs all trials once, then, round after round while there is time, those that are not timed well
-/// enough.
+/// Runs all trials once. Then, round after round while there is time, repeats those whose time has not been
+/// measured often enough.
 pub fn run(study: &Study<'_>, baseline: &Baseline, trials: &mut [Trial]) -> Result<(), Failure> {
     let kept = Duration::from_secs_f64(baseline.run.wall) * KEPT;
     for round in 0..REPEATS[1] {

@@ -1,4 +1,4 @@
-//! What a term is worth, as a sentence.
+//! The result of a trial as a sentence.
 
 use crate::study::distance::Measure;
 use crate::study::terms::Deed;
@@ -6,7 +6,7 @@ use crate::units::length;
 
 use super::row::{Change, Cost, Row};
 
-/// What moves, as people call it.
+/// The compared quantity, in words.
 pub const fn moved(measure: Measure) -> &'static str {
     match measure {
         Measure::Positions => "cloth",
@@ -14,7 +14,7 @@ pub const fn moved(measure: Measure) -> &'static str {
     }
 }
 
-/// A row in words; `subject` is the term with what it stands beside.
+/// The sentence of a row; `subject` is the term together with its simpler alternative, if it has one.
 pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<Cost>, measure: Measure) -> String {
     let Some(change) = change else {
         return format!("{} it {}", row.run, row.why.as_deref().unwrap_or("is not known"));
@@ -32,19 +32,19 @@ pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<C
         || " and is not timed: the budget is used up".into(),
         |cost| costs(row.deed, &row.run, cost, row.same_counts == Some(true)),
     );
-    // Before a new clause one comma is enough.
+    // If a comma is followed by a new clause, only the semicolon stays.
     format!("{subject} {moves}{cost}").replace(",;", ";")
 }
 
-/// How far, in its three measures; with contact also the vertices.
+/// The change in words: RMS, largest and final value; with contact also the RMS change of the vertices.
 pub fn extent(change: Change, positions: Option<f64>) -> String {
     let vertices = positions.map_or_else(String::new, |rms| format!("; vertices by {}", length(rms)));
     let [rms, max, end] = [change.rms, change.max, change.end].map(length);
     format!("{rms} (RMS; at most {max}, at the end {end}{vertices})")
 }
 
-/// What it costs, as the end of a sentence; where nothing that is counted differs, that it is the
-/// clock's word alone.
+/// The cost, as the end of a sentence. If all counts are the same, it says so: then only the clock shows a
+/// difference.
 fn costs(deed: Deed, run: &str, cost: Cost, same_counts: bool) -> String {
     let (added, dearer) = (deed == Deed::Added, cost.fraction >= 0.0);
     let sizes = cost.told();
@@ -53,7 +53,7 @@ fn costs(deed: Deed, run: &str, cost: Cost, same_counts: bool) -> String {
     let note = if note.is_empty() { note } else { format!(" ({note})") };
     match (added, dearer) {
         _ if !cost.is_clear() => {
-            // Rounded before it is printed: not to "-0".
+            // Adding 0.0 after rounding turns -0 into 0, so that "-0" is not printed.
             let [least, most] = cost.spread.map(|fraction| (100.0 * fraction).round() + 0.0);
             let verb = if added { "cost" } else { "costs" };
             let counted = if same_counts { "can be counted or that " } else { "" };
@@ -66,7 +66,7 @@ fn costs(deed: Deed, run: &str, cost: Cost, same_counts: bool) -> String {
     }
 }
 
-/// How much more a run takes than the scene as it is, by parts of its time.
+/// How much longer a run takes than the unchanged scene; `parts` are parts of that scene's time.
 fn longer(parts: &[f64]) -> String {
     if parts.iter().all(|&part| part < 1.0) {
         return format!("{} longer", percent(parts));
@@ -75,7 +75,7 @@ fn longer(parts: &[f64]) -> String {
     format!("{} times as long", times.join(" to "))
 }
 
-/// A part, or from one to another.
+/// One part, or a range of parts, as percentages.
 fn percent(parts: &[f64]) -> String {
     match parts {
         [part] if *part < 0.01 => "less than 1 %".into(),
@@ -86,7 +86,7 @@ fn percent(parts: &[f64]) -> String {
     }
 }
 
-/// Words as a list.
+/// Joins words to a list.
 pub fn list(words: &[&str]) -> String {
     match words {
         [] => String::new(),

@@ -1,4 +1,4 @@
-//! One run of a map, and what is to be said of it.
+//! One run of a map and its class.
 
 use std::time::Duration;
 
@@ -14,17 +14,17 @@ use crate::study::variant::SAMPLES;
 use super::map::Ground;
 use super::share::Share;
 
-/// A method, solved by so many Newton iterations.
+/// A method with a number of Newton iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Subject {
     /// The method.
     pub method: Method,
-    /// 1: one linear solve; of explicit methods always.
+    /// Newton iterations: 1 is a single linear solve, and always the value for explicit methods.
     pub newton: u32,
 }
 
 impl Subject {
-    /// As pictures and tables call it.
+    /// Name in pictures and tables.
     pub fn name(&self) -> String {
         match self.newton {
             1 => self.method.name().into(),
@@ -33,28 +33,28 @@ impl Subject {
     }
 }
 
-/// How a run went.
+/// The class of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Verdict {
-    /// It stayed within what the scene can have.
+    /// Its energy stayed within the limit.
     #[serde(rename = "fine")]
     Fine,
-    /// It had ten times the energy that the scene can have.
+    /// Its energy reached ten times the energy that the scene can have.
     #[serde(rename = "energy growth")]
     Growth,
-    /// A step could not be taken.
+    /// A step failed, or an edge was stretched too far.
     #[serde(rename = "diverged")]
     Diverged,
-    /// A solve ended by its limit of iterations.
+    /// A solve reached its limit of iterations.
     #[serde(rename = "solver gave up")]
     GaveUp,
-    /// It took longer than what was left.
+    /// It was not run, or took longer than the time left.
     #[serde(rename = "not run")]
     NotRun,
 }
 
 impl Verdict {
-    /// As pictures and tables call it.
+    /// Name in pictures and tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Fine => "fine",
@@ -66,23 +66,24 @@ impl Verdict {
     }
 }
 
-/// Steps of a run of explicit methods, however long the scene: what is unstable from the start shows
-/// within, seeded by rounding. And of implicit ones at most: within the scene.
+/// Number of steps of a run. Explicit methods take 1000 steps however long the scene is: an instability that exists
+/// at the start grows from rounding within them. Implicit methods take at most 200, and not beyond the end of the
+/// scene.
 pub const EXPLICIT_STEPS: u64 = 1000;
 pub const IMPLICIT_STEPS: u64 = 200;
 
-/// Steps of `step` seconds over a whole scene of some duration, a multiple of the samples.
+/// Number of steps of `step` seconds in a scene of some duration, rounded up to a multiple of the samples.
 pub fn whole(duration: f64, step: f64) -> u64 {
-    // Not one more where it fits but for rounding.
+    // The small number prevents an additional step that only rounding would cause.
     (duration / step / SAMPLES as f64 - 1e-9).ceil().max(1.0) as u64 * SAMPLES
 }
 
-/// Steps of a cell of the map.
+/// Number of steps of a cell of the map.
 pub fn watched(duration: f64, step: f64, method: Method) -> u64 {
     if method.is_implicit() { whole(duration, step).min(IMPLICIT_STEPS) } else { EXPLICIT_STEPS }
 }
 
-/// Runs a subject from the start of a scene by so many steps of `step` seconds.
+/// Runs a subject from the start of a scene with `steps` steps of `step` seconds.
 pub fn fly(
     share: &Share<'_, '_>,
     subject: Subject,
@@ -102,7 +103,7 @@ pub fn fly(
     fly_scene(share.study, &scene, Precision::F32, steps / SAMPLES, limits)
 }
 
-/// What is to be said of a run, and why.
+/// The class of a run, and the reason for it.
 pub fn judge(run: &Trajectory) -> (Verdict, Option<String>) {
     let solves = run.report.unconverged;
     match &run.ending {

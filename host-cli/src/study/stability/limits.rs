@@ -1,4 +1,4 @@
-//! The longest step that each method bore, measured on the scene itself, and whether it bears it to the
+//! The longest stable step of each method, measured on the scene itself, and whether it stays stable until the
 //! scene's end.
 
 use crate::failure::Failure;
@@ -9,15 +9,16 @@ use super::map::{Ground, run_cell};
 use super::report::{Limit, Row, Whole};
 use super::share::Share;
 
-/// How closely the limit of explicit methods is told, of itself: 8 runs.
+/// Relative accuracy of the limit of explicit methods: it takes 8 runs.
 const CLOSE: f64 = 0.002;
 
-/// Where a step fails before the scene's end, shorter ones by this, so many at most.
+/// Where a step fails before the scene's end, each next try is shorter by this factor; there are at most `TRIES`
+/// tries.
 const SHORTER: f64 = 0.95;
 const TRIES: i32 = 10;
 
-/// The limits of all subjects on the scene itself, from its rows and runs between them; half of what is
-/// left is for its likenesses.
+/// The limits of all subjects on the scene itself, from its rows and from runs between them. They take half of the
+/// remaining budget; the other half is for the scaled scenes.
 pub fn measure(study: &Study<'_>, subjects: &[Subject], ground: &Ground, rows: &[Row]) -> Result<Vec<Limit>, Failure> {
     let limit = |(place, &subject): (usize, &Subject)| {
         let own = rows.iter().filter(|row| row.is_of(subject) && row.verdict != Verdict::NotRun);
@@ -36,7 +37,7 @@ fn limit(share: &Share<'_, '_>, subject: Subject, ground: &Ground, rows: &[&Row]
     if let (Some(fine), Some(failed), Some(theory)) = (measured, failed, theory.filter(|&theory| theory > 0.0)) {
         let (low, high) = bisect(share, subject, ground, fine, failed.step)?;
         measured = Some(low);
-        // Not where the time was up before it was known.
+        // There is no ratio if the time ended before the limit was accurate enough.
         ratio = (high <= (1.0 + CLOSE) * low).then_some(low / theory);
     }
     let duration = share.study.scene.desc.duration;
@@ -57,7 +58,7 @@ fn limit(share: &Share<'_, '_>, subject: Subject, ground: &Ground, rows: &[&Row]
     })
 }
 
-/// Narrows the steps between which a subject begins to fail.
+/// Narrows the interval of steps in which a subject begins to fail.
 fn bisect(
     share: &Share<'_, '_>,
     subject: Subject,
@@ -76,8 +77,8 @@ fn bisect(
     Ok((low, high))
 }
 
-/// What comes of a step over the whole scene, where the map did not see its end, and where it fails of
-/// shorter ones; nothing that would take more than is left, where a step takes `cost`, s.
+/// Runs a step to the scene's end if the map did not, and where it fails, shorter ones. A run that would take more
+/// than the time left is not begun; `cost` is the time for one step, s.
 fn to_the_end(
     share: &Share<'_, '_>,
     subject: Subject,

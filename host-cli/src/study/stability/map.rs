@@ -1,4 +1,4 @@
-//! The cells of the maps: which there are, and all of them run.
+//! The cells of the maps: their choice and their runs.
 
 use muslin_core::integrate::Method;
 use muslin_core::integrate::stability::Mode;
@@ -15,7 +15,7 @@ use super::cell::{self, Subject, Verdict, judge};
 use super::report::Row;
 use super::share::Share;
 
-/// Where a scene says how stiff it is.
+/// Keys of a scene with stiffnesses.
 const STIFFNESS: [&str; 6] = [
     "cloth.stretch.stiffness",
     "cloth.stretch.weft",
@@ -25,46 +25,45 @@ const STIFFNESS: [&str; 6] = [
     "cloth.seam.stiffness",
 ];
 
-/// Where a scene says how much of its stiffness damps it.
+/// Keys of a scene with dampings, as parts of the stiffness.
 const DAMPING: [&str; 4] = ["cloth.stretch.damping", "cloth.shear.damping", "cloth.bend.damping", "cloth.seam.damping"];
 
-/// Times its stiffness or damping, from the scene itself outwards.
+/// Factors of stiffness or damping; the scene itself comes first.
 const SCALES: [f64; 5] = [1.0, 0.25, 4.0, 0.0625, 16.0];
 
-/// Steps of explicit methods by factors of the root of two, from half the shortest limit on any ground
-/// to twice the longest; of implicit ones by factors of two, from a quarter of the scene's step on.
+/// Range of steps. Explicit methods: by factors of the square root of two, from half the shortest limit on any
+/// ground to twice the longest. Implicit methods: by factors of two, from a quarter of the scene's step on.
 const BEYOND: f64 = 2.0;
 const FINER: i32 = 2;
 const COARSER: i32 = 6;
 
-/// Times the most energy of the witness: beyond that a run has blown up.
+/// A run has blown up when its energy exceeds this many times the largest energy of backward Euler.
 const BLOWN_UP: f64 = 10.0;
 
-/// J/kg; less is rounding where nothing moves.
+/// Smallest energy that counts as motion, J/kg: less is rounding.
 const REST: f64 = 1e-6;
 
-/// How steady the fastest mode must be, and iterations at most.
+/// Relative accuracy of the fastest mode, and the largest number of iterations.
 const STEADY: f64 = 1e-7;
 const ITERATIONS: u32 = 20_000;
 
-/// A scene of some stiffness and damping.
+/// A scene with scaled stiffness and damping.
 pub struct Ground {
-    /// Times the stiffness of the scene that was given.
+    /// Factor of the stiffness of the given scene.
     pub stiffness: f64,
-    /// Times its damping, as a part of the stiffness.
+    /// Factor of its damping, which is a part of the stiffness.
     pub damping: f64,
     /// The scene.
     pub scene: SceneFile,
-    /// kg.
+    /// Mass of the cloth, kg.
     pub mass: f64,
-    /// The stiffest and the most damped at its start.
+    /// The stiffest mode and the most damped mode at its start.
     pub modes: [Mode; 2],
-    /// The most kinetic and elastic energy that a run can have without having blown up, J.
+    /// Kinetic and elastic energy above which a run counts as blown up, J.
     pub energy: f64,
 }
 
-/// The scene itself first; then stiffer and softer ones, and where it is damped more and less damped
-/// ones.
+/// The scene itself first; then stiffer and softer ones, and if it is damped, ones with more and less damping.
 pub fn grounds(study: &Study<'_>) -> Result<Vec<Ground>, Failure> {
     let stiffnesses = SCALES.map(|stiffness| (stiffness, 1.0));
     let scales: Vec<_> = stiffnesses.into_iter().chain(SCALES[1..].iter().map(|&damping| (1.0, damping))).collect();
@@ -73,7 +72,8 @@ pub fn grounds(study: &Study<'_>) -> Result<Vec<Ground>, Failure> {
         let is_damped = grounds.first().is_none_or(|ground| ground.modes[0].damping > 0.0);
         if damping == 1.0 || is_damped {
             let mut ground = ground(study, stiffness, damping)?;
-            // Half is for the map. The scene itself is seen to its end, livelier likenesses for some time.
+            // Half of the budget is for the map. The energy is measured on the scene itself until its end, and on
+            // softer and less damped scenes, which move more, for some time.
             let own = match grounds.first() {
                 None => liveliest(&Share::one_of(2, study), &ground, true)?,
                 Some(_) if stiffness < 1.0 || damping < 1.0 => {
@@ -97,7 +97,7 @@ fn ground(study: &Study<'_>, stiffness: f64, damping: f64) -> Result<Ground, Fai
     Ok(Ground { stiffness, damping, scene, modes, mass: engine.mass(), energy: f64::INFINITY })
 }
 
-/// The most kinetic and elastic energy of the witness, J.
+/// The largest kinetic and elastic energy of a run by backward Euler, J.
 fn liveliest(share: &Share<'_, '_>, ground: &Ground, to_its_end: bool) -> Result<f64, Failure> {
     let desc = &share.study.scene.desc;
     let witness = Subject { method: Method::BackwardEuler, newton: 1 };
@@ -108,7 +108,7 @@ fn liveliest(share: &Share<'_, '_>, ground: &Ground, to_its_end: bool) -> Result
     Ok(run.liveliest().max(REST * ground.mass))
 }
 
-/// Steps at which a subject is run, s; the same on every ground.
+/// The steps of a subject, s; they are the same on every ground.
 fn steps(study: &Study<'_>, subject: Subject, grounds: &[Ground]) -> Vec<f64> {
     if subject.method.is_implicit() {
         let desc = &study.scene.desc;
@@ -119,14 +119,15 @@ fn steps(study: &Study<'_>, subject: Subject, grounds: &[Ground]) -> Vec<f64> {
     let limit = |ground: &Ground| variant::limit(&ground.modes, subject.method);
     let limits = grounds.iter().filter_map(limit);
     let (low, high) = limits.fold((f64::INFINITY, 0.0_f64), |(low, high), limit| (low.min(limit), high.max(limit)));
-    // On the limit of the scene itself, so that maps show both sides of it.
+    // The steps next to the limit of the scene itself lie a quarter of an octave to either side, so that maps show
+    // both sides of it.
     let Some(own) = limit(&grounds[0]) else { return Vec::new() };
     let halves = |ratio: f64| (2.0 * ratio.log2()).round() as i32;
     let steps = halves(low / BEYOND / own)..=halves(high * BEYOND / own);
     steps.map(|half| own * 2f64.powf(0.5 * f64::from(half) - 0.25)).collect()
 }
 
-/// Runs every subject on some of all grounds, each for its share of the time.
+/// Runs every subject on some of all grounds; each pair has its share of the time.
 pub fn run(study: &Study<'_>, subjects: &[Subject], all: &[Ground], some: &[Ground]) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     let pairs: Vec<_> = some.iter().flat_map(|ground| subjects.iter().map(move |&subject| (ground, subject))).collect();
@@ -139,7 +140,7 @@ pub fn run(study: &Study<'_>, subjects: &[Subject], all: &[Ground], some: &[Grou
     Ok(rows)
 }
 
-/// Runs what its share did not do for, with what others left of theirs.
+/// Runs the cells that their share did not allow, with the time that other shares left over.
 pub fn run_rest(study: &Study<'_>, subjects: &[Subject], grounds: &[Ground], rows: &mut [Row]) -> Result<(), Failure> {
     let rest: Vec<_> = rows.iter_mut().filter(|row| row.verdict == Verdict::NotRun).collect();
     let count = rest.len();
@@ -153,7 +154,7 @@ pub fn run_rest(study: &Study<'_>, subjects: &[Subject], grounds: &[Ground], row
     Ok(())
 }
 
-/// Runs a subject on a ground by steps of `step` seconds.
+/// Runs a subject on a ground with steps of `step` seconds.
 pub fn run_cell(share: &Share<'_, '_>, subject: Subject, ground: &Ground, step: f64) -> Result<Row, Failure> {
     let mut row = Row {
         method: subject.method.name(),

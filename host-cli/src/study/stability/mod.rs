@@ -18,10 +18,10 @@ pub use cell::Verdict;
 use map::Ground;
 pub use report::{Axis, Map, Row};
 
-/// Newton iterations of the last subject: what it costs to leave nothing of a step to chance.
+/// Newton iterations of the additional subject, whose steps are solved until they converge.
 const CONVERGED: u32 = 20;
 
-/// Maps a scene.
+/// Runs the command.
 pub fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
     let study = Study::begin(&arguments.study)?;
     let subjects = subjects(&arguments.methods);
@@ -43,7 +43,7 @@ pub fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
     }
 }
 
-/// What to run: the methods as asked, each once, and backward Euler solved to the end.
+/// The subjects: each requested method with one iteration, and backward Euler also with Newton's method.
 fn subjects(asked: &[Method]) -> Vec<Subject> {
     let wanted = |method: &Method| asked.is_empty() || asked.contains(method);
     let once = Method::ALL.into_iter().filter(wanted).map(|method| Subject { method, newton: 1 });
@@ -52,8 +52,7 @@ fn subjects(asked: &[Method]) -> Vec<Subject> {
 }
 
 impl Ground {
-    /// The longest step that theory allows, s: 0 where every step gains energy, none where every step
-    /// is stable.
+    /// The longest step that theory allows, s: 0 if every step gains energy, `None` if every step is stable.
     fn theory(&self, method: Method) -> Option<f64> {
         muslin_core::integrate::stability::longest_step(&self.modes, method)
     }

@@ -1,4 +1,4 @@
-//! What the maps say in numbers and words.
+//! The report of `muslin stability` in numbers.
 
 use std::f64::consts::TAU;
 
@@ -13,106 +13,106 @@ use super::map::Ground;
 /// One run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
-    /// Newton iterations in a step, at most.
+    /// Largest number of Newton iterations in a step.
     pub newton: u32,
-    /// The method and, where there are several, its Newton iterations.
+    /// The method, and its Newton iterations if there is more than one.
     #[serde(skip)]
     pub name: String,
-    /// s.
+    /// Step, s.
     pub step: f64,
-    /// Times the scene's stiffness.
+    /// Factor of the scene's stiffness.
     pub stiffness_scale: f64,
-    /// Times the scene's damping.
+    /// Factor of the scene's damping.
     pub damping_scale: f64,
-    /// The longest step that theory allows here, s: 0 where every step gains energy, none where every
-    /// step is stable.
+    /// The longest step that theory allows here, s: 0 if every step gains energy, `None` if every step is stable.
     pub theory: Option<f64>,
     /// Steps taken.
     pub steps: u64,
-    /// Of the scene, s.
+    /// Simulated time, s.
     #[serde(rename = "watched_s")]
     pub watched: f64,
-    /// What its steps took, s.
+    /// Cost of its steps, s.
     #[serde(rename = "wall_s")]
     pub wall: f64,
-    /// How it went.
+    /// The class of the run.
     pub verdict: Verdict,
     /// What went wrong.
     pub why: Option<String>,
 }
 
 impl Row {
-    /// Whether it is of a subject.
+    /// Whether the run is of a subject.
     pub fn is_of(&self, subject: Subject) -> bool {
         self.method == subject.method.name() && self.newton == subject.newton
     }
 
-    /// Whether theory foretold how it went; none where it says nothing.
+    /// Whether theory predicted the result; `None` if theory gives no limit or the cell was not run.
     fn is_foretold(&self) -> Option<bool> {
         let theory = self.theory.filter(|&theory| theory > 0.0 && self.verdict != Verdict::NotRun)?;
         Some((self.step <= theory) == (self.verdict == Verdict::Fine))
     }
 }
 
-/// What came of a method's longest step over the whole scene.
+/// The result of a method's longest step over the whole scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Whole {
-    /// Steps of that length in the scene.
+    /// Number of steps of this length in the scene.
     pub steps: u64,
-    /// Until it failed, s; the scene's duration where it did not, nothing where it would have taken too long.
+    /// Simulated time until it failed, s; the scene's duration if it did not fail, 0 if it would have taken too
+    /// long.
     #[serde(rename = "held_s")]
     pub held: f64,
-    /// How it went.
+    /// The class of the run.
     pub verdict: Verdict,
-    /// The longest step that was fine to the scene's end, of it and of ten at most, each 5 % shorter than
-    /// the one before, s.
+    /// The longest step that was fine until the scene's end, s. At most ten steps are tried, each 5 % shorter than
+    /// the one before.
     pub lasting: Option<f64>,
 }
 
 /// The longest step of a method on the scene itself.
 #[derive(Clone, Debug, Serialize)]
 pub struct Limit {
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
-    /// Newton iterations in a step, at most.
+    /// Largest number of Newton iterations in a step.
     pub newton: u32,
-    /// The method and, where there are several, its Newton iterations.
+    /// The method, and its Newton iterations if there is more than one.
     #[serde(skip)]
     pub name: String,
-    /// Runs on the scene itself; none where nothing limits the method or nothing was left of the budget.
+    /// Number of runs on the scene itself; 0 if nothing limits the method or the budget was used up.
     pub runs: usize,
-    /// The longest step below which every run was fine, s; none where none was.
+    /// The longest step up to which every run was fine, s; `None` if no run was fine.
     pub measured: Option<f64>,
-    /// Of the scene with that step, s.
+    /// Simulated time with that step, s.
     #[serde(rename = "watched_s")]
     pub watched: Option<f64>,
-    /// That step to the scene's end.
+    /// The result of that step until the scene's end.
     pub whole: Option<Whole>,
-    /// The shortest step of the map that was not, s.
+    /// The shortest step of the map that was not fine, s.
     pub failed: Option<f64>,
-    /// How that one went.
+    /// The class of that run.
     pub failed_by: Option<Verdict>,
-    /// The next longer step of the map that was fine again, s.
+    /// The shortest longer step of the map that was fine again, s.
     pub fine_again: Option<f64>,
-    /// What theory allows, s.
+    /// The longest step that theory allows, s: 0 if every step gains energy, `None` if every step is stable.
     pub theory: Option<f64>,
-    /// Measured over theory; none where the budget did not do to measure it.
+    /// Measured limit over theory; `None` if the budget did not suffice to measure it.
     pub ratio: Option<f64>,
 }
 
-/// What is scaled along a map.
+/// The quantity that is scaled along a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// All stiffnesses.
     Stiffness,
-    /// All dampings, as parts of the stiffness.
+    /// All dampings, which are parts of the stiffness.
     Damping,
 }
 
 impl Axis {
-    /// The scale of a row along it, if the row is on this map.
+    /// The scale of a row along this axis, if the row is on this map.
     pub fn of(self, row: &Row) -> Option<f64> {
         let (own, other) = match self {
             Self::Stiffness => (row.stiffness_scale, row.damping_scale),
@@ -121,7 +121,7 @@ impl Axis {
         (other == 1.0).then_some(own)
     }
 
-    /// As pictures call it.
+    /// Name in pictures.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Stiffness => "stiffness",
@@ -130,28 +130,28 @@ impl Axis {
     }
 }
 
-/// `stability --json`.
+/// The report, `stability --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Map {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// s.
+    /// Duration of the scene, s.
     pub duration_s: f64,
     /// Frequency of the stiffest mode at the scene's start, Hz.
     pub fastest_mode_hz: f64,
-    /// Its damping, of critical.
+    /// Damping ratio of this mode.
     pub damping_ratio: f64,
     /// All runs, in f32.
     pub rows: Vec<Row>,
-    /// The longest steps on the scene itself.
+    /// The longest stable steps on the scene itself.
     pub limits: Vec<Limit>,
-    /// Runs of which theory says how they go, and of these how many went so.
+    /// Number of runs for which theory predicts a result, and number of correct predictions.
     pub foretold: [usize; 2],
-    /// What the study took, s.
+    /// Cost of the study, s.
     pub study_s: f64,
 }
 
-/// Puts it together.
+/// Creates the report.
 pub fn summarise(study: &Study<'_>, grounds: &[Ground], rows: Vec<Row>, limits: Vec<Limit>) -> Map {
     let Mode { stiffness, damping } = grounds[0].modes[0];
     let omega = stiffness.sqrt();
@@ -169,13 +169,13 @@ pub fn summarise(study: &Study<'_>, grounds: &[Ground], rows: Vec<Row>, limits: 
 }
 
 impl Map {
-    /// The maps that there are.
+    /// The axes of the maps that were run.
     pub fn axes(&self) -> Vec<Axis> {
         let damped = self.rows.iter().any(|row| row.damping_scale != 1.0);
         [Axis::Stiffness].into_iter().chain(damped.then_some(Axis::Damping)).collect()
     }
 
-    /// Runs for which nothing was left of the budget.
+    /// Number of runs that the budget did not allow.
     pub fn missing(&self) -> usize {
         self.rows.iter().filter(|row| row.verdict == Verdict::NotRun).count()
     }

@@ -1,19 +1,19 @@
-//! What the maps say in words.
+//! The report of `muslin stability` as text.
 
 use crate::units::{significant, time, time_between};
 
 use super::cell::{EXPLICIT_STEPS, IMPLICIT_STEPS, Verdict};
 use super::report::{Axis, Limit, Map, Row, Whole};
 
-/// Measured over theory, below which theory leaves something out.
+/// If the measured limit is below this part of the limit of theory, a remark says that theory does not predict it.
 const EARLY: f64 = 0.9;
 
-/// After a cell.
+/// Marks behind a cell of the table.
 const FINE_AGAIN: char = '*';
 const NOT_ALL: char = '?';
 
 impl Map {
-    /// For people.
+    /// The report as text.
     pub fn lines(&self) -> String {
         let [asked, right] = self.foretold;
         let mut lines = vec![
@@ -49,7 +49,7 @@ impl Map {
         lines.join("\n")
     }
 
-    /// Where each subject begins to fail, by scale.
+    /// Table of the steps with which each subject begins to fail, by scale.
     fn scale_lines(&self, axis: Axis) -> Vec<String> {
         let mut scales: Vec<_> = self.rows.iter().filter_map(|row| axis.of(row)).collect();
         scales.sort_by(f64::total_cmp);
@@ -70,7 +70,7 @@ impl Map {
         [String::new(), format!("{title:<28}{head}")].into_iter().chain(lines).chain(notes).collect()
     }
 
-    /// Between which steps of the map a subject begins to fail.
+    /// The steps of the map between which a subject begins to fail.
     fn begins(&self, limit: &Limit, axis: Axis, scale: f64) -> String {
         let all = || self.rows.iter().filter(|row| row.name == limit.name && axis.of(row) == Some(scale));
         let rows: Vec<&Row> = all().filter(|row| row.verdict != Verdict::NotRun).collect();
@@ -83,7 +83,7 @@ impl Map {
     }
 }
 
-/// From what is fine to what is not.
+/// The range from a step that is fine to one that is not.
 fn between(fine: Option<f64>, failed: Option<f64>) -> String {
     match (fine, failed) {
         (Some(fine), Some(failed)) => time_between(fine, failed),
@@ -111,7 +111,7 @@ fn limit_line(limit: &Limit) -> String {
     format!("{:<28}{theory:>11}{measured:>17}{ratio:>9}{watched:>10}   {whole}", limit.name).trim_end().into()
 }
 
-/// What came of a step over the whole scene.
+/// The result of a step over the whole scene.
 fn to_the_end(whole: &Whole, step: f64) -> String {
     let lasting = match whole.lasting {
         Some(lasting) => format!("{} holds", significant(lasting, 3)),
@@ -128,7 +128,7 @@ fn to_the_end(whole: &Whole, step: f64) -> String {
     }
 }
 
-/// How a subject fails first on the map.
+/// The first failure of a subject on the map.
 fn first_failure(limit: &Limit) -> Option<String> {
     let (step, verdict) = limit.failed.zip(limit.failed_by)?;
     let what = match verdict {
@@ -139,7 +139,7 @@ fn first_failure(limit: &Limit) -> Option<String> {
     Some(format!("{}: {what} by {}{again}", limit.name, significant(step, 2)))
 }
 
-/// Why a method failed by much shorter steps than the fastest mode asks for.
+/// Remark on a method that fails with much shorter steps than the fastest mode predicts.
 fn early(limit: &Limit) -> Option<String> {
     let early = limit.ratio.is_some_and(|ratio| ratio < EARLY);
     early.then(|| {

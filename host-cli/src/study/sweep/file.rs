@@ -1,4 +1,4 @@
-//! The file of a sweep: a scene, what all runs change of it, and a grid of what differs between them.
+//! The file of a sweep: a scene, changes for all runs, and a grid of changes that differ between runs.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,17 +11,17 @@ use crate::args::Precision;
 use crate::failure::Failure;
 use crate::scene_file::{self, Change, Source};
 
-/// A sweep as its file has it.
+/// The contents of the file.
 pub struct Sweep {
-    /// The file, as messages name it.
+    /// Name of the file in messages.
     pub label: String,
     /// The scene that is changed.
     pub scene: Source,
-    /// In which precisions each combination is run.
+    /// Precisions in which each combination is run.
     pub precisions: Vec<Precision>,
-    /// Changes of all runs.
+    /// Changes that all runs make.
     pub set: Vec<Change>,
-    /// For each key that differs between runs, in the order of the file, its values.
+    /// The values of each key that differs between runs, in the order of the file.
     pub grid: Vec<Vec<Change>>,
 }
 
@@ -51,14 +51,14 @@ impl Default for Precisions {
     }
 }
 
-/// A key of a section and where its value stands, in bytes from the start of the file.
+/// A key of a section, and the position of its value in bytes from the start of the file.
 struct Entry {
     key: String,
     value: Value,
     place: usize,
 }
 
-/// What messages name: the file, and in it the line.
+/// Name and text of the file, for messages with a line number.
 struct Text {
     label: String,
     text: String,
@@ -79,7 +79,7 @@ impl Text {
         Change { asked, key: entry.key.clone(), value: value.clone() }
     }
 
-    /// The changes that a key of the grid stands for.
+    /// The changes for the values of one key of the grid.
     fn axis(&self, entry: &Entry) -> Result<Vec<Change>, Failure> {
         let values = values(entry).map_err(|why| self.failed(&format!("{} {why}", self.line(entry))))?;
         Ok(values.iter().map(|value| self.change(entry, value)).collect())
@@ -87,7 +87,7 @@ impl Text {
 }
 
 impl Sweep {
-    /// Reads a sweep and its scene. Errors are of usage: they name the line.
+    /// Reads a sweep and its scene. Errors are usage errors and name the line.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let label = path.display().to_string();
         let text = std::fs::read_to_string(path);
@@ -118,7 +118,7 @@ impl Sweep {
     }
 }
 
-/// Where the values stand, by their keys in whichever way those are written.
+/// Finds the positions of the values by their keys, in whichever form the keys are written.
 fn find_places(section: &DeTable<'_>, prefix: &str, places: &mut BTreeMap<String, usize>) {
     for (key, value) in section {
         let key = format!("{prefix}{}", key.get_ref());

@@ -1,4 +1,4 @@
-//! The runs of a sweep: every combination of the grid, and how each is known.
+//! The runs of a sweep: every combination of the grid, and the key that identifies each run.
 
 use crate::args::Precision;
 use crate::checkpoint;
@@ -7,24 +7,24 @@ use crate::scene_file::{Change, SceneFile};
 
 use super::file::Sweep;
 
-/// Most runs of a sweep; more than this is a slip of the hand.
+/// Largest number of runs of a sweep; more are assumed to be a mistake.
 const MOST_RUNS: usize = 1_000_000;
 
 /// One run of a sweep.
 #[derive(Debug)]
 pub struct Point {
-    /// Its place among all runs, from 0.
+    /// Index among all runs, from 0.
     pub index: usize,
-    /// In which precision.
+    /// The precision.
     pub precision: Precision,
-    /// What it changes of the scene, the changes of all runs first.
+    /// Changes of the scene; the changes that all runs make come first.
     pub changes: Vec<Change>,
-    /// How many of the changes all runs make.
+    /// Number of changes that all runs make.
     common: usize,
 }
 
 impl Sweep {
-    /// How many runs it has.
+    /// Number of runs. More than `MOST_RUNS` are an error.
     pub fn count(&self) -> Result<usize, Failure> {
         let lengths = self.grid.iter().map(Vec::len);
         let count = lengths.fold(self.precisions.len(), usize::saturating_mul);
@@ -37,7 +37,7 @@ impl Sweep {
         }
     }
 
-    /// The run of an index: the precision changes fastest, then the last key of the grid.
+    /// The run with an index: the precision changes fastest, then the last key of the grid.
     pub fn point(&self, index: usize) -> Point {
         let precision = self.precisions[index % self.precisions.len()];
         let mut rest = index / self.precisions.len();
@@ -52,20 +52,20 @@ impl Sweep {
 }
 
 impl Point {
-    /// What it changes and other runs do not.
+    /// Changes that differ between runs.
     pub fn varied(&self) -> &[Change] {
         &self.changes[self.common..]
     }
 
-    /// As messages name it: by what differs.
+    /// Name in messages: the values that differ.
     pub fn name(&self) -> String {
         let varied = self.varied().iter().map(|change| format!("{} = {}", change.key, change.value));
         let words: Vec<_> = varied.chain([self.precision.name().into()]).collect();
         words.join(", ")
     }
 
-    /// What its line is found by: the version of the tool, all that is in the scene with these changes,
-    /// and in words what those are.
+    /// The key of its line: the version of the tool, a checksum of the changed scene, its duration, the precision
+    /// and the changes in words.
     pub fn key(&self, scene: &SceneFile) -> String {
         let mut changes: Vec<_> =
             self.changes.iter().map(|change| format!(" {}={}", change.key, change.value)).collect();

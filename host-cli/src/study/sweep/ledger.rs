@@ -1,8 +1,7 @@
-//! The lines of a sweep: a file that is only appended to, one whole JSON line for each run.
+//! The results of a sweep: a file to which one complete JSON line is appended for each run.
 //!
-//! A line is written by a single write while the file is locked, so that several processes may share
-//! it. A process that is killed, or a full disk, leaves at most one torn line at the end; whoever comes
-//! next cuts it off.
+//! Each line is a single write while the file is locked, so that several processes may share the file. A killed
+//! process or a full disk leaves at most one incomplete line at the end; the next process removes it.
 
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions};
@@ -13,26 +12,26 @@ use serde::Deserialize;
 
 use crate::failure::Failure;
 
-/// How each line begins.
+/// The beginning of each line.
 const OPENING: &[u8] = b"{\"key\":";
 
-/// What is told again of a run that has its line.
+/// The fields of an existing line that reports show again.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Told {
-    /// As summaries spell it.
+    /// Verdict as in a summary.
     pub verdict: String,
-    /// Taken.
+    /// Steps taken.
     pub steps: u64,
-    /// s.
+    /// Computing time, s.
     pub wall_s: f64,
-    /// Length over rest length of edges.
+    /// Ratio of length to rest length of edges.
     pub stretch: Stretch,
 }
 
-/// Of edges over all frames.
+/// Stretch of the edges over all frames.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Stretch {
-    /// The largest; none where it is not finite.
+    /// The largest ratio; `None` if it is not finite.
     pub max_of_all_frames: Option<f64>,
 }
 
@@ -46,17 +45,17 @@ struct Line {
 /// The runs that have lines, by their keys.
 pub type Runs = HashMap<String, Told>;
 
-/// An open file of lines.
+/// An open results file.
 pub struct Ledger {
     path: PathBuf,
     file: File,
-    /// Bytes that have been read.
+    /// Number of bytes that have been read.
     read: u64,
-    /// All that has been read.
+    /// All runs that have been read.
     pub runs: Runs,
 }
 
-/// The runs that a file has, if there is one; nothing is changed.
+/// The runs in a file, if it exists; the file is not changed.
 pub fn peek(path: &Path) -> Result<Runs, Failure> {
     let mut runs = Runs::new();
     match fs::metadata(path) {
@@ -70,7 +69,7 @@ pub fn peek(path: &Path) -> Result<Runs, Failure> {
 }
 
 impl Ledger {
-    /// Opens a file to append to it; it and its folder are made if need be.
+    /// Opens a file for appending. The file and its folder are created if necessary.
     pub fn open(path: &Path) -> Result<Self, Failure> {
         let open = || {
             path.parent().map_or(Ok(()), fs::create_dir_all)?;
@@ -82,13 +81,13 @@ impl Ledger {
         Ok(ledger)
     }
 
-    /// Whether a run has its line, by this process or another.
+    /// Whether a run has a line, from this process or another.
     pub fn has(&mut self, key: &str) -> Result<bool, Failure> {
         self.locked(Self::catch_up)?;
         Ok(self.runs.contains_key(key))
     }
 
-    /// Appends the line of a run, unless another process has been faster.
+    /// Appends the line of a run, unless another process has already done so.
     pub fn append(&mut self, key: &str, line: &str) -> Result<(), Failure> {
         self.locked(|ledger| {
             ledger.catch_up()?;
@@ -102,14 +101,15 @@ impl Ledger {
     fn write(&mut self, line: &str) -> io::Result<()> {
         let written = self.file.write_all(format!("{line}\n").as_bytes()).and_then(|()| self.file.sync_data());
         if written.is_err() {
-            // What is left of it is no line: the failure to write is what matters.
+            // This removes an incomplete line. Its result is ignored, because the failed write is the error to
+            // report.
             let _ = self.file.set_len(self.read);
         }
         written
     }
 
-    /// Does something while no other process does. Without locks, as on some network file systems, the
-    /// file is this process's own.
+    /// Runs `act` while the file is locked. Where locks are not supported, as on some network file systems, no
+    /// other process may use the file.
     fn locked<T>(&mut self, act: impl FnOnce(&mut Self) -> Result<T, Failure>) -> Result<T, Failure> {
         match self.file.lock() {
             Err(error) if error.kind() == ErrorKind::Unsupported => return act(self),
@@ -120,7 +120,7 @@ impl Ledger {
         acted.and_then(|value| unlocked.map(|()| value))
     }
 
-    /// Reads what has been appended since, and cuts off a torn line.
+    /// Reads the lines that were appended since the last call, and removes an incomplete line.
     fn catch_up(&mut self) -> Result<(), Failure> {
         let mut bytes = Vec::new();
         let read = self.file.seek(SeekFrom::Start(self.read)).and_then(|_| self.file.read_to_end(&mut bytes));
@@ -134,8 +134,8 @@ impl Ledger {
     }
 }
 
-/// Takes the runs of whole lines and returns how many bytes those are; what follows is the beginning of
-/// a line. An error is a line that no sweep has written.
+/// Adds the runs of the complete lines and returns the number of bytes of these lines; the rest is the beginning of
+/// a line. An error contains a line that no sweep has written.
 fn take_lines(bytes: &[u8], runs: &mut Runs) -> Result<usize, String> {
     let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
     let shown = |line: &[u8]| String::from_utf8_lossy(line).chars().take(40).collect::<String>();

@@ -19,7 +19,7 @@ use crate::summary::Summary;
 use super::file::Sweep;
 use super::{Task, refused};
 
-/// A line: what was run, and all that a summary has.
+/// A line of the file: the run and its summary.
 #[derive(Serialize)]
 struct Line<'a> {
     key: &'a str,
@@ -29,7 +29,7 @@ struct Line<'a> {
     summary: Summary,
 }
 
-/// The scene of a run and what takes its steps.
+/// The changed scene of a run, its engine and its timing.
 pub fn build(sweep: &Sweep, task: &Task) -> Result<(SceneFile, Box<dyn Engine>, Timing), Failure> {
     let scene = sweep.scene.with(&task.point.changes)?;
     let built = engine::build(&scene, task.point.precision);
@@ -37,7 +37,7 @@ pub fn build(sweep: &Sweep, task: &Task) -> Result<(SceneFile, Box<dyn Engine>, 
     Ok((scene, engine, timing))
 }
 
-/// Runs a scene to its end or to where it diverges; returns its line.
+/// Runs a scene until its end or until it diverges, and returns its line.
 pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<String, Failure> {
     let (scene, mut engine, timing) = build(sweep, task)?;
     if task.point.key(&scene) != task.key {

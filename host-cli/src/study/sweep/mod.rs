@@ -1,4 +1,4 @@
-//! `muslin sweep`: a scene over a grid of overrides, one line for each run.
+//! `muslin sweep`: a scene over a grid of overrides, with one line of results per run.
 
 mod file;
 mod grid;
@@ -25,14 +25,14 @@ struct Task {
     key: String,
 }
 
-/// Runs a sweep, or a shard of it.
+/// Runs a sweep or a shard of it.
 pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
     let sweep = Sweep::read(&arguments.sweep)?;
     let tasks = plan(&sweep, arguments)?;
     let out = out(arguments);
     let done = ledger::peek(&out)?;
     let left = || tasks.iter().filter(|task| !done.contains_key(&task.key));
-    // Before anything runs: a scene that cannot be built is found now and not in the night.
+    // All scenes are built before the first run, so that an error appears immediately and not hours later.
     left().try_for_each(|task| line::build(&sweep, task).map(drop))?;
     let pool =
         Pool::new(Some(arguments.threads)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
@@ -58,7 +58,7 @@ pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
     finish(arguments, &out, &tasks, &ledger.runs)
 }
 
-/// All runs are looked at, those of the shard are kept.
+/// The tasks of this shard. The changes of all runs are checked, including the runs of other shards.
 fn plan(sweep: &Sweep, arguments: &SweepArguments) -> Result<Vec<Task>, Failure> {
     let mut tasks = Vec::new();
     for index in 0..sweep.count()? {
@@ -77,7 +77,7 @@ fn refused(sweep: &Sweep, point: &Point, why: &str) -> Failure {
     Failure::Usage(format!("{}: the run with {}: {why}", sweep.label, point.name()))
 }
 
-/// Where to append: as asked, or a file in `out` named after the sweep's and the shard.
+/// The results file: the requested one, or a file in `out` named after the sweep and the shard.
 fn out(arguments: &SweepArguments) -> PathBuf {
     let stem = arguments.sweep.file_stem().unwrap_or_default().to_string_lossy();
     match (&arguments.out, arguments.shard) {
@@ -87,7 +87,7 @@ fn out(arguments: &SweepArguments) -> PathBuf {
     }
 }
 
-/// Says what came of all runs, those done before included.
+/// Reports the results of all runs, including the runs of earlier calls.
 fn finish(arguments: &SweepArguments, out: &Path, tasks: &[Task], runs: &Runs) -> Result<(), Failure> {
     if arguments.quiet {
         return Ok(());

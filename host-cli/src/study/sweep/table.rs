@@ -1,4 +1,4 @@
-//! A sweep as a table for people: a line for each run.
+//! The results of a sweep as a table, one row per run.
 
 use crate::summary::percent;
 use crate::units::time;
@@ -6,7 +6,7 @@ use crate::units::time;
 use super::Task;
 use super::ledger::Runs;
 
-/// The table of those runs that have been run.
+/// The table of all runs that have results.
 pub fn lines(tasks: &[Task], runs: &Runs) -> String {
     let Some(first) = tasks.first() else { return "no runs".into() };
     let varied = first.point.varied().iter().map(|change| change.key.as_str());

@@ -1,8 +1,8 @@
-//! Where a condition begins to hold.
+//! Bisection for the number at which a condition begins to hold.
 
 use super::lab::Miss;
 
-/// Of the number between two ends, to rounding.
+/// Bisects between two ends, down to rounding.
 pub fn bisect([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -11,8 +11,8 @@ pub fn bisect([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> f64
     0.5 * (low + high)
 }
 
-/// The same of a condition that must be measured, to so much; a miss where it does not hold at the
-/// higher end only.
+/// Bisects a condition that must be measured, until the interval is at most `within` wide. It is an error if the
+/// condition does not begin to hold between the two ends.
 pub fn threshold(
     [mut low, mut high]: [f64; 2],
     within: f64,

@@ -1,10 +1,10 @@
 //! The heavy cantilever [Romero 2021] on strips cut from the default mesh in three directions.
 //!
-//! A strip hung over a line is two cantilevers: symmetry clamps both at the line, whatever the mesh.
-//! It is to bend as a cylinder, as a part of an endless sheet does: z is held, and vertices a period of
-//! the lattice apart are sewn together in x and y. So only the hinges that its sides lack tell it from
-//! that sheet; how much of the rigidity they hold is counted. Strips whose sides are free are softer by
-//! a part that falls as one over the width.
+//! A strip hung over a line is two cantilevers: by symmetry both are clamped at the line, whatever the mesh. A
+//! strip must bend as a cylinder, like a part of an endless sheet: z is pinned, and vertices one lattice period
+//! apart are sewn together in x and y. Then it differs from the endless sheet only by the hinges that its sides
+//! lack; the loss of rigidity is computed and corrected for. Strips with free sides are softer, by a part that
+//! falls as 1 / width.
 
 use muslin_core_f64::scene::Content;
 use muslin_core_f64::simulation::Simulation;
@@ -14,56 +14,57 @@ use super::elastica::drop_over_reach;
 use super::lab::{self, Lab, Miss};
 use super::lattice::{Strip, strip};
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "a strip clamped level bends under its weight; drop over reach of its tip by Gamma = w L^3 / D; \
                          strips with free sides in two widths, led on to an endless one";
 
 /// A direction in which strips are cut.
 #[derive(Clone, Copy, Debug)]
 pub struct Cut {
-    /// For people.
+    /// Name in reports.
     pub name: &'static str,
-    /// The node of the lattice that a strip runs towards.
+    /// The lattice node towards which a strip runs.
     along: [i32; 2],
-    /// Periods of the lattice that a strip is wide, 4 to 7 edges.
+    /// Width in lattice periods; 4 to 7 edges.
     periods: u32,
-    /// And one with free sides, 7 to 9 edges.
+    /// Width with free sides in lattice periods; 7 to 9 edges.
     free_periods: u32,
 }
 
-/// Three: the lattice has every other one between them again, by its symmetry.
+/// Three directions: by the symmetry of the lattice every other direction is equivalent to one between the first
+/// two.
 pub const CUTS: [Cut; 3] = [
     Cut { name: "rows along", along: [1, 0], periods: 4, free_periods: 4 },
     Cut { name: "rows across", along: [1, 1], periods: 4, free_periods: 8 },
     Cut { name: "rows askew by 19 degrees", along: [2, 1], periods: 1, free_periods: 2 },
 ];
 
-/// Where drop over reach is measured.
+/// Values of Gamma for which drop over reach is measured.
 pub const GAMMAS: [f64; 12] = [0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 
-/// How far drop over reach may be off.
+/// Tolerance of drop over reach.
 pub const TOLERANCE: f64 = 0.01;
 
-/// Edges in L / sqrt(Gamma), over which the strip turns down, and at least in L.
+/// Number of edges in the length L / sqrt(Gamma), over which the strip turns down; and the smallest number of edges
+/// in L.
 const EDGES: f64 = 10.0;
 const LEAST_EDGES: f64 = 20.0;
 
-/// Of the strip, N/m^2.
+/// Weight of the strip, N/m^2.
 const WEIGHT: f64 = 1.0;
 
-/// Stretch stiffness over the weight of a strip's length: its own weight draws it out by less than
-/// 1e-4.
+/// Stretch stiffness over the weight of a strip's length: the weight stretches the strip by less than 1e-4.
 const STIFFNESS: f64 = 2e4;
 
-/// Of the sewing over the bending stiffness of an edge's square.
+/// Stiffness of the seams over rigidity / edge^2.
 const SEWING: f64 = 1e4;
 
-/// What bends along the strip.
+/// Condition at the sides of a strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Sides {
-    /// As those of an endless sheet.
+    /// The strip bends like a part of an endless sheet.
     Sewn,
-    /// As cut.
+    /// The sides are free.
     Free,
 }
 
@@ -95,13 +96,13 @@ pub fn checks() -> Vec<Check> {
     drops.chain(free).chain(stretch).chain([order]).collect()
 }
 
-/// Drop over reach of free strips, without the part that falls as one over the width.
+/// Drop over reach of strips with free sides, extrapolated to infinite width: the error falls as 1 / width.
 fn endless(lab: &Lab, cut: &Cut) -> Result<f64, Miss> {
     let [narrow, wide] = [1, 2].map(|times| Hung::settle(lab, cut, Sides::Free, 10.0, 32.0, times));
     Ok(2.0 * wide?.drop_over_reach() - narrow?.drop_over_reach())
 }
 
-/// The power of the edge by which the error falls, where nothing but the mesh is wrong.
+/// The order of convergence with the length of the edges, where the mesh is the only source of error.
 fn order(lab: &Lab) -> Result<f64, Miss> {
     let error = |edges: f64| {
         let hung = Hung::settle(lab, &CUTS[1], Sides::Sewn, 5.0, edges, 1)?;
@@ -118,7 +119,7 @@ struct Hung {
 }
 
 impl Hung {
-    /// `edges` are in its length, `times` how many times as wide it is.
+    /// Hangs a strip until it is at rest; `edges` are in its length, `times` multiplies its width.
     fn settle(lab: &Lab, cut: &Cut, sides: Sides, gamma: f64, edges: f64, times: u32) -> Result<Self, Miss> {
         let periods = if sides == Sides::Sewn { cut.periods } else { cut.free_periods };
         let strip = strip(cut.along, times * periods, 1.0 / edges)?;
@@ -130,7 +131,8 @@ impl Hung {
         Ok(Self { strip, sim, stiffness })
     }
 
-    /// Of the tip: a line through all that is near it, since the ends are jagged and straight.
+    /// Drop over reach of the tip. It is taken from a line fitted to all vertices near the tip: the end is jagged,
+    /// and the strip is straight there.
     fn drop_over_reach(&self) -> f64 {
         let Strip { mesh, length, edge, .. } = &self.strip;
         let tips = mesh.positions.iter().zip(self.sim.positions());
@@ -142,17 +144,17 @@ impl Hung {
         drop / reach
     }
 
-    /// The root of the mean square along the strip, by its stored energy.
+    /// Root mean square strain along the strip, from its stored energy.
     fn strain(&self) -> f64 {
         let area: f64 = self.sim.scene().particles.masses.iter().sum::<f64>() / DENSITY;
         (2.0 * self.sim.energy().stretch / (self.stiffness * area)).sqrt()
     }
 }
 
-/// kg/m^2.
+/// Density, kg/m^2.
 const DENSITY: f64 = 0.1;
 
-/// Steps so long that Newton's method finds the state at rest in a few.
+/// The scene. Its steps are so long that Newton's method finds the state at rest in a few steps.
 fn scene(strip: &Strip, sides: Sides, gamma: f64, stiffness: f64) -> String {
     let endless = WEIGHT * strip.length.powi(3) / gamma;
     let gravity = WEIGHT / DENSITY;
@@ -168,7 +170,8 @@ fn scene(strip: &Strip, sides: Sides, gamma: f64, stiffness: f64) -> String {
                  {{ select = {{ vertices = {all:?} }}, axes = \"z\" }}]"
             );
             let seam = format!("seam = [{{ pairs = {alike:?}, stiffness = {sewing:?} }}]");
-            // A cylinder of triangles is narrower than its sheet by a hair, which z does not allow.
+            // A cylinder of flat triangles is slightly narrower than the flat sheet, but z is pinned: a soft weft
+            // keeps the resulting stress small.
             (rigidity, 1e-3 * stiffness, format!("{pins}\n{seam}"))
         }
     };

@@ -1,4 +1,4 @@
-//! Chains between two supports 1 m apart: their own exact shape, and the catenary that they approach.
+//! Chains between two supports 1 m apart, compared with their exact shape and with the catenary that they approach.
 
 use glam::DVec3;
 use muslin_core_f64::integrate::Method;
@@ -9,19 +9,19 @@ use super::check::Check;
 use super::lab::{Lab, Miss, converged};
 use super::net::{GRAVITY, Net};
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "chains of some length between supports 1 m apart: 16 links against their exact shape, and \
                          the order by which the sag of 16, 32 and 64 links approaches the catenary's";
 
-/// m.
+/// Lengths of the chains, m.
 const LENGTHS: [f64; 5] = [1.05, 1.1, 1.2, 1.5, 2.0];
 
-/// Stiffness of a chain over its weight: of one whose exact shape is asked for, and of one that must
-/// not stretch.
+/// Stiffness of a chain over its weight: for the comparison with the exact shape, and for a chain that must not
+/// stretch.
 const ELASTIC: f64 = 1e3;
 const RIGID: f64 = 1e7;
 
-/// kg.
+/// Mass of a chain, kg.
 const MASS: f64 = 0.3;
 
 /// All checks.
@@ -40,9 +40,9 @@ pub fn checks() -> Vec<Check> {
     each.collect()
 }
 
-/// Of the catenary: a (cosh(1 / (2 a)) - 1) with 2 a sinh(1 / (2 a)) = length.
+/// Sag of the catenary: a (cosh(1 / (2 a)) - 1) with 2 a sinh(1 / (2 a)) = length.
 fn sag(length: f64) -> f64 {
-    // Longer chains have the smaller a.
+    // Longer chains have a smaller a.
     let a = bisect([0.05, 10.0], |a| 2.0 * a * (0.5 / a).sinh() < length);
     a * ((0.5 / a).cosh() - 1.0)
 }
@@ -60,8 +60,8 @@ impl Hanging {
         Self { links, rest, mass, stiffness: rigidity * MASS * GRAVITY / rest }
     }
 
-    /// Ends of the links where tension balances weight: its horizontal part is the same everywhere, the
-    /// vertical one falls by a mass's weight from link to link.
+    /// Ends of the links where tension balances weight. The horizontal part of the tension is the same everywhere;
+    /// the vertical part grows by the weight of one mass from link to link.
     fn shape(&self, horizontal: f64) -> Vec<DVec3> {
         let weight = self.mass * GRAVITY;
         let first = 0.5 * weight * (self.links as f64 - 1.0);
@@ -79,7 +79,7 @@ impl Hanging {
         self.shape(bisect([0.0, 1e3], |horizontal| self.shape(horizontal)[self.links].x >= 1.0))
     }
 
-    /// Where the core lets the chain come to rest, from a parabola.
+    /// The shape in which the core's chain comes to rest, starting from a parabola.
     fn settled(&self, lab: &Lab) -> Result<Vec<DVec3>, Miss> {
         let mut net = Net::chain(self.links + 1, DVec3::X * self.rest, self.mass, self.stiffness);
         (net.held, net.heavy) = (vec![0, self.links as u32], true);
@@ -97,21 +97,21 @@ impl Hanging {
     }
 }
 
-/// Of the ends of its links from their exact places, m.
+/// The largest distance of the links' ends from their exact places, m.
 fn farthest(lab: &Lab, length: f64) -> Result<f64, Miss> {
     let chain = Hanging::new(16, length, ELASTIC);
     let off = chain.settled(lab)?.into_iter().zip(chain.exact()).map(|(got, want)| got.distance(want));
     Ok(off.fold(0.0, f64::max))
 }
 
-/// The sag without the part that falls with the square of the links, m.
+/// The sag extrapolated to infinitely many links, m: its error falls as the inverse square of their number.
 fn endless(lab: &Lab, length: f64) -> Result<f64, Miss> {
     let sag = |links| Hanging::new(links, length, RIGID).sag(lab);
     let (coarse, fine) = (sag(32)?, sag(64)?);
     Ok(fine + (fine - coarse) / 3.0)
 }
 
-/// Of the two over 16, 32 and 64 links the one farther from 2.
+/// The orders between 16, 32 and 64 links; returns the one that differs more from 2.
 fn order(lab: &Lab, length: f64) -> Result<f64, Miss> {
     let error = |links| Ok::<_, Miss>(Hanging::new(links, length, RIGID).sag(lab)? - sag(length));
     let errors = [error(16)?, error(32)?, error(64)?];

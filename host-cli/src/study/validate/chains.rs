@@ -10,17 +10,17 @@ use super::check::Check;
 use super::lab::{Lab, Miss, linearised};
 use super::net::{GRAVITY, Net};
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "frequencies of 12 masses on springs, 2 sqrt(k/m) sin(angle / 2); the stretch of a hanging \
                          chain; the slowest swing of a rope, over sqrt(g / L)";
 
 const MASSES: usize = 12;
 
-/// N/m and kg.
+/// Stiffness of a spring, N/m, and mass, kg.
 const STIFFNESS: f64 = 30.0;
 const MASS: f64 = 0.02;
 
-/// Of the slowest swing of a rope: J0(2 f) = 0.
+/// Frequency f of the slowest swing of a rope, over sqrt(g / L): J0(2 f) = 0.
 const SWING: f64 = 1.202_412_8;
 
 /// All checks.
@@ -43,15 +43,15 @@ pub fn checks() -> Vec<Check> {
     modes.chain([hanging, swing]).collect()
 }
 
-/// Between the phases of neighbours.
+/// Phase difference between neighbours in a mode.
 fn angle(number: u32, free_end: bool) -> f64 {
     let (number, masses) = (f64::from(number), MASSES as f64);
     if free_end { (2.0 * number - 1.0) * PI / (2.0 * masses + 1.0) } else { number * PI / (masses + 1.0) }
 }
 
-/// By the phase of a mode after what should be its period, with RK4.
+/// The frequency of a mode, rad/s, from its phase after one expected period with RK4.
 fn frequency(lab: &Lab, angle: f64, omega: f64, free_end: bool) -> Result<f64, Miss> {
-    // RK4 errs by (omega h)^4 / 120 of the phase: 8e-11.
+    // The phase error of RK4 is (omega h)^4 / 120 of the phase: 8e-11.
     const STEPS: u32 = 628;
     let vertices = if free_end { MASSES + 1 } else { MASSES + 2 };
     let mut net = Net::chain(vertices, DVec3::X, MASS, STIFFNESS);
@@ -61,7 +61,7 @@ fn frequency(lab: &Lab, angle: f64, omega: f64, free_end: bool) -> Result<f64, M
     (1..=MASSES).for_each(|i| built.particles.positions[i].x += 0.1 * shape(i));
     let mut sim = Simulation::from_columns(built, linearised(Method::Rk4), TAU / omega / f64::from(STEPS));
     lab.steps(&mut sim, STEPS)?;
-    // The part of the mode in the state.
+    // The amplitude of the mode in a state.
     let part = |column: &dyn Fn(usize) -> f64| (1..=MASSES).map(|i| shape(i) * column(i)).sum::<f64>();
     let place = part(&|i| sim.positions()[i].x - i as f64);
     let speed = part(&|i| sim.velocities()[i].x);
@@ -72,7 +72,7 @@ fn hung(vertices: usize, step: DVec3, mass: f64, stiffness: f64) -> Net {
     Net { held: vec![0], heavy: true, ..Net::chain(vertices, step, mass, stiffness) }
 }
 
-/// How far the end of a chain sinks, m.
+/// How far the end of a hanging chain sinks, m.
 fn stretch(lab: &Lab) -> Result<f64, Miss> {
     let net = hung(MASSES + 1, DVec3::NEG_Y, MASS, STIFFNESS);
     let mut sim = Simulation::from_columns(net.build(), linearised(Method::BackwardEuler), 10.0);
@@ -80,8 +80,8 @@ fn stretch(lab: &Lab) -> Result<f64, Miss> {
     Ok(-sim.positions()[MASSES].y - MASSES as f64)
 }
 
-/// Of a rope of so many links, by the half period of the mode J0(2 omega sqrt(s / g)) at the height s
-/// over its end.
+/// Frequency of a rope with `links` links, over sqrt(g / L), from the half period of the mode J0(2 omega sqrt(s /
+/// g)); s is the height over the free end.
 fn swing(lab: &Lab, links: usize) -> Result<f64, Miss> {
     const STEP: f64 = 0.005;
     let rest = 1.0 / links as f64;
@@ -92,10 +92,10 @@ fn swing(lab: &Lab, links: usize) -> Result<f64, Miss> {
     let shape: Vec<_> = (0..=links).map(|i| bessel(SWING * SWING * (1.0 - i as f64 * rest))).collect();
     let mut built = sim.scene().clone();
     built.particles.velocities.fill(DVec3::ZERO);
-    // So small that the swing is linear.
+    // The amplitude is so small that the swing is linear.
     (1..=links).for_each(|i| built.particles.positions[i].x = 1e-6 * shape[i]);
     let mut sim = Simulation::from_columns(built, linearised(Method::ImplicitMidpoint), STEP);
-    // Times at which the part of the mode changes its sign.
+    // Times at which the amplitude of the mode changes its sign.
     let (mut before, mut roots) = (1.0, Vec::new());
     while roots.len() < 2 {
         let time = sim.time();
@@ -108,11 +108,11 @@ fn swing(lab: &Lab, links: usize) -> Result<f64, Miss> {
         before = now;
     }
     let omega = PI / (roots[1] - roots[0]);
-    // Implicit midpoint turns by 2 atan(omega h / 2) a step.
+    // Implicit midpoint advances the phase by 2 atan(omega h / 2) per step.
     Ok(2.0 / STEP * (omega * STEP / 2.0).tan() / GRAVITY.sqrt())
 }
 
-/// J0(2 sqrt(u)).
+/// The Bessel function J0(2 sqrt(u)).
 fn bessel(u: f64) -> f64 {
     let mut term = 1.0;
     let terms = (1..20).map(|k| {

@@ -1,18 +1,18 @@
-//! One known answer and how to measure it.
+//! One known answer and the way to measure it.
 
 use super::lab::{Lab, Miss};
 
-/// How far a measured value may be from what is expected.
+/// The largest allowed difference between measured and expected value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
-    /// A part of what is expected.
+    /// A part of the expected value.
     Relative(f64),
-    /// In the unit of the value.
+    /// A difference in the unit of the value.
     Absolute(f64),
 }
 
 impl Tolerance {
-    /// The error that it bounds.
+    /// The error to compare with the bound.
     pub fn error(self, expected: f64, measured: f64) -> f64 {
         match self {
             Self::Relative(_) => measured / expected - 1.0,
@@ -33,20 +33,20 @@ pub type Measure = Box<dyn Fn(&Lab) -> Result<f64, Miss>>;
 
 /// One known answer.
 pub struct Check {
-    /// What is measured; no two have the same.
+    /// Name of the measured quantity; no two checks have the same name.
     pub name: String,
-    /// Of the value; empty where it has none.
+    /// Unit of the value; empty if it has no unit.
     pub unit: &'static str,
-    /// The answer.
+    /// The known answer.
     pub expected: f64,
-    /// How far the core may be from it.
+    /// The largest allowed error.
     pub tolerance: Tolerance,
-    /// Measures it.
+    /// Measures the value.
     pub measure: Measure,
 }
 
 impl Check {
-    /// A number without a unit, by a part of itself.
+    /// A check of a value without a unit; `bound` is a part of the expected value.
     pub fn relative(
         name: impl Into<String>,
         expected: f64,
@@ -57,7 +57,7 @@ impl Check {
         Self { name: name.into(), unit: "", expected, tolerance, measure: Box::new(measure) }
     }
 
-    /// A number without a unit, by its own size.
+    /// A check of a value without a unit; `bound` is a difference.
     pub fn absolute(
         name: impl Into<String>,
         expected: f64,
@@ -67,7 +67,7 @@ impl Check {
         Self { tolerance: Tolerance::Absolute(bound), ..Self::relative(name, expected, bound, measure) }
     }
 
-    /// The same, of a unit.
+    /// Sets the unit.
     pub fn in_unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
     }

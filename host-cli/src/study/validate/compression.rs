@@ -1,5 +1,5 @@
-//! Compression: the exact matrix of an implicit step turns indefinite, as theory foretells, and the
-//! projected one does not.
+//! Compression: the exact matrix of an implicit step becomes indefinite, as theory predicts; the projected matrix
+//! does not.
 
 use glam::DVec3;
 use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
@@ -10,7 +10,7 @@ use super::check::Check;
 use super::lab::{self, Lab, Miss, linearised, scatter3};
 use super::net::Net;
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "sheets pressed together by 10, 20 .. 90 %, one step of backward Euler each: solves that met \
                          negative curvature, which the exact matrix must have; a spring pressed together, the step from \
                          which h^2 k (L0 / L - 1) is more than its mass";
@@ -51,7 +51,7 @@ pub fn checks() -> Vec<Check> {
     sheets.chain([spring]).collect()
 }
 
-/// Solves that met negative curvature, over nine sheets.
+/// Number of solves that found negative curvature, over nine sheets.
 fn pressed(lab: &Lab, material: &str, jacobian: Jacobian, newton: u32) -> Result<f64, Miss> {
     let text = format!(
         r#"
@@ -76,14 +76,15 @@ fn pressed(lab: &Lab, material: &str, jacobian: Jacobian, newton: u32) -> Result
     Ok(solves as f64)
 }
 
-/// m + h^2 k (1 - L0 / L) is 0 across.
+/// The step at which m + h^2 k (1 - L0 / L), the stiffness across the spring, becomes 0; over theory.
 fn spring(lab: &Lab) -> Result<f64, Miss> {
     let (mass, stiffness, length): (f64, f64, f64) = (0.3, 40.0, 0.8);
     let theory = (mass / (stiffness * (1.0 / length - 1.0))).sqrt();
     threshold([0.9, 1.1], 1e-4, |ratio| {
         let mut net = Net::chain(2, DVec3::X, mass, stiffness);
         net.held = vec![0];
-        // Its weight pulls across, its own push is along it.
+        // Gravity acts across the spring, so that the solve has a part in this direction; the spring's own force is
+        // along it.
         net.heavy = true;
         let mut built = net.build();
         built.particles.positions[1] = DVec3::X * length;

@@ -1,4 +1,4 @@
-//! Where explicit methods blow up: a lattice of 16x16 masses by steps around the limit of theory.
+//! The longest stable step of explicit methods: a lattice of 16x16 masses, with steps around the limit of theory.
 
 use glam::DVec3;
 use muslin_core_f64::integrate::stability::Mode;
@@ -11,7 +11,7 @@ use super::check::Check;
 use super::lab::{Lab, Miss, linearised};
 use super::net::Net;
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "16x16 masses on structural, shear and bending springs: the largest eigenvalue, and the step \
                          from which energy grows tenfold within 2000 steps over the limit of theory, by damping ratio";
 
@@ -21,15 +21,15 @@ const SIDE: u32 = 16;
 /// Structural, shear and bending springs, N/m, on masses of 1 kg.
 const SPRINGS: [f64; 3] = [1.0, 0.5, 0.1];
 
-/// Largest eigenvalues of free lattices by their springs, to the digits that are published.
+/// Largest eigenvalues of free lattices with these springs, to the published digits.
 const EIGENVALUES: [([f64; 3], f64); 4] =
     [([1.0, 0.0, 0.0], 3.962), ([1.0, 1.0, 0.0], 7.886), (SPRINGS, 5.936), ([1.0, 1.0, 1.0], 9.913)];
 
-/// What has a longest stable step.
+/// Methods with a longest stable step.
 const EXPLICIT: [Method; 4] = [Method::ExplicitEuler, Method::SymplecticEuler, Method::Midpoint, Method::Rk4];
 
-/// Damping ratios, and the longest steps of an oscillator over its frequency, in the order of
-/// [`EXPLICIT`], to the digits that are published.
+/// Damping ratios, and the longest stable step times the frequency for each method of [`EXPLICIT`], to the
+/// published digits.
 const RATIOS: [f64; 8] = [0.0, 0.01, 0.05, 0.1, 0.3, 0.5, 1.0, 2.0];
 const LIMITS: [[f64; 8]; 4] = [
     [0.0, 0.02, 0.1, 0.2, 0.6, 1.0, 2.0, 0.536],
@@ -38,15 +38,15 @@ const LIMITS: [[f64; 8]; 4] = [
     [2.828, 2.849, 2.910, 2.951, 2.835, 2.6225, 2.785, 0.746],
 ];
 
-/// Half of the last digit, and a little.
+/// Slightly more than half of the last published digit.
 const DIGITS: f64 = 6e-4;
 
-/// Of a frequency and a damping ratio.
+/// A mode with a frequency and a damping ratio.
 fn mode(omega: f64, zeta: f64) -> Mode {
     Mode { stiffness: omega * omega, damping: 2.0 * zeta * omega }
 }
 
-/// The longest stable step of theory; where every step amplifies, 0.
+/// The longest stable step by theory; 0 if every step amplifies.
 fn theory(method: Method, mode: Mode) -> Result<f64, Miss> {
     mode.longest_step(method).ok_or_else(|| Miss::Why("theory knows no limit".into()))
 }
@@ -80,7 +80,7 @@ pub fn checks() -> Vec<Check> {
     eigenvalues.chain(limits).chain(ratios).collect()
 }
 
-/// The least step that blows up over that of theory.
+/// The shortest unstable step over the limit of theory.
 fn limit(lab: &Lab, method: Method, zeta: f64) -> Result<f64, Miss> {
     let (lambda, shape) = fastest_mode(SPRINGS);
     let omega = lambda.sqrt();
@@ -94,8 +94,9 @@ fn blows_up(lab: &Lab, method: Method, omega: f64, shape: &[DVec3], damping: f64
     let mut built = Net::lattice(SIDE, SPRINGS, damping).build();
     let particles = &mut built.particles;
     for ((x, v), &e) in particles.positions.iter_mut().zip(&mut particles.velocities).zip(shape) {
-        // So small that springs stay linear; in phase, where a stable symplectic orbit has most energy,
-        // which it would else find later.
+        // The amplitude is so small that the springs stay linear. Position and velocity start in phase, where a
+        // stable orbit of symplectic Euler has its largest energy: from another start the energy would first grow
+        // to it.
         *x += e * 1e-5;
         *v += e * 1e-5 * omega;
     }
@@ -107,7 +108,7 @@ fn blows_up(lab: &Lab, method: Method, omega: f64, shape: &[DVec3], damping: f64
         if energy > 10.0 * start {
             return Ok(true);
         }
-        // What is left is rounding.
+        // The rest of the motion is rounding.
         if energy < 1e-9 * start {
             return Ok(false);
         }

@@ -1,5 +1,5 @@
-//! Forces and Jacobians of every term against central differences, on a sheet that is bent, stretched
-//! and compressed.
+//! Forces and Jacobians of every term, compared with central differences on a sheet that is bent, stretched and
+//! compressed.
 
 use glam::DVec3;
 use muslin_core_f64::dispatch::Serial;
@@ -11,7 +11,7 @@ use muslin_core_f64::scratch::ScratchColumns;
 use super::check::Check;
 use super::lab::{self, Miss, scatter3};
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "forces against -dE/dx and Jacobians against -df/dx by central differences, and asymmetry of \
                          Jacobians; the largest error over the largest entry";
 
@@ -23,11 +23,11 @@ const TERMS: [(&str, &str); 5] = [
     ("seams", "seam = [{ pairs = [[0, 5], [3, 9]], stiffness = 50.0 }]"),
 ];
 
-/// How far the sheet's vertices are moved, and then each for the differences, m; its edges are 0.1 m.
+/// Displacement of the sheet's vertices, and the step of the differences, m; edges are 0.1 m long.
 const ROUGHNESS: f64 = 0.03;
 const STEP: f64 = 1e-4;
 
-/// Of central differences of sixth order: steps and weights.
+/// Steps and weights of central differences of sixth order.
 const WEIGHTS: [(f64, f64); 3] = [(1.0, 45.0 / 60.0), (2.0, -9.0 / 60.0), (3.0, 1.0 / 60.0)];
 
 /// All checks.
@@ -54,7 +54,7 @@ fn sheet(term: &str) -> Result<BuiltScene, Miss> {
     Ok(built)
 }
 
-/// d/dt at 0 of several numbers at once.
+/// Derivatives d/dt at t = 0 of several functions at once.
 fn slopes(f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
     let mut sum = vec![0.0; f(0.0).len()];
     for (steps, weight) in WEIGHTS {
@@ -66,7 +66,7 @@ fn slopes(f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
     sum
 }
 
-/// The positions with one coordinate moved.
+/// The positions with one coordinate displaced.
 fn moved(built: &BuiltScene, coordinate: usize, by: f64) -> Vec<DVec3> {
     let mut x = built.particles.positions.clone();
     x[coordinate / 3][coordinate % 3] += by;
@@ -77,7 +77,7 @@ fn forces_at(built: &BuiltScene, x: &[DVec3]) -> Vec<f64> {
     lab::forces(built, x).iter().flat_map(|f| f.to_array()).collect()
 }
 
-/// The largest difference over the largest entry of the second.
+/// The largest difference over the largest entry of `want`.
 fn off(got: &[f64], want: &[f64]) -> f64 {
     let largest = want.iter().map(|x| x.abs()).fold(0.0, f64::max);
     got.iter().zip(want).map(|(got, want)| (got - want).abs()).fold(0.0, f64::max) / largest
@@ -92,7 +92,7 @@ fn force(term: &str) -> Result<f64, Miss> {
     Ok(off(&forces_at(&built, &built.particles.positions), &want))
 }
 
-/// -df/dx by columns, from products with unit vectors.
+/// The columns of -df/dx, from products with unit vectors.
 fn exact(built: &BuiltScene) -> Vec<Vec<f64>> {
     let (x, model) = (&built.particles.positions, built.model.view());
     let mut columns = ScratchColumns::build(built, &lab::linearised(Method::BackwardEuler));

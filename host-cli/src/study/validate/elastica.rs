@@ -1,21 +1,21 @@
-//! The heavy cantilever in truth [Romero 2021]: theta'' + Gamma (1 - s) cos(theta) = 0 with the clamp
+//! The exact solution of the heavy cantilever [Romero 2021]: theta'' + Gamma (1 - s) cos(theta) = 0 with the clamp
 //! theta(0) = 0 and the free tip theta'(1) = 0, Gamma = w L^3 / D.
 //!
-//! From the tip, with u = Gamma^(1/3) (1 - s), Gamma does not occur: theta'' = -u cos(theta) from some
-//! angle of the tip on; where theta is 0, u^3 is Gamma. Near the tip of a long strip theta is so near to
-//! upright that what it lacks, the lean, is integrated instead: lean'' = u sin(lean).
+//! With u = Gamma^(1/3) (1 - s), counted from the tip, the equation theta'' = -u cos(theta) does not contain Gamma.
+//! It is integrated from an angle of the tip to the point where theta is 0; there u^3 is Gamma. Near the tip of a
+//! long strip theta is almost pi / 2, so its complement, the lean, is integrated instead: lean'' = u sin(lean).
 
 use std::f64::consts::FRAC_PI_2;
 
 use super::bisect::bisect;
 
-/// Of the runs from the tip, in u.
+/// Step of the integration from the tip, in u.
 const STEP: f64 = 0.005;
 
-/// Leans of the tip that are tried, radians, as logarithms: Gamma from 1e-6 to beyond 1000.
+/// Range of the logarithm of the tip's lean, radians: Gamma is from 1e-6 to beyond 1000.
 const LEANS: [f64; 2] = [-30.0, 0.451_582_705];
 
-/// lean, its slope, and how far it has come down and out from the tip.
+/// Lean, its derivative, and the vertical and the horizontal distance from the tip.
 type State = [f64; 4];
 
 fn slope(u: f64, [lean, turn, ..]: State) -> State {
@@ -26,7 +26,7 @@ fn ahead(state: State, slope: State, step: f64) -> State {
     std::array::from_fn(|i| state[i] + step * slope[i])
 }
 
-/// A step of RK4.
+/// One step of RK4.
 fn advance(u: f64, state: State, h: f64) -> State {
     let a = slope(u, state);
     let b = slope(u + 0.5 * h, ahead(state, a, 0.5 * h));
@@ -35,7 +35,7 @@ fn advance(u: f64, state: State, h: f64) -> State {
     std::array::from_fn(|i| state[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
 }
 
-/// Gamma, and drop over reach, of the strip whose tip leans from upright by an angle.
+/// Gamma, and drop over reach, of the strip whose tip has the given lean.
 pub fn of_tip(lean: f64) -> [f64; 2] {
     let (mut u, mut state) = (0.0, [lean, 0.0, 0.0, 0.0]);
     loop {
@@ -78,8 +78,8 @@ mod tests {
         ];
         for (gamma, want) in published {
             let got = drop_over_reach(gamma);
-            // The longest strip's tip is upright to 2e-9, of which the published angle keeps seven digits
-            // only; halving the step here leaves 21.3354405.
+            // The tip of the longest strip leans by only 2e-9, and the published angle has only seven digits of it.
+            // With half the step the result here is 21.3354405.
             let digits = if gamma < 1000.0 { 6e-9 } else { 7e-7 };
             assert!((got - want).abs() <= digits, "Gamma {gamma}: {got:.9}, published {want}");
         }

@@ -1,4 +1,4 @@
-//! The energy of one undamped oscillator, by every method with a closed form.
+//! The energy of one undamped oscillator, for every method with a closed form.
 
 use std::f64::consts::TAU;
 
@@ -10,21 +10,21 @@ use super::check::Check;
 use super::lab::{Lab, Miss, linearised};
 use super::net::Net;
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "energy that an undamped oscillator keeps in a period, by z = step x frequency; what symplectic \
                          Euler conserves, v^2/2 + x^2/2 - z x v/2, after 1000 steps";
 
-/// z.
+/// Values of z.
 const SPANS: [f64; 5] = [0.01, 0.05, 0.1, 0.5, 1.0];
 
-/// So long that no stage passes through the held end, m.
+/// Rest length and amplitude, m: the spring is so long that no stage of a step passes through the fixed end.
 const LENGTH: f64 = 4.0;
 const AMPLITUDE: f64 = 0.25;
 
-/// Relative; rounding adds up over a period.
+/// Relative tolerance; rounding adds up over a period.
 const BOUND: f64 = 1e-10;
 
-/// A method, and what a step multiplies the energy with.
+/// A method, and the factor of the energy in one step.
 type Factor = (Method, fn(f64) -> f64);
 
 const FACTORS: [Factor; 5] = [
@@ -50,7 +50,7 @@ pub fn checks() -> Vec<Check> {
     kept.chain(conserved).collect()
 }
 
-/// A mass on a spring along x with frequency 1, let go.
+/// A mass on a spring along x with frequency 1, released from rest.
 fn oscillator(method: Method, z: f64) -> Simulation {
     let mut net = Net::chain(2, DVec3::X * LENGTH, 1.0, 1.0);
     net.held = vec![0];
@@ -59,7 +59,8 @@ fn oscillator(method: Method, z: f64) -> Simulation {
     Simulation::from_columns(built, linearised(method), z)
 }
 
-/// Not a whole number of steps: every step has the same factor.
+/// The part of the energy that is left after a period. The steps do not have to fit the period, since every step
+/// has the same factor.
 fn kept(lab: &Lab, method: Method, z: f64) -> Result<f64, Miss> {
     let mut sim = oscillator(method, z);
     let (start, steps) = (sim.energy().total(), (TAU / z).ceil());

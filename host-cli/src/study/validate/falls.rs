@@ -1,4 +1,4 @@
-//! A sheet in free fall and under linear drag, by every method.
+//! A sheet in free fall and with linear drag, by every method.
 
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;
@@ -7,11 +7,11 @@ use super::check::Check;
 use super::lab::{self, Lab, Miss, centre, drift, linearised};
 use super::net::GRAVITY;
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "how far a sheet falls in 100 steps of 2 ms, by the closed form of each method, and the speed \
                          at which drag holds it, density g / c";
 
-/// kg/m^2 and N s/m^3.
+/// Density, kg/m^2, and drag, N s/m^3.
 const DENSITY: f64 = 0.2;
 const DRAG: f64 = 4.0;
 
@@ -37,7 +37,7 @@ pub fn checks() -> Vec<Check> {
     each.collect()
 }
 
-/// After n steps, in units of g h^2 / 2.
+/// The fall after n steps, in units of g h^2 / 2.
 fn fallen(method: Method, n: f64) -> f64 {
     match method {
         Method::ExplicitEuler => n * (n - 1.0),
@@ -46,7 +46,7 @@ fn fallen(method: Method, n: f64) -> f64 {
     }
 }
 
-/// So soft that explicit Euler's growing modes do not raise the rounding.
+/// A sheet that is so soft that explicit Euler, whose modes grow, does not amplify rounding.
 fn sheet(method: Method, step: f64, drag: f64) -> Result<Simulation, Miss> {
     let text = format!(
         r#"
@@ -70,7 +70,7 @@ fn fall(lab: &Lab, method: Method) -> Result<f64, Miss> {
     Ok(-centre(&sim).y)
 }
 
-/// exp(-25) of the start is left.
+/// The terminal speed, m/s: after this time, exp(-25) of the initial difference is left.
 fn terminal(lab: &Lab, method: Method) -> Result<f64, Miss> {
     let mut sim = sheet(method, 0.005, DRAG)?;
     lab.run(&mut sim, 1.25)?;

@@ -1,5 +1,5 @@
-//! Coulomb on a plane: the slope from which a sheet slides, how it slides, and where it stops. Gravity
-//! leans instead of the plane.
+//! Coulomb friction on a plane: the slope at which a sheet begins to slide, its acceleration, and where it stops.
+//! Gravity is inclined instead of the plane.
 
 use glam::DVec3;
 use muslin_core_f64::simulation::Simulation;
@@ -9,23 +9,23 @@ use super::check::Check;
 use super::lab::{self, Lab, Miss, centre, drift};
 use super::net::GRAVITY;
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "sheets on a plane with friction 0.5, gravity leans: the slope from which they slide; \
                          g (sin - mu cos) on a slope of 0.8; v^2 / (2 mu g) on the level";
 
 const MU: f64 = 0.5;
 
-/// Of the slope while sliding.
+/// The slope on which the acceleration is measured.
 const STEEP: f64 = 0.8;
 
-/// Faster than this a sheet slides, m/s.
+/// A sheet slides if it is faster than this, m/s.
 const STILL: f64 = 1e-6;
 
 const SPECK: &str = "size = [0.02, 0.02], cells = [1, 1]";
 const PATCH: &str = "size = [0.31, 0.31], cells = [31, 31]";
 
-/// What slides, by which method, in which direction of the plane, degrees: the patch along both families
-/// of edges, along and across the diagonals.
+/// Sheets, methods and directions. The patch slides along both families of edges, and along and across the
+/// diagonals.
 const CASES: [Lying; 6] = [
     Lying { name: "2 triangles", sheet: SPECK, method: "symplectic-euler", step: SHORT, heading: 0 },
     Lying { name: "2 triangles", sheet: SPECK, method: "backward-euler", step: LONG, heading: 0 },
@@ -35,7 +35,7 @@ const CASES: [Lying; 6] = [
     Lying { name: "32x32 vertices", sheet: PATCH, method: "backward-euler", step: LONG, heading: 135 },
 ];
 
-/// s.
+/// Steps, s.
 const SHORT: f64 = 5e-4;
 const LONG: f64 = 2e-3;
 
@@ -45,9 +45,9 @@ struct Lying {
     name: &'static str,
     sheet: &'static str,
     method: &'static str,
-    /// s.
+    /// Step, s.
     step: f64,
-    /// Where gravity leans to, degrees.
+    /// Direction towards which gravity is inclined, degrees.
     heading: u32,
 }
 
@@ -79,7 +79,7 @@ impl Lying {
         DVec3::new(cosine, 0.0, sine)
     }
 
-    /// Where gravity leans by the tangent of an angle.
+    /// The sheet with gravity inclined; `slope` is the tangent of the angle.
     fn on(&self, slope: f64) -> Result<Simulation, Miss> {
         let Self { sheet, method, step, .. } = self;
         let gravity = (self.down() * slope - DVec3::Y) * GRAVITY / (1.0 + slope * slope).sqrt();
@@ -118,12 +118,12 @@ impl Lying {
         Ok(drift(&sim).dot(self.down()) > STILL)
     }
 
-    /// The slope from which it slides.
+    /// The slope at which it begins to slide.
     fn threshold(&self, lab: &Lab) -> Result<f64, Miss> {
         threshold([0.99 * MU, 1.01 * MU], 2e-4, |slope| self.slides(lab, slope))
     }
 
-    /// Between 0.05 s and 0.15 s, m/s^2.
+    /// Mean acceleration from 0.05 s to 0.15 s, m/s^2.
     fn acceleration(&self, lab: &Lab) -> Result<f64, Miss> {
         let mut sim = self.on(STEEP)?;
         lab.run(&mut sim, 0.05)?;
@@ -132,7 +132,8 @@ impl Lying {
         Ok((drift(&sim) - early).dot(self.down()) / 0.1)
     }
 
-    /// How far it comes from 1 m/s, m. A step lets go half of its own way: it is short.
+    /// The distance until it stops from 1 m/s, m. The result is off by half the way of one step, so the step is
+    /// short.
     fn way(&self, lab: &Lab) -> Result<f64, Miss> {
         let mut sim = Self { step: SHORT, ..*self }.on(0.0)?;
         sim.state_mut().1.fill(DVec3::new(0.6, 0.0, 0.8));
@@ -141,7 +142,7 @@ impl Lying {
         Ok(centre(&sim).distance(start))
     }
 
-    /// Speed of the fastest vertex over 0.1 s, once it has taken its elastic shape, m/s.
+    /// Speed of the fastest vertex over 0.1 s, m/s, after the elastic deformation has settled.
     fn creep(&self, lab: &Lab) -> Result<f64, Miss> {
         let mut sim = self.on(0.99 * MU)?;
         lab.run(&mut sim, 0.1)?;

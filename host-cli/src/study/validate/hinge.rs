@@ -1,5 +1,5 @@
-//! What sheets of hinges and of bending springs amount to: rigidity by direction, Poisson's ratio, and
-//! what the models cannot do.
+//! Effective properties of sheets of hinges and of bending springs: rigidity by direction, Poisson's ratio, and
+//! known defects of the models.
 
 use glam::DVec3;
 use muslin_core_f64::forces::element::Element;
@@ -10,25 +10,24 @@ use super::check::Check;
 use super::lab::{self, Miss};
 use super::lattice::ROW;
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "rigidity of a bent sheet over the one asked for; what is not 1 the pattern cannot do, \
                          however fine: take the equilateral one. Bending springs have no rigidity when flat";
 
-/// D(phi)/D for curvature along phi by steps of 15 degrees, counted from x towards z; the diagonal runs
-/// along 45 degrees.
+/// D(phi)/D for curvature along phi in steps of 15 degrees, from x towards z; the diagonal is at 45 degrees.
 const DIRECTIONS: [(&str, [f64; 12]); 3] = [
     ("equilateral", [1.0; 12]),
     ("alternating", [1.0, 1.125, 1.375, 1.5, 1.375, 1.125, 1.0, 1.125, 1.375, 1.5, 1.375, 1.125]),
     ("diagonal", [1.0, 1.75, 2.616, 3.0, 2.616, 1.75, 1.0, 0.75, 0.884, 1.0, 0.884, 0.75]),
 ];
 
-/// The table has four digits.
+/// Relative tolerance: the table has four digits.
 const TABLE: f64 = 5e-3;
 
-/// N m.
+/// Rigidity, N m.
 const RIGIDITY: f64 = 3.0;
 
-/// 1/m: small against the cells of 1 m, so that angles are their sines.
+/// Curvature, 1/m: so small, with cells of 1 m, that angles equal their sines.
 const CURVATURE: f64 = 1e-4;
 
 /// All checks.
@@ -58,13 +57,13 @@ pub fn checks() -> Vec<Check> {
     directions.chain(shapes).chain(springs()).collect()
 }
 
-/// The predicted failure: E = k l^2 theta^4 / 32 across two edges of length l.
+/// Checks of the predicted defect of bending springs: E = k l^2 theta^4 / 32 across two edges of length l.
 fn springs() -> [Check; 2] {
     const STIFFNESS: f64 = 50.0;
     const HEIGHT: f64 = 0.4;
     let predicted = |angle: f64| STIFFNESS * HEIGHT * HEIGHT * angle.powi(4) / 32.0;
     let stored = |angle: f64| folded(HEIGHT, angle, &format!("{{ model = \"spring\", stiffness = {STIFFNESS:?} }}"));
-    // The next term of the series is theta^2 / 24 of the first.
+    // The next term of the series is theta^2 / 24 of the first one.
     let energy = Check::relative("bending spring folded by 0.1, energy", predicted(0.1), 5e-4, move |_| stored(0.1));
     let power = Check::absolute("bending spring, power of the angle; of a sheet it is 2", 4.0, 2e-3, move |_| {
         Ok((stored(0.1)? / stored(0.05)?).log2())
@@ -84,8 +83,8 @@ fn sheet(pattern: &str) -> Result<BuiltScene, Miss> {
     lab::columns(&text, &[])
 }
 
-/// Energy of hinges per area over that of a plate, D/2 at unit curvature, for a height over the sheet;
-/// over one period of the pattern in its middle.
+/// Energy of the hinges over the energy of a plate, which is D/2 per area at unit curvature. `height` is the
+/// displacement of the sheet; both energies are over one period of the pattern in its middle.
 fn rigidity(pattern: &str, height: impl Fn(f64, f64) -> f64) -> Result<f64, Miss> {
     let built = sheet(pattern)?;
     let rest = &built.particles.positions;
@@ -95,7 +94,7 @@ fn rigidity(pattern: &str, height: impl Fn(f64, f64) -> f64) -> Result<f64, Miss
         "alternating" => [2.0, 2.0],
         _ => [1.0, 1.0],
     };
-    // Edges' middles lie on quarters of cells, hence on no border of the period.
+    // Midpoints of edges lie on quarters of cells, and therefore never on a border of this period.
     let within = |x: DVec3| [x.x, x.z].iter().zip(period).all(|(&x, period)| (0.1..0.1 + period).contains(&x));
     let bent: Vec<_> = rest.iter().map(|x| DVec3::new(x.x, CURVATURE * height(x.x, x.z), x.z)).collect();
     let energies = hinges.vertices.iter().enumerate().filter_map(|(hinge, corners)| {
@@ -107,7 +106,7 @@ fn rigidity(pattern: &str, height: impl Fn(f64, f64) -> f64) -> Result<f64, Miss
     Ok(energies.sum::<f64>() / plate)
 }
 
-/// Two triangles of a height over a common edge, the second turned by an angle about it.
+/// Two triangles with a common edge; the second one is turned about it by an angle.
 fn rhombus(height: f64, angle: f64) -> [DVec3; 4] {
     let (sine, cosine) = angle.sin_cos();
     let turned = DVec3::new(0.0, height * sine, -height * cosine);

@@ -1,5 +1,4 @@
-//! What checks are made with: scenes of the core in double precision, on one thread, until an
-//! interrupt.
+//! Tools for checks: scenes of the core in double precision, on one thread, with a stop at an interrupt.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,12 +11,12 @@ use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
 use muslin_core_f64::scene::{self, BuiltScene, Resource, SceneDesc};
 use muslin_core_f64::simulation::{Cause, Simulation, StepError};
 
-/// Why nothing was measured.
+/// Why a check measured nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Miss {
     /// An interrupt.
     Stopped,
-    /// What went wrong.
+    /// The reason.
     Why(String),
 }
 
@@ -42,7 +41,7 @@ impl From<SceneError> for Miss {
     }
 }
 
-/// Runs kernels on its thread.
+/// Runs kernels on the calling thread.
 pub struct Lab {
     stop: Arc<AtomicBool>,
 }
@@ -58,12 +57,12 @@ impl Dispatch for Lab {
 }
 
 impl Lab {
-    /// One that stops when the flag is raised.
+    /// A lab that stops when the flag is set.
     pub fn new(stop: Arc<AtomicBool>) -> Self {
         Self { stop }
     }
 
-    /// Takes steps.
+    /// Takes `count` steps.
     pub fn steps(&self, sim: &mut Simulation, count: u32) -> Result<(), Miss> {
         for _ in 0..count {
             if self.stopped() {
@@ -74,12 +73,12 @@ impl Lab {
         Ok(())
     }
 
-    /// Steps for a time, s.
+    /// Takes steps for a time, s.
     pub fn run(&self, sim: &mut Simulation, seconds: f64) -> Result<(), Miss> {
         self.steps(sim, (seconds / sim.step_length()).round() as u32)
     }
 
-    /// Steps until no vertex is faster than `speed`, m/s.
+    /// Takes steps until no vertex is faster than `speed`, m/s. An error means that `most` steps were not enough.
     pub fn settle(&self, sim: &mut Simulation, speed: f64, most: u32) -> Result<(), Miss> {
         for _ in 0..most {
             self.steps(sim, 1)?;
@@ -112,17 +111,17 @@ fn describe(text: &str) -> Result<SceneDesc, Miss> {
     toml::from_str(text).map_err(|error: toml::de::Error| Miss::Why(error.to_string()))
 }
 
-/// The columns of a scene.
+/// The columns of the scene in a text.
 pub fn columns(text: &str, resources: &[Resource]) -> Result<BuiltScene, Miss> {
     Ok(scene::build(&describe(text)?, resources)?)
 }
 
-/// A scene in motion.
+/// A simulation of the scene in a text.
 pub fn simulation(text: &str, resources: &[Resource]) -> Result<Simulation, Miss> {
     Ok(Simulation::new(&describe(text)?, resources)?)
 }
 
-/// All forces of a scene that does not move, N.
+/// All forces at positions `x` and zero velocities, N.
 pub fn forces(built: &BuiltScene, x: &[DVec3]) -> Vec<DVec3> {
     let (model, still) = (built.model.view(), vec![DVec3::ZERO; x.len()]);
     let (mut scratch, mut f) = (vec![DVec3::ZERO; model.force_scratch()], still.clone());
@@ -130,24 +129,24 @@ pub fn forces(built: &BuiltScene, x: &[DVec3]) -> Vec<DVec3> {
     f
 }
 
-/// One linear solve a step, to rounding.
+/// One linear solve per step, down to rounding.
 pub fn linearised(method: Method) -> Scheme {
     let preconditioner = Preconditioner::BlockJacobi;
     Scheme { method, newton: 1, tolerance: 1e-14, preconditioner, jacobian: Jacobian::Projected }
 }
 
-/// Newton's method until the residual has fallen to `tolerance` of its start.
+/// Newton's method, until the residual is at most `tolerance` times its initial value.
 pub fn converged(method: Method, tolerance: f64) -> Scheme {
     Scheme { newton: 100, tolerance, ..linearised(method) }
 }
 
-/// A number in -1..1 for each place in a list, spread by the golden ratio: the same on every machine.
+/// A number in -1..1 for each index, distributed by the golden ratio: the same on every machine.
 pub fn scatter(place: usize) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     2.0 * (GOLDEN * (place + 1) as f64).fract() - 1.0
 }
 
-/// Vectors of such numbers.
+/// A vector of three numbers of `scatter`.
 pub fn scatter3(place: usize) -> DVec3 {
     DVec3::new(scatter(3 * place), scatter(3 * place + 1), scatter(3 * place + 2))
 }

@@ -1,5 +1,4 @@
-//! Strips cut from the equilateral mesh in any direction of its lattice, to hang over a line on both
-//! sides alike.
+//! Strips cut from the equilateral mesh in any direction of its lattice, which hang symmetrically over a line.
 
 use std::collections::HashMap;
 
@@ -7,29 +6,30 @@ use muslin_core_f64::error::MeshError;
 use muslin_core_f64::mesh::TriMesh;
 use muslin_core_f64::mesh::edges::{self, Edge, NONE};
 
-/// A row of equilateral triangles over its edge.
+/// Height of a row of equilateral triangles over the length of an edge.
 pub const ROW: f64 = 0.866_025_403_784_438_6;
 
-/// A strip that hangs down on both sides of the line s = 0, with s along it and z across.
+/// A strip that hangs down on both sides of the line s = 0; s is the coordinate along the strip and z the one
+/// across.
 pub struct Strip {
-    /// In the plane, s along x.
+    /// The flat strip in the xz plane, with s along x.
     pub mesh: TriMesh,
-    /// From the line to a tip: by area, since the ends are jagged.
+    /// Length from the line to a tip, computed from the area, since the ends are jagged.
     pub length: f64,
-    /// Of all edges.
+    /// Length of all edges.
     pub edge: f64,
     /// Vertices on the line.
     pub line: Vec<u32>,
-    /// Pairs of vertices at the same s, a period of the lattice apart.
+    /// Pairs of vertices with the same s, one lattice period apart.
     pub alike: Vec<[u32; 2]>,
-    /// Rigidity of the strip over that of an endless sheet: sides have no hinges.
+    /// Rigidity of the strip over the rigidity of an endless sheet: the sides lack hinges.
     pub rigidity: f64,
 }
 
-/// A place in the lattice: multiples of its two basic vectors, 60 degrees apart.
+/// A lattice node: multiples of the two basis vectors, which are 60 degrees apart.
 type Node = [i32; 2];
 
-/// Where it is, in edges.
+/// Position of a node, in edges.
 fn place([a, b]: Node) -> [f64; 2] {
     [f64::from(a) + 0.5 * f64::from(b), ROW * f64::from(b)]
 }
@@ -38,7 +38,7 @@ fn length([x, y]: [f64; 2]) -> f64 {
     x.hypot(y)
 }
 
-/// The shortest node across the direction of another.
+/// The shortest lattice vector perpendicular to another.
 fn across([a, b]: Node) -> Node {
     let (r, s) = (a + 2 * b, -(2 * a + b));
     let common = gcd(r.abs(), s.abs());
@@ -49,7 +49,7 @@ fn gcd(a: i32, b: i32) -> i32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// A strip about a unit long on each side, along a node's direction, some periods wide.
+/// A strip along the direction of a node, about one unit long on each side and `periods` lattice periods wide.
 pub fn strip(along: Node, periods: u32, edge: f64) -> Result<Strip, MeshError> {
     let (direction, repeat) = (place(along), across(along));
     let [cosine, sine] = direction.map(|x| x / length(direction));
@@ -58,7 +58,7 @@ pub fn strip(along: Node, periods: u32, edge: f64) -> Result<Strip, MeshError> {
         [x * cosine + y * sine, y * cosine - x * sine]
     };
     let width = f64::from(periods) * edge * length(place(repeat));
-    // No triangle's centre lies on a side or an end by rounding alone.
+    // Shifts the borders, so that rounding does not decide whether the centre of a triangle lies inside.
     let hair = 1e-6 * edge;
     let sides = [-0.5, 0.5].map(|side| side * width - hair);
     let reach = (1.2 * (1.0 + width) / edge).ceil() as i32 + 2;
@@ -88,9 +88,9 @@ pub fn strip(along: Node, periods: u32, edge: f64) -> Result<Strip, MeshError> {
     Ok(Strip { length: 0.5 * area / width, edge, line, alike, rigidity, mesh })
 }
 
-/// The area of an endless sheet that bends as hard along s as the hinges in a period of a strip, m^2:
-/// a hinge whose edge runs along s by a cosine c turns by 1 - 4/3 c^2 of one that runs across, and that
-/// one holds a row times an edge.
+/// The area of an endless sheet with the same bending resistance along s as the hinges in one period of a strip,
+/// m^2. A hinge whose edge runs across s counts for a row times an edge. If the angle between the edge and s has
+/// the cosine c, the hinge turns by 1 - 4/3 c^2 times as much, and its area is multiplied by the square of this.
 fn held(mesh: &TriMesh, edges: &[Edge], edge: f64, period: f64) -> f64 {
     let hinges = edges.iter().filter(|edge| edge.triangles[1] != NONE);
     let squares = hinges.map(|hinge| {
@@ -106,7 +106,7 @@ fn held(mesh: &TriMesh, edges: &[Edge], edge: f64, period: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Edges that run along a strip hold a ninth of the rigidity; those on its sides have no hinge.
+    /// Hinges on edges along a strip have a ninth of the rigidity; edges on its sides have no hinge.
     #[test]
     fn sides_lack_their_hinges() {
         for (along, periods, rigidity) in

@@ -1,4 +1,4 @@
-//! `muslin validate`: known answers, expected beside measured, by the core in double precision.
+//! `muslin validate`: the core in double precision, compared with known answers.
 
 mod bisect;
 mod cantilever;
@@ -38,15 +38,15 @@ use super::folder::{Folder, Results};
 use check::Check;
 use lab::{Lab, Miss};
 
-/// Checks of one kind.
+/// A group of related checks.
 struct Group {
     name: &'static str,
-    /// What is measured, and against what.
+    /// Description: the measured quantities and the known answers.
     about: &'static str,
     checks: fn() -> Vec<Check>,
 }
 
-/// Every group, in the order of its report.
+/// Every group, in the order of the report.
 const GROUPS: [Group; 15] = [
     Group { name: "cantilever", about: cantilever::ABOUT, checks: cantilever::checks },
     Group { name: "hinge", about: hinge::ABOUT, checks: hinge::checks },
@@ -65,13 +65,13 @@ const GROUPS: [Group; 15] = [
     Group { name: "friction", about: friction::ABOUT, checks: friction::checks },
 ];
 
-/// Runs the checks that are asked for and writes what came of them.
+/// Runs the requested checks and writes their results.
 pub fn validate(arguments: &ValidateArguments) -> Result<(), Failure> {
     let chosen = choose(arguments.only.as_deref())?;
     if arguments.list {
         return print_data(&names(&chosen).join("\n"));
     }
-    // Before there is anything that an interrupt would leave behind.
+    // The handler is installed before anything is written that an interrupt would leave behind.
     let lab = Lab::new(interrupt::watch()?);
     let folder = Folder::make(arguments.out.clone())?;
     let report = run(&lab, &chosen, arguments.quiet)?;
@@ -84,7 +84,7 @@ pub fn validate(arguments: &ValidateArguments) -> Result<(), Failure> {
     }
 }
 
-/// Of every check its group and its name.
+/// The group and the name of every check.
 fn names(chosen: &[(&Group, Vec<Check>)]) -> Vec<String> {
     let of_group = |(group, checks): &(&Group, Vec<Check>)| -> Vec<String> {
         checks.iter().map(|check| format!("{:12} {}", group.name, check.name)).collect()
@@ -92,14 +92,16 @@ fn names(chosen: &[(&Group, Vec<Check>)]) -> Vec<String> {
     chosen.iter().flat_map(of_group).collect()
 }
 
-/// Of the files: a part of the checks does not write over the whole.
+/// The stem of the files. A selection of the checks has a name of its own, so that it does not overwrite the
+/// results of all checks.
 fn file_name(only: Option<&str>) -> String {
     let words = only.map_or_else(Vec::new, words);
     std::iter::once("validate".into()).chain(words).collect::<Vec<_>>().join("-")
 }
 
-/// A group of its whole name, or else every group with those of their checks that have some words in a
-/// row in their name, the group's before it.
+/// The selected checks by group: all if `only` is missing, a whole group if it is the name of one, otherwise all
+/// checks whose name, preceded by the group's, contains the words of `only` in a row. It is an error if no check is
+/// selected.
 fn choose(only: Option<&str>) -> Result<Vec<(&'static Group, Vec<Check>)>, Failure> {
     let only = only.map(words);
     let is_group = |only: &[String]| GROUPS.iter().any(|group| only == [group.name]);
@@ -127,13 +129,13 @@ fn choose(only: Option<&str>) -> Result<Vec<(&'static Group, Vec<Check>)>, Failu
     Ok(chosen)
 }
 
-/// Words and numbers in lower case, without what is between them.
+/// The words and numbers of a text in lower case, without the characters between them.
 fn words(text: &str) -> Vec<String> {
     let between = |letter: char| !(letter.is_alphanumeric() || matches!(letter, '.' | '-'));
     text.split(between).filter(|word| !word.is_empty()).map(str::to_lowercase).collect()
 }
 
-/// Measures one check after the other.
+/// Runs one check after the other.
 fn run(lab: &Lab, chosen: &[(&'static Group, Vec<Check>)], quiet: bool) -> Result<Report, Failure> {
     let started = Instant::now();
     let count: usize = chosen.iter().map(|(_, checks)| checks.len()).sum();

@@ -1,5 +1,5 @@
-//! Free sheets keep their momentum: explicit methods to rounding, implicit ones to what their solves
-//! leave.
+//! Conservation of momentum of free sheets: explicit methods conserve it to rounding, implicit ones to the residual
+//! of their solves.
 
 use glam::DVec3;
 use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
@@ -9,7 +9,7 @@ use muslin_core_f64::spectrum::Tangent;
 use super::check::Check;
 use super::lab::{self, Lab, Miss, linearised, scatter3};
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "two sewn sheets, thrown and spinning: drift of their momentum over the sum of its parts, after \
                          10,000 steps of explicit methods and 200 of implicit ones solved to 1e-13; what one step of \
                          backward Euler gains by a poor solve, and the sum of what that leaves";
@@ -50,7 +50,7 @@ fn thrown(method: Method, tolerance: f64, step: f64) -> Result<Simulation, Miss>
     Ok(Simulation::from_columns(built, Scheme { tolerance, ..linearised(method) }, step))
 }
 
-/// The sum of the lengths of all momenta, kg m/s.
+/// The sum of the magnitudes of all momenta, kg m/s.
 fn size(sim: &Simulation) -> f64 {
     sim.velocities().iter().zip(&sim.scene().particles.masses).map(|(v, m)| (*v * *m).length()).sum()
 }
@@ -63,8 +63,8 @@ fn drift(lab: &Lab, method: Method) -> Result<f64, Miss> {
     Ok((DVec3::from(sim.momentum()) - start).length() / before.max(size(&sim)))
 }
 
-/// M (v1 - v0) = h f(x0) - S v1 - r, where forces and the columns of S sum to zero: the momentum gained
-/// is minus the sum of r.
+/// The gain of momentum plus the sum of the residual r, over the sum of the magnitudes. M (v1 - v0) = h f(x0) - S
+/// v1 - r, where forces and the columns of S sum to zero: the gain must be minus the sum of r.
 fn residual(lab: &Lab) -> Result<f64, Miss> {
     let mut sim = thrown(Method::BackwardEuler, 1e-2, 5e-3)?;
     let h = sim.step_length();

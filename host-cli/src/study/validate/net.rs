@@ -1,4 +1,4 @@
-//! Nets of masses and springs, for what no scene describes: chains and lattices.
+//! Nets of masses and springs that a scene cannot describe: chains and lattices.
 
 use glam::DVec3;
 use muslin_core_f64::forces::ModelColumns;
@@ -7,29 +7,29 @@ use muslin_core_f64::integrate::pins::{AT_REST, PinColumns};
 use muslin_core_f64::particles::ParticleColumns;
 use muslin_core_f64::scene::BuiltScene;
 
-/// Standard gravity of the scenes, m/s^2.
+/// Gravitational acceleration of the checks, m/s^2.
 pub const GRAVITY: f64 = 9.81;
 
-/// All axes of a pin.
+/// Mask of a pin for all axes.
 const XYZ: u8 = 7;
 
 /// A net at rest.
 #[derive(Clone, Debug, Default)]
 pub struct Net {
-    /// m.
+    /// Positions, m.
     pub points: Vec<DVec3>,
-    /// kg.
+    /// Masses, kg.
     pub masses: Vec<f64>,
-    /// Ends and material.
+    /// Ends and material of each spring.
     pub springs: Vec<([u32; 2], Spring)>,
-    /// Vertices that are held.
+    /// Vertices that are pinned.
     pub held: Vec<u32>,
-    /// Whether it has weight.
+    /// Whether gravity acts.
     pub heavy: bool,
 }
 
 impl Net {
-    /// Equal masses in a row from the origin, joined by equal springs at rest. Nothing is held.
+    /// Equal masses in a row from the origin, joined by equal springs at rest. Nothing is pinned.
     pub fn chain(count: usize, step: DVec3, mass: f64, stiffness: f64) -> Self {
         let spring = Spring { rest: step.length(), stiffness, damping: 0.0 };
         Self {
@@ -40,9 +40,9 @@ impl Net {
         }
     }
 
-    /// A square sheet of `side * side` masses of 1 kg, 1 m apart in the xz plane, with structural
-    /// springs, shear springs along both diagonals and bending springs that skip a mass, N/m; where
-    /// 0, none. Dampers are `damping` times each spring, s.
+    /// A square sheet of `side * side` masses of 1 kg, 1 m apart in the xz plane. It has structural springs, shear
+    /// springs along both diagonals and bending springs that skip a mass; stiffnesses are in N/m, and 0 omits the
+    /// springs. The damping of each spring is `damping`, s, times its stiffness.
     pub fn lattice(side: u32, [structural, shear, bend]: [f64; 3], damping: f64) -> Self {
         let links = [
             ([1, 0], structural),
@@ -70,7 +70,7 @@ impl Net {
         net
     }
 
-    /// The columns.
+    /// The columns of the net.
     pub fn build(&self) -> BuiltScene {
         BuiltScene {
             particles: ParticleColumns {

@@ -1,4 +1,4 @@
-//! Orders of convergence of every method: the power of the step by which its error falls.
+//! Orders of convergence of every method: the power of the step with which its error falls.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ use super::check::Check;
 use super::lab::{self, Lab, Miss, converged, linearised, scatter3};
 use super::net::Net;
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "the order of every method over four halvings of the step, the one farthest off: of a linear \
                          chain against its closed form, of small sheets against RK4 by 8192 steps";
 
@@ -59,14 +59,14 @@ fn order(method: Method) -> f64 {
     }
 }
 
-/// Positions then velocities after `steps` steps of `duration / steps`.
+/// Positions followed by velocities after `steps` steps of `duration / steps`.
 fn run(lab: &Lab, built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) -> Result<Vec<DVec3>, Miss> {
     let mut sim = Simulation::from_columns(built.clone(), scheme, duration / f64::from(steps));
     lab.steps(&mut sim, steps)?;
     Ok([sim.positions(), sim.velocities()].concat())
 }
 
-/// Over the halvings from `coarsest` steps on, the order farthest from the method's.
+/// The measured order that differs most from the method's, over all halvings of the step from `coarsest` steps on.
 fn worst(
     method: Method,
     coarsest: u32,
@@ -83,11 +83,11 @@ fn worst(
     Ok(orders.max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(f64::NAN))
 }
 
-/// Eight masses in a row, the ends held, in three of its modes.
+/// The order on a chain of eight masses with fixed ends, which swings in three of its modes.
 fn of_chain(lab: &Lab, method: Method) -> Result<f64, Miss> {
     const LINKS: f64 = 7.0;
     const DURATION: f64 = 2.0;
-    /// Number and amplitude.
+    /// Number and amplitude of each mode.
     const MODES: [(f64, f64); 3] = [(1.0, 0.1), (3.0, -0.05), (6.0, 0.03)];
     let state = |i: usize, t: f64| {
         let mode = |(n, a): (f64, f64)| {
@@ -106,9 +106,9 @@ fn of_chain(lab: &Lab, method: Method) -> Result<f64, Miss> {
     worst(method, coarsest, &truth, |steps| run(lab, &built, linearised(method), DURATION, steps))
 }
 
-/// A small sheet pulled out of shape and moving, held at two corners.
+/// The order on a small sheet that is deformed and moving, and pinned at two corners.
 fn of_sheet(lab: &Lab, method: Method, material: &str) -> Result<f64, Miss> {
-    /// s; a few oscillations of the stiffest mode.
+    /// Duration, s: a few oscillations of the stiffest mode.
     const DURATION: f64 = 0.02;
     let text = format!(
         r#"
@@ -129,7 +129,7 @@ fn of_sheet(lab: &Lab, method: Method, material: &str) -> Result<f64, Miss> {
     }
     built.pins.view().impose(0.0, JumpSide::After, &mut particles.positions, &mut particles.velocities);
     let truth = run(lab, &built, linearised(Method::Rk4), DURATION, 8192)?;
-    // Where the next term of the error is small enough.
+    // From this number of steps on, the next term of the error is small enough.
     let coarsest = if order(method) == 1.0 { 512 } else { 128 };
     worst(method, coarsest, &truth, |steps| run(lab, &built, converged(method, 1e-10), DURATION, steps))
 }

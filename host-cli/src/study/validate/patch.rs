@@ -1,5 +1,5 @@
-//! Patch tests: an affine map of a membrane stores A psi(F) and pulls at no interior vertex, on every
-//! pattern; a rigid motion pulls nowhere.
+//! Patch tests. Under an affine map a membrane stores A psi(F) and has no force at any interior vertex, with every
+//! pattern; under a rigid motion no force is anywhere.
 
 use glam::{DMat3, DVec3};
 use muslin_core_f64::forces;
@@ -9,11 +9,11 @@ use muslin_core_f64::scene::BuiltScene;
 use super::check::Check;
 use super::lab::{self, Miss, scatter};
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "sheets under 20 affine maps: energy against A psi(F), and the largest force where none may be, \
                          over the largest of all; under a rigid motion over stiffness times edge";
 
-/// Sheets of each pattern and generator, m.
+/// A sheet for each pattern and generator; sizes in m.
 const SHEETS: [(&str, &str); 4] = [
     ("equilateral", r#"grid = { size = [0.625, 0.5], cells = [5, 4] }"#),
     ("diagonal", r#"grid = { size = [0.625, 0.5], cells = [5, 4], pattern = "diagonal" }"#),
@@ -21,7 +21,7 @@ const SHEETS: [(&str, &str); 4] = [
     ("disc", "disc = { radius = 0.4, hole = 0.1, rings = 3 }"),
 ];
 
-/// Warp, weft and shear, N/m.
+/// Stiffnesses of warp, weft and shear, N/m.
 const WARP: f64 = 900.0;
 const WEFT: f64 = 600.0;
 const SHEAR: f64 = 300.0;
@@ -34,7 +34,7 @@ const MATERIALS: [(&str, &str); 3] = [
 const MEMBRANE: &str =
     "stretch = { model = \"membrane\", stiffness = 900.0, weft = 600.0 }\nshear = { stiffness = 300.0 }";
 
-/// Of affine maps.
+/// Number of affine maps.
 const MAPS: usize = 20;
 
 /// All checks.
@@ -55,7 +55,7 @@ fn scene(sheet: &str, material: &str) -> Result<BuiltScene, Miss> {
     lab::columns(&format!("name = \"patch\"\nduration = 0\n[[cloth]]\n{sheet}\ndensity = 1.0\n{material}"), &[])
 }
 
-/// Warp and weft of a map in the plane that stretches, compresses, shears and turns.
+/// The images of the warp and weft directions under an affine map that stretches, compresses, shears and turns.
 fn map(number: usize) -> [DVec3; 2] {
     let [warp, weft, shear, turn] = [0, 1, 2, 3].map(|k| scatter(4 * number + k));
     let turn = DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 3.0 * turn);
@@ -66,7 +66,7 @@ fn mapped(built: &BuiltScene, [warp, weft]: [DVec3; 2]) -> Vec<DVec3> {
     built.particles.positions.iter().map(|x| warp * x.x + weft * x.z).collect()
 }
 
-/// The largest error of the energy of a map, relative.
+/// The largest relative error of the energy over all maps.
 fn energy(sheet: &str) -> Result<f64, Miss> {
     let built = scene(sheet, MEMBRANE)?;
     let masses = &built.particles.masses;
@@ -81,7 +81,7 @@ fn energy(sheet: &str) -> Result<f64, Miss> {
     Ok(off.fold(0.0, f64::max))
 }
 
-/// The largest force inside, over the largest of all.
+/// The largest force at an interior vertex over the largest force of all vertices.
 fn interior(sheet: &str) -> Result<f64, Miss> {
     let built = scene(sheet, MEMBRANE)?;
     let border = border(&built)?;
@@ -93,7 +93,7 @@ fn interior(sheet: &str) -> Result<f64, Miss> {
     Ok(off.fold(0.0, f64::max))
 }
 
-/// The largest force of a sheet that was only moved, over its stiffness times its edge.
+/// The largest force of a sheet after a rigid motion, over its stiffness times its edge.
 fn rigid(material: &str) -> Result<f64, Miss> {
     let built = scene(SHEETS[0].1, material)?;
     let turn = DMat3::from_axis_angle(DVec3::new(2.0, -1.0, 3.0).normalize(), 1.3);
@@ -102,7 +102,7 @@ fn rigid(material: &str) -> Result<f64, Miss> {
     Ok(largest / (WARP * 0.125))
 }
 
-/// Which vertices lie on the border: on an edge of one triangle only.
+/// Which vertices lie on the border: on an edge with only one triangle.
 fn border(built: &BuiltScene) -> Result<Vec<bool>, Miss> {
     let mut border = vec![false; built.particles.masses.len()];
     let edges = edges::build(&built.triangles)?;

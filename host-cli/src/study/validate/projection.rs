@@ -1,4 +1,4 @@
-//! Projected Jacobians of single elements: none has a direction of negative curvature, whatever its state.
+//! Projected Jacobians of single elements: no state of an element has a direction of negative curvature.
 
 use glam::{DMat3, DVec3};
 use muslin_core_f64::forces::TangentScale;
@@ -9,15 +9,15 @@ use muslin_core_f64::scene::BuiltScene;
 use super::check::Check;
 use super::lab::{self, Miss};
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "random states of single elements, stretched, compressed, sheared and folded, with and without \
                          damping: those whose projected block has an eigenvalue below -1e-12 of its largest entry";
 
-/// Of springs and of triangles, and of hinges.
+/// Number of states of springs and triangles, and of hinges.
 const STATES: usize = 400_000;
 const FOLDS: usize = 200_000;
 
-/// Of the largest entry on the diagonal.
+/// Tolerated negative eigenvalue, as a part of the largest entry on the diagonal.
 const ROUNDING: f64 = 1e-12;
 
 /// All checks.
@@ -48,7 +48,7 @@ fn sheet(material: &str) -> Result<BuiltScene, Miss> {
     lab::columns(&format!("name = \"states\"\nduration = 0\n[[cloth]]\n{grid}\ndensity = 1.0\n{material}"), &[])
 }
 
-/// Numbers in -1..1 that look random [Steele 2014], the same on every machine.
+/// Pseudo-random numbers in -1..1 [Steele 2014], the same on every machine.
 struct Noise(u64);
 
 impl Noise {
@@ -63,12 +63,12 @@ impl Noise {
         DVec3::new(self.next(), self.next(), self.next())
     }
 
-    /// From a thousandth of so much up.
+    /// A size between a thousandth of `most` and `most`, uniform in its logarithm.
     fn size(&mut self, most: f64) -> f64 {
         most * 10f64.powf(1.5 * (self.next() - 1.0))
     }
 
-    /// Of an implicit stage: elastic, or damped as well.
+    /// The scale of an implicit stage: without or with damping.
     fn scale(&mut self) -> TangentScale {
         let velocity = if self.next() < 0.0 { 0.0 } else { 0.5 * (1.0 + self.next()) };
         TangentScale { position: 1.0, velocity }
@@ -85,7 +85,8 @@ fn springs() -> Result<usize, Miss> {
     Ok(count.count())
 }
 
-/// How many of so many states are indefinite: corners are drawn out or pressed, and strewn about.
+/// The number of indefinite matrices in `states` random states: elements are scaled and their corners are displaced
+/// at random.
 fn indefinite<const K: usize, const N: usize>(term: &impl Element<K>, built: &BuiltScene, states: usize) -> usize {
     let (rest, mut noise) = (&built.particles.positions, Noise(2));
     let count = (0..states).filter(|state| {
@@ -100,7 +101,7 @@ fn indefinite<const K: usize, const N: usize>(term: &impl Element<K>, built: &Bu
     count.count()
 }
 
-/// Whether the matrix, shifted by its rounding, has no Cholesky factors; what is no number has none.
+/// Whether the matrix, shifted by its rounding, has no Cholesky factors; a matrix with NaN has no factors.
 fn is_indefinite<const K: usize, const N: usize>(blocks: &[[DMat3; K]; K]) -> bool {
     let mut l: [[f64; N]; N] = std::array::from_fn(|r| std::array::from_fn(|c| blocks[r / 3][c / 3].col(c % 3)[r % 3]));
     let shift = ROUNDING * (0..N).map(|i| l[i][i]).fold(f64::MIN_POSITIVE, f64::max);

@@ -1,29 +1,29 @@
-//! What was expected and what was measured, in numbers and words.
+//! The report of `muslin validate`: numbers and text.
 
 use serde::Serialize;
 
 use super::check::{Check, Tolerance};
 
-/// One check that was made.
+/// The result of one check.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// Its kind.
+    /// Group of the check.
     pub group: &'static str,
     #[serde(skip)]
     about: &'static str,
-    /// What was measured.
+    /// Name of the check.
     pub name: String,
-    /// Of the values; empty where they have none.
+    /// Unit of the values; empty if they have no unit.
     pub unit: &'static str,
     /// The known answer.
     pub expected: f64,
-    /// What the core says; none where it says nothing.
+    /// The value of the core; `None` if nothing was measured.
     pub measured: Option<f64>,
-    /// Of what was measured: a part of what is expected where `relative`, else a difference.
+    /// Error of the measured value: a part of the expected value if `relative`, otherwise a difference.
     pub error: Option<f64>,
     /// The largest error that passes.
     pub tolerance: f64,
-    /// Whether errors are parts of what is expected.
+    /// Whether errors are parts of the expected value.
     pub relative: bool,
     /// Whether the error is within the tolerance.
     pub pass: bool,
@@ -32,7 +32,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// A check and what it measured, or why it did not.
+    /// The result of a check, from its measured value or from the reason why nothing was measured.
     pub fn new(group: &'static str, about: &'static str, check: &Check, measured: Result<f64, String>) -> Self {
         let value = measured.as_ref().ok().copied();
         let error = value.map(|value| check.tolerance.error(check.expected, value));
@@ -46,22 +46,22 @@ impl Row {
             error,
             tolerance: check.tolerance.bound(),
             relative: matches!(check.tolerance, Tolerance::Relative(_)),
-            // What is not a number is within nothing.
+            // NaN does not pass.
             pass: error.is_some_and(|error| error.abs() <= check.tolerance.bound()),
             why: measured.err(),
         }
     }
 
-    /// A number in the unit of the error.
+    /// An error in the form of the report: per cent or a plain number.
     fn scaled(&self, error: f64) -> String {
         match self.relative {
-            // Parts that are a rounding of the whole are no per cents.
+            // Tolerances near rounding are not shown in per cent.
             true if self.tolerance >= 1e-4 => format!("{:.3} %", 100.0 * error),
             _ => format!("{error:.1e}"),
         }
     }
 
-    /// With the name as wide as the widest of its group.
+    /// One line of the report; `wide` is the width of the widest name in its group.
     fn line(&self, wide: usize) -> String {
         let Self { name, unit, expected, why, .. } = self;
         let verdict = if self.pass { "pass" } else { "FAIL" };
@@ -75,7 +75,7 @@ impl Row {
     }
 }
 
-/// With seven digits.
+/// A number with seven digits.
 fn number(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
@@ -84,27 +84,27 @@ fn number(value: f64) -> String {
     }
 }
 
-/// `validate --json`.
+/// The report, `validate --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// All checks.
     pub rows: Vec<Row>,
-    /// How many pass.
+    /// Number of checks that pass.
     pub passed: usize,
-    /// How many do not.
+    /// Number of checks that fail.
     pub failed: usize,
-    /// What the checks took, s.
+    /// Computing time of the checks, s.
     pub study_s: f64,
 }
 
 impl Report {
-    /// Of rows that took so many seconds.
+    /// The report of checks that took `study_s` seconds.
     pub fn new(rows: Vec<Row>, study_s: f64) -> Self {
         let passed = rows.iter().filter(|row| row.pass).count();
         Self { passed, failed: rows.len() - passed, rows, study_s }
     }
 
-    /// What fails, the first by name; none where all pass.
+    /// Summary of the failures, which names the first one; `None` if all checks pass.
     pub fn verdict(&self) -> Option<String> {
         let first = self.rows.iter().find(|row| !row.pass)?;
         let value = first.measured.map_or_else(|| "nothing".into(), number);
@@ -119,7 +119,7 @@ impl Report {
         ))
     }
 
-    /// For people.
+    /// The report as text.
     pub fn lines(&self) -> String {
         let mut lines = Vec::new();
         for rows in self.rows.chunk_by(|a, b| a.group == b.group) {

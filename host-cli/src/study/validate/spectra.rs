@@ -1,4 +1,4 @@
-//! How the fastest mode of a sheet grows as it is refined: bending takes over.
+//! Growth of a sheet's largest eigenvalue under refinement: bending eventually dominates.
 
 use muslin_core_f64::integrate::Jacobian;
 use muslin_core_f64::spectrum::Tangent;
@@ -6,11 +6,12 @@ use muslin_core_f64::spectrum::Tangent;
 use super::check::Check;
 use super::lab::{self, Miss};
 
-/// For the report.
+/// Description in the report.
 pub const ABOUT: &str = "the largest eigenvalue of flat sheets of 6, 12 and 24 cells: the power of the number of cells by \
                          which it grows, the one farther off";
 
-/// Stretch grows by the square of the cells, bending by the fourth power.
+/// Term, material and power of the number of cells: the eigenvalue of stretch grows as the square, the eigenvalue
+/// of bending as the fourth power.
 const TERMS: [(&str, &str, f64); 3] = [
     ("hinges", r#"bend = { model = "hinge", rigidity = 1e-3 }"#, 4.0),
     ("membrane", r#"stretch = { model = "membrane", stiffness = 100.0 }"#, 2.0),
@@ -32,7 +33,7 @@ fn growth(material: &str, power: f64) -> Result<f64, Miss> {
     Ok(if (first - power).abs() > (second - power).abs() { first } else { second })
 }
 
-/// Of a free sheet whose border looks the same at every size, 1/s^2.
+/// Largest eigenvalue of a free sheet whose border looks the same at every size, 1/s^2.
 fn largest(material: &str, cells: u32) -> Result<f64, Miss> {
     let depth = 0.75f64.sqrt() * 0.4;
     let text = format!(

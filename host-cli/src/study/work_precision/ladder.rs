@@ -1,5 +1,5 @@
-//! One method in one precision by steps in factors of two: from just beyond its limit to where
-//! rounding, the reference or the time ends it.
+//! The runs of one method in one precision. The step is halved from just beyond the stability limit until rounding,
+//! the reference or the time ends the series.
 
 use std::time::Duration;
 
@@ -16,60 +16,60 @@ use crate::study::variant::{self, Variant};
 
 use super::report::{Agreement, Row, is_of_order};
 
-/// Runs shorter than this are repeated, and the median time counts, s.
+/// Runs shorter than `SHORT`, s, are made `REPEATS` times, and the median time counts.
 const SHORT: f64 = 1.0;
 const REPEATS: usize = 3;
 
-/// Part of the diagonal: what is farther off, on an average, has nothing of the reference any more.
+/// RMS error, as a part of the diagonal, from which on a run has lost the reference completely.
 const LOST: f64 = 0.5;
 
-/// How near an implicit method must come to confirm the reference, of the diagonal.
+/// Largest error of an implicit method that confirms the reference, as a part of the diagonal.
 const NEAR: f64 = 1e-2;
 
-/// Times the error in double precision: there it is rounding.
+/// An error larger than this many times the error in double precision is rounding.
 const ROUNDING: f64 = 2.0;
 
-/// What runs are measured by.
+/// The reference and the scales that runs are measured by.
 pub struct Yardstick<'a> {
-    /// The reference and the runs that led to it.
+    /// The reference and the coarser runs before it.
     pub reference: &'a Reference,
-    /// kg.
+    /// Masses of the vertices, kg.
     pub masses: &'a [f64],
-    /// m.
+    /// Diagonal of the cloth's bounding box, m.
     pub diagonal: f64,
     /// The shortest step that is run, s.
     pub finest: f64,
 }
 
 impl Yardstick<'_> {
-    /// The most kinetic and elastic energy of the reference, J.
+    /// The largest kinetic and elastic energy of the reference, J.
     fn liveliest(&self) -> f64 {
         self.reference.liveliest(self.masses.iter().sum())
     }
 }
 
-/// Why there are no smaller steps.
+/// Why there are no shorter steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// Their error is not far enough above the reference's own.
+    /// Their errors are not far enough above the reference's own error.
     Reference,
-    /// Their error is rounding.
+    /// Their errors are rounding.
     Rounding,
-    /// They would take too long, or are not asked for.
+    /// They would take too long, or are below the requested shortest step.
     Time,
 }
 
-/// The runs of a method in a precision.
+/// The series of runs of a method in a precision.
 pub struct Ladder {
     /// The method.
     pub method: Method,
     /// The precision.
     pub precision: Precision,
-    /// From large steps to small: the last that failed before the first that did not, and all after.
+    /// From long steps to short ones: the last run that failed before the first stable one, and all later runs.
     pub rows: Vec<Row>,
-    /// Why there are no more.
+    /// Why there are no more rows.
     pub end: End,
-    /// Whether a run was begun.
+    /// Whether a run was started.
     pub tried: bool,
 }
 
@@ -84,14 +84,14 @@ impl Ladder {
         format!("no step down to {:.1e} s works, shorter ones take too long or are not asked for: {why}", last.step)
     }
 
-    /// Errors above `least` of the last runs one after the other.
+    /// Errors of the last consecutive runs whose errors are at least `least`.
     fn errors(&self, least: f64) -> Vec<f64> {
         let errors = self.rows.iter().map(|row| row.error_rms.filter(|&error| error >= least));
         let kept: Vec<_> = errors.rev().skip_while(Option::is_none).map_while(|error| error).collect();
         kept.into_iter().rev().collect()
     }
 
-    /// The slope of the error by the last three steps with errors above `least`, if there are so many.
+    /// The order of convergence over the last three of these errors, if there are three.
     pub fn order(&self, least: f64) -> Option<f64> {
         let errors = self.errors(least);
         let [.., first, _, last] = errors.as_slice() else { return None };
@@ -99,8 +99,8 @@ impl Ladder {
     }
 }
 
-/// An implicit method that approaches the same motion by its own order, the one that comes nearest:
-/// without any, a reference by explicit steps alone could be converged to what is common to all such.
+/// The implicit method that converges to the reference by its own order and comes nearest to it. Without one, a
+/// reference by explicit steps alone could have converged to an error that all explicit methods share.
 pub fn agreement(ladders: &[Ladder], least: f64) -> Option<Agreement> {
     let implicit = ladders.iter().filter(|l| l.method.is_implicit() && l.precision == Precision::F64);
     let agreements = implicit.filter_map(|ladder| {
@@ -111,7 +111,8 @@ pub fn agreement(ladders: &[Ladder], least: f64) -> Option<Agreement> {
     agreements.min_by(|a, b| a.error_rms.total_cmp(&b.error_rms))
 }
 
-/// Runs a method by ever smaller steps for about so long; `twin` is the same in double precision.
+/// Runs a method with shorter and shorter steps for about the time `share`; `twin` is the series of the same method
+/// in double precision.
 pub fn climb(
     study: &Study<'_>,
     yardstick: &Yardstick<'_>,
@@ -132,7 +133,7 @@ pub fn climb(
         let Some((run, walls)) = fly_or_find(study, yardstick, &variant, left, 2.0 * last_wall)? else { break };
         last_wall = if run.ending == Ending::Complete { run.wall } else { 0.0 };
         let row = measure(study, yardstick, &variant, &run, walls);
-        // Of those that fail before any works only the last is told.
+        // Of the runs that fail before the first stable one, only the last is kept.
         if !row.stable && !ladder.rows.iter().any(|row| row.stable) {
             ladder.rows.clear();
         }
@@ -150,19 +151,19 @@ pub fn climb(
     Ok(ladder)
 }
 
-/// Whether a row is farther off than its twin in double precision.
+/// Whether the error of a row is rounding: larger than the error of the same step in double precision.
 fn is_rounding(row: &Row, twin: &Ladder) -> bool {
     let same = twin.rows.iter().find(|other| other.step == row.step).and_then(|other| other.error_rms);
     match (row.error_rms, same) {
         (Some(single), Some(double)) => single > ROUNDING * double,
-        // Double precision is nearer than the reference can tell.
+        // In double precision the error is too small for the reference to resolve.
         (Some(_), None) => twin.end == End::Reference,
         _ => false,
     }
 }
 
-/// Runs a variant, short ones several times, unless it led to the reference; none where it takes
-/// longer than what is left, as is `expected`, s.
+/// Runs a variant, several times if it is short; takes it from the reference if it was run there. `None` if it
+/// takes, or is `expected` to take, more than the time left, s.
 fn fly_or_find(
     study: &Study<'_>,
     yardstick: &Yardstick<'_>,
@@ -185,7 +186,7 @@ fn fly_or_find(
     let mut walls = vec![run.wall];
     while run.ending == Ending::Complete && run.wall < SHORT && walls.len() < study.repeats(REPEATS) {
         let repeat = fly(study, variant, limits)?;
-        // One that ran out of time took no time that could be told.
+        // A repeat that ran out of time gives no time.
         if repeat.ending != Ending::Complete {
             break;
         }

@@ -1,4 +1,4 @@
-//! `muslin chart`: error against cost, every method, both precisions.
+//! `muslin chart`: error against cost of every method in both precisions.
 
 mod ladder;
 mod refusal;
@@ -19,7 +19,7 @@ use ladder::{Ladder, Yardstick};
 pub use report::{Chart, Row};
 use report::{Omitted, Order, ReferenceReport};
 
-/// Charts a scene.
+/// Runs the command.
 pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
     let study = Study::begin(&arguments.study)?;
     let (engine, _) = engine::build(&study.scene, Precision::F64)
@@ -46,9 +46,9 @@ pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
     }
 }
 
-/// What to run: as asked, each once, and where positions are compared one that can confirm the
-/// reference. With contact implicit methods come first: steps of the others are so short there that they
-/// could take all of the time.
+/// The methods to run: the requested ones, each once, and where positions are compared at least one implicit method
+/// that can confirm the reference. With contact implicit methods come first: the steps of explicit methods are so
+/// short there that they could use up all the time.
 fn methods(asked: &[Method], measure: Measure) -> Vec<Method> {
     let confirms = Method::ImplicitMidpoint;
     let added = measure == Measure::Positions && !asked.iter().any(|method| method.is_implicit());
@@ -60,7 +60,8 @@ fn methods(asked: &[Method], measure: Measure) -> Vec<Method> {
     methods
 }
 
-/// Every method in both precisions, the double one first: the single one ends where it leaves it.
+/// Runs every method in both precisions. Double precision comes first, since its errors show where single precision
+/// ends in rounding.
 fn climb(study: &Study<'_>, yardstick: &Yardstick<'_>, methods: &[Method]) -> Result<Vec<Ladder>, Failure> {
     let mut ladders: Vec<Ladder> = Vec::new();
     for (place, &method) in methods.iter().enumerate() {

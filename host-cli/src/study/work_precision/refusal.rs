@@ -1,4 +1,4 @@
-//! What a chart says where it cannot be drawn or not be trusted.
+//! Error messages for a chart that cannot be drawn or cannot be trusted.
 
 use muslin_core::integrate::Method;
 
@@ -9,7 +9,8 @@ use crate::units::time;
 
 use super::report::Chart;
 
-/// No two steps of the reference's method could be compared: how far it came, and what more would take.
+/// The message if no two steps of the reference's method could be compared: how far it came, and which budget would
+/// suffice.
 pub fn no_reference(study: &Study<'_>, reference: &Reference) -> String {
     let tried = [reference.cut.as_ref(), reference.runs.last(), reference.failed.as_ref()];
     let reached = tried.into_iter().flatten().next().map_or_else(
@@ -42,13 +43,13 @@ pub fn no_reference(study: &Study<'_>, reference: &Reference) -> String {
     )
 }
 
-/// There is a reference, and nothing that it could be compared with.
+/// The message if there is a reference, but no run to compare with it.
 pub fn nothing_charted(chart: &Chart) -> String {
     let reasons: Vec<_> = chart.omitted.iter().map(|o| format!("{} {}: {}", o.method, o.precision, o.why)).collect();
     format!("nothing could be charted for {}: {}", chart.scene, reasons.join("; "))
 }
 
-/// The chart is drawn, but its reference stands alone.
+/// The message if the chart is drawn, but no implicit method confirms its reference.
 pub fn unconfirmed(chart: &Chart) -> String {
     let implicit = |name: &str| Method::ALL.into_iter().any(|method| method.is_implicit() && method.name() == name);
     let slopes = chart.orders.iter().filter(|order| implicit(order.method));

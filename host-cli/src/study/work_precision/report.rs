@@ -1,4 +1,4 @@
-//! What a chart says in numbers and words.
+//! The report of `muslin chart`: numbers and text.
 
 use serde::Serialize;
 
@@ -6,13 +6,13 @@ use crate::study::distance::Measure;
 use crate::study::draw::LOOKS;
 use crate::units::{length, time};
 
-/// Of the reference.
+/// Order of RK4, the reference's method without contact.
 const RK4: f64 = 4.0;
 
-/// How near to theory a measured order must be.
+/// Largest difference between a measured order and theory.
 const NEAR_THEORY: f64 = 0.1;
 
-/// Whether a measured order is that of theory.
+/// Whether a measured order agrees with theory.
 pub fn is_of_order(measured: f64, theory: f64) -> bool {
     (measured - theory).abs() <= NEAR_THEORY
 }
@@ -20,29 +20,29 @@ pub fn is_of_order(measured: f64, theory: f64) -> bool {
 /// One run. Errors are parts of the cloth's diagonal.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
-    /// s.
+    /// Step, s.
     pub step: f64,
-    /// Of the solver; none of explicit methods.
+    /// Tolerance of the solver; `None` for explicit methods.
     pub tolerance: Option<f64>,
-    /// Root of the mean square over all samples; of positions by mass, or of the outline. None where
-    /// it failed or is nearer than the reference can tell.
+    /// Root mean square error over all samples: of the positions, weighted by mass, or of the outline. `None` if
+    /// the run failed or the error is too small for the reference to resolve.
     pub error_rms: Option<f64>,
-    /// The largest.
+    /// The largest error.
     pub error_max: Option<f64>,
-    /// The largest difference of total energy from the reference's, over the most kinetic and
-    /// elastic energy that has.
+    /// The largest difference of the total energy from the reference's, over the reference's largest kinetic and
+    /// elastic energy.
     pub energy_drift: Option<f64>,
-    /// The largest length over rest length of an edge, at any sample.
+    /// The largest ratio of length to rest length of an edge at any sample.
     pub stretch: f64,
-    /// The deepest that a vertex lay in a collider at any sample, m; none without colliders.
+    /// The largest depth of a vertex inside a collider at any sample, m; `None` without colliders.
     pub penetration_m: Option<f64>,
-    /// In steps; the median of the repeats.
+    /// Median computing time of the steps, s.
     pub wall_s: f64,
-    /// Runs that were timed.
+    /// Number of timed runs.
     pub repeats: usize,
     /// Evaluations of all forces.
     pub force_evaluations: u64,
@@ -50,84 +50,84 @@ pub struct Row {
     pub cg_iterations: u64,
     /// Products of the system matrix with a vector.
     pub matrix_products: u64,
-    /// Whether it stayed near the reference at all.
+    /// Whether the run stayed near the reference.
     pub stable: bool,
-    /// What went wrong, or why there is no error to tell.
+    /// Why the run failed, or why it has no error.
     pub why: Option<String>,
 }
 
 impl Row {
-    /// Whether it is nearer than the reference can tell.
+    /// Whether its error is too small for the reference to resolve.
     pub fn is_nearest(&self) -> bool {
         self.stable && self.error_rms.is_none()
     }
 
-    /// Its error, or what that is less than; none where it failed.
+    /// Its error, or `least` as an upper bound; `None` if the run failed.
     pub fn error_at_most(&self, least: f64) -> Option<f64> {
         self.error_rms.or(self.stable.then_some(least))
     }
 }
 
-/// What errors are measured against.
+/// The reference that errors are measured against.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReferenceReport {
-    /// As scenes spell it; in double precision.
+    /// Name as in a scene file; it runs in double precision.
     pub method: &'static str,
-    /// s.
+    /// Step, s.
     pub step: f64,
-    /// Its distance from the run with twice its step, of the diagonal.
+    /// Distance from the run with twice the step, as a part of the diagonal.
     pub self_error: f64,
-    /// By which power of the step it converged in its last halvings; none after only one.
+    /// Order of convergence in the last two halvings; `None` after a single halving.
     pub order: Option<f64>,
-    /// Errors below this are left out, of the diagonal.
+    /// Errors below this are not charted; a part of the diagonal.
     pub least_charted: f64,
-    /// How an implicit method agrees.
+    /// The implicit method that confirms the reference.
     pub agreement: Option<Agreement>,
 }
 
-/// An implicit method that approaches the reference.
+/// An implicit method that converges to the reference.
 #[derive(Clone, Debug, Serialize)]
 pub struct Agreement {
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
-    /// By which power of the step.
+    /// Order of convergence.
     pub order: f64,
-    /// How near it came, of the diagonal.
+    /// Smallest error, as a part of the diagonal.
     pub error_rms: f64,
 }
 
 /// The cheapest method for an error.
 #[derive(Clone, Debug, Serialize)]
 pub struct Winner {
-    /// At most, of the diagonal.
+    /// The largest allowed error, as a part of the diagonal.
     pub error: f64,
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
-    /// s.
+    /// Step, s.
     pub step: f64,
-    /// s.
+    /// Computing time, s.
     pub wall_s: f64,
-    /// The second, and how many times as long it takes.
+    /// The second cheapest method, and its time over the time of the cheapest.
     pub next: Option<(&'static str, f64)>,
 }
 
-/// The slope of a method's error.
+/// The order of convergence of a method.
 #[derive(Clone, Debug, Serialize)]
 pub struct Order {
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
-    /// Over its last three steps in double precision.
+    /// Measured over its last three steps in double precision.
     pub measured: f64,
-    /// Where forces are smooth and steps small.
+    /// Order by theory, for smooth forces and small steps.
     pub theory: f64,
 }
 
-/// A method without a single good run.
+/// A method without a stable run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Omitted {
-    /// As scenes spell it.
+    /// Name as in a scene file.
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
@@ -135,37 +135,37 @@ pub struct Omitted {
     pub why: String,
 }
 
-/// `chart --json`.
+/// The report, `chart --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Chart {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// Simulated, s.
+    /// Simulated time, s.
     pub duration_s: f64,
-    /// Of all cloths.
+    /// Number of vertices of all cloths.
     pub vertices: usize,
-    /// Of the box around the cloth at its start, m.
+    /// Diagonal of the cloth's bounding box at the start, m.
     pub diagonal_m: f64,
-    /// What an error is of: positions, or with contact the outline.
+    /// The compared quantity: positions, or with contact the outline.
     pub measure: Measure,
-    /// What errors are measured against.
+    /// The reference that errors are measured against.
     pub reference: ReferenceReport,
-    /// The processor; one thread of it.
+    /// The processor, of which one thread is used; a note if costs are counted.
     pub machine: String,
     /// All runs.
     pub rows: Vec<Row>,
-    /// Slopes.
+    /// Orders of convergence.
     pub orders: Vec<Order>,
-    /// Cheapest methods.
+    /// Cheapest method for each error.
     pub winners: Vec<Winner>,
-    /// What could not be charted.
+    /// Methods that could not be charted.
     pub omitted: Vec<Omitted>,
-    /// What the study took, s.
+    /// Cost of the study, s.
     pub study_s: f64,
 }
 
 impl Chart {
-    /// For people.
+    /// The report as text.
     pub fn lines(&self) -> String {
         let mut lines = vec![
             format!(
@@ -230,7 +230,8 @@ impl Chart {
         }
     }
 
-    /// What else shows how a method goes where the order says nothing, at its shortest step in double precision.
+    /// With contact orders say nothing. This table shows other quantities for the shortest step of each method in
+    /// double precision.
     fn contact_lines(&self) -> Vec<String> {
         let shortest =
             |method: &str| self.rows.iter().rfind(|row| row.method == method && row.precision == "f64" && row.stable);
@@ -249,7 +250,7 @@ impl Chart {
         [String::new(), head.into()].into_iter().chain(lines).collect()
     }
 
-    /// The order of a method and its largest step, if any works.
+    /// The order of a method and its longest stable step, if a step is stable.
     fn method_line(&self, method: &str) -> Option<String> {
         let mut rows = self.rows.iter().filter(|row| row.method == method && row.precision == "f64");
         let largest = rows.clone().find(|row| row.stable)?;

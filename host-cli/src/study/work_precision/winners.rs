@@ -1,10 +1,9 @@
-//! Which method is cheapest for an error.
+//! The cheapest method for each error.
 
 use super::report::{Row, Winner};
 
-/// For each power of ten that some run reaches: the cheapest run that is as near, in whichever
-/// precision, and the next by another method;
-/// `least` is what the reference can tell.
+/// For each power of ten that some run reaches: the cheapest run with at most this error in either precision, and
+/// the next one by another method. `least` is the smallest error that the reference resolves.
 pub fn of(rows: &[Row], least: f64) -> Vec<Winner> {
     (1..=12).map_while(|digits| at(rows, least, 10f64.powi(-digits))).collect()
 }
@@ -13,7 +12,7 @@ fn at(rows: &[Row], least: f64, error: f64) -> Option<Winner> {
     let near_enough = rows.iter().filter(|row| row.error_at_most(least).is_some_and(|rms| rms <= error));
     let mut best: Vec<&Row> = Vec::new();
     for row in near_enough {
-        // The cheapest of each method, in whichever precision.
+        // Keeps the cheapest run of each method in either precision.
         match best.iter_mut().find(|other| other.method == row.method) {
             Some(other) if row.wall_s < other.wall_s => *other = row,
             Some(_) => {}
