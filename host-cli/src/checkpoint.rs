@@ -1,8 +1,8 @@
-//! Checkpoints: the state of a run, to go on from bit for bit.
+//! Checkpoints: the saved state of a run, which a later run continues bit for bit.
 //!
-//! Little-endian: magic, version, precision, CRC of the scene, steps, whether contact changed the
-//! state, hash chain, work, contacts, the record of the run so far, then each column with its length,
-//! and last the CRC of all before. Written whole or not at all.
+//! Little-endian layout: magic, version, precision, CRC of the scene, steps, whether contact changed the state,
+//! hash chain, counters of work, counters of contact, record of the run, each column after its length, and the
+//! CRC of all bytes before. The file is written completely or not at all.
 
 use std::io::Write;
 use std::path::Path;
@@ -19,27 +19,27 @@ use crate::scene_file::SceneFile;
 const MAGIC: &[u8; 8] = b"MUSLINCP";
 const VERSION: u32 = 4;
 
-/// What a checkpoint holds.
+/// The contents of a checkpoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// Precision of the columns.
     pub precision: Precision,
     /// [`scene_crc`] of the scene that was run.
     pub scene: u32,
-    /// The hash chain over all steps.
+    /// The hash chain over the first state and all steps.
     pub chain: u64,
-    /// What has been seen up to there.
+    /// Observations of the run up to the checkpoint.
     pub record: Record,
     /// The state.
     pub snapshot: Snapshot,
 }
 
-/// What a run goes on from beside its engine.
+/// The state, besides the engine, that a resumed run continues from.
 #[derive(Clone, Copy, Debug)]
 pub struct Resumed {
-    /// The hash chain up to there.
+    /// The hash chain up to the checkpoint.
     pub chain: u64,
-    /// What has been seen up to there.
+    /// Observations of the run up to the checkpoint.
     pub record: Record,
 }
 
@@ -63,7 +63,7 @@ pub enum CheckpointError {
     Damaged,
 }
 
-/// Writes a checkpoint, atomically.
+/// Writes a checkpoint atomically.
 pub fn write(path: &Path, checkpoint: &Checkpoint) -> Result<(), WriteError> {
     let bytes = encode(checkpoint);
     let written = whole::write(path.into(), |file| {
@@ -79,8 +79,8 @@ fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
     decode(&std::fs::read(path)?)
 }
 
-/// Puts the engine of a run of `total` steps where a checkpoint left it; returns what else the run
-/// goes on from. Errors say what to do instead; all are of usage, as for any other input.
+/// Restores the engine of a run of `total` steps from a checkpoint; returns the rest of the saved state. All
+/// errors are usage errors, as for any other input, and say what to do instead.
 pub fn resume(
     path: &Path,
     engine: &mut dyn Engine,
@@ -103,7 +103,7 @@ pub fn resume(
     Ok(Resumed { chain: found.chain, record: found.record })
 }
 
-/// Identity of a scene: its keys but for the duration, and the meshes that it names.
+/// CRC that identifies a scene: its keys except the duration, and the contents of the files that it names.
 pub fn scene_crc(scene: &SceneFile) -> u32 {
     let mut crc = crc32fast::Hasher::new();
     if let Ok(mut table) = toml::from_str::<toml::Table>(&scene.text) {

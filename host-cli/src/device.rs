@@ -1,4 +1,4 @@
-//! The graphics processor, for what can use it.
+//! The graphics processor, for the commands that can use one.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -10,17 +10,17 @@ use serde::Serialize;
 
 use crate::failure::{Failure, print_note};
 
-/// What to do without one.
+/// Advice for a machine without a graphics device.
 pub const INSTALL: &str = "install the driver of your graphics card, or a software one (Debian and Ubuntu: apt-get \
                            install mesa-vulkan-drivers)";
 
-/// The fastest adapter.
+/// Opens the fastest adapter.
 pub fn open() -> Result<Gpu, Failure> {
     pollster::block_on(Gpu::open(Ask::Most))
         .map_err(|why| Failure::NoDevice(format!("--backend gpu: {why}; {INSTALL}, or say --backend cpu")))
 }
 
-/// What a device says, as a failure of the command.
+/// Converts an error of the device into a failure of the command, with advice.
 pub fn failed(why: DetectionError) -> Failure {
     let advice = match why {
         DetectionError::TooLarge(_) => "take a lesser --thickness, or say --backend cpu",
@@ -29,16 +29,16 @@ pub fn failed(why: DetectionError) -> Failure {
     Failure::NoDevice(format!("--backend gpu: {why}; {advice}"))
 }
 
-/// How long a device takes for a stage, by its own clock.
+/// Time of a stage, by the device's own clock.
 #[derive(Clone, Debug, Serialize)]
 pub struct StageTime {
-    /// The file that it is in.
+    /// The shader file of the stage.
     pub stage: &'static str,
-    /// ms.
+    /// Time, ms.
     pub ms: f64,
 }
 
-/// Those of all stages; none where a device has no clocks.
+/// The times of all stages; `None` if the device has no clock.
 pub fn stage_times(times: impl Iterator<Item = (&'static str, f64)>) -> Option<Vec<StageTime>> {
     let all: Vec<_> = times.map(|(stage, ms)| StageTime { stage, ms }).collect();
     (!all.is_empty()).then_some(all)
@@ -48,22 +48,22 @@ fn held<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Finds the candidates of a run's steps on a device.
+/// Finds the candidates of each step of a run on a device.
 pub struct StepDetector {
-    /// Of the adapter that was asked last.
+    /// Name of the adapter that was used last.
     name: Mutex<String>,
-    /// None while it is asked, and when it was lost and could not be had again.
+    /// `None` during a detection, and after an error that ended the use of the device.
     own: Mutex<Option<step::StepDetector>>,
 }
 
 impl StepDetector {
-    /// On the fastest adapter.
+    /// Opens the fastest adapter.
     pub fn open() -> Result<Self, Failure> {
         let gpu = open()?;
         Ok(Self { name: Mutex::new(gpu.name.clone()), own: Mutex::new(Some(step::StepDetector::new(gpu))) })
     }
 
-    /// Of the adapter that was asked last.
+    /// Name of the adapter that was used last.
     pub fn name(&self) -> String {
         held(&self.name).clone()
     }
@@ -72,14 +72,14 @@ impl StepDetector {
         held(&self.own)
     }
 
-    /// Mean times of so many steps.
+    /// Mean times per step over `steps` steps.
     pub fn stage_times(&self, steps: u64) -> Option<Vec<StageTime>> {
         let per_step = |&(stage, ms): &(&'static str, f64)| (stage, ms / steps.max(1) as f64);
         stage_times(self.own().as_ref()?.stage_ms().iter().map(per_step))
     }
 
-    /// Finds candidates and their distances. Where a device was lost and could not be had again the processor
-    /// goes on: none.
+    /// Finds candidates and their distances. Returns `None` if the device has failed or has too little memory for
+    /// this step; the CPU then finds them.
     pub async fn detect(&self, model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Option<Counts> {
         let mut own = self.own().take()?;
         let found = own.detect(model, contact).await;
@@ -92,7 +92,7 @@ impl StepDetector {
                 *self.own() = Some(own);
                 Some(counts)
             }
-            // Fewer candidates will have room again.
+            // The device stays in use: a later step may have fewer candidates, which fit.
             Err(why @ DetectionError::TooLarge(_)) => {
                 print_note(&format!("warning: --backend gpu: {why}; the processor detects once"));
                 *self.own() = Some(own);

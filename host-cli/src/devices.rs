@@ -1,4 +1,4 @@
-//! `muslin devices`: what there is to run on.
+//! `muslin devices`: lists the processor and the graphics adapters.
 
 use serde::Serialize;
 
@@ -14,7 +14,7 @@ struct Devices {
     adapters: Vec<Adapter>,
 }
 
-/// A graphics adapter, with the limits that decide what it can take.
+/// A graphics adapter, with the limits that decide which scenes fit on it.
 #[derive(Serialize)]
 struct Adapter {
     name: String,

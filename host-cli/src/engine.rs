@@ -1,5 +1,5 @@
-//! A simulation in either precision behind one trait: the two crates are the same sources, so
-//! one macro serves both.
+//! A simulation in either precision behind one trait. The single and double precision crates compile the
+//! same sources, so one macro implements the trait for both.
 
 use muslin_core::integrate::stability::Mode;
 use muslin_core::scene::Timing;
@@ -14,9 +14,9 @@ use crate::stopwatch::Stopwatch;
 /// Why a step was not taken.
 #[derive(Clone, Debug)]
 pub enum Halt {
-    /// It cannot be.
+    /// The step cannot be taken.
     Diverged(Divergence),
-    /// The stopwatch said so.
+    /// The stopwatch stopped the step.
     Stopped,
 }
 
@@ -25,16 +25,16 @@ pub enum Halt {
 pub struct Divergence {
     /// What went wrong, in which step and where.
     pub what: String,
-    /// What to do about it.
+    /// Advice to the user.
     pub advice: &'static str,
 }
 
-/// Edge length over rest length beyond which nothing is whole, unless it starts so: rubber and elastane,
-/// which bear the most, break between six and nine times their length.
+/// Ratio of edge length to rest length beyond which the cloth has flown apart, unless it starts with a larger
+/// ratio. Rubber and elastane, the most extensible materials, break at six to nine times their length.
 const FLOWN_APART: f64 = 10.0;
 
-/// Where every number is finite still and yet this is cloth no more: how it is drawn, where it started
-/// less so.
+/// Describes the stretch of cloth that has flown apart, even if all numbers are still finite; otherwise `None`.
+/// `stretch` is the largest ratio now, `first` the largest ratio in the first frame.
 pub fn flown_apart(stretch: f64, first: f64) -> Option<String> {
     (stretch > FLOWN_APART * first.max(1.0)).then(|| match stretch {
         endless if endless.is_infinite() => "the length of an edge is beyond every number".to_owned(),
@@ -43,18 +43,18 @@ pub fn flown_apart(stretch: f64, first: f64) -> Option<String> {
     })
 }
 
-/// Numbers about the state and the work, in double.
+/// Numbers about the state and the work, in double precision.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// Steps taken.
     pub steps: u64,
     /// Simulated time, s.
     pub time: f64,
-    /// Length over rest length of edges: largest, mean.
+    /// Ratio of edge length to rest length: largest, mean.
     pub stretch: [f64; 2],
-    /// kinetic, stretch, shear, bend, seam, gravity; J.
+    /// Energies, J: kinetic, stretch, shear, bend, seam, gravity.
     pub energy: [f64; 6],
-    /// kg m/s.
+    /// Total momentum, kg m/s.
     pub momentum: [f64; 3],
     /// Evaluations of all forces.
     pub force_evaluations: u64,
@@ -68,24 +68,24 @@ pub struct Report {
     pub negative_curvature: u64,
     /// Solves ended by their limit of iterations.
     pub unconverged: u64,
-    /// Bytes that all of that streams; contact's are not counted.
+    /// Bytes that this work streams, without contact.
     pub streamed_bytes: u64,
-    /// candidates, proximity, impacts, zones, failsafe, rejected steps.
+    /// Counters of contact: candidates, proximity, impacts, zones, failsafe, rejected steps.
     pub contacts: [u64; 6],
 }
 
-/// IntegratorStatistics that does not depend on the machine, as far as costs are told by it.
+/// Counts from which costs are computed; they do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counted {
-    /// Without those of contact.
+    /// Bytes that the work streams, without contact.
     pub streamed_bytes: u64,
     /// Pairs of features whose boxes overlap.
     pub candidates: u64,
-    /// Pairs that were near.
+    /// Candidates nearer than the thickness.
     pub contacts: u64,
 }
 
-/// What a checkpoint keeps of a simulation, as little-endian bits.
+/// The part of a simulation that a checkpoint stores. Columns are little-endian bytes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     /// Steps taken.
@@ -94,16 +94,16 @@ pub struct Snapshot {
     pub work: [u64; 7],
     /// Counters of contact, in the order of the core's `Tally`.
     pub contacts: [u64; 7],
-    /// Positions, velocities and, for BDF2, the same one step before.
+    /// Positions, velocities and, for BDF2, the positions and velocities of the step before.
     pub columns: [Vec<u8>; 4],
-    /// Whether contact changed the state.
+    /// Whether contact changed the state in the last step.
     pub after_contact: bool,
 }
 
-/// What came of a start state in which surfaces pass through one another.
+/// Result of untangling a start state.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Untangled {
-    /// Crossings of what can touch, before.
+    /// Crossings before.
     pub before: usize,
     /// Crossings left.
     pub after: usize,
@@ -111,7 +111,7 @@ pub struct Untangled {
     pub inside: [usize; 2],
     /// Rounds taken.
     pub rounds: u32,
-    /// The farthest that a vertex was moved, m.
+    /// Largest displacement of a vertex, m.
     pub moved: f64,
 }
 
@@ -119,53 +119,54 @@ pub struct Untangled {
 pub trait Engine: Send {
     /// Takes one step; on divergence the state stays as it was.
     fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Halt>;
-    /// Positions as exporters take them, m.
+    /// Positions in single precision, as exporters need them, m.
     fn write_positions(&self, out: &mut Vec<[f32; 3]>);
-    /// Positions in double, m.
+    /// Positions in double precision, m.
     fn write_state(&self, out: &mut Vec<[f64; 3]>);
-    /// Of each vertex, kg.
+    /// Mass of each vertex, kg.
     fn masses(&self) -> Vec<f64>;
     /// Triangles of all cloths.
     fn triangles(&self) -> &[[u32; 3]];
-    /// Held vertices.
+    /// Pinned vertices.
     fn pins(&self) -> &[u32];
-    /// What of its work is told in costs, so far.
+    /// Counts from which costs are computed, up to now.
     fn counted(&self) -> Counted;
     /// Numbers about the state and the work.
     fn report(&self) -> Report;
-    /// The largest length over rest length of an edge.
+    /// The largest ratio of edge length to rest length.
     fn largest_stretch(&self) -> f64;
-    /// Whether its method is implicit.
+    /// Whether the integration method is implicit.
     fn is_implicit(&self) -> bool;
-    /// kg.
+    /// Total mass, kg.
     fn mass(&self) -> f64 {
         self.masses().iter().sum()
     }
     /// Mean rest length of all edges, m.
     fn mean_edge(&self) -> f64;
-    /// The same of each cloth.
+    /// Mean rest length of the edges of each cloth, m.
     fn mean_edges(&self) -> Vec<f64>;
-    /// The stiffest and the most damped mode as it stands, by so many iterations at most.
+    /// The stiffest and the most damped mode of the current state, by power iteration. The iteration ends at the
+    /// relative change `tolerance`, or after `most` iterations.
     fn fastest_modes(&self, tolerance: f64, most: u32) -> [Mode; 2];
     /// Adds the state to a hash chain and returns the chain.
     fn chain(&self, chain: Option<u64>) -> u64;
-    /// Pairs of an edge and a triangle that pass through one another, by the exact test.
+    /// Number of crossings, by the exact test.
     fn crossings(&self, pool: &Pool) -> usize;
-    /// Parts what passes through one another; none without contact.
+    /// Untangles the state; `None` in a scene without contact.
     fn untangle(&mut self, stopwatch: &Stopwatch<'_>) -> Option<Untangled>;
-    /// The deepest that a vertex lies in a collider, m; none without colliders.
+    /// The largest depth of a vertex inside a collider, m; `None` without colliders.
     fn penetration(&self) -> Option<f64>;
-    /// The colliders, to be drawn.
+    /// The colliders, for drawing.
     fn solids(&self) -> Vec<Solid>;
-    /// Where the colliders' vertices are now, m.
+    /// Current positions of the colliders' vertices, m.
     fn write_solids(&self, out: &mut Vec<[f32; 3]>);
-    /// What a checkpoint keeps.
+    /// The state that a checkpoint stores.
     fn snapshot(&self) -> Snapshot;
-    /// Goes on from a snapshot; false where it does not fit the scene.
+    /// Restores a snapshot; returns false if it does not fit the scene.
     fn restore(&mut self, snapshot: &Snapshot) -> bool;
 }
 
-/// Builds a scene's engine; the message says what is wrong with the scene.
+/// Builds the engine of a scene; the error message says what is wrong with the scene.
 pub fn build(scene: &SceneFile, precision: Precision) -> Result<(Box<dyn Engine>, Timing), String> {
     limits::check(&scene.desc)?;
     let engine: Box<dyn Engine> = match precision {
@@ -205,7 +206,7 @@ macro_rules! engine {
                 Simulation::new(&desc, &resources).map_err(|error| explain(&desc, error))
             }
 
-            /// With the file of the mesh in which something is wrong.
+            /// The message of a scene error, with the name of the mesh file that it is about, if any.
             fn explain(desc: &SceneDesc, error: SceneError) -> String {
                 let file = match error {
                     SceneError::Mesh { cloth, .. } => &desc.cloth[cloth as usize].mesh,
@@ -241,7 +242,7 @@ macro_rules! engine {
                 [p.x as f32, p.y as f32, p.z as f32]
             }
 
-            /// A collider and those of all triangles that are over its vertices.
+            /// A collider for drawing, with those of `triangles` that use its vertices.
             fn solid(body: &Body, triangles: &[[u32; 3]]) -> Solid {
                 let [first, count] = body.vertices;
                 let own = || triangles.iter().filter(|t| body.range().contains(&(t[0] as usize))).copied().collect();

@@ -1,4 +1,4 @@
-//! What a command can end with besides success, and the exit codes of the interface.
+//! Failures of a command, and their exit codes.
 
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;
@@ -9,16 +9,16 @@ use crate::preview::PreviewError;
 /// A failed command.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The tool failed: reading, writing.
+    /// The tool itself failed, for example to write a file.
     #[error("{0}")]
     Tool(String),
     /// Bad usage or a bad scene.
     #[error("{0}")]
     Usage(String),
-    /// The simulation diverged; the outputs up to then are valid.
+    /// The simulation diverged; the outputs up to the divergence are valid.
     #[error("{0}")]
     Diverged(String),
-    /// Surfaces pass through one another; the outputs are valid.
+    /// Surfaces intersect; the outputs are valid.
     #[error("{0}")]
     Intersecting(String),
     /// A check missed its tolerance; the outputs are valid.
@@ -38,7 +38,8 @@ impl Failure {
         print_note(&format!("muslin: {self}"));
     }
 
-    /// 1 the tool, 2 usage or scene, 3 diverged, intersecting or off, 4 no device, 130 interrupted.
+    /// The exit code: 1 tool failure, 2 bad usage or scene, 3 diverged, intersecting or missed tolerance,
+    /// 4 no device, 130 interrupted.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Tool(_) => 1,
@@ -62,13 +63,13 @@ impl From<PreviewError> for Failure {
     }
 }
 
-/// Prints a note for a person to stderr, if anyone listens.
+/// Prints a note for a person to stderr; write errors are ignored.
 pub fn print_note(text: &str) {
     use io::Write;
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Prints data to stdout; a reader that went away is no failure.
+/// Prints data to stdout; a closed pipe is no failure.
 pub fn print_data(text: &str) -> Result<(), Failure> {
     use io::Write;
     match writeln!(io::stdout().lock(), "{text}") {

@@ -1,11 +1,12 @@
-//! Interrupts: the first asks a run to stop between two steps, a second ends the process at once.
+//! Interrupts: the first one stops a run after the current step, or within it if it is long; the second one
+//! ends the process at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::Failure;
 
-/// The flag that an interrupt (SIGINT, SIGTERM, SIGHUP; Ctrl-C) raises.
+/// Installs the handler; returns the flag that an interrupt (SIGINT, SIGTERM, SIGHUP; Ctrl-C) raises.
 pub fn watch() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);

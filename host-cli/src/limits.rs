@@ -1,17 +1,17 @@
-//! How long a run can be: refused with a word before anything is written or counted.
+//! Limits on the length of a run. A longer run is refused with a message before it starts.
 //!
-//! Only what is too much is judged here; wrong numbers (NaN, negative) are the core's to refuse.
+//! This module only refuses values that are too large; the core refuses invalid ones (NaN, negative).
 
 use muslin_core::scene::SceneDesc;
 
-/// Most steps of a run, and of a frame: more than a week at a microsecond each, and exact in a
-/// double.
+/// Largest number of steps of a run, and of a frame. These steps take more than a week at a microsecond each,
+/// and their number is exact in a double.
 const MOST_STEPS: f64 = 1e12;
 
-/// Most frames: file formats count them in 31 bits.
+/// Largest number of frames: file formats count them in 31 bits.
 const MOST_FRAMES: f64 = 2_147_483_647.0;
 
-/// Whether a scene's time can be run; the message says which numbers to change.
+/// Checks the numbers of frames and steps of a scene; the message says which values to change.
 pub fn check(scene: &SceneDesc) -> Result<(), String> {
     let (duration, rate, step) = (scene.duration, scene.frame_rate, scene.integrator.step);
     let frames = duration * rate;

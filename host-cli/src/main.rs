@@ -1,4 +1,4 @@
-//! `muslin`: the command line host. It owns threads, files and clocks; the core owns the physics.
+//! `muslin`: the command-line host. It owns threads, files and clocks; the core owns the physics.
 #![forbid(unsafe_code)]
 
 mod args;

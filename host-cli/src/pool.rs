@@ -1,11 +1,11 @@
-//! Threads: the core's `Dispatch` by rayon. Work is split in halves down to a grain, so small
-//! scenes stay on one thread; the bits do not depend on where it is split.
+//! Threads: implements the core's `Dispatch` with rayon. Work is halved down to a smallest part, so small
+//! scenes stay on one thread. The results are bitwise independent of the splits.
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use crate::device::StepDetector;
 
-/// Fewest slots worth handing to another thread.
+/// Smallest number of slots that is worth moving to another thread.
 const GRAIN: usize = 2048;
 
 /// Runs kernels on the threads of a pool; valid inside [`Pool::install`].
@@ -15,18 +15,18 @@ pub struct Pool {
 }
 
 impl Pool {
-    /// A pool of so many threads; `None`: one per core.
+    /// A pool of `threads` threads; `None` means one per core.
     pub fn new(threads: Option<usize>) -> Result<Self, ThreadPoolBuildError> {
         let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?;
         Ok(Self { pool, detector: None })
     }
 
-    /// The same, with candidates found on a device in single precision.
+    /// The same pool, which finds candidates on a device in single precision.
     pub fn with_detector(self, detector: StepDetector) -> Self {
         Self { detector: Some(detector), ..self }
     }
 
-    /// What finds candidates, if not the threads.
+    /// The device that finds candidates; `None` if the threads do.
     pub fn detector(&self) -> Option<&StepDetector> {
         self.detector.as_ref()
     }
@@ -36,7 +36,7 @@ impl Pool {
         self.pool.current_num_threads()
     }
 
-    /// Runs `work` inside the pool, where dispatching costs least.
+    /// Runs `work` inside the pool, where dispatch is cheapest.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
     }

@@ -1,8 +1,8 @@
-//! Progress of long work, on a terminal only.
+//! Progress bars for long work, shown on a terminal only.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar of so many units.
+/// A progress bar of `length` units; hidden if `quiet`.
 pub fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(length), target);

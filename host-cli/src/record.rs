@@ -1,37 +1,36 @@
-//! What has been seen of a run so far: a checkpoint keeps it, so that a resumed run tells of the
-//! whole.
+//! Observations of a run up to now. A checkpoint stores them, so that a resumed run reports on the whole run.
 
-/// What is known of a start state.
+/// Observations of the start state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Start {
-    /// Crossings as the scene has it; none where nothing was counted.
+    /// Crossings of the state that the scene describes; `None` if they were not counted.
     pub crossings: Option<u64>,
-    /// How many of them were untangled; none without contact.
+    /// Number of these crossings that were untangled; `None` without contact.
     pub untangled: Option<u64>,
 }
 
-/// The start, and the worst of all frames.
+/// Observations of the start state, and the worst values of all frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Record {
-    /// Of the start state.
+    /// The start state.
     pub start: Start,
     /// Extent of the first frame, m.
     pub size: [f64; 3],
-    /// Largest stretch.
+    /// Largest stretch of all frames.
     pub stretch: f64,
-    /// Stretch of the first frame.
+    /// Largest stretch of the first frame.
     pub first_stretch: f64,
-    /// Deepest penetration, m.
+    /// Deepest penetration into a collider, m.
     pub penetration: Option<f64>,
-    /// Crossings of the worst frame, and that frame; none where nothing is audited.
+    /// Crossings of the worst frame, and the number of that frame; `None` without an audit.
     pub crossings: Option<(u64, u64)>,
 }
 
-/// Words of an encoded record.
+/// Number of words in an encoded record.
 pub const WORDS: usize = 14;
 
 impl Record {
-    /// As bits.
+    /// Encodes the record as words.
     pub fn encode(&self) -> [u64; WORDS] {
         let Self { start, size: [x, y, z], stretch, first_stretch, penetration, crossings } = *self;
         let known = |value: Option<u64>| [u64::from(value.is_some()), value.unwrap_or(0)];
@@ -43,7 +42,7 @@ impl Record {
         [a, b, c, d, x.to_bits(), y.to_bits(), z.to_bits(), stretch, first, e, f, g, h, frame]
     }
 
-    /// From bits.
+    /// Decodes a record.
     pub fn decode([a, b, c, d, x, y, z, stretch, first, e, f, g, h, frame]: [u64; WORDS]) -> Self {
         let known = |is: u64, value: u64| (is != 0).then_some(value);
         Self {
@@ -57,7 +56,7 @@ impl Record {
     }
 }
 
-/// Of the box around positions, along the axes, m.
+/// Size of the box around positions along each axis, m.
 pub fn extent(positions: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in positions {

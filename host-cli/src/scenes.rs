@@ -1,4 +1,4 @@
-//! `muslin scenes`: what is built in.
+//! `muslin scenes`: lists the built-in scenes.
 
 use muslin_core::scene::{BUILT_IN, SceneDesc};
 use serde::Serialize;

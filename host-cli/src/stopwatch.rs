@@ -1,4 +1,4 @@
-//! A pool that keeps a clock for each stage and can be told to stop.
+//! A dispatcher that measures the time of each stage and can stop a step.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +13,7 @@ use muslin_core_f64::stage as double_stage;
 
 use crate::pool::Pool;
 
-/// Runs kernels on a pool and adds up the time between changes of stage.
+/// Runs kernels on a pool, and adds up the time of each stage.
 pub struct Stopwatch<'a> {
     pool: &'a Pool,
     stop: Option<&'a AtomicBool>,
@@ -51,12 +51,13 @@ impl<'a> Stopwatch<'a> {
         Self { pool, stop: None, deadline: None, clock: Mutex::new(Clock { since: None, times: Vec::new() }) }
     }
 
-    /// The same, that gives a step up when the flag is raised.
+    /// The same stopwatch, which stops a step when the flag is raised.
     pub fn until(self, stop: &'a AtomicBool) -> Self {
         Self { stop: Some(stop), ..self }
     }
 
-    /// The same, that gives a step up so long after now; never, where the clock does not reach so far.
+    /// The same stopwatch, which stops a step once the time `left` has passed from now. There is no deadline if
+    /// the clock cannot represent it.
     pub fn within(self, left: Duration) -> Self {
         Self { deadline: Instant::now().checked_add(left), ..self }
     }
@@ -71,7 +72,7 @@ impl<'a> Stopwatch<'a> {
         self.with(|clock| (clock.since, clock.times) = (None, Vec::new()));
     }
 
-    /// Stops until the next stage is entered.
+    /// Stops the clock until the next stage is entered.
     pub fn pause(&self) {
         self.with(|clock| clock.stop(Instant::now()));
     }
@@ -123,7 +124,7 @@ impl double::Dispatch for Stopwatch<'_> {
     }
 }
 
-/// The stage of the same name: both cores are the same sources.
+/// The single-precision stage of the same name: both cores compile the same sources.
 fn same(stage: double_stage::Stage) -> Stage {
     use double_stage::Stage as Double;
     match stage {

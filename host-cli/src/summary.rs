@@ -1,11 +1,11 @@
-//! `summary.json`: what a run came to.
+//! `summary.json`: the summary of a run.
 
 use serde::Serialize;
 
 use crate::device::StageTime;
 use crate::engine::Report;
 
-/// The keys of the interface, in its order, and a few more.
+/// The documented keys in their order, and a few more.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     pub tool: &'static str,
@@ -30,7 +30,7 @@ pub struct Summary {
     pub verdict: &'static str,
     pub divergence: Option<String>,
     pub stage_ms: StageMs,
-    /// Means per step of what the device took for its stages, where one has clocks.
+    /// Mean time per step of each stage on the device; null without a device or without device clocks.
     pub gpu_stage_ms: Option<Vec<StageTime>>,
     pub stretch: Stretch,
     pub energy: Energy,
@@ -38,16 +38,16 @@ pub struct Summary {
     pub contacts: Contacts,
     pub intersections: Option<u64>,
     pub intersections_frame: Option<u64>,
-    /// Of the scene as it is given; counted with contact, and with an audit.
+    /// Crossings of the state that the scene describes; null without contact and audit.
     pub intersections_at_start: Option<u64>,
-    /// How many of them were parted before the first step; none without contact.
+    /// Number of these crossings that were untangled before the first step; null without contact.
     pub intersections_untangled: Option<u64>,
     pub penetration_m: Option<f64>,
     pub work: Work,
     pub state_hash: String,
 }
 
-/// Means per step, ms.
+/// Mean times per step, ms, over the steps of this process.
 #[derive(Clone, Debug, Serialize)]
 pub struct StageMs {
     pub predict: f64,
@@ -57,8 +57,8 @@ pub struct StageMs {
     pub output: f64,
 }
 
-/// Edge length over rest length: largest and mean of the last frame, and largest of all
-/// frames that this process wrote (of a resumed run, those since).
+/// Ratio of edge length to rest length: largest and mean of the final state, and largest of all frames of the
+/// run, including those before a checkpoint.
 #[derive(Clone, Debug, Serialize)]
 pub struct Stretch {
     pub max: f64,
@@ -66,7 +66,7 @@ pub struct Stretch {
     pub max_of_all_frames: f64,
 }
 
-/// J, last frame.
+/// Energies of the final state, J.
 #[derive(Clone, Debug, Serialize)]
 pub struct Energy {
     pub kinetic: f64,
@@ -77,7 +77,7 @@ pub struct Energy {
     pub gravity: f64,
 }
 
-/// Totals of this process; zero without contact.
+/// Totals of the run, including the steps before a checkpoint; zero without contact.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Contacts {
     pub candidates: u64,
@@ -87,7 +87,7 @@ pub struct Contacts {
     pub failsafe: u64,
 }
 
-/// Counts that do not depend on the machine.
+/// Totals of the run; they do not depend on the machine.
 #[derive(Clone, Debug, Serialize)]
 pub struct Work {
     pub force_evaluations: u64,
@@ -95,7 +95,7 @@ pub struct Work {
     pub newton_iterations: u64,
     pub negative_curvature: u64,
     pub unconverged: u64,
-    /// What the kernels stream for it; contact's are not counted.
+    /// Bytes that this work streams, without contact.
     pub streamed_bytes: u64,
 }
 
@@ -126,12 +126,12 @@ impl From<&Report> for Work {
     }
 }
 
-/// Edge length over rest length from which a person is warned.
+/// Ratio of edge length to rest length beyond which the summary warns.
 const TOO_LONG: f64 = 1.3;
 
-/// A stretch as the part beyond the rest length.
+/// A stretch as the elongation in per cent of the rest length.
 pub fn percent(stretch: f64) -> String {
-    // Without the sign of what rounds to zero.
+    // A value that rounds to zero is printed without a sign.
     match 1e2 * (stretch - 1.0) {
         percent if percent.abs() < 0.005 => "0.00 %".to_owned(),
         percent if percent.abs() < 1e3 => format!("{percent:.2} %"),
@@ -140,7 +140,7 @@ pub fn percent(stretch: f64) -> String {
 }
 
 impl Summary {
-    /// For a person.
+    /// The summary as text for a person.
     pub fn lines(&self) -> String {
         let StageMs { predict, broad_phase, narrow_phase, response, output } = self.stage_ms;
         let per_step = predict + broad_phase + narrow_phase + response + output;
@@ -174,7 +174,7 @@ impl Summary {
         text
     }
 
-    /// Signs that the result is wrong although the run reached its end.
+    /// Warnings for a person: signs that the result is wrong, although the run reached its end.
     pub fn warnings(&self) -> Vec<String> {
         let stretch = (self.stretch.max_of_all_frames > TOO_LONG).then(|| {
             format!(
@@ -189,7 +189,7 @@ impl Summary {
         stretch.into_iter().chain(unconverged).collect()
     }
 
-    /// Which device found candidates, and what it took by its own clock where it has one; nothing without.
+    /// The device that found candidates and, if it has a clock, its time; empty without a device.
     fn gpu_line(&self) -> String {
         let Some(name) = &self.adapter else { return String::new() };
         let times = self.gpu_stage_ms.iter().flatten();
@@ -200,7 +200,7 @@ impl Summary {
         format!("\n{name}: {sum:.3} ms a step by its clock, most in {}: {:.3}", longest.stage, longest.ms)
     }
 
-    /// What contact came to; nothing where none is modelled and nothing was audited.
+    /// The results of contact and of the audit; empty without contact and audit.
     fn contact_lines(&self) -> String {
         let Contacts { candidates, proximity, impacts, zones, failsafe } = self.contacts;
         let StageMs { predict, broad_phase, narrow_phase, response, .. } = self.stage_ms;

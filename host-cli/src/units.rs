@@ -1,11 +1,11 @@
-//! Numbers as people read them.
+//! Numbers with units, formatted for people and parsed from their input.
 
 /// A length with its unit.
 pub fn length(metres: f64) -> String {
     precise(metres, 0)
 }
 
-/// The same with more digits.
+/// A length with its unit and `more` additional digits.
 fn precise(metres: f64, more: usize) -> String {
     match metres {
         m if m >= 1e-1 => format!("{m:.*} m", 2 + more),
@@ -17,18 +17,18 @@ fn precise(metres: f64, more: usize) -> String {
     }
 }
 
-/// A length with its unit and no more digits than it has: for the ticks of an axis.
+/// A length as a whole number of its unit, for the ticks of an axis.
 pub fn round_length(metres: f64) -> String {
     let scales = [("m", 1.0), ("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9), ("pm", 1e-12), ("fm", 1e-15)];
-    // A hair below one unit is one unit.
+    // A length that rounding puts just below one unit counts as one unit.
     let fitting = scales.iter().find(|(_, scale)| metres >= 0.999 * scale);
     fitting.map_or_else(|| format!("{metres:.0e} m"), |(unit, scale)| format!("{:.0} {unit}", metres / scale))
 }
 
-/// More digits than these no measured length has.
+/// Limit on additional digits: no measured length has more.
 const MOST_DIGITS: usize = 8;
 
-/// Two lengths with the digits that it takes to tell them apart.
+/// Two lengths with enough digits to tell them apart; without additional digits if that is impossible.
 pub fn apart(a: f64, b: f64) -> [String; 2] {
     let told = |more| [a, b].map(|metres| precise(metres, more));
     (0..MOST_DIGITS).map(told).find(|[a, b]| a != b).unwrap_or_else(|| told(0))
@@ -43,7 +43,7 @@ pub fn time(seconds: f64) -> String {
     }
 }
 
-/// A unit of time, as often as it goes into a second.
+/// The unit that suits a time: how many of it make a second, and its name.
 fn unit(seconds: f64) -> (f64, &'static str) {
     match seconds {
         s if s >= 1.0 => (1.0, "s"),
@@ -53,31 +53,31 @@ fn unit(seconds: f64) -> (f64, &'static str) {
     }
 }
 
-/// A number to so many digits, without a power of ten.
+/// A number rounded to `digits` significant digits, without an exponent.
 fn rounded(value: f64, digits: i32) -> String {
-    // By way of a power of ten: 9.99 to two digits is 10.
+    // Scientific notation rounds correctly where the power of ten changes: 9.99 to two digits is 10.
     let exact = format!("{value:.*e}", (digits - 1).max(0) as usize);
     let power = exact.split_once('e').and_then(|(_, power)| power.parse::<i32>().ok()).unwrap_or(0);
     let value = exact.parse::<f64>().unwrap_or(value);
     format!("{value:.*}", (digits - 1 - power).clamp(0, 12) as usize)
 }
 
-/// A time with its unit to so many digits.
+/// A time with its unit, to `digits` significant digits.
 pub fn significant(seconds: f64, digits: i32) -> String {
     let (times, name) = unit(seconds);
     format!("{} {name}", rounded(times * seconds, digits))
 }
 
-/// From one time to a longer one, to two digits.
+/// The range from one time to a longer one, in the unit of the longer one, to two digits.
 pub fn time_between(from: f64, to: f64) -> String {
     let (times, name) = unit(to);
     format!("{}..{} {name}", rounded(times * from, 2), rounded(times * to, 2))
 }
 
-/// Units of a length, the longer names first, m.
+/// Units of length, m. Longer names come first, because `m` also ends the others.
 const UNITS: [(&str, f64); 6] = [("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("\u{b5}m", 1e-6), ("nm", 1e-9), ("m", 1.0)];
 
-/// A length as people write it: a number, with a unit or in metres.
+/// Parses a length in metres: a number with a unit, or without one in metres.
 pub fn metres(text: &str) -> Option<f64> {
     let text = text.trim();
     let (number, unit) =

@@ -1,5 +1,4 @@
-//! Candidates of crumpled sheets, from ten thousand to a million triangles: how the broad phase
-//! grows.
+//! The broad phase on crumpled sheets of ten thousand to a million triangles: how its time grows.
 
 use std::time::Instant;
 
@@ -14,9 +13,9 @@ use crate::pool::Pool;
 
 /// Cells along each side of the sheets.
 const CELLS: [usize; 3] = [71, 224, 707];
-/// Thicknesses, in edges of the mesh.
+/// Thicknesses, in edge lengths of the mesh.
 const THICKNESSES: [f32; 2] = [0.05, 0.25];
-/// Runs of which the median counts.
+/// Number of runs; the median time is reported.
 const RUNS: usize = 7;
 
 /// One sheet at one thickness.
@@ -28,7 +27,7 @@ pub struct Row {
     vertex_triangle: usize,
     edge_edge: usize,
     candidates_per_s: f64,
-    /// Power of the number of triangles with which the time grew since the size before.
+    /// The exponent p if the time grows as triangles^p from the next smaller sheet to this one.
     growth: Option<f64>,
 }
 
@@ -76,7 +75,7 @@ fn row(cells: usize, thickness: f32, pool: &Pool) -> Row {
     }
 }
 
-/// For a person.
+/// The rows as a table for a person.
 pub fn table(rows: &[Row]) -> String {
     let mut text = format!(
         "\ncrumpled sheets: candidates of the broad phase alone\n{:>10}{:>11}{:>11}{:>16}{:>12}{:>14}{:>9}\n",

@@ -1,12 +1,12 @@
-//! The machine's own copy bandwidth: the yardstick of the bench.
+//! Copy bandwidth of the machine, with which the bench compares the stages.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Copied at once, bytes: more than caches hold.
+/// Size of a copy, bytes: larger than the caches.
 const SIZE: usize = 256 << 20;
 
-/// Copies of which the fastest counts.
+/// Number of copies; the fastest one counts.
 const REPEATS: usize = 7;
 
 /// Bytes read plus bytes written per second, one thread.

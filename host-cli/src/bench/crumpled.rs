@@ -1,32 +1,32 @@
-//! A crumpled sheet of any size, so dense everywhere that several layers share a neighbourhood.
+//! A crumpled sheet of any size, folded so densely that several layers lie close together everywhere.
 //!
-//! Its profile is a meander whose direction swings as `SWING sin(2 pi s / WAVE)`, with loops that
-//! nearly touch; the meander shifts and bends along the other side [Langbein 1966, sine-generated
-//! curves]. The bench measures it and the tests check it: they share this file.
+//! Its profile is a meander whose direction varies with the arc length s as `SWING sin(2 pi s / WAVE)`, with
+//! loops that nearly touch [Langbein 1966, sine-generated curves]. Along the other side of the sheet the meander
+//! shifts and bends. The bench measures the sheet and the tests check it: they share this file.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-/// Swing of the meander's direction, radians: at 2.2 its loops touch.
+/// Amplitude of the meander's direction, radians: at 2.2 its loops touch.
 const SWING: f64 = 2.15;
 
-/// Length of a meander in edges.
+/// Arc length of one period of the meander, in edge lengths.
 const WAVE: f64 = 36.0;
 
-/// Displacement of each vertex in edges.
+/// Largest random displacement of a vertex along each axis, in edge lengths.
 const NOISE: f64 = 0.15;
 
 /// A triangle mesh.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    /// In edges.
+    /// Positions, in edge lengths.
     pub positions: Vec<DVec3>,
     /// Vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A square sheet of `cells` x `cells` cells of two triangles, with edges of length one.
+/// A square sheet of `cells` x `cells` cells of two triangles each, with edges of about length 1.
 pub fn sheet(cells: usize) -> Mesh {
     let (noise, side) = (&mut Noise(7), cells + 1);
     let profile = meander(side + 2 * WAVE as usize);
@@ -45,7 +45,7 @@ pub fn sheet(cells: usize) -> Mesh {
     Mesh { positions, triangles: triangles(cells) }
 }
 
-/// Random numbers that are the same on every machine [Steele 2014, SplitMix64].
+/// Random numbers that are equal on every machine [Steele 2014, SplitMix64].
 struct Noise(u64);
 
 impl Noise {
@@ -63,7 +63,7 @@ impl Noise {
     }
 }
 
-/// Points one apart along the meander.
+/// Points along the meander, at distances of 1 along the arc.
 fn meander(points: usize) -> Vec<[f64; 2]> {
     const STEPS: usize = 8;
     let mut at = [0.0; 2];

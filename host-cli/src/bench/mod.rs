@@ -1,5 +1,5 @@
-//! `muslin bench`: what each stage costs on this machine, beside what its memory traffic would
-//! cost if copying were all there is to it.
+//! `muslin bench`: measures each stage on this machine, and compares its memory traffic per second with the
+//! bandwidth of a plain copy.
 
 mod candidates;
 mod copy;
@@ -21,14 +21,14 @@ use crate::scene_file::{self, SceneFile};
 use crate::stopwatch::Stopwatch;
 use report::{ContactReport, Machine, Report, SceneReport, StageReport};
 
-/// Wall time after which a scene is cut short.
+/// Wall time after which the measurement of a scene ends early.
 const LONGEST: Duration = Duration::from_secs(4);
 
 /// Steps before the clocks start: caches fill, pages are mapped.
 const WARM_UP: u64 = 3;
 
-/// The standard set: explicit springs from 10k to 1M particles, then implicit scenes, three of them
-/// with contact, then crumpled sheets.
+/// The standard scenes: explicit springs with 10k to 1M particles, then implicit scenes, three of them with
+/// contact, then crumpled sheets.
 const SPRINGS: [(&str, u32); 3] = [("springs-10k", 100), ("springs-100k", 315), ("springs-1m", 1000)];
 const IMPLICIT: [&str; 6] = ["hanging", "swing", "flag", "ball", "stack", "fold"];
 const CRUMPLED: &str = "crumpled";
@@ -64,8 +64,8 @@ fn scenes(names: &[String]) -> Result<Vec<SceneFile>, Failure> {
     springs.chain(IMPLICIT.iter().map(|name| scene_file::load(name, &[]))).collect()
 }
 
-/// A hanging sheet of springs that keeps the same step whatever its resolution: the stiffness
-/// falls as the masses do.
+/// A hanging sheet of springs. Its stiffness decreases with its masses, so that one step length suits every
+/// resolution.
 fn springs_scene(name: &str, cells: u32) -> String {
     let stiffness = 100.0 * (315.0 / f64::from(cells)).powi(2);
     format!(
@@ -175,7 +175,7 @@ fn stage_name(stage: Stage) -> String {
     }
 }
 
-/// What the processor calls itself.
+/// Model name of the processor.
 pub fn cpu_name() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split(": ").nth(1));

@@ -1,15 +1,15 @@
-//! What `muslin bench` prints.
+//! The report that `muslin bench` prints.
 
 use serde::Serialize;
 
 use super::candidates;
 
-/// All that was measured.
+/// All measurements.
 #[derive(Serialize)]
 pub struct Report {
     pub machine: Machine,
     pub scenes: Vec<SceneReport>,
-    /// Crumpled sheets, where they were asked for.
+    /// Crumpled sheets; empty if they were not requested.
     pub candidates: Vec<candidates::Row>,
 }
 
@@ -27,26 +27,26 @@ pub struct SceneReport {
     pub particles: usize,
     pub bytes_per_particle: f64,
     pub steps: u64,
-    /// From the start of the scene to the last step.
+    /// Simulated time from the start of the scene to the last step, s.
     pub simulated_s: f64,
     pub ms_per_step: f64,
     pub ms_per_frame: f64,
     pub particles_per_s: f64,
     pub largest_stretch: f64,
     pub cg_iterations_per_step: f64,
-    /// Null where nothing can touch.
+    /// Null in a scene without contact.
     pub contact: Option<ContactReport>,
     pub stages: Vec<StageReport>,
 }
 
-/// What contact did, and how fast the stages did it that do it.
+/// Counts of contact, and the speed of its stages.
 #[derive(Serialize)]
 pub struct ContactReport {
     pub candidates_per_step: f64,
     pub contacts_per_step: f64,
-    /// Over the time of the broad phase.
+    /// Per second of the broad phase.
     pub candidates_per_s: f64,
-    /// Over the time of narrow phase and response.
+    /// Per second of narrow phase and response.
     pub contacts_per_s: f64,
     pub candidates_per_contact: Option<f64>,
     pub impacts: u64,
@@ -59,15 +59,15 @@ pub struct StageReport {
     pub stage: String,
     pub ms_per_step: f64,
     pub particles_per_s: f64,
-    /// Counted, not measured; zero where it depends on what touches.
+    /// Counted, not measured; zero for the stages of contact, whose traffic depends on the contacts.
     pub traffic_bytes_per_particle: f64,
     pub gb_per_s: f64,
-    /// Speed over the speed that copying as many bytes would allow.
+    /// Ratio of `gb_per_s` to the bandwidth of a copy.
     pub of_copy_speed: f64,
 }
 
 impl Report {
-    /// For a person.
+    /// The report as a table for a person.
     pub fn table(&self) -> String {
         let Machine { cpu, threads, copy_gb_per_s } = &self.machine;
         let mut text = format!("{cpu}, {threads} thread(s), copies {copy_gb_per_s:.1} GB/s (read + written)\n");

@@ -1,4 +1,4 @@
-//! The mesh that is asked about: its surface, and a box around each vertex or its motion.
+//! The input mesh: its surface, and a box around each vertex or around its motion.
 
 use std::path::Path;
 
@@ -10,24 +10,24 @@ use crate::args::DetectArguments;
 use crate::failure::Failure;
 use crate::mesh_io;
 
-/// A mesh, and where it goes.
+/// The input mesh and its motion.
 pub struct Subject {
-    /// m.
+    /// Thickness, m.
     pub thickness: f32,
-    /// How many vertices belong to no triangle, and so touch nothing.
+    /// Number of vertices that belong to no triangle, and so touch nothing.
     pub loose_vertices: usize,
-    /// What can touch.
+    /// The features of the mesh.
     pub surface: SurfaceColumns,
-    /// m.
+    /// Positions, m.
     pub positions: Vec<Vec3>,
     /// Positions in the next mesh, m.
     pub next: Option<Vec<Vec3>>,
-    /// Around the motion of each vertex, wider by half the thickness.
+    /// Box around the motion of each vertex, enlarged by half the thickness on each side.
     pub boxes: Vec<Aabb>,
 }
 
 impl Subject {
-    /// Loads and checks the meshes that are named.
+    /// Loads and checks the meshes that the arguments name.
     pub fn load(arguments: &DetectArguments) -> Result<Self, Failure> {
         let (mesh, positions) = load(&arguments.mesh)?;
         let next = match &arguments.next {

@@ -1,5 +1,5 @@
-//! `muslin detect`: what is near in a mesh, what meets on its way to the next, what passes through
-//! what; counted, by the stages that runs are made of.
+//! `muslin detect`: counts the contacts of a mesh, the impacts of its motion to a second mesh, and its
+//! crossings, with the stages that a run uses.
 
 mod mesh;
 mod on_gpu;

@@ -1,4 +1,4 @@
-//! The same stages on a graphics processor.
+//! The stages of detection on a graphics processor.
 
 use muslin_core::narrow_phase::contacts::contacts;
 use muslin_gpu::{DetectionQuery, DetectionResult, Detector};
@@ -12,7 +12,7 @@ use crate::device;
 use crate::failure::Failure;
 use crate::pool::Pool;
 
-/// Detects there; timed when the columns have the room that they need.
+/// Detects on the device. Of two detections the second is timed, when the buffers are large enough.
 pub fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Result<Report, Failure> {
     let gpu = device::open()?;
     let radii = vec![0.0; subject.positions.len()];

@@ -1,4 +1,4 @@
-//! What `muslin detect` prints.
+//! The report that `muslin detect` prints.
 
 use serde::Serialize;
 
@@ -7,14 +7,14 @@ use super::stages::Touch;
 use crate::args::{DetectArguments, Method};
 use crate::device::StageTime;
 
-/// The keys of the interface, and a few more. What was not asked for is null.
+/// The documented keys, and a few more. A value that was not requested is null.
 #[derive(Serialize)]
 pub struct Report {
     pub edge_edge: Pairs,
     pub vertex_triangle: Pairs,
-    /// Edges that pass through triangles.
+    /// Number of crossings.
     pub intersections: Option<usize>,
-    /// Of the motion, 0..1.
+    /// Time of the first impact as a fraction of the motion, 0..1.
     pub first_impact: Option<f32>,
     pub ms: StageMs,
     pub backend: &'static str,
@@ -25,23 +25,23 @@ pub struct Report {
     pub thickness_m: f32,
     pub threads: usize,
     pub vertices: usize,
-    /// Of them, those of no triangle.
+    /// Vertices that belong to no triangle.
     pub loose_vertices: usize,
     pub triangles: usize,
     pub edges: usize,
 }
 
-/// How many pairs of one kind.
+/// Numbers of pairs of one kind.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Pairs {
     pub candidates: usize,
     pub contacts: Option<usize>,
-    /// Those that touch in the course of the motion.
+    /// Pairs that collide during the motion.
     pub ccd: Option<usize>,
 }
 
 impl Pairs {
-    /// Only candidates so far.
+    /// Pairs with only the number of candidates known.
     pub fn of(candidates: usize) -> Self {
         Self { candidates, contacts: None, ccd: None }
     }
@@ -56,21 +56,21 @@ impl Pairs {
     }
 }
 
-/// How long each stage took, ms.
+/// Time of each stage, ms.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct StageMs {
     pub candidates: Option<f64>,
     pub contacts: Option<f64>,
     pub ccd: Option<f64>,
     pub intersections: Option<f64>,
-    /// All that the graphics processor did, with transfers.
+    /// The whole detection on the graphics processor, with transfers.
     pub gpu: Option<f64>,
-    /// What it took for each stage, by its own clock.
+    /// Time of each stage on the graphics processor, by its own clock.
     pub gpu_stages: Option<Vec<StageTime>>,
 }
 
 impl Report {
-    /// About a mesh, without any counts.
+    /// A report on a mesh, without any counts.
     pub fn new(arguments: &DetectArguments, subject: &Subject, threads: usize) -> Self {
         Self {
             edge_edge: Pairs::of(0),
@@ -96,14 +96,14 @@ impl Report {
         }
     }
 
-    /// What touches in the course of the motion.
+    /// Adds the impacts during the motion.
     pub fn add_touch(&mut self, touch: &Touch) {
         self.vertex_triangle.ccd = Some(touch.vertex_triangle);
         self.edge_edge.ccd = Some(touch.edge_edge);
         self.first_impact = touch.first;
     }
 
-    /// For a person.
+    /// The report as a table for a person.
     pub fn table(&self) -> String {
         let all = self.edge_edge.add(self.vertex_triangle);
         let next = self.next.as_ref().map(|next| format!(" -> {next}")).unwrap_or_default();
@@ -163,7 +163,7 @@ fn or_dash(count: Option<usize>) -> String {
     count.map_or("-".into(), grouped)
 }
 
-/// With commas between thousands.
+/// A number with commas between thousands.
 fn grouped(count: usize) -> String {
     let digits = count.to_string();
     let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();

@@ -1,4 +1,4 @@
-//! The stages, each over the candidates of both kinds: find them, measure them, move them.
+//! The stages of detection on the CPU, each for both kinds of pairs: candidates, distances, impact times.
 
 use std::time::{Duration, Instant};
 
@@ -12,7 +12,7 @@ use super::mesh::Subject;
 use crate::args::Method;
 use crate::pool::Pool;
 
-/// The candidates.
+/// The candidates of both kinds.
 #[derive(Default)]
 pub struct Found {
     /// `[vertex, triangle]`.
@@ -22,7 +22,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// Finds them all: counts, makes room, and comes again. Returns how long the last time took.
+    /// Finds all candidates: counts them, allocates memory, and repeats. Returns the duration of the last pass.
     pub fn find(&mut self, method: Method, boxes: &[Aabb], surface: &Surface<'_>, pool: &Pool) -> Duration {
         let cells = if method == Method::Grid { [boxes.len(), surface.triangles.len()] } else { [0; 2] };
         let mut work = GridColumns::build(cells[0], cells[1]);
@@ -39,23 +39,23 @@ impl Found {
             if [vertex_triangle, edge_edge] == [self.vertex_triangle.len(), self.edge_edge.len()] {
                 return time;
             }
-            // Written once, so that the clock does not see memory being handed out.
+            // Filled with a value other than zero, so that the timed pass does not wait for memory pages.
             self.vertex_triangle = vec![[u32::MAX; 2]; vertex_triangle];
             self.edge_edge = vec![[u32::MAX; 2]; edge_edge];
         }
     }
 }
 
-/// How far apart each candidate's features are; where their boxes lie farther apart than the
-/// thickness, how far those are. m.
+/// Distance between the features of each candidate, m. Where their boxes are farther apart than the thickness,
+/// the distance between the boxes instead.
 pub struct Distances {
-    /// As the candidates.
+    /// In the order of the candidates.
     pub vertex_triangle: Vec<f32>,
-    /// As the candidates.
+    /// In the order of the candidates.
     pub edge_edge: Vec<f32>,
 }
 
-/// Measures the candidates as the mesh stands.
+/// Measures the candidates at the start of the motion.
 pub fn distances(found: &Found, subject: &Subject, pool: &Pool) -> Distances {
     Distances {
         vertex_triangle: measure::<VertexTriangle>(&found.vertex_triangle, subject, pool),
@@ -71,18 +71,18 @@ fn measure<P: Pairing>(candidates: &[[u32; 2]], subject: &Subject, pool: &Pool) 
     distances
 }
 
-/// What touches in the course of the motion.
+/// The impacts during the motion.
 pub struct Touch {
-    /// How many pairs of a vertex and a triangle do.
+    /// Number of vertex-triangle pairs that collide.
     pub vertex_triangle: usize,
-    /// How many pairs of edges do.
+    /// Number of edge-edge pairs that collide.
     pub edge_edge: usize,
-    /// When the first do, of the motion, 0..1.
+    /// Time of the first impact as a fraction of the motion, 0..1.
     pub first: Option<f32>,
 }
 
 impl Touch {
-    /// Moves all candidates to `next`.
+    /// Finds the impacts of all candidates on the way to `next`.
     pub fn find(found: &Found, distances: &Distances, subject: &Subject, next: &[Vec3], pool: &Pool) -> Self {
         let (vertices, edges) = (&found.vertex_triangle, &found.edge_edge);
         let (start, radii) = (&subject.positions[..], &vec![0.0; next.len()][..]);
@@ -93,7 +93,7 @@ impl Touch {
         Self::of(&vertex_triangle, &edge_edge)
     }
 
-    /// What times say, by a device or here.
+    /// Counts the impacts, given the impact times of all candidates.
     pub fn of(vertex_triangle: &[f32], edge_edge: &[f32]) -> Self {
         let count = |times: &[f32]| times.iter().filter(|&&time| time != NEVER).count();
         let hits = vertex_triangle.iter().chain(edge_edge).filter(|&&time| time != NEVER);
@@ -105,7 +105,7 @@ impl Touch {
     }
 }
 
-/// When each candidate's features come so near that rounding cannot tell them apart.
+/// Impact time of each candidate: when rounding can no longer tell its features apart.
 fn times<P: Pairing>(
     candidates: &[[u32; 2]],
     distances: &[f32],

@@ -41,7 +41,7 @@ pub enum ExportError {
     },
 }
 
-/// What the files of all formats are made from.
+/// The input that the files of all formats share.
 struct Clip {
     dir: PathBuf,
     triangles: Vec<[u32; 3]>,
@@ -52,24 +52,25 @@ struct Clip {
 
 /// The file or files of one format.
 trait Writer: Send {
-    /// Writes the positions (metres) of the frame of that number.
+    /// Writes the positions (metres) of frame number `frame`.
     fn frame(&mut self, clip: &Clip, frame: u32, positions: &[[f32; 3]]) -> Result<(), WriteError>;
 
-    /// Completes the files after `frames` frames, counted from 0; returns what a user would open.
+    /// Completes the files; `frames` is one more than the last frame's number. Returns the paths that a user
+    /// would open.
     fn finish(self: Box<Self>, clip: &Clip, frames: u32) -> Result<Vec<PathBuf>, WriteError>;
 
-    /// Puts on disk what a later run would continue.
+    /// Writes buffered data to disk, for a later run to continue.
     fn flush(&mut self) -> Result<(), WriteError> {
         Ok(())
     }
 
-    /// Leaves what there is for a later run to continue.
+    /// Leaves unfinished files for a later run to continue.
     fn suspend(self: Box<Self>) -> Result<(), WriteError> {
         Ok(())
     }
 }
 
-/// Writes frames in all formats asked for. Files get their final names when they are whole.
+/// Writes frames in all requested formats. Files get their final names when they are complete.
 pub struct Exporter {
     clip: Clip,
     writers: Vec<Box<dyn Writer>>,
@@ -77,8 +78,8 @@ pub struct Exporter {
 }
 
 impl Exporter {
-    /// Begins files in `dir`, which is made if need be. `frame_rate` is in frames per second;
-    /// frames are numbered from `first_frame`, above 0 to continue a run that was suspended.
+    /// Begins files in `dir`, which is created if necessary. `frame_rate` is in frames per second. Frames are
+    /// numbered from `first_frame`, which is above 0 to continue a suspended run.
     pub fn create(
         dir: &Path,
         formats: &[Format],
@@ -88,13 +89,13 @@ impl Exporter {
     ) -> Result<Exporter, ExportError> {
         let points = triangles.as_flattened().iter().max().map_or(0, |&last| last as usize + 1);
         let clip = Clip { dir: dir.into(), triangles: triangles.into(), points, frame_rate, first_frame };
-        // Named twice is meant once: two writers of one file would take it from each other.
+        // A format that is named twice gets one writer: two writers would overwrite each other's file.
         let once = formats.iter().enumerate().filter(|(place, format)| !formats[..*place].contains(format));
         let writers = once.filter_map(|(_, &format)| writer(format, &clip).transpose()).collect::<Result<_, _>>()?;
         Ok(Exporter { clip, writers, next: first_frame })
     }
 
-    /// Writes the next frame: the position of every vertex, metres.
+    /// Writes the next frame: the positions of all vertices, metres.
     pub fn frame(&mut self, positions: &[[f32; 3]]) -> Result<(), ExportError> {
         let (expected, found) = (self.clip.points, positions.len());
         if expected != found {
@@ -107,12 +108,12 @@ impl Exporter {
         Ok(())
     }
 
-    /// Puts on disk what a later run would continue, should this one be killed.
+    /// Writes buffered data to disk, so that a later run can continue if this one is killed.
     pub fn flush(&mut self) -> Result<(), ExportError> {
         self.writers.iter_mut().try_for_each(|writer| writer.flush()).map_err(ExportError::from)
     }
 
-    /// Completes all files; returns what a user would open.
+    /// Completes all files; returns the paths that a user would open.
     pub fn finish(self) -> Result<Vec<PathBuf>, ExportError> {
         let mut paths = Vec::new();
         for writer in self.writers {
@@ -149,7 +150,7 @@ mod tests {
         [[0.0, y, 0.0], [1.0, y, 0.0], [1.0, y, 0.1], [0.0, y, 1.0]]
     }
 
-    /// Frames from `first` up to `end`, at the height of their number, neither finished nor suspended.
+    /// Writes frames `first..end`, each at the height of its number; the exporter is neither finished nor suspended.
     pub fn export(dir: &Path, format: Format, first: u32, end: u32) -> Exporter {
         let mut exporter = Exporter::create(dir, &[format], &QUAD, 25.0, first).unwrap();
         (first..end).for_each(|frame| exporter.frame(&quad(frame as f32)).unwrap());

@@ -1,4 +1,4 @@
-//! Wavefront OBJ: vertices in the order of the input, faces counted from 1.
+//! Wavefront OBJ: vertices in the order of the input; face indices count from 1.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ impl Writer for ObjFrames {
     }
 
     fn finish(self: Box<Self>, clip: &Clip, frames: u32) -> Result<Vec<PathBuf>, WriteError> {
-        // The frames with which an older, longer run would go on are not of this run.
+        // Frames after the last one are from an older, longer run.
         let older = (frames..).map(|frame| place(clip, frame)).take_while(|path| path.exists());
         older.for_each(|path| drop(std::fs::remove_file(path)));
         Ok(vec![folder(&clip.dir)])
@@ -31,7 +31,7 @@ fn folder(dir: &Path) -> PathBuf {
     dir.join("frames")
 }
 
-/// Writes one mesh; numbers are the shortest that read back as the same `f32`.
+/// Writes one mesh; each number is the shortest that reads back as the same `f32`.
 pub fn mesh(file: &mut impl Write, clip: &Clip, positions: &[[f32; 3]]) -> io::Result<()> {
     for [x, y, z] in positions {
         writeln!(file, "v {x} {y} {z}")?;

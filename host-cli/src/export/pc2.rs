@@ -17,8 +17,8 @@ pub struct Pc2 {
 }
 
 impl Pc2 {
-    /// Continues the cache that an interrupted or shorter run left, if it reaches up to the first
-    /// frame and is of a mesh of this size; else begins a new one.
+    /// Continues the cache of an interrupted or shorter run, if it has all frames before the first one and a mesh
+    /// of this size; otherwise begins a new cache.
     pub fn begin(clip: &Clip) -> Result<Pc2, WriteError> {
         let path = clip.dir.join("cloth.pc2");
         if clip.first_frame > 0
@@ -54,7 +54,7 @@ impl Writer for Pc2 {
     }
 }
 
-/// Magic, version, points, start, sample rate, samples; the last is set when the cache is complete.
+/// Magic, version, points, start, sample rate, samples. The number of samples is set when the cache is complete.
 fn header(clip: &Clip) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     bytes.extend(1_i32.to_le_bytes());
@@ -69,14 +69,14 @@ fn frame_bytes(clip: &Clip) -> u64 {
     clip.points as u64 * 12
 }
 
-/// Cuts an older cache down to the frames before the first; whether it was fit for it.
+/// Truncates an older cache to the frames before the first one; returns whether the cache can be continued.
 fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<bool> {
     let mut found = Vec::new();
     file.get_mut().take(HEADER_BYTES).read_to_end(&mut found)?;
     let Some(start) = found.get(20..24).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])) else {
         return Ok(false);
     };
-    // But for the number of samples at its end, a header is the same for the same mesh and start.
+    // Headers with the same mesh and start differ only in the number of samples, the last field.
     let older = Clip { first_frame: start as u32, dir: PathBuf::new(), triangles: Vec::new(), ..*clip };
     let length = HEADER_BYTES + u64::from(clip.first_frame.saturating_sub(older.first_frame)) * frame_bytes(clip);
     let same = found.len() as u64 == HEADER_BYTES && header(&older).starts_with(&found[..28]);

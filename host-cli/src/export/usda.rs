@@ -17,8 +17,8 @@ pub struct Usda {
 }
 
 impl Usda {
-    /// Continues the file that an interrupted or shorter run left, if it is of this mesh and has
-    /// all frames before the first; else begins a new one with all that does not move.
+    /// Continues the file of an interrupted or shorter run, if it has this mesh and all frames before the first
+    /// one; otherwise begins a new file with the data that all frames share.
     pub fn begin(clip: &Clip) -> Result<Usda, WriteError> {
         let path = clip.dir.join("cloth.usda");
         if clip.first_frame > 0
@@ -60,11 +60,11 @@ impl Writer for Usda {
     }
 }
 
-/// Cuts an older file down to the frames before the first; whether it was fit for it.
+/// Truncates an older file to the frames before the first one; returns whether the file can be continued.
 fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<bool> {
     let mut lines = BufReader::new(file.get_mut());
     let mut line = Vec::new();
-    // Of the head, all must be as here but for the times of start and end.
+    // Every line of the head must be the same, except the start time and the end time.
     let mut expected = Vec::new();
     head(&mut expected, clip)?;
     let mut length = 0;
@@ -123,12 +123,12 @@ def Mesh \"Cloth\"
     file.write_all(b"\n    point3f[] points.timeSamples = {\n")
 }
 
-/// USD knows `nan` in lower case only.
+/// A point as text. USD accepts `nan` in lower case only.
 fn point([x, y, z]: &[f32; 3]) -> String {
     format!("({x}, {y}, {z})").replace("NaN", "nan")
 }
 
-/// Always as wide, so that it can be set again when the last frame is known.
+/// Writes the end time with a fixed width, so that it can be overwritten when the last frame is known.
 fn end_time(file: &mut impl Write, frame: u32) -> io::Result<()> {
     write!(file, "{frame:>10}")
 }

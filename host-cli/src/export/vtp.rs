@@ -1,5 +1,5 @@
-//! VTK XML PolyData (docs.vtk.org, VTKXMLFileFormats) with inline base64 arrays, and the JSON
-//! index by which ParaView opens the files as one animation.
+//! VTK XML PolyData (docs.vtk.org, VTKXMLFileFormats) with inline base64 arrays, and the JSON index with which
+//! ParaView opens the files as one animation.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ pub struct Vtp {
 }
 
 impl Vtp {
-    /// Encodes the triangles once.
+    /// Encodes the triangles, once for all frames.
     pub fn new(clip: &Clip) -> Vtp {
         let connectivity = clip.triangles.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
         let offsets = (1..=clip.triangles.len() as u32).flat_map(|k| (3 * k).to_le_bytes()).collect();
@@ -31,7 +31,7 @@ impl Writer for Vtp {
     }
 
     fn finish(self: Box<Self>, clip: &Clip, frames: u32) -> Result<Vec<PathBuf>, WriteError> {
-        // With the frames that an interrupted run left.
+        // Includes the frames of an interrupted run.
         let exists = |&frame: &u32| frame >= clip.first_frame || clip.dir.join(name(frame)).exists();
         let entry = |frame| json!({ "name": name(frame), "time": f64::from(frame) / clip.frame_rate });
         let files: Vec<_> = (0..frames).filter(exists).map(entry).collect();
@@ -69,7 +69,7 @@ fn name(frame: u32) -> String {
     format!("vtp/cloth_{frame:05}.vtp")
 }
 
-/// An array element: the number of its bytes and the bytes, encoded as one.
+/// An XML array element: the number of bytes and the bytes, encoded together.
 fn array(kind: &str, name: &str, components: u32, bytes: Vec<u8>) -> String {
     let mut block = (bytes.len() as u64).to_le_bytes().to_vec();
     block.extend(bytes);
@@ -79,7 +79,7 @@ fn array(kind: &str, name: &str, components: u32, bytes: Vec<u8>) -> String {
     )
 }
 
-/// RFC 4648 with padding.
+/// Base64 with padding [RFC 4648].
 fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
@@ -131,7 +131,7 @@ mod tests {
         assert_eq!(series(dir.path()), [("vtp/cloth_00005.vtp".into(), 0.2)]);
         let text = fs::read_to_string(dir.path().join("vtp/cloth_00005.vtp")).unwrap();
         assert!(text.contains("NumberOfPoints=\"4\"") && text.contains("NumberOfPolys=\"2\""));
-        // 24 bytes of indices 0 1 2 0 2 3 after their number.
+        // The number of bytes (24, as 64 bits), then the indices 0 1 2 0 2 3.
         let connectivity = [24, 0, 0, 1, 2, 0, 2, 3].map(u32::to_le_bytes).concat();
         assert!(text.contains(&base64(&connectivity)));
     }

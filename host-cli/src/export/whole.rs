@@ -1,4 +1,4 @@
-//! Files that are whole or absent: written to `NAME.partial`, renamed when done.
+//! Files that are either complete or absent: they are written to `NAME.partial` and then renamed.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -12,20 +12,20 @@ pub struct WriteError {
     cause: io::Error,
 }
 
-/// A file under its partial name, opened to read and write.
+/// A file under its partial name, open for reading and writing.
 pub struct Partial {
     path: PathBuf,
     file: BufWriter<File>,
 }
 
 impl Partial {
-    /// A new, empty file that is to become `path`; its folder is made if need be.
+    /// Creates an empty file that will become `path`; its folder is created if necessary.
     pub fn create(path: PathBuf) -> Result<Partial, WriteError> {
         Partial::open(path, OpenOptions::new().read(true).write(true).create(true).truncate(true))
     }
 
-    /// The file that an interrupted run left of `path`, or a copy of the complete one; if there is
-    /// either.
+    /// Opens the partial file that an interrupted run left, or else a copy of the complete file; `None` if neither
+    /// exists.
     pub fn reopen(path: &Path) -> Result<Option<Partial>, WriteError> {
         let partial = partial_name(path);
         if !partial.exists() {
@@ -48,22 +48,22 @@ impl Partial {
         }
     }
 
-    /// Its final name.
+    /// The final path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Reads or writes the file; a failure names it.
+    /// Reads or writes the file; an error names the file.
     pub fn with<T>(&mut self, act: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) -> Result<T, WriteError> {
         act(&mut self.file).map_err(|cause| WriteError { path: self.path.clone(), cause })
     }
 
-    /// Writes out what is buffered and leaves the file under its partial name.
+    /// Flushes the file and leaves it under its partial name.
     pub fn suspend(mut self) -> Result<(), WriteError> {
         self.with(|file| file.flush())
     }
 
-    /// Gives the file its final name, which is returned.
+    /// Gives the file its final name; returns the path.
     pub fn finish(mut self) -> Result<PathBuf, WriteError> {
         self.with(|file| file.flush())?;
         let Partial { path, file } = self;
@@ -79,7 +79,7 @@ impl Partial {
 pub fn write(path: PathBuf, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<PathBuf, WriteError> {
     let mut partial = Partial::create(path)?;
     if let Err(error) = partial.with(fill) {
-        // The failure to write is what matters; what is left of it is no result in any case.
+        // The error above is the one to report, so an error of the removal is ignored.
         let _ = fs::remove_file(partial_name(partial.path()));
         return Err(error);
     }

@@ -1,6 +1,6 @@
-//! The kind of a file by its bytes; its name may be wrong.
+//! Recognises the kind of a file by its bytes: its name may be wrong.
 
-/// How files begin that are given where a mesh is wanted.
+/// First bytes of files that users may pass as meshes by mistake.
 const BEGINNINGS: [(&[u8], &str); 13] = [
     (b"ply\n", "a PLY file"),
     (b"ply\r", "a PLY file"),
@@ -17,7 +17,7 @@ const BEGINNINGS: [(&[u8], &str); 13] = [
     (b"\x1f\x8b", "a gzip archive"),
 ];
 
-/// The kind of a file that cannot be a Wavefront OBJ file.
+/// The kind of a file that cannot be a Wavefront OBJ file; `None` if it may be one.
 pub fn not_obj(bytes: &[u8]) -> Option<&'static str> {
     let begun = BEGINNINGS.iter().find(|(beginning, _)| bytes.starts_with(beginning)).map(|(_, kind)| *kind);
     begun
@@ -25,12 +25,13 @@ pub fn not_obj(bytes: &[u8]) -> Option<&'static str> {
         .or_else(|| bytes.contains(&0).then_some("a binary file"))
 }
 
-/// The kind of a file that cannot be a Stanford PLY file, unless it is text, whose lines tell more.
+/// The kind of a file that cannot be a Stanford PLY file. `None` if it may be one, and for text of an unknown
+/// kind: the parser's message about its first line says more.
 pub fn not_ply(bytes: &[u8]) -> Option<&'static str> {
     not_obj(bytes).filter(|_| !bytes.starts_with(b"ply"))
 }
 
-/// It begins by nothing of its own: only its length tells.
+/// Whether this is a binary STL file. The format has no magic bytes, so only the length can show it.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     const HEADER_BYTES: usize = 80;
     const TRIANGLE_BYTES: u64 = 50;

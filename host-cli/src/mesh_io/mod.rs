@@ -18,7 +18,7 @@ pub use obj::ObjError;
 pub use pc2::Pc2Error;
 pub use ply::PlyError;
 
-/// For who gives something else.
+/// The known formats, for error messages.
 const READ: &str = "meshes are read from Wavefront OBJ (.obj) and Stanford PLY (.ply)";
 
 /// Why a mesh file could not be loaded.
@@ -29,7 +29,7 @@ pub enum MeshFileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         cause: io::Error,
     },
     /// The file name ends in neither `.obj` nor `.ply`.
@@ -38,12 +38,12 @@ pub enum MeshFileError {
         /// The file.
         path: PathBuf,
     },
-    /// The file is not what its name says.
+    /// The file is of another kind than its name says.
     #[error("{}: this is {kind}, though it ends in .{ending}; {READ}", path.display())]
     Kind {
         /// The file.
         path: PathBuf,
-        /// What it is.
+        /// The actual kind.
         kind: &'static str,
         /// How its name ends.
         ending: &'static str,
@@ -53,7 +53,7 @@ pub enum MeshFileError {
     Obj {
         /// The file.
         path: PathBuf,
-        /// Where and what.
+        /// The place and the problem.
         cause: ObjError,
     },
     /// The PLY file is malformed.
@@ -61,7 +61,7 @@ pub enum MeshFileError {
     Ply {
         /// The file.
         path: PathBuf,
-        /// Where and what.
+        /// The place and the problem.
         cause: PlyError,
     },
     /// The point cache is malformed.
@@ -69,7 +69,7 @@ pub enum MeshFileError {
     Pc2 {
         /// The file.
         path: PathBuf,
-        /// What.
+        /// The problem.
         cause: Pc2Error,
     },
 }
@@ -97,7 +97,7 @@ pub fn load(path: &Path) -> Result<TriMesh, MeshFileError> {
     }
 }
 
-/// A word on vertices of a mesh that belong to no triangle, where there are any.
+/// A note on the vertices of a mesh that belong to no triangle; `None` if every vertex belongs to one.
 pub fn loose_note(mesh: &dyn Display, count: usize) -> Option<String> {
     match count {
         0 => None,
@@ -110,7 +110,7 @@ pub fn loose_note(mesh: &dyn Display, count: usize) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// A file of `shared/data`; `None`, with a word on it, where it is absent and need not be there.
+    /// A file in `shared/data`. If it is absent and not required, prints a note and returns `None`.
     pub fn data(name: &str) -> Option<PathBuf> {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")).join(name);
         if !path.exists() && std::env::var("MUSLIN_REQUIRE_DATA").as_deref() != Ok("1") {

@@ -1,6 +1,5 @@
-//! Wavefront OBJ (paulbourke.net/dataformats/obj): `v`, `vt` and `f`, and the line of sewing
-//! patterns `stitch a b c w`, whose indices count from 0: vertex a is sewn to (1 - w) b + w c.
-//! All other statements are passed over.
+//! Wavefront OBJ (paulbourke.net/dataformats/obj): `v`, `vt` and `f`, and the statement `stitch a b c w` of sewing
+//! patterns, whose indices count from 0: vertex a is sewn to (1 - w) b + w c. All other statements are ignored.
 
 use std::borrow::Cow;
 use std::str::{FromStr, SplitAsciiWhitespace};
@@ -9,23 +8,23 @@ use muslin_core::mesh::{Stitch, TriMesh};
 
 use super::polygon;
 
-/// What is wrong in an OBJ file.
+/// An error in an OBJ file.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum ObjError {
-    /// A statement makes no sense.
+    /// A statement is invalid.
     #[error("line {line}: {problem}")]
     Line {
         /// Counted from 1.
         line: usize,
-        /// What is wrong in it.
+        /// The problem in it.
         problem: Problem,
     },
-    /// There are lines, but none of them is of a mesh.
+    /// The file has statements, but no mesh.
     #[error("it has no line `v x y z` and no line `f a b c`; it is no Wavefront OBJ file, or one without a mesh")]
     NoMesh,
 }
 
-/// What is wrong in a line.
+/// A problem in a line.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     #[error("a number is missing; `{0}` needs more")]
@@ -55,10 +54,10 @@ pub fn parse(text: &str) -> Result<TriMesh, ObjError> {
     Ok(mesh)
 }
 
-/// The statements with the number of their first line, without comments, continued lines joined.
+/// The statements, each with the number of its first line. Comments are removed and continued lines are joined.
 fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    // Of lines that end by \r alone, as on the first Macs, `lines` would make one.
+    // On the first Macs lines ended with \r alone; `str::lines` would not split them.
     let ends: &[char] = if text.contains('\n') { &['\n'] } else { &['\r'] };
     let mut lines = text.split(ends).map(|line| line.split('#').next().unwrap_or("").trim_end()).zip(1..);
     std::iter::from_fn(move || {
@@ -72,7 +71,7 @@ fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// Whether the statement was understood, or is empty.
+/// Adds a statement to the mesh; returns whether it was known or empty.
 fn add(mesh: &mut TriMesh, statement: &str) -> Result<bool, Problem> {
     let mut words = statement.split_ascii_whitespace();
     match words.next() {
@@ -129,7 +128,7 @@ fn face(mesh: &mut TriMesh, words: SplitAsciiWhitespace) -> Result<(), Problem> 
     Ok(())
 }
 
-/// Place in an array of an OBJ index: from 1, or from the end of what there is if negative.
+/// Array index for an OBJ index, which counts from 1 or, if negative, back from the last of `count` items.
 fn index(word: &str, count: usize, what: &'static str) -> Result<u32, Problem> {
     let index: i64 = number(word)?;
     let place = if index < 0 { index.checked_add(count as i64) } else { index.checked_sub(1) };

@@ -1,5 +1,5 @@
-//! Point Cache 2, the positions of every vertex in every sample: a header of 32 bytes (magic,
-//! version, points, start, rate, samples), then all samples, little-endian f32.
+//! Point Cache 2: the positions of all vertices in each sample. A header of 32 bytes (magic, version, points,
+//! start, rate, samples) comes first, then all samples, little-endian f32.
 
 use std::fs;
 use std::path::Path;
@@ -12,13 +12,13 @@ const MAGIC: &[u8] = b"POINTCACHE2\0";
 const HEADER_BYTES: usize = 32;
 const POINT_BYTES: u128 = 12;
 
-/// What is wrong in a point cache.
+/// An error in a point cache.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum Pc2Error {
-    /// The magic is another.
+    /// The magic bytes are wrong.
     #[error("it does not begin with POINTCACHE2; it is no PC2 point cache")]
     Magic,
-    /// The file ends in the header.
+    /// The file ends within the header.
     #[error("it has {0} bytes, not even a header; it is cut short, get a whole copy")]
     Header(usize),
     /// Only version 1 exists.
@@ -27,29 +27,29 @@ pub enum Pc2Error {
     /// A count is zero or negative.
     #[error("it has {points} points and {samples} samples; both must be 1 or more")]
     Empty {
-        /// Points of each sample.
+        /// Points of each sample in the header.
         points: i32,
-        /// As the header says.
+        /// Number of samples in the header.
         samples: i32,
     },
-    /// The start is no number, or the rate not positive.
+    /// The start or the rate is not finite, or the rate is not positive.
     #[error("it starts at {start} with a sample every {rate} frames; that is no time")]
     Time {
-        /// In frames.
+        /// Time of the first sample, in frames.
         start: f32,
-        /// In frames.
+        /// Time between samples, in frames.
         rate: f32,
     },
     /// The file is shorter or longer than its header says.
     #[error("it has {found} bytes, but {samples} samples of {points} points make {expected}; get a whole copy")]
     Size {
-        /// Points of each sample.
+        /// Points of each sample in the header.
         points: i32,
-        /// As the header says.
+        /// Number of samples in the header.
         samples: i32,
-        /// Bytes, header included.
+        /// Expected size in bytes, header included.
         expected: u128,
-        /// Bytes, header included.
+        /// Actual size in bytes, header included.
         found: usize,
     },
     /// A position is NaN or infinite.
@@ -106,7 +106,7 @@ mod tests {
     use super::super::tests::data;
     use super::*;
 
-    /// Two samples of three points, counting up.
+    /// A file with two samples of three points, whose coordinates count up.
     fn file() -> Vec<u8> {
         let mut bytes = b"POINTCACHE2\0".to_vec();
         bytes.extend([1_i32, 3].map(i32::to_le_bytes).as_flattened());

@@ -1,16 +1,17 @@
-//! Polygons to triangles between their own corners. None is added, and none is left out but where two are at one place.
+//! Cuts polygons into triangles between their own corners. No corner is added. A corner is left out only if it
+//! coincides with the corner before it.
 
 use earcut::Earcut;
 
 type Point = [f64; 3];
 
-/// Cuts a polygon of three corners or more into two triangles fewer than it has corners, each as
-/// places in `corners`. Every corner must be the index of a position.
+/// Cuts a polygon of n >= 3 corners into n - 2 triangles, each given by places in `corners`. Every corner must be
+/// the index of a position.
 ///
-/// A corner at the place of the one before it is left out, unless fewer than three would remain.
-/// A quad is cut along its shorter diagonal, or along the other where only that one lies inside.
-/// Of more corners ears are cut off. A polygon without an inside becomes a fan; one that crosses
-/// itself is cut anywhere.
+/// A corner at the same position as the corner before it is left out, unless fewer than three would remain. A
+/// quad is cut along its shorter diagonal, or along the other one if only that lies inside. Larger polygons are
+/// cut by ear clipping. A polygon without interior becomes a fan; for one that intersects itself the cuts are
+/// arbitrary.
 pub fn triangles(corners: &[u32], positions: &[Point]) -> Vec<[usize; 3]> {
     let place = |k: usize| positions[corners[k] as usize];
     let mut kept: Vec<usize> = (0..corners.len()).collect();
@@ -30,7 +31,7 @@ pub fn triangles(corners: &[u32], positions: &[Point]) -> Vec<[usize; 3]> {
     cut.into_iter().map(|triangle| triangle.map(|k| kept[k])).collect()
 }
 
-/// All triangles with one corner.
+/// A fan of triangles that share the corner `first`.
 fn fan(first: usize, count: usize) -> Vec<[usize; 3]> {
     (1..count - 1).map(|k| [first, (first + k) % count, (first + k + 1) % count]).collect()
 }
@@ -47,23 +48,23 @@ fn quad(points: [Point; 4]) -> Vec<[usize; 3]> {
     fan(first, 4)
 }
 
-/// Ears of the polygon, seen along the axis that its plane faces most: what lies on a line still
-/// does, to the last bit.
+/// Ear clipping of the polygon, projected along the coordinate axis nearest to its normal. The projection only
+/// drops a coordinate, so corners on a line stay exactly on a line.
 fn ears(points: &[Point]) -> Vec<[usize; 3]> {
     let normal = normal(points).map(f64::abs);
     let axis = (0..3).fold(0, |most, axis| if normal[axis] > normal[most] { axis } else { most });
     let flat: Vec<_> = points.iter().map(|p| [p[(axis + 1) % 3], p[(axis + 2) % 3]]).collect();
     let mut corners: Vec<usize> = Vec::new();
     Earcut::new().earcut(flat.iter().copied(), &[], &mut corners);
-    // Ears alone are long and thin.
+    // Without refinement the triangles are long and thin.
     earcut::refine(&mut corners, &flat);
     let mut triangles = corners.as_chunks::<3>().0.to_vec();
-    // In the order of the polygon a triangle turns as the polygon does.
+    // With its corners in the order of the polygon, a triangle has the orientation of the polygon.
     triangles.iter_mut().for_each(|triangle| triangle.sort_unstable());
     triangles
 }
 
-/// Of a polygon, as long as twice its area.
+/// Normal of a polygon; its length is twice the area.
 fn normal(points: &[Point]) -> Point {
     let spokes = points.iter().map(|&point| minus(point, points[0]));
     spokes.clone().zip(spokes.skip(1)).fold([0.0; 3], |sum, (a, b)| {
@@ -93,12 +94,12 @@ mod tests {
         triangles(&corners, points)
     }
 
-    /// In the plane z = x / 2 + y / 4, where whole numbers stay exact.
+    /// Lifts points to the plane z = x / 2 + y / 4, on which integers stay exact.
     fn tilted(flat: &[[f64; 2]]) -> Vec<Point> {
         flat.iter().map(|&[x, y]| [x, y, 0.5 * x + 0.25 * y]).collect()
     }
 
-    /// That the triangles cover the polygon once, each of them facing as it does.
+    /// Asserts that the triangles cover the polygon once, each with the orientation of the polygon.
     #[track_caller]
     fn covers(points: &[Point]) {
         let triangles = cut(points);
@@ -121,7 +122,7 @@ mod tests {
         let long = |x: f64| cut(&[[-x, 0.0, 0.0], [0.0, -1.0, 0.0], [x, 0.0, 0.0], [0.0, 1.0, 0.0]]);
         assert_eq!(long(0.5), [[0, 1, 2], [0, 2, 3]]);
         assert_eq!(long(2.0), [[1, 2, 3], [1, 3, 0]]);
-        // Folded by more than a right angle it is convex still.
+        // A quad folded by more than a right angle is still treated as convex.
         let folded = cut(&[[-0.5, 0.0, 0.0], [0.0, -0.3, 1.0], [0.5, 0.0, 0.0], [0.0, 0.3, 1.0]]);
         assert_eq!(folded, [[1, 2, 3], [1, 3, 0]]);
     }
@@ -143,13 +144,13 @@ mod tests {
     #[test]
     fn a_concave_polygon_is_covered_once() {
         covers(&tilted(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]]));
-        // A cross, all of whose corners lie in line with others.
+        // A cross: each of its corners is in line with others.
         let arm = |[x, y]: [f64; 2]| [[2.0, -1.0], [2.0, 1.0], [1.0, 1.0]].map(|[u, v]| [u * x - v * y, u * y + v * x]);
         let cross = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].map(arm);
         covers(&tilted(cross.as_flattened()));
     }
 
-    /// Combs of whole numbers, with many corners on straight lines, in either direction.
+    /// Combs with integer coordinates and many corners on straight lines, in both orientations.
     #[test]
     fn every_corner_is_kept() {
         let mut state = 1_u32;

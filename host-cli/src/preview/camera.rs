@@ -1,8 +1,8 @@
-//! Where the pictures are taken from.
+//! The camera that takes the pictures.
 
 use glam::Vec3;
 
-/// From the front and right, a little above; y is up.
+/// Direction to the camera: from the front and right, a little above; y is up.
 const TOWARDS_EYE: Vec3 = Vec3::new(0.55, 0.5, 0.85);
 /// Tangent of half the vertical angle of view.
 const HALF_ANGLE: f32 = 0.27;
@@ -12,26 +12,25 @@ const FILL: f32 = 0.86;
 /// A perspective camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
-    /// The camera's place, metres.
+    /// Position of the camera, metres.
     pub eye: Vec3,
     right: Vec3,
     up: Vec3,
     back: Vec3,
     size: [f32; 2],
-    /// Pixels for a unit of slope.
+    /// Pixels per unit of slope.
     focal: f32,
 }
 
 impl Camera {
-    /// The nearest camera that sees all points, of which there is one or more, in a picture of
-    /// `size` pixels.
+    /// The nearest camera that sees all points in a picture of `size` pixels. There must be at least one point.
     pub fn fit(points: impl Iterator<Item = Vec3>, size: [usize; 2]) -> Camera {
         let size = size.map(|s| s as f32);
         let back = TOWARDS_EYE.normalize();
         let right = Vec3::Y.cross(back).normalize();
         let up = back.cross(right);
 
-        // The four sides of the pyramid of view, each pushed out until all points are inside.
+        // The four sides of the view frustum, each moved outward until all points are inside.
         let tan_y = HALF_ANGLE * FILL;
         let tan_x = tan_y * size[0] / size[1];
         let sides = [right + back * tan_x, -right + back * tan_x, up + back * tan_y, -up + back * tan_y];
@@ -42,7 +41,7 @@ impl Camera {
         Camera { eye, right, up, back, size, focal: size[1] / (2.0 * HALF_ANGLE) }
     }
 
-    /// Where a point is in the picture, in pixels, and the inverse of its depth (1/metres).
+    /// Position of a point in the picture, in pixels, and the inverse of its depth (1/metres).
     pub fn project(&self, point: Vec3) -> Vec3 {
         let from_eye = point - self.eye;
         let inverse = -1.0 / self.back.dot(from_eye);
@@ -50,7 +49,7 @@ impl Camera {
         Vec3::new(self.size[0] / 2.0 + slope[0] * self.focal, self.size[1] / 2.0 + slope[1] * self.focal, inverse)
     }
 
-    /// Direction in which a pixel looks, not normalised.
+    /// Direction of the ray through a pixel, not normalised.
     pub fn ray(&self, x: f32, y: f32) -> Vec3 {
         let slope = [(x - self.size[0] / 2.0) / self.focal, (self.size[1] / 2.0 - y) / self.focal];
         self.right * slope[0] + self.up * slope[1] - self.back

@@ -1,14 +1,14 @@
-//! Reads pictures back, for tests of the program and of its parts.
+//! Decodes pictures, for the unit tests and for the tests of the program.
 
 use std::io::Cursor;
 
-/// Size and pixels of a picture, and how long it is shown, hundredths of a second.
+/// A decoded picture.
 pub struct Decoded {
     /// Width and height, pixels.
     pub size: [usize; 2],
-    /// Row by row, red, green and blue.
+    /// Row by row; red, green and blue.
     pub pixels: Vec<[u8; 3]>,
-    /// 0 where it is always shown.
+    /// How long the picture is shown, hundredths of a second; 0 for a still picture.
     pub delay: u16,
 }
 

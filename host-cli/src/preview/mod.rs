@@ -29,15 +29,15 @@ use view::View;
 const SIZE: [usize; 2] = [480, 360];
 /// Columns and rows of the contact sheet.
 const SHEET: [usize; 2] = [3, 2];
-/// White between the pictures of the sheet, pixels.
+/// White gap between the pictures of the sheet, pixels.
 const GAP: usize = 4;
-/// The shortest time that viewers show a picture, hundredths of a second.
+/// The shortest time for which viewers show a picture, hundredths of a second.
 const SHORTEST_DELAY: f64 = 3.0;
 /// How long the last picture is shown, hundredths of a second.
 const LAST_DELAY: u16 = 80;
-/// Pictures from which the palette is chosen.
+/// Number of pictures from which the palette is chosen.
 const PALETTE_PICTURES: usize = 8;
-/// Pictures drawn at once.
+/// Number of pictures drawn at once.
 const BATCH: usize = 16;
 
 /// Why a picture could not be made.
@@ -51,7 +51,7 @@ pub enum PreviewError {
     Empty,
 }
 
-/// Everything at one instant.
+/// Cloth and colliders at one instant.
 struct Snapshot {
     /// Vertices of the cloth, m.
     cloth: Vec<Vec3>,
@@ -73,8 +73,8 @@ pub struct Preview {
 }
 
 impl Preview {
-    /// For cloth of these triangles and pinned vertices among these colliders, at `frame_rate`
-    /// frames per second. Never holds more than `most_frames` snapshots.
+    /// A preview of cloth with these triangles and pinned vertices, and of these colliders, at `frame_rate` frames
+    /// per second. It stores at most `most_frames` snapshots, and at least two.
     pub fn new(
         triangles: &[[u32; 3]],
         pins: &[u32],
@@ -94,9 +94,8 @@ impl Preview {
         }
     }
 
-    /// Takes the next frame: the position of every vertex of the cloth and of the colliders, metres.
-    /// When there are too many snapshots, every second one is dropped, so that they span the whole
-    /// run.
+    /// Takes the next frame: the positions of all vertices of the cloth and of the colliders, metres. When there are
+    /// too many snapshots, every second one is dropped, so that they span the whole run.
     pub fn frame(&mut self, positions: &[[f32; 3]], places: &[[f32; 3]]) {
         if self.frames.is_multiple_of(self.stride) {
             if self.snapshots.len() == self.most_frames {
@@ -176,20 +175,20 @@ impl Preview {
         (snapshot * self.stride) as f64 / self.frame_rate * 100.0
     }
 
-    /// The snapshots of the animation: all, or fewer if viewers could not keep up.
+    /// The snapshots of the animation: all of them, or fewer if viewers could not keep up.
     fn shown(&self) -> Vec<usize> {
         let step = (SHORTEST_DELAY / self.time(1)).ceil().max(1.0) as usize;
         (0..self.snapshots.len()).step_by(step).collect()
     }
 
-    /// How long each is shown, hundredths of a second, without drift.
+    /// How long each snapshot is shown, hundredths of a second. Rounding errors do not add up.
     fn delays(&self, shown: &[usize]) -> Vec<u16> {
         let delay = |pair: &[usize]| (self.time(pair[1]).round() - self.time(pair[0]).round()) as u16;
         shown.windows(2).map(delay).chain([LAST_DELAY]).collect()
     }
 }
 
-/// So many instants, evenly from the first to the last of `count` snapshots, of which there is one or more.
+/// Places of `instants` snapshots, spread evenly from the first to the last of `count` >= 1 snapshots.
 fn spread(count: usize, instants: usize) -> impl Iterator<Item = usize> {
     let steps = instants - 1;
     (0..instants).map(move |k| (2 * k * (count - 1) + steps) / (2 * steps))
@@ -204,7 +203,7 @@ mod tests {
 
     const SIDE: usize = 12;
 
-    /// Face by side squares, two triangles each.
+    /// A grid of squares with `SIDE` vertices along each side, two triangles per square.
     fn grid() -> Vec<[u32; 3]> {
         let corner = |i: usize, j: usize| (j * SIDE + i) as u32;
         let squares = (1..SIDE).flat_map(|j| (1..SIDE).map(move |i| [i - 1, i, j - 1, j]));
@@ -215,7 +214,7 @@ mod tests {
             .collect()
     }
 
-    /// A horizontal cloth of one metre on which waves run.
+    /// A horizontal cloth of one metre with moving waves; flat in frame 0.
     fn waves(frame: usize) -> Vec<[f32; 3]> {
         let across = |k: usize| k as f32 / (SIDE - 1) as f32;
         let height = |x: f32| 0.1 * frame.min(1) as f32 * (6.0 * x + 0.5 * frame as f32).sin();
@@ -243,7 +242,7 @@ mod tests {
         decode::png(&fs::read(path).unwrap())
     }
 
-    /// Pixels of fabric: more red than blue, or the other way round, than wall and floor ever are.
+    /// Number of pixels of fabric: red and blue differ more in them than in any pixel of wall and floor.
     fn fabric(picture: &Decoded) -> usize {
         picture.pixels.iter().filter(|p| p[0].abs_diff(p[2]) > 24).count()
     }

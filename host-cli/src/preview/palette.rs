@@ -1,4 +1,4 @@
-//! The 256 colours of an animation: median cut (P. Heckbert 1982), each cut where the colours vary most.
+//! The 256 colours of an animation: median cut [Heckbert 1982], each cut where the colours vary most.
 
 use std::collections::HashMap;
 
@@ -7,22 +7,22 @@ use super::image::Image;
 /// Colours that a GIF can hold.
 const SIZE: usize = 256;
 
-/// Colours that stand for all others.
+/// Colours that represent all others.
 pub struct Palette {
-    /// At most 256.
+    /// At most 256 colours.
     pub colours: Vec<[u8; 3]>,
 }
 
 type Weighted = ([u8; 3], f32);
 
 impl Palette {
-    /// The colours that serve these pictures best.
+    /// Chooses the colours that represent these pictures.
     pub fn of(pictures: &[Image]) -> Palette {
         let mut counts: HashMap<[u8; 3], f32> = HashMap::new();
         for &pixel in pictures.iter().flat_map(|picture| &picture.pixels) {
             *counts.entry(pixel).or_default() += 1.0;
         }
-        // In a fixed order, so that the same pictures give the same palette.
+        // Sorted, so that equal pictures give equal palettes.
         let mut colours: Vec<Weighted> = counts.into_iter().map(|(colour, count)| (colour, count.sqrt())).collect();
         colours.sort_unstable_by_key(|(colour, _)| *colour);
 
@@ -37,7 +37,7 @@ impl Palette {
         Palette { colours: groups.iter().map(Group::mean).collect() }
     }
 
-    /// For every pixel the number of the nearest colour.
+    /// Index of the nearest colour for each pixel.
     pub fn indices(&self, picture: &Image) -> Vec<u8> {
         let mut known = HashMap::new();
         picture.pixels.iter().map(|&pixel| *known.entry(pixel).or_insert_with(|| self.nearest(pixel))).collect()
@@ -49,10 +49,10 @@ impl Palette {
     }
 }
 
-/// Colours that may share one of the palette.
+/// A group of colours that may become one colour of the palette.
 struct Group {
     colours: Vec<Weighted>,
-    /// The channel in which they vary most, and how much.
+    /// The channel in which the colours vary most, and its variation.
     channel: usize,
     spread: f32,
 }
@@ -64,7 +64,7 @@ impl Group {
         Group { channel, spread: spreads[channel], colours }
     }
 
-    /// Two groups at the mean of the widest channel; neither is empty if there is any spread.
+    /// Splits the group at the mean of the channel that varies most. Neither half is empty if there is any spread.
     fn split(self) -> [Group; 2] {
         let (mean, _) = moments(&self.colours, self.channel);
         let (low, high) = self.colours.into_iter().partition(|(colour, _)| f32::from(colour[self.channel]) < mean);

@@ -1,4 +1,4 @@
-//! Draws one snapshot of the cloth and of what it falls on.
+//! Draws one snapshot of the cloth and of the colliders.
 
 use glam::Vec3;
 
@@ -14,36 +14,36 @@ const SAMPLES: usize = 2;
 const SOFTNESS: [i32; 2] = [2, 7];
 /// Radius of a pin's dot, pixels.
 const PIN_RADIUS: f32 = 2.0;
-/// Cosine between a solid's triangle and the mean around a corner, below which it has an edge there.
+/// A solid's triangle is shaded flat if the cosine between its normal and the normal of a corner is below this.
 const CREASED: f32 = 0.8;
 
-/// What there is to draw at one instant.
+/// The cloth and the solids at one instant.
 pub struct Things<'a> {
     /// Vertices of the cloth, metres.
     pub cloth: &'a [Vec3],
-    /// Its triangles.
+    /// Triangles of the cloth.
     pub triangles: &'a [[u32; 3]],
     /// Vertices of the solids, metres.
     pub solids: &'a [Vec3],
-    /// Their triangles.
+    /// Triangles of the solids.
     pub others: &'a [[u32; 3]],
 }
 
-/// The same, ready to be looked at: first the cloth, then the solids.
+/// The cloth and the solids, prepared for drawing: first the cloth, then the solids.
 struct Scenery<'a> {
     points: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// Those of the cloth of which the camera follows all corners, then those of solids.
+    /// The cloth's triangles whose corners are all in the followed space, then the triangles of the solids.
     triangles: Vec<[usize; 3]>,
-    /// How many triangles are cloth.
+    /// Number of the cloth's triangles.
     fabric: usize,
     shadows: ShadowMap<'a>,
 }
 
-/// What a sample of the picture sees.
+/// The surface point that a sample of the picture sees.
 #[derive(Clone, Copy)]
 struct Hit {
-    /// Inverse depth, 1/metres; 0 where there is nothing.
+    /// Inverse depth, 1/metres; 0 if the sample sees no surface.
     nearness: f32,
     triangle: usize,
     weights: [f32; 3],
@@ -73,7 +73,7 @@ impl<'a> Scenery<'a> {
         };
         let whole = |triangle: &[usize; 3]| triangle.iter().all(|&v| shown(v));
         let fabric = triangles.iter().map(|t| t.map(|v| v as usize));
-        // A triangle of no cloth there is must not be one of a solid.
+        // A vertex index beyond the cloth must not refer to a vertex of a solid.
         let fabric = fabric.filter(|t| t.iter().all(|&v| v < cloth.len()));
         let mut triangles: Vec<[usize; 3]> = fabric.filter(whole).collect();
         let fabric = triangles.len();
@@ -87,7 +87,7 @@ impl<'a> Scenery<'a> {
         self.triangles[triangle].map(|v| self.points[v])
     }
 
-    /// What each sample sees, the nearest triangle first.
+    /// The point of the nearest triangle that each sample sees.
     fn hits(&self, view: &View) -> Vec<Hit> {
         let size = view.size.map(|s| s * SAMPLES);
         let mut hits = vec![Hit { nearness: 0.0, triangle: 0, weights: [0.0; 3] }; size[0] * size[1]];
@@ -136,7 +136,7 @@ impl<'a> Scenery<'a> {
             (true, _) => Face::Solid,
         };
 
-        // Off the surface towards the light, so that it does not shade itself.
+        // The point is moved off the surface towards the light, so that the surface does not shade itself.
         let light = &view.light;
         let off = normal * normal.dot(light.direction).signum();
         let lit = self.shadows.lit(point + (off * 3.0 + light.direction) * light.texel, SOFTNESS[0]);
@@ -156,7 +156,7 @@ fn samples(view: &View, x: usize, y: usize) -> impl Iterator<Item = usize> + use
     (0..SAMPLES * SAMPLES).map(move |k| (y * SAMPLES + k / SAMPLES) * row + x * SAMPLES + k % SAMPLES)
 }
 
-/// Normals of the vertices, the mean of their triangles' by area.
+/// Normals of the vertices: the mean of their triangles' normals, weighted by area.
 fn normals(points: &[Vec3], triangles: &[[usize; 3]]) -> Vec<Vec3> {
     let mut normals = vec![Vec3::ZERO; points.len()];
     for triangle in triangles {
@@ -167,7 +167,7 @@ fn normals(points: &[Vec3], triangles: &[[usize; 3]]) -> Vec<Vec3> {
     normals.into_iter().map(Vec3::normalize_or_zero).collect()
 }
 
-/// A dot on a vertex, unless something hides it.
+/// Draws a dot on a pinned vertex, unless something hides it.
 fn draw_pin(view: &View, hits: &[Hit], pin: Vec3, pixels: &mut [Vec3]) {
     let place = view.camera.project(pin);
     let inside = (0.0..view.size[0] as f32).contains(&place.x) && (0.0..view.size[1] as f32).contains(&place.y);
@@ -190,7 +190,7 @@ fn draw_pin(view: &View, hits: &[Hit], pin: Vec3, pixels: &mut [Vec3]) {
     }
 }
 
-/// A bar of three pixels that shows how much of the run has passed.
+/// Draws a bar, three pixels high, that shows the part of the run that has passed.
 fn draw_bar(view: &View, progress: f32, pixels: &mut [Vec3]) {
     let [width, height] = view.size;
     let passed = ((width as f32 * progress) as usize).min(width);

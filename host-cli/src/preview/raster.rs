@@ -1,11 +1,10 @@
-//! A triangle rasteriser: which pixel centres a triangle covers, with barycentric weights.
+//! A triangle rasteriser: finds the pixel centres that a triangle covers, with barycentric weights.
 
 use glam::Vec3;
 
-/// Calls `cover` with the index of each pixel whose centre the triangle covers, in rows from the
-/// top, with the corners' weights in the plane of the picture. The corners' x and y are in
-/// pixels. Triangles seen from either side are covered; those with no area or no finite corner
-/// are not.
+/// Calls `cover` for each pixel whose centre the triangle covers, with the index of the pixel, in rows from the
+/// top, and the weights of the corners in the plane of the picture. The corners' x and y are in pixels. Both
+/// orientations are drawn. A triangle without area, or with a corner that is not finite, covers no pixel.
 pub fn triangle([width, height]: [usize; 2], corners: [Vec3; 3], mut cover: impl FnMut(usize, [f32; 3])) {
     let [a, b, c] = corners;
     let area = cross(a, b, c.x, c.y);
@@ -25,7 +24,7 @@ pub fn triangle([width, height]: [usize; 2], corners: [Vec3; 3], mut cover: impl
     }
 }
 
-/// Twice the signed area between the edge and the point.
+/// Twice the signed area of the triangle of an edge and the point `[x, y]`.
 fn cross(from: Vec3, to: Vec3, x: f32, y: f32) -> f32 {
     (to.x - from.x) * (y - from.y) - (to.y - from.y) * (x - from.x)
 }

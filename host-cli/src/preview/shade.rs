@@ -1,4 +1,4 @@
-//! Colours: how fabric and floor look in the light. All are linear RGB until the last step.
+//! Colours of fabric, solids and floor in the light. All colours are linear RGB until they are encoded.
 
 use glam::Vec3;
 
@@ -16,17 +16,17 @@ const TOWARDS_FILL: Vec3 = Vec3::new(0.88, 0.18, 0.44);
 
 const TOP: Vec3 = Vec3::new(0.83, 0.84, 0.85);
 const BOTTOM: Vec3 = Vec3::new(0.62, 0.63, 0.65);
-/// Of pinned vertices.
+/// Colour of pinned vertices.
 pub const PIN: Vec3 = Vec3::new(0.012, 0.014, 0.02);
-/// Of the bar that shows the time.
+/// Colour of the bar that shows the time.
 pub const BAR: Vec3 = Vec3::new(0.16, 0.20, 0.24);
 
-/// What is seen.
+/// Kind of a visible surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
     /// The front of the cloth.
     Front,
-    /// Its back.
+    /// The back of the cloth.
     Back,
     /// A collider.
     Solid,
@@ -36,16 +36,16 @@ pub enum Face {
 pub struct Surface {
     /// Towards the camera, of length 1.
     pub to_eye: Vec3,
-    /// Normal on the side that is seen, of length 1.
+    /// Normal on the visible side, of length 1.
     pub normal: Vec3,
-    /// Which side of what it is.
+    /// Kind of the surface.
     pub side: Face,
-    /// How much of the key light reaches it, 0 to 1.
+    /// Fraction of the key light that reaches the surface, 0 to 1.
     pub lit: f32,
 }
 
-/// Light from a sky, a key and a fill; of fabric also a soft highlight, a sheen at the rim and a
-/// little light that comes through.
+/// Colour of a surface in the light of a sky, a key light and a fill light. Fabric also has a soft highlight, a
+/// sheen at the rim and a little transmitted light.
 pub fn surface(view: &View, surface: &Surface) -> Vec3 {
     let Surface { to_eye, normal, side, lit } = *surface;
     let to_key = view.light.direction;
@@ -80,7 +80,7 @@ fn floor_point(view: &View, x: f32, y: f32) -> Option<Vec3> {
     (sinking > 1e-4 && height > 0.0).then(|| eye + ray * (height / sinking))
 }
 
-/// How much of a pixel of the floor is covered by lines, 0 to 1.
+/// Fraction of a pixel of the floor that grid lines cover, 0 to 1.
 fn grid(view: &View, point: Vec3, [x, y]: [f32; 2]) -> f32 {
     let spacing = round_length(view.extent / 7.0);
     let beside = [floor_point(view, x + 1.0, y), floor_point(view, x, y + 1.0)];
@@ -93,13 +93,13 @@ fn grid(view: &View, point: Vec3, [x, y]: [f32; 2]) -> f32 {
     line(|p| p.x).max(line(|p| p.z))
 }
 
-/// The nearest of 1, 2 and 5 times a power of ten below a length.
+/// The largest number that is not above `length` and is 1, 2 or 5 times a power of ten.
 fn round_length(length: f32) -> f32 {
     let power = 10_f32.powf(length.log10().floor());
     [5.0, 2.0].into_iter().find(|digit| digit * power <= length).unwrap_or(1.0) * power
 }
 
-/// To 8 bits of sRGB for each channel.
+/// Encodes a colour as sRGB with 8 bits per channel.
 pub fn encode(linear: Vec3) -> [u8; 3] {
     linear.to_array().map(|x| {
         let x = x.clamp(0.0, 1.0);

@@ -1,26 +1,26 @@
-//! Shadows of the key light: a map of how far up towards the light the cloth reaches.
+//! Shadows of the key light: a map of the height up to which surfaces reach towards the light.
 
 use glam::{Vec2, Vec3};
 
 use super::raster;
 
-/// Towards the key light: from the left, above and a little in front.
+/// Direction to the key light: from the left, above and a little in front.
 const TOWARDS_LIGHT: Vec3 = Vec3::new(-0.36, 0.88, 0.30);
 /// Width and height of the map, texels.
 const SIDE: usize = 384;
 
-/// A far light and the part of the world on which it casts shadows.
+/// A distant light, and the region on which it casts shadows.
 pub struct Light {
     /// Towards the light, of length 1.
     pub direction: Vec3,
     axes: [Vec3; 2],
     low: Vec2,
-    /// Metres.
+    /// Size of a texel, metres.
     pub texel: f32,
 }
 
 impl Light {
-    /// Lights all points, of which there is one or more.
+    /// A light whose map covers all points. There must be at least one point.
     pub fn fit(points: impl Iterator<Item = Vec3>) -> Light {
         let direction = TOWARDS_LIGHT.normalize();
         let right = Vec3::Z.cross(direction).normalize();
@@ -31,7 +31,7 @@ impl Light {
         Light { direction, axes, low: low - texel, texel }
     }
 
-    /// Place in the map, in texels, and height towards the light, metres.
+    /// Position in the map, in texels, and height towards the light, metres.
     fn project(&self, point: Vec3) -> Vec3 {
         let flat = Vec2::new(self.axes[0].dot(point), self.axes[1].dot(point));
         ((flat - self.low) / self.texel).extend(self.direction.dot(point))
@@ -58,7 +58,7 @@ pub struct ShadowMap<'a> {
 }
 
 impl ShadowMap<'_> {
-    /// How much of the light reaches a point, 0 to 1, its edge softened over `reach` texels each way.
+    /// Fraction of the light that reaches a point, 0 to 1. Shadow edges are softened over `reach` texels each way.
     pub fn lit(&self, point: Vec3, reach: i32) -> f32 {
         let place = self.light.project(point);
         let free = |x: i32, y: i32| {

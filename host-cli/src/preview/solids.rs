@@ -1,29 +1,28 @@
-//! What the cloth falls on, as surfaces to draw: spheres and capsules become triangles, boxes get
-//! sharp edges.
+//! Colliders as surfaces to draw: spheres and capsules become triangles, boxes get sharp edges.
 
 use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-/// Corners around a sphere, and rings from pole to pole.
+/// Corners of a ring around a sphere, and rings from pole to pole.
 const AROUND: usize = 48;
 const RINGS: usize = 24;
 
-/// A collider over some of the colliders' vertices.
+/// A collider, given by indices of the colliders' vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Solid {
-    /// The half space below a vertex, seen along a normal.
+    /// The half space behind the plane through a vertex with a normal.
     Plane {
-        /// Its vertex.
+        /// The vertex on the plane.
         vertex: usize,
-        /// Of length 1.
+        /// Outward normal, of length 1.
         normal: [f32; 3],
     },
-    /// All within a radius, m, of the line between two vertices, which may be one.
+    /// All points within a radius of the segment between two vertices, which may be the same vertex.
     Round {
-        /// The ends.
+        /// Vertices at the ends of the segment.
         ends: [usize; 2],
-        /// m.
+        /// Radius, m.
         radius: f32,
     },
     /// Triangles with sharp edges.
@@ -32,11 +31,11 @@ pub enum Solid {
     Smooth(Vec<[u32; 3]>),
 }
 
-/// Colliders ready to be drawn: each has triangles over points of its own.
+/// Colliders prepared for drawing: each has triangles between its own points.
 #[derive(Debug, Default)]
 pub struct Solids {
     solids: Vec<Solid>,
-    /// Triangles over all [`points`](Self::points).
+    /// Triangles of all colliders, as indices of [`points`](Self::points).
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -61,7 +60,7 @@ impl Solids {
         Solids { solids, triangles }
     }
 
-    /// Where all points are when the colliders' vertices are at `places`, m.
+    /// Positions of all points, m, when the colliders' vertices are at `places`, m.
     pub fn points(&self, places: &[[f32; 3]]) -> Vec<Vec3> {
         let at = |vertex: usize| places.get(vertex).map_or(Vec3::NAN, |&p| Vec3::from_array(p));
         let mut points = Vec::new();
@@ -76,7 +75,7 @@ impl Solids {
         points
     }
 
-    /// A point of the first plane that faces upward, and its normal.
+    /// A point of the first plane that faces upward, and the normal of that plane.
     pub fn floor(&self, places: &[[f32; 3]]) -> Option<[Vec3; 2]> {
         self.solids.iter().find_map(|solid| match solid {
             Solid::Plane { vertex, normal } if normal[1] > 0.3 => {
@@ -87,7 +86,7 @@ impl Solids {
     }
 }
 
-/// The vertices that triangles are over: from the least to the greatest.
+/// Range of the vertices of triangles: from the smallest to the largest index.
 fn span(triangles: &[[u32; 3]]) -> std::ops::RangeInclusive<u32> {
     let all = || triangles.as_flattened().iter().copied();
     all().min().unwrap_or(1)..=all().max().unwrap_or(0)
@@ -102,13 +101,13 @@ fn point_count(solid: &Solid) -> u32 {
     }
 }
 
-/// Rings from pole to pole; the upper half around the first end, the lower around the second.
+/// Points of rings from pole to pole; the upper half is around the first end, the lower half around the second.
 fn round_points([a, b]: [Vec3; 2], radius: f32) -> impl Iterator<Item = Vec3> {
     let axis = (a - b).try_normalize().unwrap_or(Vec3::Y);
     let (x, z) = axis.any_orthonormal_pair();
     (0..AROUND * RINGS).map(move |k| {
         let (ring, place) = (k / AROUND, k % AROUND);
-        // Two rings are at the middle, so that a capsule's straight part ends at them.
+        // Two rings lie at the equator: the straight part of a capsule is between them.
         let half = ring.min(RINGS - 1 - ring) as f32 / (RINGS / 2 - 1) as f32;
         let (sin, cos) = (half * PI / 2.0).sin_cos();
         let (east, north) = (place as f32 / AROUND as f32 * TAU).sin_cos();

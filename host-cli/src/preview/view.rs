@@ -1,15 +1,16 @@
-//! What all pictures of a run share: the space that is shown, its floor, camera and light.
+//! The view that all pictures of a run share: the visible space, its floor, camera and light.
 
 use glam::Vec3;
 
 use super::camera::Camera;
 use super::shadow::Light;
 
-/// How far the cloth is followed from its first place, in diagonals of the box around it. What
-/// leaves this space has diverged, or is too far off to be seen.
+/// How far the camera follows the cloth from its first position, in diagonals of its first bounding box. Vertices
+/// that leave this space have diverged, or are too far away to be seen.
 const FOLLOWED: f32 = 2.0;
-/// How much larger than at most instants, and than at first, the cloth may be for the camera to
-/// keep all of it in the picture. Cloth that flies apart does not push the camera away.
+/// Limit on the size of cloth and solids that the camera keeps in the picture. The size of the cloth is relative
+/// to its median or first size, whichever is larger, so that cloth that flies apart does not move the camera
+/// away. The size of the solids is relative to the extent of the motion.
 const FRAMED: f32 = 2.0;
 
 /// The fixed surroundings of the cloth.
@@ -22,7 +23,7 @@ pub struct View {
     pub light: Light,
     /// A point of the floor under the middle of the motion, metres.
     pub floor: Vec3,
-    /// Away from the floor, of length 1.
+    /// Normal of the floor, of length 1.
     pub up: Vec3,
     /// Length of the diagonal of the box around the motion, metres.
     pub extent: f32,
@@ -30,9 +31,8 @@ pub struct View {
 }
 
 impl View {
-    /// Looks at all that the snapshots show of the cloth, and at the solids if those are not much
-    /// larger, in pictures of `size` pixels. `floor` is a point and the normal of the floor, where
-    /// there is one.
+    /// A view of the cloth in all snapshots, and of the solids if these are not much larger, in pictures of `size`
+    /// pixels. `floor` is a point and the normal of the floor, if the scene has one.
     pub fn around<'a>(
         snapshots: impl Iterator<Item = &'a [Vec3]> + Clone,
         solids: &[Vec3],
@@ -54,7 +54,7 @@ impl View {
         let solids = solids.filter(|[low, high]| low.distance(*high) <= FRAMED * extent);
         let lowest = solids.map_or(low.y, |[solid, _]| solid.y.min(low.y));
         let [floor, up] = floor.unwrap_or([middle.with_y(lowest - 0.01 * extent), Vec3::Y]);
-        // Two more points, so that cloth in one point is no special case.
+        // Two more points, so that cloth that is a single point needs no special case.
         let around = [middle - Vec3::splat(extent / 4.0), middle + Vec3::splat(extent / 4.0)];
         let corners = solids.into_iter().flat_map(corners);
         let points = || framed.iter().flat_map(|points| shown(points)).copied().chain(around).chain(corners.clone());
@@ -69,20 +69,20 @@ impl View {
         }
     }
 
-    /// Whether a vertex is where the camera follows it.
+    /// Whether a vertex is in the space in which the camera follows it.
     pub fn shows(&self, point: Vec3) -> bool {
         within(self.space, point)
     }
 }
 
-/// Of a box.
+/// The corners of a box.
 fn corners([low, high]: [Vec3; 2]) -> impl Iterator<Item = Vec3> + Clone {
     let side = move |corner: usize, axis: usize| [low, high][corner >> axis & 1][axis];
     (0..8).map(move |k| Vec3::new(side(k, 0), side(k, 1), side(k, 2)))
 }
 
-/// The snapshots, each with the box around it, in which the cloth is not much larger than in most
-/// or in the first.
+/// Selects the snapshots, given with their bounding boxes, in which the cloth is at most [`FRAMED`] times as
+/// large as its median or first size.
 fn framed(snapshots: Vec<([Vec3; 2], &[Vec3])>) -> Vec<&[Vec3]> {
     let size = |[low, high]: [Vec3; 2]| low.distance(high);
     let mut sizes: Vec<f32> = snapshots.iter().map(|&(around, _)| size(around)).collect();

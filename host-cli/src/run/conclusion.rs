@@ -1,4 +1,4 @@
-//! What a run came to: its summary, and the word on surfaces that pass through one another.
+//! The conclusion of a run: its summary, and the message on crossings.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use crate::scene_file::SceneFile;
 use crate::summary::{StageMs, Stretch, Summary};
 
 impl Course {
-    /// What to say of surfaces that pass through one another, if the audit found any.
+    /// The message on crossings; `None` if the audit found no crossing in any frame.
     pub fn intersecting(&self, scene: &SceneFile) -> Option<String> {
         let (count, frame) = self.record.crossings.filter(|&(count, _)| count > 0)?;
         let untangled = self.record.start.untangled.unwrap_or(0);
@@ -27,7 +27,7 @@ impl Course {
         Some(format!("intersecting: {count} in frame {frame}, at {seconds:.3} s, the worst; {advice}"))
     }
 
-    /// All that is known of it.
+    /// The summary of the run.
     pub fn summary(&self, scene: &SceneFile, ending: &Ending, pool: &Pool, wall: Duration) -> Summary {
         let report = self.engine.report();
         let steps = self.steps - self.begun;

@@ -1,4 +1,4 @@
-//! The steps of a scene from its start to its end, and what is seen of them: a run but for its files.
+//! The steps of a scene from its start to its end, and the observations made on the way: a run without its files.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -14,28 +14,28 @@ use crate::pool::Pool;
 use crate::record::{Record, Start, extent};
 use crate::stopwatch::Stopwatch;
 
-/// Steps of an explicit method from one look at its edges to the next: to look takes nearly as long as such a step.
+/// Steps of an explicit method between two checks of the edge lengths: a check takes nearly as long as a step.
 const LOOKS: u64 = 32;
 
 /// How the steps ended.
 pub enum Ending {
-    /// At the scene's time.
+    /// At the end of the scene's duration.
     Complete,
     /// A step could not be taken, or the cloth flew apart.
     Diverged(Divergence),
-    /// The user said so.
+    /// The user interrupted the run.
     Interrupted,
 }
 
-/// What keeps something of a run on its way.
+/// Observer of a run.
 pub trait Witness {
-    /// The start, and the end of each frame.
+    /// Called at the start, and at the end of each frame.
     fn frame(&mut self, course: &Course) -> Result<(), Failure>;
-    /// The end of each step, after the frame's.
+    /// Called at the end of each step, after `frame`.
     fn step(&mut self, course: &Course) -> Result<(), Failure>;
 }
 
-/// Keeps nothing.
+/// An observer that does nothing.
 impl Witness for () {
     fn frame(&mut self, _: &Course) -> Result<(), Failure> {
         Ok(())
@@ -46,41 +46,41 @@ impl Witness for () {
     }
 }
 
-/// Steps in all.
+/// Number of steps of the whole run.
 pub fn total_steps(timing: &Timing) -> u64 {
     timing.frames * timing.steps_per_frame
 }
 
-/// A scene on its way.
+/// A run in progress.
 pub struct Course {
-    /// What takes the steps.
+    /// The simulation.
     pub engine: Box<dyn Engine>,
-    /// Frames and steps.
+    /// Numbers of frames and steps, and the length of a step.
     pub timing: Timing,
-    /// Of the engine.
+    /// Precision of the engine.
     pub precision: Precision,
     /// The hash chain over the first state and all steps.
     pub chain: u64,
     /// Steps taken.
     pub steps: u64,
-    /// Frames seen, those before a checkpoint among them.
+    /// Frames observed, including those before a checkpoint.
     pub frames: u64,
     /// Positions of the last frame, m.
     pub positions: Vec<[f32; 3]>,
-    /// What has been seen up to there.
+    /// Observations of the run up to now.
     pub record: Record,
     /// Whether frames are tested for crossings.
     audit: bool,
     /// The step at which this process began; above 0 when resumed.
     pub(super) begun: u64,
     pub(super) stepping: Duration,
-    /// In the broad phase, the narrow phase and the response.
+    /// Time in the broad phase, the narrow phase and the response.
     pub(super) contact: [Duration; 3],
     pub(super) output: Duration,
 }
 
 impl Course {
-    /// A scene at its start, or where a checkpoint left it.
+    /// Begins a run at the start of the scene, or at a checkpoint.
     pub fn begin(
         engine: Box<dyn Engine>,
         timing: Timing,
@@ -117,7 +117,7 @@ impl Course {
         }
     }
 
-    /// Looks at the state as a frame: at the start, unless resumed, the caller's to do.
+    /// Observes the state as a frame. The caller does this once at the start of a run that is not resumed.
     pub fn frame(&mut self, pool: &Pool, witness: &mut impl Witness) -> Result<(), Failure> {
         let started = Instant::now();
         self.engine.write_positions(&mut self.positions);

@@ -1,4 +1,4 @@
-//! What a run leaves beside its frames: a picture and the summary.
+//! The files of a run besides its frames: the preview and the summary.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use crate::failure::{Failure, print_note};
 use crate::preview::Preview;
 use crate::summary::Summary;
 
-/// Draws and writes the picture that was asked for.
+/// Draws and writes the requested preview.
 pub fn write_preview(
     arguments: &RunArguments,
     preview: Option<&Preview>,
@@ -31,13 +31,13 @@ pub fn write_preview(
     Ok(Some(path))
 }
 
-/// Everything that a run may leave in its folder.
+/// Frames and previews that a run may write in its folder.
 const OUTPUTS: [&str; 8] =
     ["frames", "cloth.pc2", "cloth.obj", "cloth.usda", "vtp", "cloth.vtp.series", "preview.gif", "preview.png"];
 
-/// Outputs that lie there and are not of this run.
+/// Outputs in the folder `out` that this run did not write.
 pub fn older(out: &Path, written: &[PathBuf]) -> Vec<PathBuf> {
-    // The frames of `vtp` are written with their series.
+    // The folder `vtp` belongs to this run if its series file does.
     let is_written = |name: &str| {
         let path = out.join(if name == "vtp" { "cloth.vtp.series" } else { name });
         written.iter().any(|written| written.starts_with(&path))
@@ -45,7 +45,7 @@ pub fn older(out: &Path, written: &[PathBuf]) -> Vec<PathBuf> {
     OUTPUTS.iter().filter(|name| !is_written(name)).map(|name| out.join(name)).filter(|path| path.exists()).collect()
 }
 
-/// As it is printed and written.
+/// The summary as JSON text.
 pub fn to_json(summary: &Summary) -> Result<String, Failure> {
     serde_json::to_string_pretty(summary).map_err(|error| Failure::Tool(error.to_string()))
 }

@@ -1,4 +1,4 @@
-//! `muslin run`: a scene from its first to its last frame, and what is left of it on disk.
+//! `muslin run`: simulates a scene from its first to its last frame, and writes its files.
 
 mod conclusion;
 pub mod course;
@@ -29,20 +29,20 @@ use files::{to_json, write_preview, write_summary};
 /// Name of the checkpoint in the output directory.
 const CHECKPOINT: &str = "checkpoint.muslin";
 
-/// Most memory for the snapshots of the preview, bytes.
+/// Limit on the memory for the snapshots of the preview, bytes.
 const PREVIEW_MEMORY: usize = 200 << 20;
 
-/// Most pictures in the preview.
+/// Largest number of pictures in the preview.
 const PREVIEW_FRAMES: usize = 120;
 
-/// What a run leaves on disk, under way.
+/// The output files of a run in progress.
 struct Files<'a> {
     arguments: &'a RunArguments,
     out: PathBuf,
     scene_crc: u32,
     exporter: Exporter,
     preview: Option<Preview>,
-    /// Where the vertices of colliders are, m.
+    /// Positions of the colliders' vertices, m.
     solids: Vec<[f32; 3]>,
     bar: ProgressBar,
 }
@@ -89,7 +89,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     })
 }
 
-/// Threads, and where it is asked for and something can touch, a device.
+/// The threads, with a device if it is requested. A device needs single precision and a scene with contact.
 fn pool(arguments: &RunArguments, scene: &SceneFile) -> Result<Pool, Failure> {
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
     match arguments.backend {
@@ -105,16 +105,16 @@ fn pool(arguments: &RunArguments, scene: &SceneFile) -> Result<Pool, Failure> {
     }
 }
 
-/// Where to write: as asked, beside the checkpoint, or a folder named after the scene file.
+/// The output folder: the requested one, the folder of the checkpoint, or one named after the scene file.
 fn out(arguments: &RunArguments, scene: &SceneFile) -> Result<PathBuf, Failure> {
     if let (None, Some(checkpoint)) = (&arguments.of.out, &arguments.resume) {
-        // The files that the run goes on with lie beside its checkpoint.
+        // The files that a resumed run continues are in the folder of its checkpoint.
         return Ok(checkpoint.parent().unwrap_or(Path::new("")).into());
     }
     scene_file::folder(&arguments.of, scene)
 }
 
-/// Untangles the start, and says so where there was something to do.
+/// Untangles the start state; prints a note if there was something to untangle.
 fn untangle(engine: &mut dyn Engine, arguments: &RunArguments, pool: &Pool) -> Start {
     let (start, note) = pool.install(|| start::untangle(engine, arguments.audit, pool));
     if let Some(note) = note.filter(|_| !arguments.quiet) {
@@ -162,7 +162,7 @@ impl<'a> Files<'a> {
             let most = PREVIEW_MEMORY / (12 * (positions.len() + files.solids.len()));
             let (triangles, pins, solids) = (engine.triangles(), engine.pins(), engine.solids());
             let mut preview = Preview::new(triangles, pins, solids, frame_rate, most.clamp(6, PREVIEW_FRAMES));
-            // A resumed run's picture begins here: the frames before are in files, if at all.
+            // The preview of a resumed run begins here: earlier frames are in files, if they exist at all.
             if resumed {
                 preview.frame(positions, &files.solids);
             }
@@ -173,7 +173,7 @@ impl<'a> Files<'a> {
 
     fn write_checkpoint(&mut self, course: &Course) -> Result<PathBuf, Failure> {
         let path = self.out.join(CHECKPOINT);
-        // First the frames: a checkpoint must never be ahead of them.
+        // Frames go to disk first: a checkpoint must never be ahead of them.
         self.exporter.flush()?;
         let checkpoint = Checkpoint {
             precision: self.arguments.precision,
@@ -186,7 +186,8 @@ impl<'a> Files<'a> {
         Ok(path)
     }
 
-    /// Completes the files, writes picture and summary, and says how it went.
+    /// Completes the files, writes preview and summary, and prints the outcome. An interrupted run writes a
+    /// checkpoint instead.
     fn finish(
         mut self,
         course: &Course,

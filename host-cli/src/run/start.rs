@@ -1,5 +1,4 @@
-//! Before the first step: what hardly fits is said, and a start state in which surfaces pass through
-//! one another is untangled.
+//! Before the first step: notes on unsuitable settings are printed, and a start state with crossings is untangled.
 
 use std::f64::consts::TAU;
 
@@ -17,25 +16,24 @@ use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
 use crate::units::time;
 
-/// From where on a person is asked to look at what untangling moved, m.
+/// Displacement by untangling beyond which the note asks the user to look at the start state, m.
 const FAR: f64 = 0.05;
 
-/// Thickness beside the length of edges from which, and up to which, contact works as one expects.
+/// Smallest and largest ratio of thickness to mean edge length at which contact works as expected.
 const THICKNESS: [f64; 2] = [1e-4, 1.0];
 
-/// Iterations after which the fastest mode's frequency is known to a per cent or so; less than steps
-/// cost.
+/// Iterations that give the frequency of the fastest mode to about one per cent. They cost less than the steps.
 const ITERATIONS: u32 = 100;
 
-/// Of the limit at the start is named as safe: cloth that is drawn is stiffer.
+/// Part of the longest stable step at the start that is recommended as safe: stretched cloth is stiffer.
 const MARGIN: f64 = 0.8;
 
-/// Step^2 times the largest eigenvalue over which single precision loses masses beside stiffness: 2^-24
-/// of it is an eighth of them. A sheet of 1 m was 0.08 mm off after half a second by 3e5, 5 mm by 3e6
-/// and 0.3 m by 3e7.
+/// Limit on step^2 times the largest eigenvalue in single precision. At the limit the rounding error of the
+/// stiffness, 2^-24 of it, is an eighth of the mass. After half a second a sheet of 1 m was off by 0.08 mm at
+/// 3e5, by 5 mm at 3e6 and by 0.3 m at 3e7.
 const MASSES_LOST: f64 = 2e6;
 
-/// Says so where the step is longer than the method bears in this precision.
+/// Prints a note if the step is too long for the method in this precision.
 pub fn weigh_step(engine: &dyn Engine, scene: &SceneDesc, timing: &Timing, precision: Precision) {
     let method = scene.integrator.method;
     match (method.is_implicit(), precision) {
@@ -45,7 +43,7 @@ pub fn weigh_step(engine: &dyn Engine, scene: &SceneDesc, timing: &Timing, preci
     }
 }
 
-/// The masses beside the stiffness in the matrix of an implicit step.
+/// Prints a note if the matrix of an implicit step loses the masses beside the stiffness.
 fn weigh_masses(modes: &[Mode; 2], step: f64) {
     let times = step * step * modes[0].stiffness;
     if times > MASSES_LOST {
@@ -56,7 +54,7 @@ fn weigh_masses(modes: &[Mode; 2], step: f64) {
     }
 }
 
-/// The step beside the longest that an explicit method bears.
+/// Prints a note if the step is longer than the longest stable step of an explicit method.
 fn weigh_limit(modes: &[Mode; 2], step: f64, method: Method) {
     let Some(longest) = longest_step(modes, method).filter(|&longest| step > longest) else { return };
     let (name, hertz) = (method.name(), modes[0].stiffness.sqrt() / TAU);
@@ -67,7 +65,7 @@ fn weigh_limit(modes: &[Mode; 2], step: f64, method: Method) {
         ));
         return;
     }
-    // Cut, not rounded, to two digits.
+    // Rounded down to two digits.
     let safe = MARGIN * longest;
     let digit = 10f64.powf(safe.log10().floor() - 1.0);
     let safe = (safe / digit).floor() * digit;
@@ -80,7 +78,7 @@ fn weigh_limit(modes: &[Mode; 2], step: f64, method: Method) {
     ));
 }
 
-/// Says so where vertices of a collider's mesh touch nothing: cloth with such vertices is refused.
+/// Prints a note if vertices of a collider's mesh belong to no triangle. Cloth with such vertices is refused.
 pub fn weigh_meshes(scene: &SceneFile) {
     for (name, content) in &scene.resources {
         let of_collider = scene.desc.collider.iter().any(|collider| collider.file.as_ref() == Some(name));
@@ -92,7 +90,7 @@ pub fn weigh_meshes(scene: &SceneFile) {
     }
 }
 
-/// Says so where the thickness hardly fits the mesh: often it is not in metres.
+/// Prints a note if the thickness does not suit the mesh: often the reason is a length that is not in metres.
 pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {
     let Some(contact) = &scene.contact else { return };
     let (thickness, edge) = (contact.thickness, engine.mean_edge());
@@ -104,8 +102,8 @@ pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {
     }
 }
 
-/// Untangles the start of a scene with contact; with it what to tell a person, where there was something
-/// to do.
+/// Untangles the start state of a scene with contact. Also returns a note for the user, if there was something
+/// to untangle.
 pub fn untangle(engine: &mut dyn Engine, audit: bool, pool: &Pool) -> (Start, Option<String>) {
     let audited = audit.then(|| engine.crossings(pool) as u64);
     let Some(found) = engine.untangle(&Stopwatch::new(pool)) else {

@@ -1,4 +1,4 @@
-//! Other values for the keys of a scene.
+//! Overrides: new values for the keys of a scene.
 
 use muslin_core::scene::SceneDesc;
 use toml::{Table, Value};
@@ -7,19 +7,19 @@ use crate::failure::Failure;
 
 use super::explain;
 
-/// Another value for a key of a scene.
+/// A new value for a key of a scene.
 #[derive(Clone, Debug)]
 pub struct Change {
-    /// Who asks for it, as messages name it.
+    /// Origin of the change, as messages name it.
     pub asked: String,
-    /// Such as `integrator.step`.
+    /// The key with its sections, such as `integrator.step`.
     pub key: String,
-    /// The value.
+    /// The new value.
     pub value: Value,
 }
 
 impl Change {
-    /// From `key=value`.
+    /// Parses `key=value`.
     pub fn parse(text: &str) -> Result<Self, Failure> {
         let asked = format!("--set {text}");
         match text.split_once('=').map(|(key, value)| (key.trim(), value)) {
@@ -31,8 +31,8 @@ impl Change {
     }
 }
 
-/// Applies overrides one by one, so that an error names the one that made it. Only the last result
-/// must be a scene: a new section may take several overrides.
+/// Applies overrides one by one, so that an error names the override that caused it. Only the final result must
+/// be a valid scene: a new section may need several overrides.
 pub fn apply(table: Table, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
     let mut scene = Value::Table(table);
     let mut first_failure = None;
@@ -49,7 +49,7 @@ pub fn apply(table: Table, changes: &[Change]) -> Result<(SceneDesc, String), Fa
     Ok((desc, text))
 }
 
-/// A TOML value. Any other text is a string, so that `integrator.method=rk4` needs no quotes.
+/// Parses a TOML value. Any other text becomes a string, so that `integrator.method=rk4` needs no quotes.
 fn parse_value(text: &str) -> Value {
     toml::from_str::<Table>(&format!("value = {text}"))
         .ok()
@@ -57,7 +57,8 @@ fn parse_value(text: &str) -> Value {
         .unwrap_or_else(|| Value::String(text.into()))
 }
 
-/// Sets the key at `path` inside `value`. An array takes an index, or the key in each of its items.
+/// Sets the key at `path` inside `value`. In an array the next part of the path is an index; if it is not, the
+/// key is set in each item.
 pub fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> {
     let Some((first, rest)) = path.split_first() else {
         *value = new.clone();
@@ -77,8 +78,7 @@ pub fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> 
     }
 }
 
-/// Multiplies the number at `path` inside `value`, in each item of an array; what is not there stays
-/// away.
+/// Multiplies the number at `path` inside `value`, in each item of an array. A missing key stays missing.
 pub fn scale(value: &mut Value, path: &[&str], factor: f64) {
     match (value, path) {
         (Value::Array(items), _) => items.iter_mut().for_each(|item| scale(item, path, factor)),
@@ -95,7 +95,7 @@ pub fn scale(value: &mut Value, path: &[&str], factor: f64) {
     }
 }
 
-/// Removes the key at `path` inside `value` where there is one; of an array, in each of its items.
+/// Removes the key at `path` inside `value`, if it exists; in each item of an array.
 pub fn remove(value: &mut Value, path: &[&str]) {
     match (value, path) {
         (Value::Table(table), [key]) => drop(table.remove(*key)),

@@ -1,9 +1,9 @@
-//! Other values in a text that keeps its comments.
+//! Changes the values in a TOML text and keeps its comments.
 
 use toml::{Table, Value};
 use toml_edit::{DocumentMut, Item, TableLike, TomlError};
 
-/// A text with the values of a table; what they leave as it is keeps its place and its comments.
+/// The text with the values of the table `wanted`. Unchanged values keep their places and their comments.
 pub fn with_values(text: &str, wanted: &Table) -> Result<String, TomlError> {
     let mut document: DocumentMut = text.parse()?;
     set_table(document.as_table_mut(), wanted)?;
@@ -50,7 +50,7 @@ fn set_value(own: &mut toml_edit::Value, wanted: &Value) -> Result<(), TomlError
     Ok(())
 }
 
-/// A value as it is spelled.
+/// The value as `toml_edit` parses it from its text.
 fn written(value: &Value) -> Result<toml_edit::Value, TomlError> {
     value.to_string().parse()
 }

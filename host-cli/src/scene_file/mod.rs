@@ -1,4 +1,4 @@
-//! A scene from a file or from the built-in table, with overrides and the mesh files it names.
+//! Loads a scene from a file or from the built-in table, with overrides and the files that it names.
 
 mod change;
 mod comments;
@@ -15,7 +15,7 @@ use crate::args::SceneArguments;
 use crate::failure::Failure;
 use crate::mesh_io;
 
-/// The key of a scene's name, which need not be given: a file has one.
+/// The key of a scene's name. The name is optional: its default is the file name.
 const NAME: &str = "name";
 
 /// A scene ready to be built.
@@ -23,14 +23,14 @@ const NAME: &str = "name";
 pub struct SceneFile {
     /// The description.
     pub desc: SceneDesc,
-    /// The same as TOML, overrides included.
+    /// The scene as TOML, overrides included.
     pub text: String,
-    /// Files by the names that the scene gives them.
+    /// Contents of the files, by the names that the scene gives them.
     pub resources: Vec<Resource>,
 }
 
 impl SceneFile {
-    /// The same scene with other values at some keys, such as `integrator.step`, or without them.
+    /// The same scene with new values for some keys, such as `integrator.step`; `None` removes a key.
     pub fn changed<Key: AsRef<str>>(&self, changes: &[(Key, Option<Value>)]) -> Result<Self, Failure> {
         self.edited(|scene| {
             changes.iter().try_for_each(|(key, value)| {
@@ -46,7 +46,7 @@ impl SceneFile {
         })
     }
 
-    /// The same scene with the numbers at some keys multiplied, where they are.
+    /// The same scene with the numbers at some keys multiplied by `factor`; missing keys are ignored.
     pub fn scaled(&self, keys: &[&str], factor: f64) -> Result<Self, Failure> {
         self.edited(|scene| {
             keys.iter().for_each(|key| change::scale(scene, &key.split('.').collect::<Vec<_>>(), factor));
@@ -64,9 +64,10 @@ impl SceneFile {
     }
 }
 
-/// Where to write: as asked, or a folder in `out` named after the scene.
+/// The output folder: the folder that the arguments name, or a folder in `out` named after the scene.
 pub fn folder(arguments: &SceneArguments, scene: &SceneFile) -> Result<PathBuf, Failure> {
-    // A file's own name: a copy of a built-in scene must not write over the original's results.
+    // A scene file gives the folder its own name: a copy of a built-in scene must not overwrite the results of
+    // the original.
     let file = Path::new(&arguments.scene);
     let stem = file.file_stem().filter(|_| file.is_file());
     let name = stem.map_or(Path::new(&scene.desc.name), Path::new);
@@ -77,7 +78,7 @@ pub fn folder(arguments: &SceneArguments, scene: &SceneFile) -> Result<PathBuf, 
     }
 }
 
-/// Loads what the command line asks for.
+/// Loads the scene that the command line names, with its overrides.
 pub fn asked(arguments: &SceneArguments) -> Result<SceneFile, Failure> {
     let duration = arguments.duration.map(|duration| format!("duration={duration:?}"));
     let overrides: Vec<_> = arguments.set.iter().cloned().chain(duration).collect();
@@ -86,22 +87,22 @@ pub fn asked(arguments: &SceneArguments) -> Result<SceneFile, Failure> {
 
 /// Loads `scene`, a path or a built-in name, with `key=value` overrides.
 ///
-/// Errors are of usage: they name the line of the file or the override.
+/// Errors are usage errors: they name the line of the file or the override.
 pub fn load(scene: &str, overrides: &[String]) -> Result<SceneFile, Failure> {
     let source = Source::read(scene, Path::new(""))?;
     let changes = overrides.iter().map(|text| Change::parse(text)).collect::<Result<Vec<_>, _>>()?;
     source.with(&changes)
 }
 
-/// The text that was given for a scene, a path or a built-in name, with the values of another that was
-/// made from it: what is the same keeps its place and its comments.
+/// The text of the scene `given`, a path or a built-in name, with the values of `scene`, which was made from it.
+/// Unchanged values keep their places and their comments.
 pub fn commented(given: &str, scene: &SceneFile) -> Result<String, Failure> {
     let wanted = toml::from_str(&scene.text).map_err(|error| Failure::Tool(explain(&error)))?;
     let given = Source::read(given, Path::new(""))?;
     comments::with_values(&given.text, &wanted).map_err(|why| Failure::Tool(format!("{}: {why}", given.label)))
 }
 
-/// A scene as it is given, before any change.
+/// A scene as its file has it, before any change.
 pub struct Source {
     label: String,
     desc: SceneDesc,
@@ -111,12 +112,12 @@ pub struct Source {
 }
 
 impl Source {
-    /// Reads `scene`, a path from `directory` or a built-in name.
+    /// Reads `scene`, a path relative to `directory` or a built-in name.
     pub fn read(scene: &str, directory: &Path) -> Result<Self, Failure> {
         let (label, text, directory) = read(scene, directory)?;
         let in_file = |error| Failure::Usage(format!("{label}: {}", explain(&error)));
         let table: Table = toml::from_str(&text).map_err(in_file)?;
-        // From the text, because only it knows lines and columns.
+        // Parsed from the text, not from the table, so that errors have lines and columns.
         let mut desc: SceneDesc = toml::from_str(&text).map_err(in_file)?;
         if !table.contains_key(NAME) {
             desc.name = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into();
@@ -124,7 +125,7 @@ impl Source {
         Ok(Self { label, desc, text, table, directory })
     }
 
-    /// The description with these changes, and its text; no file that it names is looked at.
+    /// The description with these changes, and its text. The files that it names are not read.
     pub fn describe(&self, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
         match changes {
             [] => Ok((self.desc.clone(), self.text.clone())),
@@ -138,7 +139,7 @@ impl Source {
         }
     }
 
-    /// The scene with these changes, and the files that it names.
+    /// The scene with these changes, and the contents of the files that it names.
     pub fn with(&self, changes: &[Change]) -> Result<SceneFile, Failure> {
         let (desc, text) = self.describe(changes)?;
         let resources =
@@ -147,14 +148,14 @@ impl Source {
     }
 }
 
-/// A scene without files from a text made here.
+/// A scene from generated text that names no files.
 pub fn from_text(label: &str, text: String) -> Result<SceneFile, Failure> {
     let failed = |error: toml::de::Error| Failure::Tool(format!("{label}: {}", explain(&error)));
     let desc: SceneDesc = toml::from_str(&text).map_err(failed)?;
     Ok(SceneFile { desc, text, resources: Vec::new() })
 }
 
-/// Label for messages, text, and the directory that names in the scene are relative to.
+/// Reads a scene: label for messages, text, and the directory to which file names in it are relative.
 fn read(scene: &str, directory: &Path) -> Result<(String, String, PathBuf), Failure> {
     let path = directory.join(scene);
     if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == scene).filter(|_| !path.is_file()) {
@@ -175,10 +176,10 @@ fn read(scene: &str, directory: &Path) -> Result<(String, String, PathBuf), Fail
     }
 }
 
-/// The parser's message, with the nearest known key where one is unknown.
+/// The parser's message, with the most similar known key if it is about an unknown key.
 pub fn explain(error: &toml::de::Error) -> String {
     let message = error.message();
-    // The names of Rust types mean nothing to who writes a scene.
+    // The names of Rust types mean nothing to the author of a scene.
     let text = error.to_string().replace(", expected f64", ", expected a number");
     let text = match text.split_once("expected struct ") {
         Some((before, after)) => {
@@ -199,7 +200,7 @@ pub fn explain(error: &toml::de::Error) -> String {
     }
 }
 
-/// Names in a scene are relative to its file.
+/// Loads the files that a scene names; names are relative to `directory`.
 fn load_resources(desc: &SceneDesc, directory: &Path) -> Result<Vec<Resource>, String> {
     let of_cloth = desc.cloth.iter().flat_map(|cloth| {
         let seams = cloth.seam.iter().filter_map(|seam| seam.file.as_ref());
@@ -219,7 +220,7 @@ fn load_resources(desc: &SceneDesc, directory: &Path) -> Result<Vec<Resource>, S
     Ok(meshes.into_iter().chain(caches).collect())
 }
 
-/// Loads every name once.
+/// Loads each name once.
 fn load_each<'a>(
     names: impl Iterator<Item = &'a String>,
     load: impl Fn(&str) -> Result<Content, String>,

@@ -5,7 +5,7 @@ use std::str::SplitAsciiWhitespace;
 use super::PlyError;
 use super::header::{Element, Format, Property, Scalar};
 
-/// What follows the header, read one scalar at a time. Every type of PLY fits an `f64` exactly.
+/// The bytes after the header, read one scalar at a time. An `f64` represents every PLY type exactly.
 pub enum Body<'a> {
     Ascii(SplitAsciiWhitespace<'a>),
     Binary { rest: &'a [u8], big_endian: bool },
@@ -21,7 +21,7 @@ impl<'a> Body<'a> {
         if format != Format::Ascii {
             return Body::Binary { rest, big_endian: format == Format::BigEndian };
         }
-        // Beyond the first byte that is no text, there is nothing to read.
+        // The text ends at the first byte that is not UTF-8.
         let text = rest.utf8_chunks().next().map_or("", |chunk| chunk.valid());
         Body::Ascii(text.split_ascii_whitespace())
     }
@@ -33,7 +33,8 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The values of a property, in `values`. Nothing is reserved ahead, so a false length ends at the file's end.
+    /// Reads the values of a property into `values`. No memory is reserved ahead, so reading with a false length
+    /// stops at the end of the file.
     fn property(&mut self, property: &Property, values: &mut Vec<f64>) -> Result<(), Fault> {
         values.clear();
         let length = property.length.map_or(Ok(1.0), |length| self.scalar(length))?;
@@ -69,7 +70,7 @@ fn binary(rest: &mut &[u8], scalar: Scalar, big_endian: bool) -> Option<f64> {
     })
 }
 
-/// Reads all items of an element and shows `keep` the values of each property, by its place.
+/// Reads all items of an element, and passes the place and the values of each property to `keep`.
 pub fn read(body: &mut Body, element: &Element, mut keep: impl FnMut(usize, &[f64])) -> Result<(), PlyError> {
     if element.properties.is_empty() {
         return Ok(());

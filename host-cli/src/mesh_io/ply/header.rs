@@ -1,8 +1,8 @@
-//! The header of a PLY file: what the body holds, in which order and form.
+//! The header of a PLY file: the contents of the body, their order and their format.
 
 use super::PlyError;
 
-/// The types of numbers.
+/// Types of numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scalar {
     I8,
@@ -31,7 +31,7 @@ impl Scalar {
     }
 }
 
-/// One value, or one list of values, of each item.
+/// A property: one value or one list of values per item.
 pub struct Property {
     pub name: String,
     /// Type of the length, if this is a list.
@@ -39,14 +39,14 @@ pub struct Property {
     pub scalar: Scalar,
 }
 
-/// Items of one kind.
+/// An element: `count` items of one kind.
 pub struct Element {
     pub name: String,
     pub count: usize,
     pub properties: Vec<Property>,
 }
 
-/// How numbers are written.
+/// Formats of numbers.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Format {
     Ascii,
@@ -54,7 +54,7 @@ pub enum Format {
     BigEndian,
 }
 
-/// Format, elements, and what follows the header.
+/// Reads the header: format, elements, and the bytes after the header.
 pub fn read(bytes: &[u8]) -> Result<(Format, Vec<Element>, &[u8]), PlyError> {
     let (mut format, mut elements) = (None, Vec::new());
     let mut rest = bytes;

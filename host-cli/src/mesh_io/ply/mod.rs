@@ -1,6 +1,6 @@
-//! Stanford PLY (paulbourke.net/dataformats/ply), ascii and binary of either byte order: the
-//! positions of element `vertex`, texture coordinates if it has them, the polygons of element
-//! `face`. Other elements and properties are passed over.
+//! Stanford PLY (paulbourke.net/dataformats/ply), ascii and binary of either byte order: the positions of element
+//! `vertex`, its texture coordinates if it has them, and the polygons of element `face`. Other elements and
+//! properties are ignored.
 
 mod body;
 mod header;
@@ -11,10 +11,10 @@ use super::polygon;
 use body::Body;
 use header::Element;
 
-/// What is wrong in a PLY file.
+/// An error in a PLY file.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum PlyError {
-    /// A line of the header makes no sense.
+    /// A line of the header is invalid.
     #[error("line {line}: `{text}` is not a PLY header line that can stand here")]
     Header {
         /// Counted from 1.
@@ -38,7 +38,7 @@ pub enum PlyError {
         /// Number of items promised in the header.
         count: usize,
     },
-    /// A word of an ascii body is no number, or a list has an impossible length.
+    /// A word of an ascii body is not a number, or a list has an impossible length.
     #[error("{element} {item} holds something that is not a number or a list length; the file is damaged")]
     Number {
         /// Name of the element.
@@ -46,12 +46,12 @@ pub enum PlyError {
         /// Counted from 0.
         item: usize,
     },
-    /// A face names a vertex that is not there.
+    /// A face names a vertex that does not exist.
     #[error("face {face} names vertex {index}, but the file has {count} vertices (the first is 0)")]
     OutOfRange {
         /// Counted from 0.
         face: usize,
-        /// As it stands in the file.
+        /// The index in the file.
         index: f64,
         /// Number of vertices.
         count: usize,
