@@ -1,5 +1,5 @@
-//! Diagnostics of a state: energies, momentum, stretch, the first number that is not finite,
-//! and a hash of its bits.
+//! Diagnostics of a state: energies, momentum, stretch, the first particle that is not finite, the
+//! force term that pulls it hardest, and a hash of the bits.
 
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Energy, Model};
@@ -23,16 +23,16 @@ pub fn momentum(masses: &[Real], v: &[Vec3]) -> [Sum; 3] {
     sum
 }
 
-/// Length over rest length of edges.
+/// Ratio of length to rest length over all edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stretch {
-    /// The largest.
+    /// The largest ratio.
     pub max: Sum,
-    /// The mean.
+    /// The mean ratio.
     pub mean: Sum,
 }
 
-/// Stretch of edges with given rest lengths, m.
+/// Stretch of edges. `rest` are their rest lengths, m.
 pub fn stretch(edges: &[[u32; 2]], rest: &[Real], x: &[Vec3]) -> Stretch {
     let mut stretch = Stretch::default();
     for (&[a, b], &rest) in edges.iter().zip(rest) {
@@ -46,7 +46,7 @@ pub fn stretch(edges: &[[u32; 2]], rest: &[Real], x: &[Vec3]) -> Stretch {
 
 /// The first particle whose position or velocity is NaN or infinite.
 pub fn first_non_finite(x: &[Vec3], v: &[Vec3]) -> Option<u32> {
-    // Zero times a finite number is zero: one sum tells for all, and only a bad one is searched.
+    // Zero times a finite number is zero, so one sum checks all. Only if it is not zero, search.
     let all = x.iter().zip(v).fold(Vec3::ZERO, |sum, (&x, &v)| sum + x * 0.0 + v * 0.0);
     if all == Vec3::ZERO {
         return None;
@@ -54,8 +54,8 @@ pub fn first_non_finite(x: &[Vec3], v: &[Vec3]) -> Option<u32> {
     x.iter().zip(v).position(|(x, v)| !(x.is_finite() && v.is_finite())).map(|i| i as u32)
 }
 
-/// The term that pulls hardest on a particle, for the report of a divergence. `scratch` and `f`
-/// are overwritten.
+/// The term with the largest force on a particle, for the report of a divergence. Overwrites `scratch`
+/// and `f`.
 pub fn hardest_term(
     model: &Model<'_>,
     masses: &[Real],
@@ -71,7 +71,7 @@ pub fn hardest_term(
         let Some(alone) = model.only(term) else { continue };
         forces::evaluate(&alone, masses, x, v, scratch, f, dispatch);
         let pull = f[particle as usize];
-        // Not the square, which overflows first.
+        // Compare components and not squares, because squares overflow first.
         let size = if pull.is_finite() { pull.abs().max_element() } else { Real::INFINITY };
         if size > hardest.1 {
             hardest = (Some(term), size);
@@ -80,12 +80,12 @@ pub fn hardest_term(
     hardest.0
 }
 
-/// FNV-1a over the bits of positions and velocities, chained over steps: two runs that agree in
-/// it went through the same states, and the first step at which chains differ is the first that
-/// differed.
+/// FNV-1a hash over the bits of positions and velocities, chained over steps. Two runs with the same
+/// hash went through the same states; the first step with different hashes is the first whose states
+/// differ.
 ///
-/// Taken over whole scalars in four interleaved streams, because a step must not wait for its
-/// hash; negative zero counts as zero.
+/// It hashes whole scalars in four interleaved streams to keep the cost per step low. Negative zero
+/// counts as zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateHash(pub u64);
 
@@ -114,8 +114,8 @@ impl StateHash {
     }
 }
 
-/// One round of FNV-1a over a whole word; the fold carries high bits, such as signs, down to where
-/// the next product spreads them.
+/// One round of FNV-1a over a whole word. The shift copies high bits, such as signs, to low positions,
+/// from which the next product spreads them.
 fn mix(hash: u64, bits: u64) -> u64 {
     let product = (hash ^ bits).wrapping_mul(0x0000_0100_0000_01b3);
     product ^ product >> 32

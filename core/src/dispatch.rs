@@ -1,7 +1,8 @@
-//! How a kernel meets threads: the core describes disjoint work, the host owns the threads.
+//! Distribution of kernels over threads: the core splits work into disjoint parts, the host owns the
+//! threads.
 //!
-//! A kernel writes only the columns that it is handed as `out`. Because each slot's value does
-//! not depend on where the columns were split, the bits do not depend on the thread count.
+//! A kernel writes only the columns that it gets as `out`. The value of each slot does not depend on
+//! where the columns are split, so the bits do not depend on the number of threads.
 
 use core::future::{Future, ready};
 use core::pin::pin;
@@ -11,13 +12,13 @@ use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::stage::Stage;
 
-/// Output that can be handed out in disjoint parts.
+/// Output that can be split into disjoint parts.
 pub trait Split: Sized + Send {
     /// Number of slots.
     fn len(&self) -> usize;
-    /// Parts before and from slot `mid`.
+    /// Splits into the slots before `mid` and the slots from `mid` on.
     fn split_at(self, mid: usize) -> (Self, Self);
-    /// Whether there is nothing to write.
+    /// Whether there are no slots.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -55,29 +56,29 @@ impl<A: Split, B: Split, C: Split> Split for (A, B, C) {
 
 /// Runs kernels over disjoint parts of their output.
 pub trait Dispatch: Sync {
-    /// Calls `kernel(start, part)` until every slot of `out` has been handed out once, where
+    /// Calls `kernel(start, part)` for parts that together cover every slot of `out` exactly once.
     /// `start` is the index of the part's first slot in `out`.
     fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K);
 
-    /// Where a host has another place for it, a device say, which answers later: finds candidates and their
-    /// distances, as [`step::detect`](crate::step::detect) does.
+    /// Finds candidates and their distances as [`step::detect`](crate::step::detect) does, but elsewhere, for
+    /// example on a GPU that answers later. `None`: the caller must call [`step::detect`](crate::step::detect).
     #[inline]
     fn detect(&self, _: &ContactModel<'_>, _: &mut ContactScratch<'_>) -> impl Future<Output = Option<Counts>> {
         ready(None)
     }
 
-    /// Told which stage the following kernels belong to.
+    /// Announces the stage that the following kernels belong to.
     #[inline]
     fn enter(&self, _: Stage) {}
 
-    /// Whether the step is to be given up. Asked where a step can become long.
+    /// Whether to give up the step. Called where a step can take long.
     #[inline]
     fn stopped(&self) -> bool {
         false
     }
 }
 
-/// Another's threads, with candidates found on them whatever other place it has.
+/// A dispatch that runs kernels on the threads of `D` and finds candidates there too, never elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub struct Here<'a, D>(pub &'a D);
 
@@ -98,7 +99,8 @@ impl<D: Dispatch> Dispatch for Here<'_, D> {
     }
 }
 
-/// Waits for a future that is soon there; what needs no other place is so at once.
+/// Waits for a future by polling it in a loop. For futures that are ready soon: detection by [`Here`] is
+/// ready at the first poll.
 pub fn block_on<F: Future>(future: F) -> F::Output {
     let (mut future, mut context) = (pin!(future), Context::from_waker(Waker::noop()));
     loop {
@@ -109,7 +111,7 @@ pub fn block_on<F: Future>(future: F) -> F::Output {
     }
 }
 
-/// One thread: the whole output in one call.
+/// Runs each kernel on the calling thread, over its whole output in one call.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Serial;
 

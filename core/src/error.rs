@@ -1,12 +1,12 @@
-//! What can be wrong with a scene: small `Copy` enums, one sentence a variant. Only set-up
-//! returns errors; kernels return nothing and steps return a status.
+//! The errors of meshes and scenes: small `Copy` enums with one sentence per variant. Only set-up
+//! returns errors; kernels return nothing, and steps return a status.
 
 #![expect(missing_docs, reason = "a variant's sentence explains its fields")]
 
 use core::fmt;
 
-/// Why a mesh cannot be cloth. Found once by [`TriMesh::check`](crate::mesh::TriMesh::check);
-/// kernels index freely afterwards.
+/// Reason why a mesh cannot be used. [`TriMesh::check`](crate::mesh::TriMesh::check) and the other
+/// functions of set-up find all errors, so that kernels need no checks of indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshError {
     /// The mesh has no triangles.
@@ -21,19 +21,19 @@ pub enum MeshError {
     TextureNotFinite { coordinate: u32 },
     /// A triangle names one vertex twice.
     RepeatedVertex { triangle: u32, vertex: u32 },
-    /// A triangle without area at rest.
+    /// A triangle has no area at rest.
     NoArea { triangle: u32 },
-    /// An edge shared by more than two triangles.
+    /// More than two triangles share an edge.
     NonManifoldEdge { a: u32, b: u32 },
-    /// No triangle uses these vertices, of which this is the first: they would have no mass.
+    /// `count` vertices belong to no triangle and would have no mass; `vertex` is the first of them.
     LooseVertex { vertex: u32, count: u32 },
-    /// More triangles meet at a vertex than the solver can index.
+    /// A vertex belongs to more triangles than the solver can index.
     Hub { vertex: u32, most: u32 },
-    /// The rest shape was asked from texture coordinates and there are none.
+    /// The rest shape should come from texture coordinates, but the mesh has none.
     NoTextureCoordinates,
-    /// The start positions are not as many as the vertices.
+    /// The number of start positions differs from the number of vertices.
     StateLength { expected: u32, found: u32 },
-    /// A stitch names a vertex that does not exist, or its weight is not in 0..1.
+    /// A stitch names a vertex that does not exist, its weight is not in 0..=1, or it sews a vertex to itself.
     BadStitch { stitch: u32 },
 }
 
@@ -99,16 +99,17 @@ impl fmt::Display for MeshError {
 
 impl core::error::Error for MeshError {}
 
-/// Why a scene cannot be built. `cloth` and `pin` count from 0 in the order of the scene file.
+/// Reason why a scene cannot be built. Indices of cloths, pins, seams and colliders count from 0 in the
+/// order of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SceneError {
     /// The scene has no cloth.
     NoCloth,
     /// A cloth names no source of its mesh, or more than one.
     OneMeshSource { cloth: u32 },
-    /// The mesh file that a cloth names was not given to the build.
+    /// A mesh file that a cloth names was not passed to the build.
     MissingMesh { cloth: u32 },
-    /// A mesh is not usable.
+    /// The mesh of a cloth is not usable.
     Mesh { cloth: u32, error: MeshError },
     /// A number that must be positive and finite is not.
     NotPositive { key: &'static str, value: f64 },
@@ -116,16 +117,16 @@ pub enum SceneError {
     Negative { key: &'static str, value: f64 },
     /// A number that must be finite is not.
     NotFinite { key: &'static str },
-    /// A number that must be less than one is not.
+    /// A number that must be less than 1 is not.
     NotBelowOne { key: &'static str, value: f64 },
-    /// Two ends of an edge start at one point because they are too far from the origin for the
-    /// crate's precision.
+    /// The two ends of an edge start at the same point, because the edge is too far from the origin for
+    /// the crate's precision.
     TooFar { a: u32, b: u32 },
-    /// A seam sews nothing.
+    /// A seam has no stitches.
     EmptySeam { cloth: u32, seam: u32 },
-    /// A generator was asked for too few cells.
+    /// A generated mesh has too few cells.
     TooFewCells { key: &'static str, least: u32 },
-    /// The mesh would have more vertices than an index can name.
+    /// The scene would have more vertices than indices can address.
     TooLarge { vertices: u64 },
     /// A key is given that the chosen model does not have.
     KeyNotForModel { key: &'static str, model: &'static str },
@@ -133,19 +134,19 @@ pub enum SceneError {
     KeyNeeded { key: &'static str, model: &'static str },
     /// A pin selects no vertex.
     EmptyPin { cloth: u32, pin: u32 },
-    /// A pin names no selection, or more than one.
+    /// A pin gives no selection, or more than one.
     OneSelection { cloth: u32, pin: u32 },
     /// A pin names a corner or a vertex that does not exist.
     PinOutOfRange { cloth: u32, pin: u32, index: u32 },
     /// The axes of a pin are not a combination of x, y and z.
     PinAxes { cloth: u32, pin: u32 },
-    /// The keys of a motion are not in the order of time.
+    /// The times of a pin's keys do not increase, or a number in the keys is not finite.
     MotionKeys { cloth: u32, pin: u32 },
-    /// The turn of a motion has no direction, or a number of it is not finite.
+    /// The axis of a pin's rotation has no direction, or the rotation has a number that is not valid.
     MotionTurn { cloth: u32, pin: u32 },
-    /// Static friction below the kinetic.
+    /// The static coefficient of friction is below the kinetic one.
     StaticBelowKinetic { at_rest: f64, kinetic: f64 },
-    /// A collider without a section about contact.
+    /// The scene has a collider but no contact section.
     ColliderWithoutContact,
     /// A key is missing that the shape of a collider needs.
     ShapeNeeds { collider: u32, key: &'static str, shape: &'static str },
@@ -153,17 +154,17 @@ pub enum SceneError {
     NotOfShape { collider: u32, key: &'static str, shape: &'static str },
     /// The normal of a plane has no direction.
     NoNormal { collider: u32 },
-    /// A file that a collider names was not given to the build.
+    /// A file that a collider names was not passed to the build.
     MissingColliderFile { collider: u32 },
     /// The mesh of a collider is not usable.
     ColliderMesh { collider: u32, error: MeshError },
-    /// A point cache does not fit its mesh.
+    /// A point cache has another number of points than its mesh, or no whole frame.
     CachePoints { collider: u32, expected: u32, found: u32 },
     /// The motion of a collider is not usable.
     ColliderMotion { collider: u32 },
 }
 
-/// A number as a person writes it: with an exponent where it would be all zeros.
+/// Displays a number without an exponent, unless it is so large or so small that it would need many zeros.
 struct Number(f64);
 
 impl fmt::Display for Number {

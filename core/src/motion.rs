@@ -1,19 +1,20 @@
-//! Prescribed motion of pins and colliders: an offset through keys, and a steady turn.
+//! Prescribed motion of pins and colliders: an offset by keys, and a steady rotation.
 
 use crate::real::{Real, Sum, Vec3, cos, sin};
 
-/// From which side a moment is looked at: a velocity jumps at a key and where a turn stops.
+/// The side from which a velocity is evaluated at a time: velocities jump at keys and where a rotation
+/// stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JumpSide {
-    /// As it was until then.
+    /// The velocity up to that time.
     Before,
-    /// As it is from then on.
+    /// The velocity from that time on.
     After,
 }
 
 impl JumpSide {
-    /// Whether a change is over at a time. A time is so many times a step that was rounded: what is as near
-    /// as that is met.
+    /// Whether a change at time `change` lies in the past of `time`. Times are multiples of a rounded step,
+    /// so times that differ by less than the rounding count as equal.
     fn has_passed(self, change: Sum, time: Sum) -> bool {
         let rounding = Sum::from(Real::EPSILON) * time.abs();
         match self {
@@ -23,40 +24,40 @@ impl JumpSide {
     }
 }
 
-/// A key of a motion.
+/// A key of a motion: an offset at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
-    /// s.
+    /// Time, s.
     pub time: Sum,
-    /// m.
+    /// Offset, m.
     pub offset: Vec3,
 }
 
-/// A steady turn.
+/// A steady rotation about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Unit vector along the axis.
     pub axis: Vec3,
     /// A point on the axis, m.
     pub centre: Vec3,
-    /// rad/s.
+    /// Angular velocity, rad/s.
     pub rate: Sum,
-    /// The turn stops then, s.
+    /// Time at which the rotation stops, s.
     pub until: Sum,
 }
 
-/// How a point moves: keys and a turn, the turn first.
+/// The motion of a point: the rotation is applied first, then the offset by keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// First of the motion's keys, and how many there are.
+    /// Index of the first key of this motion, and number of keys.
     pub keys: [u32; 2],
-    /// Absent: no turn.
+    /// Rotation; absent: no rotation.
     pub turn: Option<Turn>,
 }
 
 impl Motion {
-    /// Where a point is at a time, m, and how fast it moves on a side of it, m/s. `keys` holds those
-    /// of all motions.
+    /// Position of a point at `time`, m, and its velocity on the given side of that time, m/s. `keys`
+    /// are the keys of all motions.
     pub fn at(&self, keys: &[Key], point: Vec3, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
         let (turned, spin) = self.turn.map_or((point, Vec3::ZERO), |turn| turned(&turn, point, time, side));
         let [first, count] = self.keys;
@@ -65,7 +66,7 @@ impl Motion {
     }
 }
 
-/// Rotation of a point about the axis, and its velocity [Rodrigues].
+/// Position of a point that rotates about the axis, m, and its velocity, m/s [Rodrigues].
 fn turned(turn: &Turn, point: Vec3, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
     let angle = (turn.rate * time.min(turn.until)) as Real;
     let arm = point - turn.centre;
@@ -77,7 +78,7 @@ fn turned(turn: &Turn, point: Vec3, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
     (turn.centre + along + rotated, spin)
 }
 
-/// Offset and its rate, linear between keys and resting outside them.
+/// Offset, m, and its rate, m/s: linear between keys, constant before the first and after the last.
 fn offset(keys: &[Key], time: Sum, side: JumpSide) -> (Vec3, Vec3) {
     let after = keys.partition_point(|key| side.has_passed(key.time, time));
     match (after.checked_sub(1).map(|i| keys[i]), keys.get(after)) {

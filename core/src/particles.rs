@@ -2,29 +2,29 @@
 
 use crate::real::{Real, Vec3};
 
-/// The moving state of a cloth, borrowed.
+/// The state of the cloth's particles and their masses, borrowed.
 #[derive(Debug)]
 pub struct Particles<'a> {
-    /// m.
+    /// Positions, m.
     pub positions: &'a mut [Vec3],
-    /// m/s.
+    /// Velocities, m/s.
     pub velocities: &'a mut [Vec3],
-    /// kg; a held vertex keeps its mass, pins act on velocities.
+    /// Masses, kg. A pinned vertex keeps its mass, because pins prescribe positions and velocities.
     pub masses: &'a [Real],
-    /// 1/kg, beside the masses because explicit steps would otherwise divide per particle.
+    /// Inverse masses, 1/kg. They are stored so that explicit steps need no division per particle.
     pub inverse_masses: &'a [Real],
 }
 
-/// The owned columns.
+/// The owned columns of [`Particles`].
 #[cfg(feature = "alloc")]
 #[derive(Clone, Debug, Default)]
 pub struct ParticleColumns {
-    /// m.
+    /// Positions, m.
     pub positions: alloc::vec::Vec<Vec3>,
-    /// m/s.
+    /// Velocities, m/s.
     pub velocities: alloc::vec::Vec<Vec3>,
-    /// kg.
+    /// Masses, kg.
     pub masses: alloc::vec::Vec<Real>,
-    /// 1/kg.
+    /// Inverse masses, 1/kg.
     pub inverse_masses: alloc::vec::Vec<Real>,
 }

@@ -1,6 +1,6 @@
-//! The precision of the crate: the only file that knows it.
+//! The floating-point precision of the crate. No other file depends on it.
 //!
-//! `muslin-core` computes in f32, `muslin-core-f64` compiles the same sources in f64. All
+//! `muslin-core` computes in f32; `muslin-core-f64` compiles the same sources for f64. All
 //! transcendental functions come from libm, so that every machine gives the same bits.
 
 #[cfg(not(double))]
@@ -9,14 +9,14 @@ mod precision {
     pub type Real = f32;
     /// Three scalars: a position, a velocity, a force.
     pub type Vec3 = glam::Vec3;
-    /// Nine scalars in columns: one block of a Jacobian.
+    /// Nine scalars, stored by columns: one block of a Jacobian.
     pub type Mat3 = glam::Mat3;
-    /// Four scalars that are multiplied and added at once.
+    /// Four scalars in one SIMD vector.
     pub type Lanes = wide::f32x4;
 
     pub use libm::{atan2f as atan2, cosf as cos, expf as exp, sinf as sin, sqrtf as sqrt};
 
-    /// The nearest f32.
+    /// Rounds to the nearest f32.
     #[inline]
     pub fn to_f32(x: Real) -> f32 {
         x
@@ -29,14 +29,14 @@ mod precision {
     pub type Real = f64;
     /// Three scalars: a position, a velocity, a force.
     pub type Vec3 = glam::DVec3;
-    /// Nine scalars in columns: one block of a Jacobian.
+    /// Nine scalars, stored by columns: one block of a Jacobian.
     pub type Mat3 = glam::DMat3;
-    /// Four scalars that are multiplied and added at once.
+    /// Four scalars in one SIMD vector.
     pub type Lanes = wide::f64x4;
 
     pub use libm::{atan2, cos, exp, sin, sqrt};
 
-    /// The nearest f32.
+    /// Rounds to the nearest f32.
     #[inline]
     pub fn to_f32(x: Real) -> f32 {
         x as f32
@@ -45,38 +45,38 @@ mod precision {
 
 pub use precision::*;
 
-/// Sums over many elements (energies, inner products between blocks) are carried in double in
-/// both precisions: they cost little and would otherwise be the first thing to round.
+/// The scalar of sums over many elements (energies, inner products between blocks). It is double in
+/// both precisions: this costs little, and in single precision these sums would round the most.
 pub type Sum = f64;
 
-/// Four sums that are multiplied and added at once.
+/// Four sums in one SIMD vector.
 pub type SumLanes = wide::f64x4;
 
-/// Below this fraction of its rest size a length counts as zero: direction unknown, no force.
+/// A length below this fraction of its rest size counts as zero: it has no direction and gives no force.
 pub const DEGENERATE: Real = 1e-6;
 
-/// The precision's name, as scenes and summaries spell it.
+/// The name of the precision in scenes and summaries.
 pub const NAME: &str = if size_of::<Real>() == 4 { "f32" } else { "f64" };
 
-/// A vector from three doubles, rounded to the crate's precision.
+/// Converts three doubles to a vector, rounded to the crate's precision.
 #[inline]
 pub fn vec3(v: [f64; 3]) -> Vec3 {
     Vec3::new(v[0] as Real, v[1] as Real, v[2] as Real)
 }
 
-/// A vector as three doubles, exactly.
+/// Converts a vector to three doubles, without rounding.
 #[inline]
 pub fn to_f64(v: Vec3) -> [f64; 3] {
     [v.x as f64, v.y as f64, v.z as f64]
 }
 
-/// Inner product carried in double.
+/// Inner product, computed in double.
 #[inline]
 pub fn dot_sum(a: Vec3, b: Vec3) -> Sum {
     a.x as Sum * b.x as Sum + a.y as Sum * b.y as Sum + a.z as Sum * b.z as Sum
 }
 
-/// The components of a vector, and a zero.
+/// The components of a vector, padded with a zero.
 #[inline(always)]
 pub fn lanes(v: Vec3) -> Lanes {
     Lanes::new([v.x, v.y, v.z, 0.0])

@@ -1,68 +1,68 @@
-//! Everything a step writes besides the state, sized once. A column that a method does not use
-//! is empty.
+//! Work columns: all data that a step writes besides the state. They are allocated once. A column that
+//! a method does not use is empty.
 
 use crate::forces::matrix::{AssemblyMap, BlockMatrix};
 use crate::integrate::coarse::{CoarseFactor, Patches};
 use crate::real::{Mat3, Real, Sum, Vec3};
 
-/// Work columns, borrowed. Lengths: one entry a vertex where not said otherwise.
+/// Work columns, borrowed. They have one entry per vertex unless stated otherwise.
 #[derive(Debug, Default)]
 pub struct Scratch<'a> {
     /// Sum of all forces, N.
     pub forces: &'a mut [Vec3],
-    /// Forces on element corners, [`Model::force_scratch`](crate::forces::Model::force_scratch).
+    /// Forces on element corners, N: [`Model::force_scratch`](crate::forces::Model::force_scratch) vectors.
     pub elements: &'a mut [Vec3],
-    /// Candidate positions, m.
+    /// Positions after the step, until it is committed, m.
     pub next_positions: &'a mut [Vec3],
-    /// Candidate velocities, m/s.
+    /// Velocities after the step, until it is committed, m/s.
     pub next_velocities: &'a mut [Vec3],
 
-    /// Positions inside the step: RK4 and implicit methods.
+    /// RK4 and implicit methods: positions inside the step, m.
     pub stage_positions: &'a mut [Vec3],
-    /// Velocities inside the step: RK4.
+    /// RK4: velocities inside the step, m/s.
     pub stage_velocities: &'a mut [Vec3],
 
-    /// BDF2: the state before the last step, and whether there is one.
+    /// BDF2: positions before the last step, m.
     pub previous_positions: &'a mut [Vec3],
-    /// BDF2.
+    /// BDF2: velocities before the last step, m/s.
     pub previous_velocities: &'a mut [Vec3],
-    /// BDF2: extrapolated positions that the stage starts from.
+    /// BDF2: extrapolated positions that the stage starts from, m.
     pub base_positions: &'a mut [Vec3],
-    /// BDF2.
+    /// BDF2: extrapolated velocities that the stage starts from, m/s.
     pub base_velocities: &'a mut [Vec3],
-    /// BDF2: whether the previous state is known.
+    /// BDF2: whether the state before the last step is known.
     pub has_history: bool,
 
     /// Implicit: the system matrix.
     pub matrix: BlockMatrix<'a>,
-    /// Implicit: where each term's blocks go.
+    /// Implicit: the place of each term's blocks in the matrix.
     pub assembly_map: AssemblyMap<'a>,
     /// Implicit: packed element Jacobians,
     /// [`Model::tangent_scratch`](crate::forces::Model::tangent_scratch) scalars.
     pub tangents: &'a mut [Real],
-    /// Implicit: change of the velocities.
+    /// Implicit: change of the velocities, the solution of the linear system, m/s.
     pub solution: &'a mut [Vec3],
-    /// Implicit.
+    /// Implicit: residual, kg m/s.
     pub residual: &'a mut [Vec3],
-    /// Newton's method with line search: the residual that a solve started from.
+    /// Newton's method with line search: the residual at the start of a linear solve.
     pub base_residual: &'a mut [Vec3],
-    /// Implicit.
+    /// Implicit: search direction of conjugate gradients.
     pub direction: &'a mut [Vec3],
-    /// Implicit.
+    /// Implicit: product of the system matrix with the search direction.
     pub products: &'a mut [Vec3],
-    /// Implicit.
+    /// Implicit: the preconditioned residual.
     pub preconditioned: &'a mut [Vec3],
     /// Implicit: the block Jacobi preconditioner.
     pub inverse_diagonal: &'a mut [Mat3],
     /// Two-level preconditioner: the patches.
     pub patches: Patches<'a>,
-    /// Two-level preconditioner: their small system.
+    /// Two-level preconditioner: the factor of the small matrix of the patches.
     pub coarse: CoarseFactor<'a>,
-    /// Implicit: one for each [`PART`](crate::integrate::conjugate_gradient::PART) vertices.
+    /// Implicit: partial sums, one per [`PART`](crate::integrate::conjugate_gradient::PART) vertices.
     pub partials: &'a mut [Sum],
 }
 
-/// The owned columns.
+/// The owned columns of [`Scratch`].
 #[cfg(feature = "alloc")]
 pub use owned::ScratchColumns;
 
@@ -115,7 +115,8 @@ mod owned {
         coarse_vector: Vec<Sum>,
     }
 
-    /// Columns made by hand may leave out where cloths lie and what they were cut from.
+    /// Patches of a scene. A scene that was not built from a description may lack the ranges of cloths or the
+    /// material coordinates; then it counts as one cloth, or the current positions are used.
     fn patches(scene: &BuiltScene, pattern: &SparsityPattern) -> PatchColumns {
         let positions = &scene.particles.positions;
         let mut cloths: Vec<_> = scene.cloths.iter().map(|cloth| cloth.vertices.clone()).collect();
@@ -131,7 +132,7 @@ mod owned {
     }
 
     impl ScratchColumns {
-        /// Columns for a scene and a scheme.
+        /// Allocates the columns for a scene and a scheme.
         #[cfg_attr(small, optimize(size))]
         pub fn build(scene: &BuiltScene, scheme: &Scheme) -> Self {
             let (vertices, model) = (scene.particles.positions.len(), &scene.model.view());
@@ -177,12 +178,12 @@ mod owned {
             }
         }
 
-        /// Takes over which axes are held.
+        /// Updates the fixed axes of the patches from the pins.
         pub(crate) fn hold(&mut self, pins: &Pins<'_>) {
             self.patches.hold(pins);
         }
 
-        /// What traffic depends on.
+        /// Sizes that the memory traffic depends on.
         pub fn sizes(&self) -> TrafficSizes {
             TrafficSizes {
                 vertices: self.forces.len(),
@@ -191,7 +192,7 @@ mod owned {
             }
         }
 
-        /// Bytes held.
+        /// Bytes of the columns.
         pub fn bytes(&self) -> usize {
             let vectors = [
                 &self.forces,

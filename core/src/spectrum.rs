@@ -1,5 +1,5 @@
-//! The fastest modes of a scene, by power iteration on its tangents: what the steps of explicit
-//! methods are limited by.
+//! The fastest modes of a scene, by power iteration on its tangents. They limit the time steps of
+//! explicit methods.
 
 use alloc::vec::Vec;
 
@@ -12,11 +12,11 @@ use crate::real::{Real, Sum, Vec3, dot_sum};
 use crate::scene::BuiltScene;
 use crate::scratch::ScratchColumns;
 
-/// Iterations by which a quotient must be steady: a start without the fastest mode lingers with the
-/// next.
+/// Number of consecutive iterations in which the quotient must be steady. A start vector with little of
+/// the fastest mode stays near the next one for many iterations.
 const STEADY: u32 = 100;
 
-/// `S = -(position df/dx + velocity df/dv)` of all terms where a scene's particles are.
+/// `S = -(position df/dx + velocity df/dv)` of all terms, at the positions of a scene's particles.
 #[derive(Clone, Debug)]
 pub struct Tangent<'a> {
     scene: &'a BuiltScene,
@@ -24,7 +24,7 @@ pub struct Tangent<'a> {
 }
 
 impl<'a> Tangent<'a> {
-    /// Of a scene.
+    /// The tangent of a scene. `position` and `velocity` are the factors in S.
     pub fn of(scene: &'a BuiltScene, position: Real, velocity: Real, jacobian: Jacobian) -> Self {
         let preconditioner = Preconditioner::BlockJacobi;
         let scheme = Scheme { method: Method::BackwardEuler, newton: 1, tolerance: 0.0, preconditioner, jacobian };
@@ -40,7 +40,8 @@ impl<'a> Tangent<'a> {
         multiply(&self.scratch.view().matrix, &self.scene.particles.masses, mass_factor, p, out, &Serial);
     }
 
-    /// `p . S p / p . M p` of a column that moves no held axis, and `S p`.
+    /// Rayleigh quotient `p . S p / p . M p` of a column that is zero on all fixed axes. Writes `S p` to
+    /// `product`.
     fn quotient(&mut self, p: &[Vec3], product: &mut [Vec3]) -> Sum {
         self.multiply(0.0, p, product);
         let masses = &self.scene.particles.masses;
@@ -49,10 +50,10 @@ impl<'a> Tangent<'a> {
         above / below
     }
 
-    /// The largest eigenvalue of `M^-1 S` and its vector, of unit length, without the held axes: by
-    /// power iteration, until the quotient of 100 iterations differs by no more than `tolerance` of
-    /// itself or `most` are done. What is not yet steady is less than the eigenvalue. Where S is
-    /// nothing the eigenvalue is 0.
+    /// The largest eigenvalue of `M^-1 S` without the fixed axes, and its unit eigenvector, by power
+    /// iteration. Stops when the quotient changes by at most `tolerance` of itself in 100 consecutive
+    /// iterations, or after `most` iterations. A quotient that is not yet steady is less than the
+    /// eigenvalue. If S is zero, the eigenvalue is 0.
     pub fn fastest_mode(&mut self, tolerance: Sum, most: u32) -> (Sum, Vec<Vec3>) {
         let inverse_masses = &self.scene.particles.inverse_masses;
         let pins = self.scene.pins.view();
@@ -60,7 +61,7 @@ impl<'a> Tangent<'a> {
         pins.filter(&mut p);
         let mut product = p.clone();
         let (mut quotient, mut steady) = (0.0, 0);
-        // The quotient's error is the square of the vector's.
+        // The error of the quotient scales with the square of the error of the vector.
         for _ in 0..most {
             let next = self.quotient(&p, &mut product);
             steady = if (next - quotient).abs() <= tolerance * next.abs() { steady + 1 } else { 0 };
@@ -68,7 +69,7 @@ impl<'a> Tangent<'a> {
             product.iter_mut().zip(inverse_masses).for_each(|(q, &w)| *q *= w);
             pins.filter(&mut product);
             let length = libm::sqrt(product.iter().map(|&q| dot_sum(q, q)).sum());
-            // Nothing moves, or nothing answers.
+            // All axes are fixed, or S is zero.
             if length.is_nan() || length <= 0.0 {
                 return (0.0, p);
             }
@@ -81,9 +82,9 @@ impl<'a> Tangent<'a> {
     }
 }
 
-/// A vector that has some of every mode, the same each time.
+/// Pseudo-random vector for a vertex, the same in every run. A start column of them contains every mode.
 fn scattered(index: u32) -> Vec3 {
-    // [Vigna 2015], as a hash.
+    // The generator of [Vigna 2015], used as a hash of the index.
     let mut bits = u64::from(index).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mut next = || {
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9).wrapping_add(0x94d0_49bb_1331_11eb);
@@ -92,8 +93,8 @@ fn scattered(index: u32) -> Vec3 {
     Vec3::new(next(), next(), next())
 }
 
-/// The mode with the most stiffness and the one with the most damping, where a scene's particles are
-/// and by no more than `most` iterations each; the same where nothing damps.
+/// The mode with the largest stiffness and the mode with the largest damping, at the positions of a
+/// scene's particles, with at most `most` iterations each. Without damping the first is returned twice.
 pub fn fastest_modes(scene: &BuiltScene, tolerance: Sum, most: u32) -> [Mode; 2] {
     let mut stiff = Tangent::of(scene, 1.0, 0.0, Jacobian::Projected);
     let mut damped = Tangent::of(scene, 0.0, 1.0, Jacobian::Projected);

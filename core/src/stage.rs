@@ -1,7 +1,7 @@
-//! The names of what a step does, for hosts that keep clocks and for reports: the core has no
-//! clock of its own.
+//! The stages of a step and the force terms, by name. Hosts use them to time stages and to write
+//! reports; the core has no clock of its own.
 
-/// What the kernels that follow belong to.
+/// The stage of a step that the following kernels belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Evaluating a force term.
@@ -10,17 +10,17 @@ pub enum Stage {
     Jacobian(Term),
     /// Solving the linear system.
     Solve,
-    /// Finding candidates.
+    /// Finding candidate pairs.
     BroadPhase,
-    /// Distances and times of impact.
+    /// Computing distances and times of impact.
     NarrowPhase,
-    /// Solving contacts.
+    /// Responding to contacts and impacts.
     Response,
-    /// Everything else: updating positions and velocities, checking them.
+    /// All other work: updating and checking positions and velocities.
     Integrate,
 }
 
-/// The names of the terms, for reports.
+/// A force term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Term {
     /// Gravity.
@@ -54,7 +54,7 @@ impl Term {
         Self::Wind,
     ];
 
-    /// As scenes and messages call it.
+    /// The name for messages and reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Gravity => "gravity",

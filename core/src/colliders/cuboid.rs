@@ -1,8 +1,8 @@
-//! Boxes: twelve triangles.
+//! Box colliders, made of twelve triangles.
 
 use crate::real::{Real, Vec3, sqrt};
 
-/// The triangles over the corners, wound outward.
+/// The triangles, by corners, wound outward.
 pub const TRIANGLES: [[u32; 3]; 12] = [
     [0, 2, 3],
     [0, 3, 1],
@@ -18,8 +18,8 @@ pub const TRIANGLES: [[u32; 3]; 12] = [
     [1, 7, 5],
 ];
 
-/// The corners: corner k lies beyond the centre along those axes whose bit k has. `axes` are half
-/// as long as the box.
+/// The corners, m. Corner k lies on the positive side of axis i if bit i of k is set, else on the
+/// negative side. Each vector in `axes` has half the length of the box along that axis.
 pub fn corners(centre: Vec3, axes: [Vec3; 3]) -> [Vec3; 8] {
     core::array::from_fn(|corner| {
         let side = |axis: usize| if corner >> axis & 1 == 1 { axes[axis] } else { -axes[axis] };
@@ -27,7 +27,7 @@ pub fn corners(centre: Vec3, axes: [Vec3; 3]) -> [Vec3; 8] {
     })
 }
 
-/// How deep a point lies in it, m.
+/// Depth of a point inside the box, m; 0 outside.
 pub fn depth(corners: &[Vec3], point: Vec3) -> Real {
     let least = |depth: Real, axis: usize| {
         let edge = corners[1 << axis] - corners[0];

@@ -1,8 +1,8 @@
-//! What the cloth can touch besides itself: vertices that nothing pushes back.
+//! Colliders: objects that the cloth collides with. Contact does not move their vertices.
 //!
-//! Every collider but the plane is made of the features that cloth is made of, so that detection
-//! and response need no second way: a mesh and a box are triangles, a sphere is a vertex and a
-//! capsule an edge, each with a radius. A plane is a vertex with a normal.
+//! All colliders except planes consist of the same features as cloth, so that detection and response
+//! treat both alike: a mesh and a box are triangles, a sphere is a vertex with a radius, and a capsule
+//! is an edge with a radius. A plane is a vertex with a normal.
 
 pub mod cuboid;
 pub mod plane;
@@ -11,33 +11,33 @@ pub mod round;
 use crate::motion::{JumpSide, Key, Motion};
 use crate::real::{Real, Sum, Vec3};
 
-/// What a collider is, and its first vertex.
+/// The shape of a collider.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// The half space below a vertex, seen along a normal.
+    /// The half space below a vertex. The normal points to the free side.
     Plane(Vec3),
-    /// All within a radius of a vertex.
+    /// All points within a radius of a vertex.
     Sphere,
-    /// All within a radius of the edge from the first vertex to the next.
+    /// All points within a radius of the edge between its two vertices.
     Capsule,
-    /// Eight corners; corner k lies beyond the centre along those axes whose bit k has.
+    /// Eight corners, in the order of [`cuboid::corners`].
     Box,
-    /// A surface.
+    /// A surface of triangles.
     Mesh,
 }
 
-/// How a collider's vertices move.
+/// The motion of a collider's vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drive {
-    /// Not at all.
+    /// The vertices rest.
     Rest,
-    /// Along keys and about an axis.
+    /// An offset by keys, and a rotation about an axis.
     Motion(Motion),
-    /// Through the frames of a cache, linearly between them, resting outside.
+    /// The frames of a point cache: linear between frames, constant before the first and after the last.
     Cache {
-        /// Index of its first frame's first vertex in [`Colliders::frames`].
+        /// Index of the first vertex of the first frame in [`Colliders::frames`].
         first: usize,
-        /// How many frames.
+        /// Number of frames.
         frames: usize,
         /// Frames per second.
         rate: Sum,
@@ -47,15 +47,15 @@ pub enum Drive {
 /// One collider.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// What it is.
+    /// Its shape.
     pub form: Form,
-    /// Its first vertex, and how many it has.
+    /// Index of its first vertex, and number of vertices.
     pub vertices: [usize; 2],
-    /// How they move.
+    /// Motion of its vertices.
     pub drive: Drive,
-    /// m around its vertices and edges.
+    /// Radius around its vertices and edges, m.
     pub radius: Real,
-    /// Its law of friction.
+    /// Index of its law of friction.
     pub law: u32,
 }
 
@@ -71,16 +71,16 @@ impl Body {
 pub struct Colliders<'a> {
     /// The colliders in the order of their vertices.
     pub bodies: &'a [Body],
-    /// Where each vertex is before any motion, m.
+    /// Position of each vertex before any motion, m.
     pub anchors: &'a [Vec3],
     /// The keys of all motions.
     pub keys: &'a [Key],
-    /// Vertices of all caches, frame after frame, m.
+    /// Vertex positions of all caches, frame after frame, m.
     pub frames: &'a [Vec3],
 }
 
 impl Colliders<'_> {
-    /// Writes where the vertices are at a time.
+    /// Writes the positions of all vertices at `time`, s.
     pub fn place(&self, time: Sum, out: &mut [Vec3]) {
         for body in self.bodies {
             let (anchors, out) = (&self.anchors[body.range()], &mut out[body.range()]);
@@ -105,8 +105,8 @@ impl Colliders<'_> {
         }
     }
 
-    /// How deep a point lies in any collider that has an inside, m; 0 outside of all. `places` is
-    /// where the vertices are. Meshes may be open and count as surfaces.
+    /// Greatest depth of a point inside the colliders, m; 0 if it is outside all of them. `places` are
+    /// the vertex positions. Meshes may be open, so they count as surfaces without an inside.
     pub fn depth(&self, places: &[Vec3], point: Vec3) -> Real {
         let depths = self.bodies.iter().map(|body| {
             let vertices = &places[body.range()];
@@ -128,13 +128,13 @@ impl Colliders<'_> {
 pub struct ColliderColumns {
     /// The colliders.
     pub bodies: alloc::vec::Vec<Body>,
-    /// Where each vertex is before any motion, m.
+    /// Position of each vertex before any motion, m.
     pub anchors: alloc::vec::Vec<Vec3>,
     /// The keys of all motions.
     pub keys: alloc::vec::Vec<Key>,
-    /// Vertices of all caches.
+    /// Vertex positions of all caches, frame after frame, m.
     pub frames: alloc::vec::Vec<Vec3>,
-    /// Triangles over the vertices; lone points and edges repeat a vertex.
+    /// Vertices of each triangle. Lone points and edges are triangles that repeat a vertex.
     pub triangles: alloc::vec::Vec<[u32; 3]>,
 }
 
@@ -145,7 +145,7 @@ impl ColliderColumns {
         Colliders { bodies: &self.bodies, anchors: &self.anchors, keys: &self.keys, frames: &self.frames }
     }
 
-    /// Bytes held.
+    /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.bodies[..])
             + size_of_val(&self.anchors[..])
@@ -154,7 +154,7 @@ impl ColliderColumns {
             + size_of_val(&self.triangles[..])
     }
 
-    /// Adds a collider with its triangles over its own vertices.
+    /// Adds a collider. `triangles` index into `anchors`.
     pub fn add(&mut self, body: Body, anchors: &[Vec3], triangles: &[[u32; 3]]) {
         let first = self.anchors.len() as u32;
         self.bodies.push(Body { vertices: [self.anchors.len(), anchors.len()], ..body });

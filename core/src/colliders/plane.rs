@@ -1,8 +1,8 @@
-//! The half space below a point.
+//! Plane colliders: the half space below a point.
 
 use crate::real::{Real, Vec3};
 
-/// How deep a point lies in it, m.
+/// Depth of a point below the plane, m; 0 above.
 pub fn depth(on_plane: Vec3, normal: Vec3, point: Vec3) -> Real {
     (on_plane - point).dot(normal).max(0.0)
 }

@@ -1,6 +1,6 @@
-//! Elements with `K` corners, and the three ways in which the model uses them: forces, energy,
-//! Jacobian. Kernels gather: every element writes its own slot, then every vertex sums the slots
-//! that meet there in the fixed order of its [`Incidence`].
+//! Elements with `K` corners. The model computes their forces, their energy and their Jacobian.
+//! Kernels gather: every element writes its own slots, then every vertex sums its slots in the
+//! fixed order of its [`Incidence`].
 
 use bytemuck::Pod;
 
@@ -10,26 +10,26 @@ use crate::forces::matrix::{BlockMatrix, NOT_STORED, add};
 use crate::mesh::Incidence;
 use crate::real::{Mat3, Real, Vec3};
 
-/// A force term over elements with `K` corners. `x` and `v` are the corners' positions and
-/// velocities; every force is affine in `v`.
+/// A force term over elements with `K` corners. `x` and `v` are the positions and velocities of the
+/// corners. Every force is affine in `v`.
 pub trait Element<const K: usize>: Sync {
-    /// What the projected Jacobian of one element is packed into.
+    /// The packed form of one element's projected Jacobian.
     type Tangent: Pod + Send + Sync;
 
     /// The corners of every element.
     fn vertices(&self) -> &[[u32; K]];
-    /// Which corners meet at each vertex.
+    /// The element corners at each vertex.
     fn incidence(&self) -> Incidence<'_>;
     /// Forces on the corners, N.
     fn force(&self, element: usize, x: &[Vec3; K], v: &[Vec3; K]) -> [Vec3; K];
     /// Stored energy, J.
     fn energy(&self, element: usize, x: &[Vec3; K]) -> Energy;
-    /// `-(position Kx + velocity Kv)`, positive semidefinite.
+    /// The projected Jacobian `-(position Kx + velocity Kv)`, positive semidefinite and packed.
     fn tangent(&self, element: usize, x: &[Vec3; K], scale: TangentScale) -> Self::Tangent;
-    /// The 3x3 block of corners `a`, `b` of a packed Jacobian.
+    /// The 3x3 block of a packed Jacobian for the corners `a` (row) and `b` (column).
     fn block(&self, element: usize, tangent: &Self::Tangent, a: usize, b: usize) -> Mat3;
-    /// `-(position df/dx + velocity df/dv)` to the last derivative, by corners `[a][b]`. The part
-    /// of the damping force (`v` not zero) is not symmetric.
+    /// `-(position df/dx + velocity df/dv)` without projection, by corners `[a][b]`. If `v` is not zero,
+    /// the damping force makes it unsymmetric.
     fn exact(&self, element: usize, x: &[Vec3; K], v: &[Vec3; K], scale: TangentScale) -> [[Mat3; K]; K];
 }
 
@@ -38,7 +38,7 @@ fn corners<const K: usize>(ids: &[u32; K], column: &[Vec3]) -> [Vec3; K] {
     ids.map(|i| column[i as usize])
 }
 
-/// Adds the term's forces to `f`. `scratch` holds `K` vectors an element.
+/// Adds the term's forces to `f`, N. `scratch` has room for `K` vectors per element.
 pub fn add_forces<const K: usize, E: Element<K>>(
     term: &E,
     x: &[Vec3],
@@ -64,14 +64,14 @@ pub fn add_forces<const K: usize, E: Element<K>>(
     });
 }
 
-/// The energy stored in the term.
+/// The energy that the term stores, J.
 pub fn energy<const K: usize, E: Element<K>>(term: &E, x: &[Vec3]) -> Energy {
     let each = term.vertices().iter().enumerate();
     each.fold(Energy::default(), |sum, (element, ids)| sum + term.energy(element, &corners(ids, x)))
 }
 
-/// Adds `-(position Kx + velocity Kv)` to `matrix`. `assembly_map` says where in its row each block
-/// goes; `scratch` holds the packed Jacobians.
+/// Adds `-(position Kx + velocity Kv)` to `matrix`. `assembly_map` is the place of each block in its
+/// row. `scratch` has room for the packed Jacobians.
 pub fn add_tangents<const K: usize, E: Element<K>>(
     term: &E,
     x: &[Vec3],
@@ -106,8 +106,8 @@ pub fn add_tangents<const K: usize, E: Element<K>>(
                             add(&mut row[assembly_map[b] as usize], &term.block(element, &tangents[element], a, b));
                         }
                     }
-                    // For studies: computed once a corner rather than stored. At rest (v = 0) the
-                    // damping force has no part in df/dx, which keeps the matrix symmetric.
+                    // For studies only, so the blocks are recomputed for each corner and not stored.
+                    // With v = 0 damping does not contribute to df/dx, and the matrix stays symmetric.
                     Jacobian::Exact => {
                         let x = corners(&vertices[element], x);
                         let blocks = term.exact(element, &x, &[Vec3::ZERO; K], scale);

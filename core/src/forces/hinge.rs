@@ -1,10 +1,10 @@
-//! Hinge bending, E = 1/2 ke (theta - theta0)^2 with ke = D |e|^2 / (A1 + A2), where theta is
-//! the angle between the triangles' normals, 0 when flat, and D the flexural rigidity
-//! [Bridson 2003, Grinspun 2003; eq. 3.9 with the angle by atan2]. Damping f = -kd dtheta/dt
-//! grad theta.
+//! Hinge bending: E = 1/2 ke (theta - theta0)^2 with ke = D |e|^2 / (A1 + A2). theta is the angle
+//! between the normals of the triangles, 0 when flat, and D is the flexural rigidity
+//! [Bridson 2003, Grinspun 2003; eq. 3.9, with atan2 for the angle]. Damping is
+//! f = -kd dtheta/dt grad theta.
 //!
-//! Corners: a, b the shared edge, c in triangle (a, b, c), d in triangle (a, d, b). The
-//! projected Jacobian is Gauss-Newton, ke grad grad^T.
+//! Corners: a and b are the ends of the shared edge, c belongs to triangle (a, b, c) and d to triangle
+//! (a, d, b). The projected Jacobian is the Gauss-Newton matrix ke grad grad^T.
 
 use core::f64::consts::PI;
 
@@ -22,35 +22,36 @@ pub struct Hinges<'a> {
     pub stiffness: &'a [Real],
     /// theta0, radians.
     pub rest_angles: &'a [Real],
-    /// A tenth of the rest edge or of the smaller rest height over it, whichever is less, m: of
-    /// shorter edges and flatter triangles the gradient, which grows as 1/(length height), is
-    /// scaled down, and with it the force.
+    /// A tenth of the rest length of the edge or of the smaller rest height over it, whichever is
+    /// less, m. For shorter edges and lower triangles the gradient, which grows as 1/(length height),
+    /// is scaled down, and the force with it.
     pub least_heights: &'a [Real],
-    /// N m s; empty where no hinge is damped.
+    /// kd, N m s; empty if no hinge is damped.
     pub damping: &'a [Real],
-    /// Hinges at each vertex.
+    /// The hinge corners at each vertex.
     pub incidence: Incidence<'a>,
 }
 
-/// ke of a hinge from the sheet's flexural rigidity D, its rest length and its triangles' rest
-/// areas: bends a sheet about any line of an equilateral mesh with D [Grinspun 2003].
+/// ke of a hinge from the flexural rigidity D of the sheet, the rest length of the edge and the rest
+/// areas of its triangles. An equilateral mesh then has rigidity D for bending about any line
+/// [Grinspun 2003].
 pub fn stiffness(rigidity: f64, length: f64, areas: [f64; 2]) -> f64 {
     rigidity * length * length / (areas[0] + areas[1])
 }
 
-/// The two triangles of a hinge.
+/// The current geometry of a hinge.
 struct Fold {
-    /// Unit vector along the edge and its length.
+    /// Unit vector along the edge, and the length of the edge.
     along: Vec3,
     length: Real,
-    /// Normals as long as twice the areas, and their squared lengths.
+    /// Normals of the triangles, with twice the area as length, and their squared lengths.
     normals: [Vec3; 2],
     squares: [Real; 2],
     /// `gradient[i] = weights[i][0] P1 + weights[i][1] P2` with P = N / |N|^2.
     weights: [[Real; 2]; 4],
 }
 
-/// None where the edge or a triangle has collapsed: there is no angle.
+/// The geometry of a hinge. `None` if the edge or a triangle has collapsed and the angle is undefined.
 #[inline(always)]
 fn fold(x: &[Vec3; 4], least_height: Real) -> Option<Fold> {
     let [a, b, c, d] = *x;
@@ -65,7 +66,8 @@ fn fold(x: &[Vec3; 4], least_height: Real) -> Option<Fold> {
     let along = e / length;
     let reach = [(c - a).dot(along), (d - a).dot(along)];
     let weights = [
-        // b - c as the rest of the edge: so the weights of a, b and c sum to zero to the last bit.
+        // The weight of a is length - reach instead of (b - c) . along, so that the weights of a, b and c
+        // sum to zero to the last bit.
         [length - reach[0], length - reach[1]],
         reach,
         [-length, 0.0],
@@ -87,8 +89,9 @@ impl Fold {
         self.weights.map(|[s1, s2]| p1 * s1 + p2 * s2)
     }
 
-    /// One while the edge is at least `least_height` long and both triangles that high over it,
-    /// falling to zero as one collapses. A common factor keeps the forces' sum and torque zero.
+    /// Factor that scales the gradient down: 1 while the edge and both heights over it are at least
+    /// `least_height`, falling to 0 as one of them collapses. One factor for all corners keeps the
+    /// total force and torque zero.
     #[inline]
     fn relief(&self, least_height: Real) -> Real {
         let least = self.length * least_height;
@@ -97,7 +100,7 @@ impl Fold {
         if self.length >= least_height { height } else { height * self.length / least_height }
     }
 
-    /// Second derivative of the angle by corners `[i][k]`.
+    /// Second derivative of the angle, by corners `[i][k]`.
     fn hessian(&self, x: &[Vec3; 4]) -> [[Mat3; 4]; 4] {
         let [a, b, c, d] = *x;
         let eh = self.along;
@@ -113,7 +116,7 @@ impl Fold {
             let to_far = far - a;
             (to_far - eh * to_far.dot(eh)) / self.length
         });
-        // Derivatives of the weights [triangle][corner][by].
+        // Derivatives of the weights: [triangle][corner][corner to derive by].
         let weight = [0, 1].map(|t| {
             let h = across[t];
             let mut by_a = [h, eh - h, Vec3::ZERO, Vec3::ZERO];
@@ -134,13 +137,13 @@ impl Fold {
 }
 
 impl Hinges<'_> {
-    /// Bytes of its columns.
+    /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
         let scalars = [self.stiffness, self.rest_angles, self.least_heights, self.damping];
         size_of_val(self.vertices) + scalars.map(size_of_val).iter().sum::<usize>() + self.incidence.bytes()
     }
 
-    /// `theta - theta0` in (-pi, pi].
+    /// `theta - theta0`, wrapped to (-pi, pi].
     #[inline]
     fn bent(&self, hinge: usize, angle: Real) -> Real {
         let bent = angle - self.rest_angles[hinge];
@@ -159,14 +162,14 @@ impl Hinges<'_> {
         self.damping.get(hinge).copied().unwrap_or(0.0)
     }
 
-    /// The angle of one hinge, radians; 0 where it has none.
+    /// The angle of one hinge, radians; 0 if the hinge has collapsed.
     pub fn angle(&self, hinge: usize, x: &[Vec3; 4]) -> Real {
         fold(x, self.least_heights[hinge]).map_or(0.0, |fold| fold.angle())
     }
 }
 
 impl Element<4> for Hinges<'_> {
-    /// The gradient times the square root of the scaled stiffness.
+    /// The scaled-down gradient times the square root of the scaled stiffness.
     type Tangent = [Vec3; 4];
 
     fn vertices(&self) -> &[[u32; 4]] {
@@ -213,7 +216,7 @@ impl Element<4> for Hinges<'_> {
         let (gradient, hessian) = (fold.gradient(), fold.hessian(x));
         let (stiffness, damping) = (self.stiffness[hinge], self.damping(hinge));
         let rate: Real = (0..4).map(|i| gradient[i].dot(v[i])).sum();
-        // d rate / dx, at fixed velocities.
+        // d rate / dx at fixed velocities.
         let rate_gradient: [Vec3; 4] =
             core::array::from_fn(|k| (0..4).map(|l| hessian[k][l] * v[l]).fold(Vec3::ZERO, |sum, part| sum + part));
         let moment = stiffness * self.bent(hinge, fold.angle()) + damping * rate;
@@ -237,11 +240,11 @@ pub struct HingeColumns {
     pub stiffness: alloc::vec::Vec<Real>,
     /// theta0, radians.
     pub rest_angles: alloc::vec::Vec<Real>,
-    /// A tenth of the rest edge or of the smaller rest height, m.
+    /// A tenth of the rest length of the edge or of the smaller rest height over it, m.
     pub least_heights: alloc::vec::Vec<Real>,
-    /// N m s; empty where no hinge is damped.
+    /// kd, N m s; empty if no hinge is damped.
     pub damping: alloc::vec::Vec<Real>,
-    /// Hinges at each vertex.
+    /// The hinge corners at each vertex.
     pub incidence: crate::mesh::IncidenceColumns,
 }
 

@@ -1,28 +1,28 @@
-//! The system matrix of implicit methods: 3x3 blocks in rows (CSR), one row a vertex.
+//! The system matrix of implicit methods: 3x3 blocks in rows (CSR), one row per vertex.
 //!
-//! The matrix is symmetric and streaming it is what a product costs, so only the diagonal and the
-//! blocks right of it are stored; a row finds those left of it in the rows above. Rows are
-//! written whole, so that threads never share one.
+//! The matrix is symmetric, and a product costs about as much as reading the matrix from memory.
+//! Therefore only the diagonal and the blocks right of it are stored; a product finds the blocks left
+//! of the diagonal in the rows above. Each row is written by a single thread.
 
 use crate::dispatch::{Dispatch, Split};
 use crate::real::{Lanes, Mat3, Real, Vec3, lanes};
 
-/// Blocks of `-(g^2 Kx + g Kv)`, borrowed. The mass is not in it.
+/// Blocks of `-(g^2 Kx + g Kv)`, borrowed. The mass matrix is not included.
 #[derive(Debug, Default)]
 pub struct BlockMatrix<'a> {
-    /// Start of each row; one more than there are rows.
+    /// Start of each row in `columns` and `blocks`; one entry more than rows.
     pub offsets: &'a [u32],
-    /// Column of each block: the row's own first, then larger ones.
+    /// Column of each block: in each row the diagonal first, then the larger columns.
     pub columns: &'a [u32],
-    /// Start of each row's entries in `mirrored`.
+    /// Start of each row's entries in `mirrored`; one entry more than rows.
     pub mirrored_offsets: &'a [u32],
-    /// The blocks left of the diagonal: where their mirror images are.
+    /// The blocks left of the diagonal, as references to their stored mirror images.
     pub mirrored: &'a [Mirrored],
     /// The blocks.
     pub blocks: &'a mut [Block],
 }
 
-/// A 3x3 block by columns, each padded with a zero.
+/// A 3x3 block by columns, each padded with one zero.
 pub type Block = [Lanes; 3];
 
 /// Adds a matrix to a block.
@@ -33,7 +33,7 @@ pub fn add(block: &mut Block, matrix: &Mat3) {
     }
 }
 
-/// A block without its padding.
+/// A block as a matrix, without the padding.
 #[inline]
 pub fn to_mat3(block: &Block) -> Mat3 {
     let [x, y, z] = block.map(to_vec3);
@@ -49,45 +49,45 @@ fn to_vec3(lanes: Lanes) -> Vec3 {
 /// A block left of the diagonal.
 #[derive(Clone, Copy, Debug)]
 pub struct Mirrored {
-    /// Its column, and the row that stores it.
+    /// Its column, which is also the row that stores its mirror image.
     pub column: u32,
-    /// Index of the block whose transpose it is.
+    /// Index of the stored block, whose transpose it is.
     pub block: u32,
 }
 
-/// In [`AssemblyMap`]: the block lies left of the diagonal and is not stored.
+/// In [`AssemblyMap`]: the block is left of the diagonal and not stored.
 pub const NOT_STORED: u16 = u16::MAX;
 
-/// For each force term, where in its row the block of each neighbour goes.
+/// For each force term, the place of each of its blocks in the row of the matrix, or [`NOT_STORED`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AssemblyMap<'a> {
-    /// One for each stored spring end.
+    /// One entry per stored spring end.
     pub stretch_springs: &'a [u16],
-    /// One for each stored spring end.
+    /// One entry per stored spring end.
     pub bend_springs: &'a [u16],
-    /// Three for each triangle corner in the order of the incidence.
+    /// Three entries per triangle corner, in the order of the incidence.
     pub membrane: &'a [u16],
-    /// Four for each hinge corner in the order of the incidence.
+    /// Four entries per hinge corner, in the order of the incidence.
     pub hinges: &'a [u16],
-    /// Three for each stitch corner in the order of the incidence.
+    /// Three entries per stitch corner, in the order of the incidence.
     pub seams: &'a [u16],
-    /// Three for each triangle corner in the order of the incidence.
+    /// Three entries per triangle corner, in the order of the incidence.
     pub wind: &'a [u16],
 }
 
-/// A part of the rows, to write.
+/// A mutable range of rows.
 pub struct RowsMut<'a> {
     offsets: &'a [u32],
     blocks: &'a mut [Block],
 }
 
 impl RowsMut<'_> {
-    /// Rows in this part.
+    /// Number of rows in this part.
     pub fn count(&self) -> usize {
         self.offsets.len() - 1
     }
 
-    /// The blocks of a row, counted from the part's first.
+    /// The blocks of a row. Rows count from the first of this part.
     #[inline]
     pub fn row(&mut self, i: usize) -> &mut [Block] {
         let first = self.offsets[0];
@@ -111,18 +111,18 @@ impl Split for RowsMut<'_> {
 }
 
 impl BlockMatrix<'_> {
-    /// All rows, to write.
+    /// All rows, mutable.
     pub fn rows_mut(&mut self) -> RowsMut<'_> {
         RowsMut { offsets: self.offsets, blocks: self.blocks }
     }
 
-    /// Rows, one a vertex.
+    /// Number of rows, one per vertex.
     pub fn rows(&self) -> usize {
         self.offsets.len() - 1
     }
 }
 
-/// `out = (mass_factor M + S) p`.
+/// `out = (mass_factor M + S) p`, where S is the matrix.
 pub fn multiply(
     matrix: &BlockMatrix<'_>,
     masses: &[Real],
@@ -150,7 +150,8 @@ pub fn multiply(
                 over[1] += block[1] * Lanes::splat(p.y);
                 over[2] += block[2] * Lanes::splat(p.z);
             }
-            // What is mirrored sums within its columns, what is stored over them.
+            // Transposed blocks give one component per column, summed over the lanes. Stored blocks give a
+            // sum over the columns.
             let [x, y, z] = within.map(to_vec3).map(|v| v.x + v.y + v.z);
             *out = p[i] * (mass_factor * masses[i]) + to_vec3(over[0] + over[1] + over[2]) + Vec3::new(x, y, z);
         }

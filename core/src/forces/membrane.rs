@@ -1,14 +1,14 @@
-//! Stretch and shear of triangles, E = a/2 (ku (|wu| - 1)^2 + kv (|wv| - 1)^2 + ks (wu . wv)^2),
-//! where wu, wv are the derivatives of position along warp and weft and a is the rest area
-//! [Baraff 1998; eqs. 3.3-3.8, with sqrt(a) in the constraint so that the sheet and not the mesh
-//! sets the stiffness]. Projected Jacobian in closed form [Kim 2020].
+//! Stretch and shear of triangles: E = a/2 (ku (|wu| - 1)^2 + kv (|wv| - 1)^2 + ks (wu . wv)^2).
+//! wu and wv are the derivatives of the position along warp and weft, and a is the rest area
+//! [Baraff 1998; eqs. 3.3-3.8, with sqrt(a) in the constraint, so that the stiffness does not depend
+//! on the mesh]. The projected Jacobian has a closed form [Kim 2020].
 
 use super::element::Element;
 use super::{Energy, TangentScale};
 use crate::mesh::Incidence;
 use crate::real::{DEGENERATE, Mat3, Real, Vec3, outer, scaled_identity, sqrt};
 
-/// What a sheet is made of, per area.
+/// The in-plane material of a sheet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MembraneMaterial {
     /// Stretch stiffness along the warp, N/m.
@@ -17,9 +17,9 @@ pub struct MembraneMaterial {
     pub weft: Real,
     /// Shear stiffness, N/m.
     pub shear: Real,
-    /// Damping of stretch, s.
+    /// Stiffness-proportional damping of stretch, s.
     pub stretch_damping: Real,
-    /// Damping of shear, s.
+    /// Stiffness-proportional damping of shear, s.
     pub shear_damping: Real,
 }
 
@@ -28,7 +28,7 @@ pub struct MembraneMaterial {
 pub struct Membrane<'a> {
     /// Corners i, j, k.
     pub vertices: &'a [[u32; 3]],
-    /// (pj, pk, qj, qk): wu = pj (xj - xi) + pk (xk - xi), wv likewise with q; 1/m.
+    /// (pj, pk, qj, qk), 1/m: wu = pj (xj - xi) + pk (xk - xi) and wv = qj (xj - xi) + qk (xk - xi).
     pub weights: &'a [[Real; 4]],
     /// Rest area, m^2.
     pub areas: &'a [Real],
@@ -36,25 +36,25 @@ pub struct Membrane<'a> {
     pub materials: &'a [u16],
     /// The materials.
     pub table: &'a [MembraneMaterial],
-    /// Triangles at each vertex.
+    /// The triangle corners at each vertex.
     pub incidence: Incidence<'a>,
 }
 
-/// The columns of the deformation gradient and, of the velocities, their rates.
+/// The columns (wu, wv) of the deformation gradient. Applied to velocities, it gives their rates.
 #[inline]
 fn gradient(w: &[Real; 4], x: &[Vec3; 3]) -> (Vec3, Vec3) {
     let (d1, d2) = (x[1] - x[0], x[2] - x[0]);
     (d1 * w[0] + d2 * w[1], d1 * w[2] + d2 * w[3])
 }
 
-/// Length and direction; the direction of a collapsed one is zero.
+/// Length and direction of a column of the deformation gradient. The direction is zero if it has collapsed.
 #[inline]
 fn direction(w: Vec3) -> (Real, Vec3) {
     let length = sqrt(w.length_squared());
     (length, if length > DEGENERATE { w / length } else { Vec3::ZERO })
 }
 
-/// Weights of a corner on wu and wv.
+/// Derivatives of wu and wv by the position of corner `m`.
 #[inline]
 fn corner(w: &[Real; 4], m: usize) -> (Real, Real) {
     match m {
@@ -63,8 +63,8 @@ fn corner(w: &[Real; 4], m: usize) -> (Real, Real) {
     }
 }
 
-/// Blocks of the 6x6 second derivative of the stretch energy of one column of the deformation
-/// gradient. Transverse eigenvalue k (1 - 1/|w|): negative under compression unless projected.
+/// Second derivative of the stretch energy by one column of the deformation gradient, plus damping.
+/// The transverse eigenvalue k (1 - 1/|w|) is negative under compression unless projected.
 #[inline]
 fn stretch_block(w: Vec3, k: Real, damping: Real, projected: bool) -> Mat3 {
     let (length, h) = direction(w);
@@ -76,15 +76,15 @@ fn stretch_block(w: Vec3, k: Real, damping: Real, projected: bool) -> Mat3 {
     scaled_identity(across) + outer(h * (k - across + damping), h)
 }
 
-/// Adds the projected second derivative k (I6 S + g g^T) of the shear energy, g = (wv; wu),
-/// S the swap of the two, I6 = wu . wv [Kim 2020].
+/// Adds the projected second derivative k (I6 S + g g^T) of the shear energy to the blocks uu, uv, vv.
+/// Here g = (wv; wu), S swaps the two, and I6 = wu . wv [Kim 2020].
 #[inline]
 fn add_projected_shear(blocks: &mut [Mat3; 3], wu: Vec3, wv: Vec3, k: Real) {
     let i6 = wu.dot(wv);
     let i2 = wu.length_squared() + wv.length_squared();
     let largest = 0.5 * (i2 + sqrt(i2 * i2 + 12.0 * i6 * i6));
     let sign = if i6 < 0.0 { -1.0 } else { 1.0 };
-    // The eigenvector of the largest eigenvalue, not yet of unit length.
+    // The eigenvector of the largest eigenvalue, not normalised.
     let (qu, qv) = (wu * i6 + wv * largest, wv * i6 + wu * largest);
     let square = qu.length_squared() + qv.length_squared();
     if square <= Real::MIN_POSITIVE {
@@ -108,7 +108,7 @@ fn add_projected_shear(blocks: &mut [Mat3; 3], wu: Vec3, wv: Vec3, k: Real) {
 }
 
 impl Membrane<'_> {
-    /// Bytes of its columns.
+    /// Bytes of the columns, without the table of materials.
     pub fn bytes(&self) -> usize {
         size_of_val(self.vertices)
             + size_of_val(self.weights)
@@ -117,7 +117,7 @@ impl Membrane<'_> {
             + self.incidence.bytes()
     }
 
-    /// The fastest change of warp or weft, 1/s.
+    /// The largest rate of change of wu or wv, 1/s.
     pub fn strain_rate(&self, v: &[Vec3]) -> Real {
         let squares = self.vertices.iter().zip(self.weights).map(|(triangle, w)| {
             let (u, v) = gradient(w, &triangle.map(|i| v[i as usize]));
@@ -131,7 +131,7 @@ impl Membrane<'_> {
         &self.table[self.materials[triangle] as usize]
     }
 
-    /// The exact blocks (uu, uv, vv) of the second derivative by (wu; wv), undamped.
+    /// Blocks (uu, uv, vv) of the exact second derivative of the energy by (wu; wv), without damping.
     fn exact_blocks(&self, triangle: usize, wu: Vec3, wv: Vec3) -> [Mat3; 3] {
         let m = self.material(triangle);
         [
@@ -149,12 +149,12 @@ impl Membrane<'_> {
         [outer(hu * du, hu) + outer(wv * ds, wv), outer(wv * ds, wu), outer(hv * dv, hv) + outer(wu * ds, wu)]
     }
 
-    /// Derivative by (wu; wv) of the damping stress at fixed rates: not symmetric, by
-    /// `[row][column]`.
+    /// Derivative of the damping stress by (wu; wv) at fixed rates, by `[row][column]`. It is not
+    /// symmetric.
     fn damping_turn(&self, triangle: usize, w: [Vec3; 2], rate: [Vec3; 2]) -> [[Mat3; 2]; 2] {
         let m = self.material(triangle);
         let stretch = |w: Vec3, rate: Vec3, k: Real| {
-            // d/dw of k (h . rate) h.
+            // Derivative of k (h . rate) h by w.
             let (length, h) = direction(w);
             if h == Vec3::ZERO {
                 return Mat3::ZERO;
@@ -178,7 +178,7 @@ impl Membrane<'_> {
 }
 
 impl Element<3> for Membrane<'_> {
-    /// Blocks uu, uv, vv by (wu; wv).
+    /// The blocks uu, uv, vv of the second derivative by (wu; wv).
     type Tangent = [Mat3; 3];
 
     fn vertices(&self) -> &[[u32; 3]] {
@@ -274,9 +274,9 @@ impl Element<3> for Membrane<'_> {
 #[cfg(feature = "alloc")]
 #[derive(Clone, Debug, Default)]
 pub struct MembraneColumns {
-    /// Corners.
+    /// Corners i, j, k.
     pub vertices: alloc::vec::Vec<[u32; 3]>,
-    /// (pj, pk, qj, qk).
+    /// (pj, pk, qj, qk), 1/m.
     pub weights: alloc::vec::Vec<[Real; 4]>,
     /// Rest area, m^2.
     pub areas: alloc::vec::Vec<Real>,
@@ -284,7 +284,7 @@ pub struct MembraneColumns {
     pub materials: alloc::vec::Vec<u16>,
     /// The materials.
     pub table: alloc::vec::Vec<MembraneMaterial>,
-    /// Triangles at each vertex.
+    /// The triangle corners at each vertex.
     pub incidence: crate::mesh::IncidenceColumns,
 }
 

@@ -1,5 +1,5 @@
-//! Forces: the model is the list of terms that a scene names. A term that is not named is not
-//! allocated, not computed and not in any loop.
+//! Forces. The model is the list of terms that a scene names. A term that the scene does not name is
+//! neither allocated nor computed.
 //!
 //! Every force is a function of positions and velocities, affine in the velocities.
 
@@ -24,18 +24,18 @@ use crate::stage::Stage;
 pub use crate::stage::Term;
 use matrix::{AssemblyMap, BlockMatrix, add};
 
-/// Which Jacobian implicit methods use.
+/// The Jacobian that implicit methods use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Jacobian {
-    /// Element by element positive semidefinite: conjugate gradients always descend.
+    /// Positive semidefinite for each element, so that conjugate gradients always descend.
     #[default]
     Projected,
-    /// The true one, indefinite under compression.
+    /// The exact derivative, which is indefinite under compression.
     Exact,
 }
 
-/// What a Jacobian is multiplied with: an implicit stage of length g needs `g^2 Kx + g Kv`.
+/// Factors of the Jacobians. An implicit stage of length g needs `g^2 Kx + g Kv`.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentScale {
     /// Factor of df/dx, s^2.
@@ -44,25 +44,25 @@ pub struct TangentScale {
     pub velocity: Real,
 }
 
-/// Energies, J, by what holds them.
+/// Energies by term, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Of motion.
+    /// Kinetic energy.
     pub kinetic: Sum,
-    /// Stretch, by springs or membrane.
+    /// Stretch, of springs or of the membrane.
     pub stretch: Sum,
     /// Shear of the membrane.
     pub shear: Sum,
-    /// Bending, by hinges or springs.
+    /// Bending, of hinges or of springs.
     pub bend: Sum,
     /// Seams.
     pub seam: Sum,
-    /// Height; zero at the origin.
+    /// Potential energy of gravity, zero at the origin.
     pub gravity: Sum,
 }
 
 impl Energy {
-    /// All that is stored or moving.
+    /// Sum of all energies.
     pub fn total(&self) -> Sum {
         self.kinetic + self.stretch + self.shear + self.bend + self.seam + self.gravity
     }
@@ -82,7 +82,7 @@ impl core::ops::Add for Energy {
     }
 }
 
-/// Writes the sum of all terms to `f`, N.
+/// Writes the sum of the forces of all terms to `f`, N.
 pub fn evaluate(
     model: &Model<'_>,
     masses: &[Real],
@@ -133,14 +133,15 @@ pub fn evaluate(
     dispatch.enter(Stage::Integrate);
 }
 
-/// The fastest deformation in the plane of the sheet at some velocities, 1/s: of a spring its ends'
-/// relative velocity over its rest length, of a triangle the rate of its warp or weft. Turning counts.
+/// The largest strain rate of springs and triangles at the velocities `v`, 1/s. For a spring it is the
+/// relative velocity of the ends over the rest length, for a triangle the rate of wu or wv. Rigid rotation
+/// counts too.
 pub fn strain_rate(model: &Model<'_>, v: &[Vec3]) -> Real {
     let springs = model.stretch_springs.iter().chain(&model.bend_springs).map(|springs| springs.strain_rate(v));
     springs.chain(model.membrane.map(|membrane| membrane.strain_rate(v))).fold(0.0, Real::max)
 }
 
-/// The stored energies; kinetic is left zero.
+/// The potential energies, J. `kinetic` stays zero.
 pub fn energy(model: &Model<'_>, masses: &[Real], x: &[Vec3]) -> Energy {
     let mut sum = Energy::default();
     if let Some(gravity) = model.gravity {
@@ -164,7 +165,7 @@ pub fn energy(model: &Model<'_>, masses: &[Real], x: &[Vec3]) -> Energy {
     sum
 }
 
-/// Writes `-(position Kx + velocity Kv)` of all terms to `matrix`.
+/// Writes the sum of `-(position Kx + velocity Kv)` over all terms to `matrix`.
 pub fn write_tangents(
     model: &Model<'_>,
     x: &[Vec3],
@@ -208,7 +209,7 @@ pub fn write_tangents(
     }
     if let Some(wind) = &model.wind {
         dispatch.enter(Stage::Jacobian(Term::Wind));
-        // Wind has no potential: its exact Jacobian is not symmetric, its projected one is.
+        // Always projected: wind has no potential, so its exact Jacobian is not symmetric.
         element::add_tangents(wind, x, scale, Jacobian::Projected, assembly_map.wind, scratch, matrix, dispatch);
     }
     dispatch.enter(Stage::Integrate);

@@ -11,10 +11,10 @@ pub struct Drag<'a> {
     pub coefficients: &'a [Real],
 }
 
-/// The listed terms.
+/// The terms, borrowed. A term that the scene does not name is `None`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Model<'a> {
-    /// m/s^2.
+    /// Gravity, m/s^2.
     pub gravity: Option<Vec3>,
     /// Linear drag.
     pub drag: Option<Drag<'a>>,
@@ -33,7 +33,7 @@ pub struct Model<'a> {
 }
 
 impl<'a> Model<'a> {
-    /// The model with one of its terms alone; `None` if the model does not have the term.
+    /// The model with only one of its terms. `None` if the model does not have the term.
     pub fn only(&self, term: Term) -> Option<Self> {
         let mut alone = Self::default();
         let present = match term {
@@ -61,14 +61,14 @@ impl<'a> Model<'a> {
             || self.seams.is_some_and(|s| s.damping.iter().any(|&d| d > 0.0))
     }
 
-    /// Vectors that [`evaluate`](super::evaluate) needs as scratch.
+    /// Number of vectors that [`evaluate`](super::evaluate) needs as scratch.
     pub fn force_scratch(&self) -> usize {
         let triangles = self.membrane.map_or(0, |m| m.vertices.len()).max(self.wind.map_or(0, |w| w.vertices.len()));
         let stitches = self.seams.map_or(0, |s| s.vertices.len());
         (3 * triangles.max(stitches)).max(4 * self.hinges.map_or(0, |h| h.vertices.len()))
     }
 
-    /// Scalars that [`write_tangents`](super::write_tangents) needs as scratch.
+    /// Number of scalars that [`write_tangents`](super::write_tangents) needs as scratch.
     pub fn tangent_scratch(&self) -> usize {
         let sizes = [
             27 * self.membrane.map_or(0, |m| m.vertices.len()),
@@ -89,13 +89,13 @@ fn take<T: Copy>(slot: &mut Option<T>, value: Option<T>) -> bool {
 #[cfg(feature = "alloc")]
 #[derive(Clone, Debug, Default)]
 pub struct ModelColumns {
-    /// m/s^2.
+    /// Gravity, m/s^2.
     pub gravity: Option<Vec3>,
-    /// N s/m of each vertex.
+    /// Drag coefficient of each vertex, N s/m.
     pub drag: Option<alloc::vec::Vec<Real>>,
     /// Springs along the edges.
     pub stretch_springs: Option<spring::SpringColumns>,
-    /// Springs between unshared vertices.
+    /// Springs between unshared vertices of neighbouring triangles.
     pub bend_springs: Option<spring::SpringColumns>,
     /// Stretch and shear of triangles.
     pub membrane: Option<membrane::MembraneColumns>,
@@ -109,7 +109,7 @@ pub struct ModelColumns {
 
 #[cfg(feature = "alloc")]
 impl ModelColumns {
-    /// Bytes held.
+    /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
         let model = self.view();
         let springs = |s: &Option<spring::Springs<'_>>| s.map_or(0, |s| s.bytes());

@@ -1,27 +1,27 @@
-//! Seams, E = k/2 |(1 - w) xb + w xc - xa|^2: a vertex sewn to a point of an edge by a spring
-//! without length. Linear, so its Jacobian is exact and constant.
+//! Seams: E = k/2 |(1 - w) xb + w xc - xa|^2. A spring of zero length sews a vertex to a point on an
+//! edge. The force is linear, so the projected Jacobian is exact and constant.
 
 use super::element::Element;
 use super::{Energy, TangentScale};
 use crate::mesh::Incidence;
 use crate::real::{Mat3, Real, Vec3, scaled_identity};
 
-/// Stitches.
+/// Stitches, borrowed.
 #[derive(Clone, Copy, Debug)]
 pub struct Seams<'a> {
     /// The sewn vertex a, then the ends b, c of the edge that it is sewn to.
     pub vertices: &'a [[u32; 3]],
-    /// Where on the edge, 0 at b.
+    /// w: position on the edge, 0 at b, 1 at c.
     pub weights: &'a [Real],
-    /// N/m.
+    /// k, N/m.
     pub stiffness: &'a [Real],
-    /// N s/m.
+    /// Damping, N s/m.
     pub damping: &'a [Real],
-    /// Stitches at each vertex.
+    /// The stitch corners at each vertex.
     pub incidence: Incidence<'a>,
 }
 
-/// How much each corner counts in the gap.
+/// Weights of the corners in the gap.
 #[inline]
 fn corner_weights(w: Real) -> [Real; 3] {
     [-1.0, 1.0 - w, w]
@@ -29,12 +29,12 @@ fn corner_weights(w: Real) -> [Real; 3] {
 
 #[inline]
 fn gap(w: &[Real; 3], x: &[Vec3; 3]) -> Vec3 {
-    // Differences first: they are exact for points that lie close together.
+    // Differences first: they are exact for points that are close together.
     (x[1] - x[0]) * w[1] + (x[2] - x[0]) * w[2]
 }
 
 impl Seams<'_> {
-    /// Bytes of its columns.
+    /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
         let scalars = [self.weights, self.stiffness, self.damping];
         size_of_val(self.vertices) + scalars.map(size_of_val).iter().sum::<usize>() + self.incidence.bytes()
@@ -89,13 +89,13 @@ impl Element<3> for Seams<'_> {
 pub struct SeamColumns {
     /// Corners a, b, c.
     pub vertices: alloc::vec::Vec<[u32; 3]>,
-    /// Where on the edge.
+    /// w: position on the edge, 0 at b, 1 at c.
     pub weights: alloc::vec::Vec<Real>,
-    /// N/m.
+    /// k, N/m.
     pub stiffness: alloc::vec::Vec<Real>,
-    /// N s/m.
+    /// Damping, N s/m.
     pub damping: alloc::vec::Vec<Real>,
-    /// Stitches at each vertex.
+    /// The stitch corners at each vertex.
     pub incidence: crate::mesh::IncidenceColumns,
 }
 

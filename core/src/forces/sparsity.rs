@@ -1,4 +1,4 @@
-//! Which blocks the system matrix of a model has, and where each term writes its own.
+//! The sparsity pattern of the system matrix, and the place in it of each term's blocks.
 
 use alloc::vec::Vec;
 
@@ -7,14 +7,14 @@ use crate::forces::Model;
 use crate::forces::element::Element;
 use crate::forces::spring::Springs;
 
-/// Which blocks a model's matrix has, and where each term's go.
+/// The blocks that the matrix of a model has, and the place of each term's blocks in them.
 #[derive(Clone, Debug, Default)]
 pub struct SparsityPattern {
-    /// Start of each row.
+    /// Start of each row in `columns`; one entry more than rows.
     pub offsets: Vec<u32>,
-    /// Column of each block: the row's own first, then larger ones in ascending order.
+    /// Column of each block: in each row the diagonal first, then the larger columns in ascending order.
     pub columns: Vec<u32>,
-    /// Start of each row's entries in `mirrored`.
+    /// Start of each row's entries in `mirrored`; one entry more than rows.
     pub mirrored_offsets: Vec<u32>,
     /// The blocks left of the diagonal, in ascending order of their columns.
     pub mirrored: Vec<Mirrored>,
@@ -54,7 +54,7 @@ impl SparsityPattern {
         pattern
     }
 
-    /// Every block off the diagonal, once, as (row, column).
+    /// Every stored block off the diagonal, as (row, column).
     pub fn pairs(&self) -> impl Iterator<Item = (u32, u32)> {
         let row = |row: usize| {
             let columns = &self.columns[self.offsets[row] as usize + 1..self.offsets[row + 1] as usize];
@@ -63,7 +63,7 @@ impl SparsityPattern {
         (0..self.offsets.len().saturating_sub(1)).flat_map(row)
     }
 
-    /// The borrowed assembly_map.
+    /// The assembly map, borrowed.
     pub fn assembly_map(&self) -> AssemblyMap<'_> {
         AssemblyMap {
             stretch_springs: &self.stretch_springs,
@@ -75,7 +75,7 @@ impl SparsityPattern {
         }
     }
 
-    /// Bytes held.
+    /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
         let assembly_map =
             [&self.stretch_springs, &self.bend_springs, &self.membrane, &self.hinges, &self.seams, &self.wind];
@@ -84,7 +84,8 @@ impl SparsityPattern {
             + 2 * assembly_map.iter().map(|t| t.len()).sum::<usize>()
     }
 
-    /// Rows of pairs `(row, column)` in ascending order, both ways round.
+    /// The pattern of pairs `(row, column)`. Pairs are in ascending order, and each is given in both
+    /// directions.
     fn rows(vertices: usize, pairs: &[(u32, u32)]) -> Self {
         let mut pattern = Self { offsets: alloc::vec![0], mirrored_offsets: alloc::vec![0], ..Self::default() };
         let mut rest = pairs;
@@ -105,8 +106,8 @@ impl SparsityPattern {
         pattern
     }
 
-    /// Place of a column in a row. Rows are shorter than 2^16: a mesh with a vertex of so
-    /// many neighbours is refused.
+    /// Place of a column in a row, [`NOT_STORED`] left of the diagonal. It fits into 16 bits, because
+    /// a mesh with too many triangles at one vertex is refused.
     fn place(&self, row: u32, column: u32) -> u16 {
         let columns = &self.columns[self.offsets[row as usize] as usize..self.offsets[row as usize + 1] as usize];
         columns.binary_search(&column).map_or(NOT_STORED, |at| at as u16)

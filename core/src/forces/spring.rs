@@ -1,8 +1,8 @@
-//! Linear springs, f = k (r - l) u, with projected damping, f = kd (w . u) u
+//! Linear springs, f = k (r - l) u, with damping along the spring, f = kd (w . u) u
 //! [Provot 1996; eqs. 3.1, 3.2].
 //!
-//! Every spring is stored at both of its ends, so that a vertex sums its own springs in one
-//! stream: computing each spring twice costs less than storing and gathering its force.
+//! Every spring is stored at both of its ends, so that a vertex sums its springs in one pass.
+//! Computing each spring twice costs less than storing and gathering its force.
 
 use super::{Jacobian, TangentScale};
 use crate::dispatch::Dispatch;
@@ -12,15 +12,15 @@ use crate::real::{DEGENERATE, Lanes, Mat3, Real, Sum, Vec3, outer, scaled_identi
 /// Springs as seen from each vertex (CSR).
 #[derive(Clone, Copy, Debug)]
 pub struct Springs<'a> {
-    /// Start of each vertex's springs; one more than there are vertices.
+    /// Start of each vertex's springs; one entry more than vertices.
     pub offsets: &'a [u32],
-    /// The vertex at the other end.
+    /// The vertex at the other end of each spring.
     pub others: &'a [u32],
     /// Rest length, m.
     pub rest: &'a [Real],
-    /// N/m.
+    /// k, N/m.
     pub stiffness: &'a [Real],
-    /// N s/m; empty where no spring is damped.
+    /// kd, N s/m; empty if no spring is damped.
     pub damping: &'a [Real],
 }
 
@@ -29,25 +29,25 @@ pub struct Springs<'a> {
 pub struct Spring {
     /// Rest length, m.
     pub rest: Real,
-    /// N/m.
+    /// k, N/m.
     pub stiffness: Real,
-    /// N s/m.
+    /// kd, N s/m.
     pub damping: Real,
 }
 
 impl Springs<'_> {
-    /// Bytes of its columns.
+    /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
         let scalars = [self.rest, self.stiffness, self.damping];
         size_of_val(self.offsets) + size_of_val(self.others) + scalars.map(size_of_val).iter().sum::<usize>()
     }
 
-    /// Springs stored, each counted once.
+    /// Number of springs. Each is counted once, although both of its ends store it.
     pub fn count(&self) -> usize {
         self.others.len() / 2
     }
 
-    /// The fastest change of the way between two ends over its rest length, 1/s.
+    /// The largest relative velocity of two ends over the rest length, 1/s.
     pub fn strain_rate(&self, v: &[Vec3]) -> Real {
         let squares = (0..self.offsets.len().saturating_sub(1)).flat_map(|vertex| {
             self.range(vertex).map(move |at| {
@@ -73,14 +73,15 @@ impl Springs<'_> {
     }
 }
 
-/// Elastic force on the near end; `d` points to the far end. Zero where the ends coincide.
+/// Elastic force on the near end, N. `d` is the vector to the far end. Zero if the ends coincide.
 #[inline]
 pub fn elastic_force(d: Vec3, rest: Real, stiffness: Real) -> Vec3 {
     let r = sqrt(d.length_squared());
     if r <= DEGENERATE * rest { Vec3::ZERO } else { d * (stiffness * (1.0 - rest / r)) }
 }
 
-/// Damping force on the near end; `w` is the far end's velocity minus the near end's.
+/// Damping force on the near end, N. `w` is the velocity of the far end minus the velocity of the near
+/// end.
 #[inline]
 pub fn damping_force(d: Vec3, w: Vec3, spring: &Spring) -> Vec3 {
     let square = d.length_squared();
@@ -95,8 +96,8 @@ pub fn energy(d: Vec3, spring: &Spring) -> Sum {
     0.5 * Sum::from(spring.stiffness) * stretched * stretched
 }
 
-/// `position df_near/dx_far + velocity df_near/dv_far`, positive semidefinite: the transverse
-/// part, negative under compression, is left out there [Choi 2002].
+/// `position df_near/dx_far + velocity df_near/dv_far`, positive semidefinite. The transverse part
+/// would be negative under compression and is left out there [Choi 2002].
 #[inline]
 pub fn tangent(d: Vec3, spring: &Spring, scale: TangentScale) -> Mat3 {
     let k = scale.position * spring.stiffness;
@@ -105,8 +106,8 @@ pub fn tangent(d: Vec3, spring: &Spring, scale: TangentScale) -> Mat3 {
     scaled_identity(across) + outer(u * (k - across + scale.velocity * spring.damping), u)
 }
 
-/// `position df_near/dx_far + velocity df_near/dv_far` to the last derivative. Not symmetric
-/// where `w` is not zero.
+/// `position df_near/dx_far + velocity df_near/dv_far` without projection. With damping it is not
+/// symmetric if `w` is not zero.
 pub fn exact(d: Vec3, w: Vec3, spring: &Spring, scale: TangentScale) -> Mat3 {
     let k = scale.position * spring.stiffness;
     let Some((u, r)) = direction(d, spring.rest) else { return scaled_identity(k) };
@@ -140,7 +141,7 @@ pub fn add_forces(springs: &Springs<'_>, x: &[Vec3], v: &[Vec3], f: &mut [Vec3],
     });
 }
 
-/// The elastic force of all springs on a vertex: [`elastic_force`], four springs at once.
+/// The elastic force of all springs on a vertex, N: [`elastic_force`] for four springs at a time.
 #[inline(always)]
 fn elastic_sum(springs: &Springs<'_>, x: &[Vec3], vertex: usize) -> Vec3 {
     let (range, near) = (springs.range(vertex), x[vertex]);
@@ -175,12 +176,12 @@ pub fn total_energy(springs: &Springs<'_>, x: &[Vec3]) -> Sum {
     let at_vertex = |vertex: usize| -> Sum {
         springs.range(vertex).map(|at| energy(x[springs.others[at] as usize] - x[vertex], &springs.spring(at))).sum()
     };
-    // Both ends count every spring.
+    // The sum has every spring twice, once per end.
     0.5 * (0..x.len()).map(at_vertex).sum::<Sum>()
 }
 
-/// Adds `-(position Kx + velocity Kv)` to `matrix`; `assembly_map` says where in its row each block
-/// goes.
+/// Adds `-(position Kx + velocity Kv)` to `matrix`. `assembly_map` is the place of each block in its
+/// row.
 pub fn add_tangents(
     springs: &Springs<'_>,
     x: &[Vec3],
@@ -221,7 +222,7 @@ pub struct SpringColumns {
 
 #[cfg(feature = "alloc")]
 impl SpringColumns {
-    /// Springs between pairs of vertices, stored at both ends.
+    /// The columns of springs that are given by pairs of vertices.
     pub fn build(vertices: usize, springs: &[([u32; 2], Spring)]) -> Self {
         let ends: alloc::vec::Vec<[u32; 2]> = springs.iter().map(|(ends, _)| *ends).collect();
         let incidence = crate::mesh::IncidenceColumns::build(vertices, &ends);

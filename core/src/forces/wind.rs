@@ -1,5 +1,5 @@
-//! Wind on triangles, f = A (cn (w . n) n + ct (w - (w . n) n)) with w the wind's velocity
-//! relative to the triangle: linear in w, a third on each corner.
+//! Wind on triangles: f = A (cn (w . n) n + ct (w - (w . n) n)), where w is the velocity of the wind
+//! relative to the triangle. The force is linear in w. A third of it acts on each corner.
 
 use super::element::Element;
 use super::{Energy, TangentScale};
@@ -11,25 +11,25 @@ use crate::real::{Mat3, Real, Vec3, cross, outer, scaled_identity, sqrt};
 pub struct Wind<'a> {
     /// Corners.
     pub vertices: &'a [[u32; 3]],
-    /// m/s.
+    /// Velocity of the air, m/s.
     pub velocity: Vec3,
     /// cn, N s/m^3.
     pub normal: Real,
     /// ct, N s/m^3.
     pub tangential: Real,
-    /// Triangles at each vertex.
+    /// The triangle corners at each vertex.
     pub incidence: Incidence<'a>,
 }
 
 impl Wind<'_> {
-    /// Twice the area's normal, its length, and the relative wind.
+    /// The normal with twice the area as length, its length, and the relative wind w.
     #[inline]
     fn facing(&self, x: &[Vec3; 3], v: &[Vec3; 3]) -> (Vec3, Real, Vec3) {
         let n = (x[1] - x[0]).cross(x[2] - x[0]);
         (n, sqrt(n.length_squared()), self.velocity - (v[0] + v[1] + v[2]) / 3.0)
     }
 
-    /// Derivative of the triangle's force by its mean velocity, negated: A (cn n n^T + ct P).
+    /// Minus the derivative of the triangle's force by its mean velocity: A (cn n n^T + ct (I - n n^T)).
     #[inline]
     fn resistance(&self, n: Vec3, length: Real) -> Mat3 {
         let along = outer(n * (0.5 * (self.normal - self.tangential) / length), n);
@@ -38,7 +38,7 @@ impl Wind<'_> {
 }
 
 impl Element<3> for Wind<'_> {
-    /// The block of every pair of corners; of the velocities only: wind has no potential.
+    /// One block for all pairs of corners. It has only the derivative by velocities: wind has no potential.
     type Tangent = Mat3;
 
     fn vertices(&self) -> &[[u32; 3]] {
@@ -82,7 +82,7 @@ impl Element<3> for Wind<'_> {
         if length <= Real::MIN_POSITIVE {
             return [[velocity; 3]; 3];
         }
-        // f = (ct |N| w + (cn - ct) N (N . w) / |N|) / 6, by N.
+        // The derivative by N of the force on a corner, (ct |N| w + (cn - ct) N (N . w) / |N|) / 6.
         let h = n / length;
         let along = scaled_identity(h.dot(w)) + outer(h, w) - outer(h * h.dot(w), h);
         let by_normal = (outer(w * self.tangential, h) + along * (self.normal - self.tangential)) * (1.0 / 6.0);
@@ -97,13 +97,13 @@ impl Element<3> for Wind<'_> {
 pub struct WindColumns {
     /// Corners.
     pub vertices: alloc::vec::Vec<[u32; 3]>,
-    /// m/s.
+    /// Velocity of the air, m/s.
     pub velocity: Vec3,
     /// cn, N s/m^3.
     pub normal: Real,
     /// ct, N s/m^3.
     pub tangential: Real,
-    /// Triangles at each vertex.
+    /// The triangle corners at each vertex.
     pub incidence: crate::mesh::IncidenceColumns,
 }
 

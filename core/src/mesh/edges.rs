@@ -4,23 +4,23 @@ use alloc::vec::Vec;
 
 use crate::error::MeshError;
 
-/// In [`Edge::triangles`]: there is no second triangle.
+/// In [`Edge::triangles`] and [`Edge::opposite`]: the edge has no second triangle.
 pub const NONE: u32 = u32::MAX;
 
-/// An edge and what it separates.
+/// An edge with its triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// The ends, in the winding order of the first triangle.
+    /// The two ends, in the winding order of the first triangle.
     pub ends: [u32; 2],
-    /// The triangles on its sides; the second is [`NONE`] at the border.
+    /// The triangles on both sides; the second is [`NONE`] at the border.
     pub triangles: [u32; 2],
-    /// The vertices of those triangles that are not on the edge.
+    /// For each triangle, its vertex that is not on the edge; [`NONE`] where there is no triangle.
     pub opposite: [u32; 2],
 }
 
-/// Builds the unique edges in the order of their smaller, then larger end.
+/// Builds the unique edges, sorted by their smaller end, then by their larger end.
 ///
-/// Errors: an edge of more than two triangles.
+/// Errors: an edge with more than two triangles.
 pub fn build(triangles: &[[u32; 3]]) -> Result<Vec<Edge>, MeshError> {
     let mut sides: Vec<(u32, u32, u32, u8)> = Vec::with_capacity(triangles.len() * 3);
     for (t, corners) in triangles.iter().enumerate() {

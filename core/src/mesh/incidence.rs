@@ -1,26 +1,26 @@
-/// Which element corners meet at each vertex: a CSR whose fixed order makes every gathered sum
-/// repeatable. A slot is `element * corners + corner`.
+/// The element corners at each vertex, as CSR. The order of the corners is fixed, so that every
+/// gathered sum is repeatable. A slot is `element * corners + corner`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Incidence<'a> {
-    /// Start of each vertex's slots; one more than there are vertices.
+    /// Start of each vertex's slots; one entry more than vertices.
     pub offsets: &'a [u32],
-    /// Element corners in the order of the elements.
+    /// Slots of each vertex, in the order of the elements.
     pub slots: &'a [u32],
 }
 
 impl<'a> Incidence<'a> {
-    /// Positions of the vertex's entries in `slots`.
+    /// Range of a vertex's entries in `slots`.
     #[inline]
     pub fn range(&self, vertex: usize) -> core::ops::Range<usize> {
         self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize
     }
 
-    /// Bytes of its columns.
+    /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
         size_of_val(self.offsets) + size_of_val(self.slots)
     }
 
-    /// The element corners that meet at a vertex.
+    /// The slots of a vertex.
     #[inline]
     pub fn at(&self, vertex: usize) -> &'a [u32] {
         &self.slots[self.range(vertex)]

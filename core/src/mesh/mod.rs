@@ -1,5 +1,6 @@
-//! Triangles -> unique edges, hinges, incidence and rest shape. Built once, in double precision;
-//! only the finished columns are rounded to [`Real`](crate::real::Real).
+//! Triangle meshes and the data derived from them: unique edges, hinges, incidence, rest shape and
+//! owned features. Rest shapes are computed once, in double precision; only the finished columns are
+//! rounded to [`Real`](crate::real::Real).
 
 mod incidence;
 pub use incidence::Incidence;

@@ -1,9 +1,10 @@
-//! Which triangle stands for which vertex and edge, so that pairs of triangles name every pair
-//! of features exactly once (R-triangles) [Curtis 2008].
+//! Owned features (R-triangles): every vertex and every edge is owned by exactly one triangle, so
+//! that pairs of triangles name every pair of features exactly once [Curtis 2008].
 //!
-//! A feature goes to the incident triangle that stands for the fewest so far: about half a vertex
-//! and one and a half edges each. Triangles may repeat vertices: `[v, v, v]` is a lone point,
-//! `[a, b, b]` a lone edge. Edges may have any number of triangles, and triangles may repeat.
+//! A feature goes to the incident triangle that owns the fewest features of its kind at that point.
+//! On average a triangle owns half a vertex and one and a half edges. Triangles may repeat vertices:
+//! `[v, v, v]` is a lone point, `[a, b, b]` a lone edge. Edges may have any number of triangles, and
+//! the same triangle may occur more than once.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -17,26 +18,27 @@ use crate::broad_phase::{IS_FACE, OWNS_EDGE, OWNS_VERTEX, Sewn, Surface};
 pub struct SurfaceColumns {
     /// Vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// Edges of each triangle: k joins vertices k and k + 1; [`NONE`] where those are one.
+    /// Edges of each triangle: edge k joins its vertices k and k + 1; [`NONE`] where they are the same vertex.
     pub triangle_edges: Vec<[u32; 3]>,
-    /// Which features each triangle stands for.
+    /// Bits of the features that each triangle owns, and of whether it is a face.
     pub owned: Vec<u8>,
-    /// Ends of each edge, the lesser first, in ascending order.
+    /// Ends of each edge, the smaller first. Edges are in ascending order.
     pub edges: Vec<[u32; 2]>,
-    /// Which corners of triangles meet at each vertex.
+    /// The triangle corners at each vertex.
     pub incidence: IncidenceColumns,
-    /// Start of each vertex's row of `sewn_others`; empty where nothing is sewn.
+    /// Start of each vertex's row in `sewn_others`; empty if no vertices are sewn.
     pub sewn_offsets: Vec<u32>,
-    /// The vertices sewn to each.
+    /// The vertices that each vertex is sewn to.
     pub sewn_others: Vec<u32>,
-    /// Triangles from here on are passive; they share no vertex with those before.
+    /// Index of the first passive triangle; all later ones are passive too. Passive triangles share no
+    /// vertex with the others.
     pub first_passive: u32,
-    /// Whether the triangles before pair with one another.
+    /// Whether triangles that are not passive pair with one another.
     pub own_contact: bool,
 }
 
 impl SurfaceColumns {
-    /// A surface without passive triangles that touches itself. Panics where a sewn
+    /// A surface without passive triangles that collides with itself. Panics if a triangle or a sewn
     /// pair names a vertex that does not exist.
     #[cfg_attr(small, optimize(size))]
     pub fn build(vertices: usize, triangles: &[[u32; 3]], sewn: &[[u32; 2]]) -> Self {
@@ -55,7 +57,7 @@ impl SurfaceColumns {
         }
     }
 
-    /// Bytes held.
+    /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.triangles[..])
             + size_of_val(&self.triangle_edges[..])
@@ -111,7 +113,7 @@ fn assign(triangles: &[[u32; 3]], triangle_edges: &[[u32; 3]]) -> Vec<u8> {
     owned
 }
 
-/// Gives each feature to one of the corners or sides that name it.
+/// Assigns each feature to one of the corners or sides that name it, and sets that slot's bit.
 fn share_out(names: &[[u32; 3]], first_bit: u8, owned: &mut [u8]) {
     let named = (0u32..).zip(names.as_flattened()).filter(|&(_, &name)| name != NONE);
     let mut slots: Vec<_> = named.map(|(slot, &name)| (name, slot)).collect();
@@ -124,7 +126,7 @@ fn share_out(names: &[[u32; 3]], first_bit: u8, owned: &mut [u8]) {
     }
 }
 
-/// Both directions of each pair, by vertex.
+/// Both directions of each pair, grouped by vertex: offsets and the other vertices.
 fn rows(vertices: usize, pairs: &[[u32; 2]]) -> (Vec<u32>, Vec<u32>) {
     if pairs.is_empty() {
         return (Vec::new(), Vec::new());

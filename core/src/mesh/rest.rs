@@ -1,4 +1,4 @@
-//! The rest shape: what each triangle looks like undeformed, in its own plane.
+//! The rest shape: each triangle undeformed, in its own plane.
 
 use alloc::vec::Vec;
 
@@ -9,13 +9,13 @@ use super::edges::{Edge, NONE};
 use super::hinges::Hinge;
 use crate::error::MeshError;
 
-/// Below this area over longest edge squared a triangle has none.
+/// A triangle has no usable area if its area is at most this factor times its longest edge squared.
 const LEAST_AREA: f64 = 1e-10;
 
-/// An undeformed triangle: its corners in warp and weft coordinates, metres.
+/// An undeformed triangle: its corners in warp and weft coordinates, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestTriangle {
-    /// Coordinates (u along the warp, v along the weft) of the corners.
+    /// Coordinates of the corners: u along the warp, v along the weft.
     pub corners: [DVec2; 3],
 }
 
@@ -31,8 +31,8 @@ impl RestTriangle {
         (b - a).perp_dot(c - a)
     }
 
-    /// `(pj, pk, qj, qk)` with `dx/du = pj (xj - xi) + pk (xk - xi)`, `dx/dv` likewise with q
-    /// [Baraff 1998].
+    /// `(pj, pk, qj, qk)` with `dx/du = pj (xj - xi) + pk (xk - xi)` and
+    /// `dx/dv = qj (xj - xi) + qk (xk - xi)` [Baraff 1998].
     pub fn weights(&self) -> [f64; 4] {
         let [a, b, c] = self.corners;
         let (d1, d2) = (b - a, c - a);
@@ -46,21 +46,21 @@ impl RestTriangle {
     }
 }
 
-/// Where the rest shape comes from.
+/// Source of the rest shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RestSource {
-    /// The mesh as it stands.
+    /// The positions of the mesh.
     Shape,
-    /// The texture coordinates: the flat pattern.
+    /// The texture coordinates, as a flat pattern.
     Uv,
 }
 
-/// The undeformed triangles; `uv_scale` is metres per texture unit.
+/// The undeformed triangles. `uv_scale` is the size of one texture unit, m.
 ///
-/// From [`RestSource::Shape`] the warp runs along the texture's u where there is one, else along
-/// the projection of x (of z where a triangle faces x).
+/// With [`RestSource::Shape`] the warp runs along u if the mesh has texture coordinates, else along
+/// the projection of the x axis (of the z axis where a triangle faces x).
 ///
-/// Errors: a triangle without area; no texture coordinates where they are asked for.
+/// Errors: a triangle without area; [`RestSource::Uv`] for a mesh without texture coordinates.
 pub fn triangles(mesh: &TriMesh, source: RestSource, uv_scale: f64) -> Result<Vec<RestTriangle>, MeshError> {
     if source == RestSource::Uv && !mesh.has_uvs() {
         return Err(MeshError::NoTextureCoordinates);
@@ -84,12 +84,12 @@ fn has_area(t: &RestTriangle) -> bool {
     t.area() > LEAST_AREA * longest * longest
 }
 
-/// Lays a triangle flat with its warp along the texture's u or the projection of x.
+/// Lays a triangle flat, with its warp along u of the texture or along the projected axis.
 fn from_shape(x: [DVec3; 3], uv: Option<[DVec2; 3]>) -> RestTriangle {
     let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
     let normal = e1.cross(e2);
     let along_axis = || {
-        // The axis that lies flatter in the triangle's plane.
+        // The x axis, or the z axis where x is too close to the normal.
         let faces_x = normal.x * normal.x > 0.8 * normal.length_squared();
         let axis = if faces_x { DVec3::Z } else { DVec3::X };
         normal.cross(axis).cross(normal)
@@ -99,14 +99,15 @@ fn from_shape(x: [DVec3; 3], uv: Option<[DVec2; 3]>) -> RestTriangle {
     RestTriangle { corners: [DVec2::ZERO, DVec2::new(e1.dot(u), e1.dot(v)), DVec2::new(e2.dot(u), e2.dot(v))] }
 }
 
-/// Direction of growing u in the triangle's plane; none where the texture has no area.
+/// Direction of growing u in the plane of the triangle; `None` if the triangle has no area in the texture.
 fn warp_from_uv(e1: DVec3, e2: DVec3, uv: [DVec2; 3]) -> Option<DVec3> {
     let flat = RestTriangle { corners: uv };
     let [pj, pk, ..] = flat.weights();
     has_area(&flat).then(|| e1 * pj + e2 * pk)
 }
 
-/// Rest length of each edge: of its triangles' sides, averaged where they differ (sewn pieces).
+/// Rest length of each edge, m: the side of its rest triangle, or the mean over its two triangles. The
+/// two sides may differ, as in texture coordinates of sewn pieces.
 pub fn edge_lengths(mesh: &TriMesh, edges: &[Edge], rest: &[RestTriangle]) -> Vec<f64> {
     let side = |edge: &Edge, t: u32| {
         let corner = |v: u32| mesh.triangles[t as usize].iter().position(|&c| c == v).unwrap_or(0);
@@ -119,7 +120,7 @@ pub fn edge_lengths(mesh: &TriMesh, edges: &[Edge], rest: &[RestTriangle]) -> Ve
     edges.iter().map(length).collect()
 }
 
-/// Rest angle of a hinge in the mesh as it stands, 0 when flat; the sign of
+/// Angle of a hinge in the positions of the mesh, radians; 0 when flat. The sign is as in
 /// [`forces::hinge`](crate::forces::hinge).
 pub fn hinge_angle(mesh: &TriMesh, hinge: Hinge) -> f64 {
     let [a, b, c, d] = hinge.map(|v| DVec3::from(mesh.positions[v as usize]));
@@ -128,16 +129,16 @@ pub fn hinge_angle(mesh: &TriMesh, hinge: Hinge) -> f64 {
     libm::atan2(n1.cross(n2).dot(e) / e.length(), n1.dot(n2))
 }
 
-/// Distance between the far vertices `c d` of a hinge laid flat, from its rest triangles' sides:
-/// the rest length of a bending spring.
+/// Distance between the opposite vertices `c d` of a hinge that is laid flat, computed from the sides
+/// of its rest triangles, m. It is the rest length of a bending spring.
 pub fn flat_span(edge_length: f64, areas: [f64; 2], sides: [[f64; 2]; 2]) -> f64 {
-    // Each far vertex in the frame of the edge: along it from a, and its height.
+    // Coordinates of each opposite vertex: its height over the edge, and its position along it from a.
     let height = areas.map(|a| 2.0 * a / edge_length);
     let along = sides.map(|[to_a, to_b]| (to_a * to_a - to_b * to_b + edge_length * edge_length) / (2.0 * edge_length));
     libm::hypot(along[0] - along[1], height[0] + height[1])
 }
 
-/// Lengths of the sides from the far vertex of each of an edge's two triangles to its ends.
+/// For each of an edge's two triangles, the lengths of the sides from the opposite vertex to the ends, m.
 pub fn far_sides(mesh: &TriMesh, edge: &Edge, rest: &[RestTriangle]) -> [[f64; 2]; 2] {
     core::array::from_fn(|k| {
         let t = edge.triangles[k] as usize;

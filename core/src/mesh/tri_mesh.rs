@@ -3,7 +3,7 @@ use alloc::vec::Vec;
 
 use crate::error::MeshError;
 
-/// Most triangles at one vertex: a row of the system matrix counts its blocks in 16 bits.
+/// Maximum number of triangles at one vertex: places in a row of the system matrix have 16 bits.
 const MOST_TRIANGLES: u32 = 10_000;
 
 /// A stitch: vertex `a` is sewn to the point `(1 - weight) b + weight c`.
@@ -11,31 +11,31 @@ const MOST_TRIANGLES: u32 = 10_000;
 pub struct Stitch {
     /// The sewn vertex.
     pub a: u32,
-    /// The ends of the edge that it is sewn to; equal ends sew vertex to vertex.
+    /// The ends `b c` of the edge that it is sewn to. If they are equal, it is sewn to a vertex.
     pub edge: [u32; 2],
-    /// Where on the edge, 0 at its first end.
+    /// Position on the edge, 0 at its first end, 1 at its second.
     pub weight: f64,
 }
 
-/// Triangles as a host or a generator hands them over.
+/// A triangle mesh, as a host loads it or a generator makes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriMesh {
-    /// Vertex positions, metres.
+    /// Vertex positions, m.
     pub positions: Vec<[f64; 3]>,
     /// Vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// Texture coordinates; empty where the mesh has none.
+    /// Texture coordinates; empty if the mesh has none.
     pub uvs: Vec<[f64; 2]>,
-    /// Texture coordinates of each triangle's corners; empty where the mesh has none.
+    /// Indices of the texture coordinates of each triangle's corners; empty if the mesh has none.
     pub uv_triangles: Vec<[u32; 3]>,
-    /// Sewn vertices.
+    /// Stitches.
     pub stitches: Vec<Stitch>,
 }
 
 impl TriMesh {
-    /// Checks once all that kernels rely on: indices, finite numbers, a vertex in every
-    /// triangle only once, no vertex without a triangle. Edges are checked where they are
-    /// [built](super::edges::build), areas where the [rest shape](super::rest) is.
+    /// Checks everything that kernels rely on: indices are in range, numbers are finite, no triangle
+    /// repeats a vertex, every vertex has a triangle but not too many, stitches are valid. Edges are
+    /// checked when they are [built](super::edges::build), areas when the [rest shape](super::rest) is.
     pub fn check(&self) -> Result<(), MeshError> {
         self.check_positions()?;
         if let Some(i) = self.uvs.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
@@ -45,14 +45,14 @@ impl TriMesh {
         self.check_stitches()
     }
 
-    /// Checks once all that detection relies on, for meshes that are touched and not simulated:
-    /// indices, finite numbers, a vertex in every triangle only once.
+    /// Checks everything that detection relies on, for the meshes of colliders: indices are in range,
+    /// positions are finite, no triangle repeats a vertex.
     pub fn check_surface(&self) -> Result<(), MeshError> {
         self.check_positions()?;
         self.count_uses().map(|_| ())
     }
 
-    /// How many vertices belong to no triangle.
+    /// Number of vertices that belong to no triangle.
     pub fn loose_vertices(&self) -> usize {
         let mut used = vec![false; self.positions.len()];
         for &vertex in self.triangles.as_flattened() {
@@ -78,7 +78,7 @@ impl TriMesh {
         }
     }
 
-    /// How many triangles meet at each vertex.
+    /// Number of triangles at each vertex. Errors: an index out of range, a repeated vertex.
     fn count_uses(&self) -> Result<Vec<u32>, MeshError> {
         let vertices = self.positions.len() as u32;
         let mut uses = vec![0u32; self.positions.len()];

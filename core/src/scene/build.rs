@@ -1,4 +1,4 @@
-//! A scene's description into columns.
+//! Builds the columns of a scene from its description.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -24,7 +24,7 @@ use crate::mesh::{IncidenceColumns, TriMesh};
 use crate::particles::ParticleColumns;
 use crate::real::{Real, vec3};
 
-/// Where a cloth's vertices and triangles lie in the scene's columns.
+/// Range of a cloth's vertices and triangles in the scene's columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClothRange {
     /// Vertices.
@@ -38,9 +38,9 @@ pub struct ClothRange {
 pub struct BuiltScene {
     /// The particles at time 0.
     pub particles: ParticleColumns,
-    /// The listed terms.
+    /// The force terms that the scene names.
     pub model: ModelColumns,
-    /// The held vertices.
+    /// The pinned vertices.
     pub pins: PinColumns,
     /// Triangles of all cloths.
     pub triangles: Vec<[u32; 3]>,
@@ -48,17 +48,17 @@ pub struct BuiltScene {
     pub edges: Vec<[u32; 2]>,
     /// Rest length of each edge, m.
     pub rest_lengths: Vec<Real>,
-    /// Where each cloth lies in the columns.
+    /// Range of each cloth in the columns.
     pub cloths: Vec<ClothRange>,
-    /// Each vertex in its mesh before it was placed, m. Not the texture coordinates, where
-    /// different parts of a sheet may lie over each other.
+    /// Position of each vertex in its mesh before placement, m. Texture coordinates would not do:
+    /// different parts of a sheet may overlap in them.
     pub material: Vec<DVec3>,
-    /// What can touch; absent: nothing.
+    /// Columns of contact; absent: surfaces pass through one another.
     pub contact: Option<ContactColumns>,
 }
 
 impl BuiltScene {
-    /// Bytes held in columns.
+    /// Bytes of the particle, edge, triangle, model and contact columns.
     pub fn bytes(&self) -> usize {
         let p = &self.particles;
         size_of_val(&p.positions[..])
@@ -72,7 +72,7 @@ impl BuiltScene {
             + self.contact.as_ref().map_or(0, ContactColumns::bytes)
     }
 
-    /// Pairs of vertices that seams hold together.
+    /// Pairs of vertices that seams join.
     pub fn sewn(&self) -> Vec<[u32; 2]> {
         let stitches = self.model.seams.iter().flat_map(|seams| &seams.vertices);
         stitches.flat_map(|&[a, b, c]| [[a, b], [a, c]]).filter(|[a, b]| a != b).collect()
@@ -81,7 +81,7 @@ impl BuiltScene {
 
 /// Builds the columns of a scene. `resources` holds every mesh file that the scene names.
 ///
-/// Errors: what [`SceneError`] lists.
+/// Errors: see [`SceneError`].
 #[cfg_attr(small, optimize(size))]
 pub fn build(scene: &SceneDesc, resources: &[Resource]) -> Result<BuiltScene, SceneError> {
     check_numbers(scene)?;
@@ -94,7 +94,7 @@ pub fn build(scene: &SceneDesc, resources: &[Resource]) -> Result<BuiltScene, Sc
     Ok(built)
 }
 
-/// The columns of the scene while cloth after cloth is added.
+/// Unfinished columns of a scene, to which cloths are added one by one.
 #[derive(Default)]
 pub(super) struct Parts {
     positions: Vec<DVec3>,
@@ -113,14 +113,14 @@ pub(super) struct Parts {
     pub(super) pins: PinColumns,
 }
 
-/// One cloth's mesh with all that is derived from it, before its indices are shifted.
+/// The mesh of one cloth and the data derived from it. Indices count from the cloth's first vertex.
 pub(super) struct Sheet<'a> {
     pub(super) desc: &'a ClothDesc,
     pub(super) mesh: TriMesh,
     pub(super) rest: Vec<RestTriangle>,
     pub(super) edges: Vec<Edge>,
     pub(super) lengths: Vec<f64>,
-    /// Index of its first vertex in the scene.
+    /// Index of the cloth's first vertex in the scene.
     pub(super) first: u32,
 }
 
@@ -239,12 +239,12 @@ impl Parts {
 }
 
 impl Sheet<'_> {
-    /// Indices in the scene.
+    /// Converts indices in the cloth to indices in the scene.
     pub(super) fn shift<const N: usize>(&self, indices: &[u32; N]) -> [u32; N] {
         indices.map(|i| self.first + i)
     }
 
-    /// Rest areas of the triangles on both sides of an edge, 0 beyond the border.
+    /// Rest areas of the triangles on both sides of an edge, m^2. The second is 0 at the border.
     pub(super) fn areas_beside(&self, edge: &Edge) -> [f64; 2] {
         edge.triangles.map(|t| if t == NONE { 0.0 } else { self.rest[t as usize].area() })
     }

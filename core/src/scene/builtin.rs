@@ -1,5 +1,5 @@
-/// The built-in scenes: name and scene file, one table for command line, web page, tests and
-/// benches.
+/// The built-in scenes: name and text of the scene file. The command line, the web page, the tests
+/// and the benches share this table.
 pub const BUILT_IN: &[(&str, &str)] = &[
     ("ball", include_str!("../../scenes/ball.toml")),
     ("cantilever", include_str!("../../scenes/cantilever.toml")),

@@ -1,39 +1,39 @@
-//! Numbers that a scene may and may not give.
+//! Range checks of the numbers in a scene.
 
 use super::SceneDesc;
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// Most vertices of a scene: slots of hinges (four each) must fit into 32 bits.
+/// Maximum number of vertices of a scene: the slots of all hinges (four per hinge) must fit into 32 bits.
 const MOST_VERTICES: u64 = 1 << 28;
 
-/// A number of vertices that indices can name: generators ask before they allocate.
+/// Checks that indices can address `vertices` vertices. Generators call it before they allocate.
 pub(super) fn nameable(vertices: u64) -> Result<(), SceneError> {
     if vertices > MOST_VERTICES { Err(SceneError::TooLarge { vertices }) } else { Ok(()) }
 }
 
-/// A value that must be positive and finite, also once it is rounded to the crate's precision.
+/// Checks that a value is positive and finite, also after rounding to the crate's precision.
 pub(super) fn positive(key: &'static str, value: f64) -> Result<f64, SceneError> {
     let rounded = value as Real;
     if rounded > 0.0 && rounded.is_finite() { Ok(value) } else { Err(SceneError::NotPositive { key, value }) }
 }
 
-/// A value that must be zero or more and finite.
+/// Checks that a value is zero or more and finite.
 pub(super) fn not_negative(key: &'static str, value: f64) -> Result<f64, SceneError> {
     if value >= 0.0 && (value as Real).is_finite() { Ok(value) } else { Err(SceneError::Negative { key, value }) }
 }
 
-/// Counts that must be at least `least`.
+/// Checks that both counts are at least `least`.
 pub(super) fn at_least(key: &'static str, counts: [u32; 2], least: u32) -> Result<(), SceneError> {
     if counts.iter().all(|&n| n >= least) { Ok(()) } else { Err(SceneError::TooFewCells { key, least }) }
 }
 
-/// Values that must be finite.
+/// Checks that all values are finite.
 pub(super) fn finite(key: &'static str, values: &[f64]) -> Result<(), SceneError> {
     if values.iter().all(|&v| (v as Real).is_finite()) { Ok(()) } else { Err(SceneError::NotFinite { key }) }
 }
 
-/// The numbers outside of cloths.
+/// Checks the numbers outside of cloths, colliders and contact, and that the scene has a cloth.
 pub(super) fn check_numbers(scene: &SceneDesc) -> Result<(), SceneError> {
     if scene.cloth.is_empty() {
         return Err(SceneError::NoCloth);

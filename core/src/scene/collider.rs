@@ -1,4 +1,4 @@
-//! What the cloth can touch besides itself, out of a scene.
+//! Reads the colliders of a scene.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -17,11 +17,11 @@ use crate::real::{Real, Vec3, vec3};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Shape {
-    /// All below `point`, seen along `normal`.
+    /// The half space below `point`; `normal` points up.
     Plane,
     /// A ball.
     Sphere,
-    /// All within a radius of a line from `a` to `b`.
+    /// All points within a radius of the segment from `a` to `b`.
     Capsule,
     /// A box.
     Box,
@@ -30,7 +30,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// As scenes spell it.
+    /// The name that scene files use.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Plane => "plane",
@@ -42,7 +42,7 @@ impl Shape {
     }
 }
 
-/// A collider: a shape with its keys.
+/// A collider: its shape, and the keys that the shape needs.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ColliderDesc {
@@ -50,11 +50,11 @@ pub struct ColliderDesc {
     pub shape: Shape,
     /// Plane: a point on it, m.
     pub point: Option<[f64; 3]>,
-    /// Plane: the direction of the free side.
+    /// Plane: a vector that points to the free side.
     pub normal: Option<[f64; 3]>,
     /// Sphere and box: the centre, m.
     pub center: Option<[f64; 3]>,
-    /// Sphere and capsule, m.
+    /// Sphere and capsule: the radius, m.
     pub radius: Option<f64>,
     /// Capsule: one end of its axis, m.
     pub a: Option<[f64; 3]>,
@@ -62,29 +62,29 @@ pub struct ColliderDesc {
     pub b: Option<[f64; 3]>,
     /// Box: half of its size along each axis, m.
     pub half: Option<[f64; 3]>,
-    /// Box: degrees about x, then y, then z.
+    /// Box: rotation about x, then y, then z, degrees.
     pub rotation: Option<[f64; 3]>,
     /// Mesh: the name of a file that the host loads.
     pub file: Option<String>,
-    /// How it moves; absent: not at all.
+    /// Motion; absent: the collider rests.
     pub motion: Option<ColliderMotionDesc>,
-    /// Mesh in a point cache: frames per second.
+    /// Mesh that moves by a point cache: frames per second.
     pub motion_rate: Option<f64>,
-    /// Friction; absent: that of `contact`.
+    /// Friction; absent: the friction of `contact`.
     pub friction: Option<FrictionDesc>,
 }
 
-/// How a collider moves.
+/// The motion of a collider.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(untagged))]
 pub enum ColliderMotionDesc {
     /// Mesh: the name of a point cache that the host loads.
     Cache(String),
-    /// Keys and a turn about its centre.
+    /// Keys, and a rotation about the collider's centre.
     Keys(MotionDesc),
 }
 
-/// A collider's keys while they are taken: what is left over does not belong to the shape.
+/// Reads the keys of one collider and checks that they fit its shape.
 struct Keys<'a> {
     desc: &'a ColliderDesc,
     index: u32,
@@ -101,7 +101,7 @@ impl Keys<'_> {
         Ok(point.into())
     }
 
-    /// Whether no key is given that the shape does not have.
+    /// Error if a key is given that is not in `own`, the keys of the shape.
     fn only(&self, own: &[&str]) -> Result<(), SceneError> {
         let d = self.desc;
         let given = [
@@ -123,7 +123,7 @@ impl Keys<'_> {
     }
 }
 
-/// Adds a collider whose contacts follow a law.
+/// Adds a collider. `law` is the index of its law of friction.
 pub(super) fn add(
     columns: &mut ColliderColumns,
     desc: &ColliderDesc,

@@ -1,4 +1,4 @@
-//! How surfaces touch: thickness and friction out of a scene.
+//! Reads the contact section of a scene: thickness and friction.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -16,40 +16,40 @@ use crate::response::friction::Law;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ContactDesc {
-    /// m; features nearer than this are in contact.
+    /// Thickness, m: features nearer than this are in contact.
     pub thickness: f64,
-    /// Friction, where a collider has none of its own.
+    /// Friction of cloth, and of colliders that do not give their own.
     #[cfg_attr(feature = "serde", serde(default))]
     pub friction: FrictionDesc,
-    /// Whether cloths touch themselves and one another.
+    /// Whether cloths collide with themselves and with one another.
     #[cfg_attr(feature = "serde", serde(default = "yes", rename = "self"))]
     pub own: bool,
-    /// Whether motion inside the step is tested: without it, only proximity keeps surfaces apart.
+    /// Whether impacts during the step are detected. Without it, only proximity keeps surfaces apart.
     #[cfg_attr(feature = "serde", serde(default = "yes"))]
     pub continuous: bool,
 }
 
-/// Coefficients of friction. In a scene also a single number, which is both.
+/// Coefficients of friction. A scene may give a single number for the static and the kinetic one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrictionDesc {
-    /// Up to which contacts stick.
+    /// Static coefficient: contacts stick up to it.
     pub at_rest: f64,
-    /// While they slide.
+    /// Kinetic coefficient: of contacts that slide.
     pub kinetic: f64,
-    /// m/s; the speed at which the static coefficient has decayed to the kinetic one by 1/e; absent:
-    /// at once.
+    /// Sliding speed at which the excess of the static over the kinetic coefficient has decayed to
+    /// 1/e, m/s. Absent: every contact that slides has the kinetic coefficient.
     pub stribeck: Option<f64>,
-    /// s/m; added per speed.
+    /// Growth of the coefficient with the sliding speed, s/m.
     pub viscous: f64,
 }
 
 impl FrictionDesc {
-    /// One coefficient.
+    /// The same static and kinetic coefficient.
     pub fn both(mu: f64) -> Self {
         Self { at_rest: mu, kinetic: mu, ..Self::default() }
     }
 
-    /// `key` is where in the scene it stands.
+    /// The law with these coefficients. `key` is the key in the scene that errors name.
     pub(super) fn law(&self, key: &'static str) -> Result<Law, SceneError> {
         not_negative(key, self.at_rest)?;
         not_negative(key, self.kinetic)?;
@@ -69,7 +69,7 @@ impl FrictionDesc {
     }
 }
 
-/// The columns of contact; none where the scene has no contact.
+/// The columns of contact; `None` if the scene has no contact section.
 pub(super) fn columns(
     scene: &SceneDesc,
     built: &BuiltScene,

@@ -10,12 +10,12 @@ use crate::mesh::TriMesh;
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DiscDesc {
-    /// m.
+    /// Radius, m.
     pub radius: f64,
-    /// Radius of the hole, m; 0: none.
+    /// Radius of the hole, m; 0: no hole.
     #[cfg_attr(feature = "serde", serde(default))]
     pub hole: f64,
-    /// Rings between the centre, or the hole, and the border.
+    /// Number of rings between the centre, or the hole, and the border.
     pub rings: u32,
 }
 
@@ -25,7 +25,7 @@ pub(super) fn mesh(disc: &DiscDesc) -> Result<TriMesh, SceneError> {
     super::check::positive("disc.radius - disc.hole", disc.radius - disc.hole)?;
     super::check::at_least("disc.rings", [disc.rings, u32::MAX], 1)?;
     let spacing = (disc.radius - disc.hole) / f64::from(disc.rings);
-    // Rings of about 6 radius / spacing vertices.
+    // A ring has about 6 radius / spacing vertices.
     let rings = f64::from(disc.rings);
     super::check::nameable((3.0 * (rings + 1.0) * (rings + 2.0 * disc.hole / spacing)) as u64)?;
     let mut mesh = TriMesh::default();
@@ -48,13 +48,13 @@ pub(super) fn mesh(disc: &DiscDesc) -> Result<TriMesh, SceneError> {
     Ok(super::grid::finish(mesh))
 }
 
-/// Triangles between two rings (first vertex, count), walking both by angle.
+/// Adds the triangles between two rings, each given as (first vertex, count). Walks both rings by angle.
 fn zip_rings(mesh: &mut TriMesh, inner: (u32, u32), outer: (u32, u32)) {
     let (mut i, mut k) = (0, 0);
     let at = |ring: (u32, u32), n: u32| ring.0 + n % ring.1;
     let inner_steps = if inner.1 == 1 { 0 } else { inner.1 };
     while i < inner_steps || k < outer.1 {
-        // Compare the angles of the next vertices in whole numbers.
+        // Compare the angles of the next vertices in integers, without rounding.
         let outer_next = i == inner_steps
             || (k < outer.1 && u64::from(k + 1) * u64::from(inner.1) <= u64::from(i + 1) * u64::from(outer.1));
         if outer_next {

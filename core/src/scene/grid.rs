@@ -1,16 +1,16 @@
 //! A rectangle in the xz plane, centred at the origin.
 //!
-//! The default pattern is equilateral: hinge bending is isotropic on it and on no other (see the README of this crate).
+//! The default pattern is equilateral, the only one on which hinge bending is isotropic (see the README of this crate).
 
 use crate::error::SceneError;
 use crate::mesh::TriMesh;
 
-/// How the rectangle is cut into triangles.
+/// The pattern in which the rectangle is cut into triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Pattern {
-    /// Every second row shifted by half a cell; equilateral where `size.z / cells.z` is
-    /// `sqrt(3) / 2` times `size.x / cells.x`. Shifted rows end in half triangles.
+    /// Every second row is shifted by half a cell. Triangles are equilateral if the cell's depth is
+    /// `sqrt(3) / 2` times its width. Shifted rows end in half triangles.
     #[default]
     Equilateral,
     /// Squares, all cut along the same diagonal.
@@ -23,11 +23,11 @@ pub enum Pattern {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct GridDesc {
-    /// m along x and z.
+    /// Size along x and z, m.
     pub size: [f64; 2],
     /// Cells along x and z.
     pub cells: [u32; 2],
-    /// How cells are cut.
+    /// Pattern of the triangles.
     #[cfg_attr(feature = "serde", serde(default))]
     pub pattern: Pattern,
 }
@@ -82,7 +82,7 @@ fn shifted_rows(grid: &GridDesc) -> TriMesh {
             add_vertex(&mut mesh, grid, column, j);
         }
         if let Some((above, above_count)) = previous {
-            // Whichever row is shifted has one vertex more; walk both from the left.
+            // One of the two rows is shifted and has one vertex more. Walk both from the left.
             let (mut i, mut k) = (0, 0);
             while i + 1 < above_count || k + 1 < count {
                 let lower_next = k + 1 < count && (i + 1 == above_count || (k <= i && count > above_count) || k < i);
@@ -101,7 +101,7 @@ fn shifted_rows(grid: &GridDesc) -> TriMesh {
     finish(mesh)
 }
 
-/// Vertex at a column and row, in cells; its texture coordinates are its place in metres.
+/// Adds the vertex at a column and a row, in cells. Its texture coordinates are its x and z, m.
 fn add_vertex(mesh: &mut TriMesh, grid: &GridDesc, column: f64, row: u32) {
     let [w, d] = grid.size;
     let x = w * (column / f64::from(grid.cells[0]) - 0.5);
@@ -110,7 +110,7 @@ fn add_vertex(mesh: &mut TriMesh, grid: &GridDesc, column: f64, row: u32) {
     mesh.uvs.push([x, z]);
 }
 
-/// Texture coordinates are one per vertex.
+/// Completes a mesh with one pair of texture coordinates per vertex.
 pub(super) fn finish(mut mesh: TriMesh) -> TriMesh {
     mesh.uv_triangles = mesh.triangles.clone();
     mesh

@@ -1,7 +1,7 @@
-//! A scene in plain numbers, as files and programs describe it, and its way into columns.
+//! Scenes: a description in plain numbers, from a file or a program, and its conversion to columns.
 //!
-//! Everything is SI: metres, kilograms, seconds, newtons; only `rotation` is in degrees. A term
-//! that a scene does not name is not modelled: not allocated, not computed.
+//! All units are SI: metres, kilograms, seconds, newtons; only `rotation` is in degrees. A term
+//! that a scene does not name is not modelled: it is neither allocated nor computed.
 
 mod build;
 mod builtin;
@@ -38,10 +38,10 @@ use crate::mesh::rest::RestSource;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SceneDesc {
-    /// The name of the scene. A host that reads files gives a scene without a name that of its file.
+    /// The name of the scene. For a scene without a name, a host that reads files uses the file's name.
     #[cfg_attr(feature = "serde", serde(default = "defaults::name"))]
     pub name: String,
-    /// A line about it.
+    /// A description in one line.
     #[cfg_attr(feature = "serde", serde(default))]
     pub description: String,
     /// Simulated time, s.
@@ -49,27 +49,27 @@ pub struct SceneDesc {
     /// Output frames per simulated second.
     #[cfg_attr(feature = "serde", serde(default = "defaults::frame_rate"))]
     pub frame_rate: f64,
-    /// m/s^2; absent: none.
+    /// Gravity, m/s^2; absent: no gravity.
     pub gravity: Option<[f64; 3]>,
     /// The sheets.
     pub cloth: Vec<ClothDesc>,
-    /// What the cloth can touch besides itself.
+    /// Objects that the cloth collides with.
     #[cfg_attr(feature = "serde", serde(default))]
     pub collider: Vec<ColliderDesc>,
-    /// How surfaces touch; absent: nothing touches anything.
+    /// Contact between surfaces; absent: surfaces pass through one another.
     pub contact: Option<ContactDesc>,
-    /// Air; absent: none.
+    /// The air; absent: no drag and no wind.
     pub drag: Option<DragDesc>,
-    /// How time is advanced.
+    /// Time integration.
     #[cfg_attr(feature = "serde", serde(default))]
     pub integrator: IntegratorDesc,
 }
 
-/// One sheet: its mesh, its place and its material.
+/// One sheet: its mesh, its placement and its material.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ClothDesc {
-    /// A rectangle; or one of the next three.
+    /// A rectangle. Exactly one of `grid`, `tube`, `disc` and `mesh` must be given.
     pub grid: Option<GridDesc>,
     /// An open cylinder.
     pub tube: Option<TubeDesc>,
@@ -77,32 +77,32 @@ pub struct ClothDesc {
     pub disc: Option<DiscDesc>,
     /// The name of a mesh file that the host loads.
     pub mesh: Option<String>,
-    /// The name of a file with start positions, in the mesh's vertex order.
+    /// The name of a file with the start positions, in the vertex order of the mesh.
     pub state: Option<String>,
-    /// Where the undeformed shape comes from.
+    /// Source of the rest shape.
     #[cfg_attr(feature = "serde", serde(default = "defaults::rest", with = "RestName"))]
     pub rest: RestSource,
-    /// Metres per unit of the texture coordinates.
+    /// Size of one unit of the texture coordinates, m.
     #[cfg_attr(feature = "serde", serde(default = "defaults::one"))]
     pub uv_scale: f64,
-    /// Offset, m; after scale and rotation.
+    /// Offset, m, applied after scale and rotation.
     #[cfg_attr(feature = "serde", serde(default))]
     pub position: [f64; 3],
-    /// Degrees about x, then y, then z.
+    /// Rotation about x, then y, then z, degrees.
     #[cfg_attr(feature = "serde", serde(default))]
     pub rotation: [f64; 3],
-    /// Size factor of the mesh as it stands.
+    /// Scale factor of the mesh. It does not apply to texture coordinates and start positions.
     #[cfg_attr(feature = "serde", serde(default = "defaults::one"))]
     pub scale: f64,
-    /// kg/m^2.
+    /// Mass per rest area, kg/m^2.
     pub density: f64,
     /// Resistance to stretching; absent: not modelled.
     pub stretch: Option<StretchDesc>,
-    /// Resistance to shearing, of the membrane only; absent: not modelled.
+    /// Resistance to shearing, only for the membrane; absent: not modelled.
     pub shear: Option<ShearDesc>,
     /// Resistance to bending; absent: not modelled.
     pub bend: Option<BendDesc>,
-    /// Held vertices.
+    /// Pinned vertices.
     #[cfg_attr(feature = "serde", serde(default))]
     pub pin: Vec<PinDesc>,
     /// Sewn vertices.
@@ -110,11 +110,11 @@ pub struct ClothDesc {
     pub seam: Vec<SeamDesc>,
 }
 
-/// Which in-plane model resists stretching.
+/// The in-plane model that resists stretching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum StretchModel {
-    /// Warp and weft of each triangle [Baraff 1998].
+    /// Strain of each triangle along warp and weft [Baraff 1998].
     Membrane,
     /// Linear springs along the edges [Provot 1996].
     Spring,
@@ -126,14 +126,14 @@ pub enum StretchModel {
 pub struct StretchDesc {
     /// The model.
     pub model: StretchModel,
-    /// N/m, Young's modulus times thickness.
+    /// Young's modulus times thickness, N/m.
     pub stiffness: f64,
-    /// N/m along the weft, membrane only; absent: as along the warp.
+    /// Stiffness along the weft, N/m, membrane only; absent: the same as along the warp.
     pub weft: Option<f64>,
-    /// s, stiffness-proportional.
+    /// Stiffness-proportional damping, s.
     #[cfg_attr(feature = "serde", serde(default))]
     pub damping: f64,
-    /// Springs only: `stiffness` is each spring's own constant.
+    /// Springs only: `stiffness` is the constant of every spring, N/m, whatever its length.
     #[cfg_attr(feature = "serde", serde(default))]
     pub per_spring: bool,
 }
@@ -142,20 +142,20 @@ pub struct StretchDesc {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ShearDesc {
-    /// N/m, shear modulus times thickness.
+    /// Shear modulus times thickness, N/m.
     pub stiffness: f64,
-    /// s, stiffness-proportional.
+    /// Stiffness-proportional damping, s.
     #[cfg_attr(feature = "serde", serde(default))]
     pub damping: f64,
 }
 
-/// Which model resists bending.
+/// The model that resists bending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum BendModel {
-    /// The angle between neighbouring triangles.
+    /// Hinges: the angle between neighbouring triangles.
     Hinge,
-    /// A spring between their unshared vertices.
+    /// A spring between the unshared vertices of neighbouring triangles.
     Spring,
 }
 
@@ -165,63 +165,63 @@ pub enum BendModel {
 pub struct BendDesc {
     /// The model.
     pub model: BendModel,
-    /// N m, flexural rigidity; hinge only.
+    /// Flexural rigidity, N m; hinge only.
     pub rigidity: Option<f64>,
-    /// N/m, each spring's constant; spring only.
+    /// Constant of every spring, N/m; spring only.
     pub stiffness: Option<f64>,
-    /// s, stiffness-proportional.
+    /// Stiffness-proportional damping, s.
     #[cfg_attr(feature = "serde", serde(default))]
     pub damping: f64,
 }
 
-/// Vertices held in place or led along a motion.
+/// Vertices that are fixed in place or follow a prescribed motion.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct PinDesc {
-    /// Which vertices.
+    /// The selected vertices.
     pub select: SelectDesc,
-    /// Which axes are held: a combination of x, y and z.
+    /// The fixed axes: a combination of x, y and z.
     #[cfg_attr(feature = "serde", serde(default = "defaults::axes"))]
     pub axes: String,
-    /// How they move; absent: not at all.
+    /// Motion; absent: the vertices rest.
     pub motion: Option<MotionDesc>,
 }
 
-/// The motion of a pin: an offset through keys, and a turn about the selection's centre.
+/// The motion of a pin or a collider: an offset by keys, and a rotation about the centre.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct MotionDesc {
-    /// Time s, then offset m; linear between keys, resting before the first and after the last.
+    /// Time, s, then offset, m. Linear between keys, constant before the first and after the last.
     #[cfg_attr(feature = "serde", serde(default))]
     pub keys: Vec<[f64; 4]>,
-    /// Absent: no turn.
+    /// Rotation; absent: no rotation.
     pub turn: Option<TurnDesc>,
 }
 
-/// A steady turn about an axis through the centre of the selection.
+/// A steady rotation about an axis through the centre of a pin's selection or of a collider.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct TurnDesc {
     /// Direction of the axis.
     pub axis: [f64; 3],
-    /// rad/s.
+    /// Angular velocity, rad/s.
     pub rate: f64,
-    /// s; the turn stops then. Absent: never.
+    /// Time at which the rotation stops, s; absent: it never stops.
     pub until: Option<f64>,
 }
 
-/// Sewn vertices, held together by zero-length springs.
+/// Sewn vertices, joined by springs of zero length.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SeamDesc {
     /// The name of an OBJ file with `stitch` lines that the host loads.
     pub file: Option<String>,
-    /// Sewn vertex pairs.
+    /// Pairs of vertices that are sewn together.
     #[cfg_attr(feature = "serde", serde(default))]
     pub pairs: Vec<[u32; 2]>,
-    /// N/m of each stitch.
+    /// Stiffness of each stitch, N/m.
     pub stiffness: f64,
-    /// s, stiffness-proportional.
+    /// Stiffness-proportional damping, s.
     #[cfg_attr(feature = "serde", serde(default))]
     pub damping: f64,
 }
@@ -230,27 +230,27 @@ pub struct SeamDesc {
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DragDesc {
-    /// N s/m^3: force per velocity and rest area, against the velocity.
+    /// Linear drag, N s/m^3: force against the velocity, per velocity and rest area.
     #[cfg_attr(feature = "serde", serde(default))]
     pub linear: f64,
-    /// Wind on the triangles; absent: none.
+    /// Wind on the triangles; absent: no wind.
     pub wind: Option<WindDesc>,
 }
 
-/// A steady wind that presses on triangles by how they face it.
+/// A steady wind. Its force on a triangle depends on how the triangle faces it.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct WindDesc {
-    /// m/s.
+    /// Velocity of the air, m/s.
     pub velocity: [f64; 3],
-    /// N s/m^3: force per relative velocity and area along the normal.
+    /// Coefficient along the normal, N s/m^3: force per relative velocity and area.
     pub normal: f64,
-    /// N s/m^3: the same in the triangle's plane.
+    /// Coefficient in the plane of the triangle, N s/m^3.
     #[cfg_attr(feature = "serde", serde(default))]
     pub tangential: f64,
 }
 
-/// How time is advanced.
+/// Time integration.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct IntegratorDesc {
@@ -258,13 +258,13 @@ pub struct IntegratorDesc {
     pub method: Method,
     /// The largest time step, s.
     pub step: f64,
-    /// Newton iterations per step; 1: one linear solve, with line search when more.
+    /// Maximum number of Newton iterations per step, with line search; 1: one linear solve without it.
     pub newton: u32,
-    /// Relative residual at which conjugate gradients stop, and Newton's iterations.
+    /// Relative residual at which conjugate gradients and Newton's method stop.
     pub tolerance: f64,
-    /// What conjugate gradients are preconditioned with.
+    /// Preconditioner of the conjugate gradients.
     pub preconditioner: Preconditioner,
-    /// Which Jacobian implicit methods use.
+    /// The Jacobian that implicit methods use.
     pub jacobian: Jacobian,
 }
 
@@ -310,21 +310,21 @@ mod defaults {
     }
 }
 
-/// How a scene's time is cut.
+/// Division of a scene's duration into frames and steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
-    /// Output frames after the first, which shows time 0.
+    /// Number of output frames, not counting the first, which shows time 0.
     pub frames: u64,
-    /// Steps from frame to frame.
+    /// Number of steps from one frame to the next.
     pub steps_per_frame: u64,
-    /// s; not larger than the scene's.
+    /// Time step, s; not larger than the step that the scene gives.
     pub step: f64,
 }
 
 impl SceneDesc {
-    /// Cuts the duration into whole frames and frames into whole steps, rounding up.
+    /// Divides the duration into whole frames and each frame into whole steps, rounding up.
     pub fn timing(&self) -> Timing {
-        // A hair of slack: 3 s at 30 frames per second are 90 frames whatever the rounding.
+        // A small tolerance: 3 s at 30 frames per second give 90 frames, whatever the rounding.
         let whole = |ratio: f64| libm::ceil(ratio - 1e-9);
         let frame = 1.0 / self.frame_rate;
         let steps_per_frame = whole(frame / self.integrator.step).max(1.0);

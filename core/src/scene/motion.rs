@@ -1,4 +1,4 @@
-//! Motions of pins and colliders out of a scene.
+//! Reads the motions of pins and colliders from a scene.
 
 use alloc::vec::Vec;
 
@@ -8,13 +8,13 @@ use super::{MotionDesc, TurnDesc};
 use crate::motion::{Key, Motion, Turn};
 use crate::real::{Real, vec3};
 
-/// What of a motion is not usable; the scene adds where it stands.
+/// The part of a motion that is not usable. The caller adds the pin or the collider it belongs to.
 pub(super) enum MotionError {
     Keys,
     Turn,
 }
 
-/// A motion whose keys join those of all motions; `centre` is what it turns about.
+/// Reads a motion and appends its keys to `keys`, the keys of all motions. Rotations are about `centre`.
 pub(super) fn read_motion(motion: &MotionDesc, centre: DVec3, keys: &mut Vec<Key>) -> Result<Motion, MotionError> {
     let times_increase = motion.keys.windows(2).all(|k| k[0][0] < k[1][0]);
     if !times_increase || motion.keys.as_flattened().iter().any(|&x| !(x as Real).is_finite()) {
@@ -26,7 +26,7 @@ pub(super) fn read_motion(motion: &MotionDesc, centre: DVec3, keys: &mut Vec<Key
     Ok(Motion { keys: [first, motion.keys.len() as u32], turn })
 }
 
-/// `None` if the axis has no direction or a number is not finite.
+/// Reads a rotation. `None` if the axis has no direction, the rate is not finite or `until` is NaN.
 fn read_turn(turn: &TurnDesc, centre: DVec3) -> Option<Turn> {
     let until = turn.until.unwrap_or(f64::INFINITY);
     let axis = DVec3::from(turn.axis).try_normalize().filter(|_| turn.rate.is_finite() && !until.is_nan())?;

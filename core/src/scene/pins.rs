@@ -1,4 +1,4 @@
-//! A cloth's pins into columns.
+//! Converts the pins of a cloth to columns.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Where a cloth's vertices are at time 0.
+//! Positions of a cloth's vertices at time 0.
 
 use alloc::vec::Vec;
 
@@ -9,7 +9,10 @@ use super::build::{Sheet, resource};
 use crate::error::{MeshError, SceneError};
 use crate::real::vec3;
 
-/// Start positions: rotated about x, then y, then z, and moved.
+/// Start positions, m: rotated about x, then y, then z, then moved.
+///
+/// Errors: a start state that is missing, has another number of vertices or is not finite; an edge
+/// whose ends coincide after rounding.
 pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Result<Vec<DVec3>, SceneError> {
     let start = match &sheet.desc.state {
         Some(name) => {
@@ -37,15 +40,15 @@ pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Re
     }
 }
 
-/// Rotation about x, then y, then z by degrees.
+/// Rotation about x, then y, then z, in degrees.
 pub(super) fn turn(degrees: [f64; 3]) -> DMat3 {
     let [rx, ry, rz] = degrees.map(f64::to_radians);
     axis_turn(2, rz) * axis_turn(1, ry) * axis_turn(0, rx)
 }
 
-/// Rotation about a coordinate axis by libm, so that every machine places alike.
+/// Rotation about a coordinate axis. Uses libm, so that every machine gets the same positions.
 fn axis_turn(axis: usize, angle: f64) -> DMat3 {
-    // Quarter turns are exact: a sheet hung upright must lie in a plane.
+    // Quarter turns are exact: a sheet that is turned upright must stay plane.
     let quarters = angle / core::f64::consts::FRAC_PI_2;
     let (sine, cosine) = if quarters == libm::trunc(quarters) && quarters.abs() < 1e9 {
         [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][(quarters as i64).rem_euclid(4) as usize]

@@ -5,10 +5,10 @@ use alloc::vec::Vec;
 
 use crate::mesh::TriMesh;
 
-/// A loaded file, by the name that the scene gives it.
+/// A loaded file: the name that the scene uses for it, and its content.
 pub type Resource = (String, Content);
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Clone, Debug)]
 pub enum Content {
     /// A mesh, start positions or stitches.
@@ -17,23 +17,23 @@ pub enum Content {
     Cache(PointCache),
 }
 
-/// Positions of a mesh's vertices in frame after frame.
+/// Positions of the vertices of a mesh in each frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointCache {
-    /// Vertices of each frame.
+    /// Number of vertices per frame.
     pub points: u32,
-    /// m; frame after frame.
+    /// Positions, m, frame after frame.
     pub positions: Vec<[f32; 3]>,
 }
 
 impl PointCache {
-    /// Whole frames.
+    /// Number of whole frames.
     pub fn frames(&self) -> usize {
         self.positions.len().checked_div(self.points as usize).unwrap_or(0)
     }
 }
 
-/// The mesh of that name.
+/// The mesh with the given name.
 pub(super) fn mesh<'a>(name: &str, resources: &'a [Resource]) -> Option<&'a TriMesh> {
     resources.iter().find_map(|(known, content)| match content {
         Content::Mesh(mesh) if known == name => Some(mesh),
@@ -41,7 +41,7 @@ pub(super) fn mesh<'a>(name: &str, resources: &'a [Resource]) -> Option<&'a TriM
     })
 }
 
-/// The point cache of that name.
+/// The point cache with the given name.
 pub(super) fn cache<'a>(name: &str, resources: &'a [Resource]) -> Option<&'a PointCache> {
     resources.iter().find_map(|(known, content)| match content {
         Content::Cache(cache) if known == name => Some(cache),

@@ -1,4 +1,4 @@
-//! Which vertices a pin holds.
+//! Selects the vertices of a pin.
 
 use alloc::vec::Vec;
 
@@ -6,38 +6,38 @@ use glam::DVec3;
 
 use crate::error::SceneError;
 
-/// A side of a sheet as it lies before it is placed.
+/// A side of a sheet before placement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum SheetSide {
-    /// Least x.
+    /// Smallest x.
     Left,
-    /// Greatest x.
+    /// Largest x.
     Right,
-    /// Least z.
+    /// Smallest z.
     Back,
-    /// Greatest z.
+    /// Largest z.
     Front,
 }
 
-/// A selection of vertices: exactly one of its fields.
+/// A selection of vertices. Exactly one field must be given.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SelectDesc {
-    /// Corners of the sheet before it is placed: 0 (-x,-z), 1 (+x,-z), 2 (-x,+z), 3 (+x,+z).
+    /// Corners of the sheet before placement: 0 (-x,-z), 1 (+x,-z), 2 (-x,+z), 3 (+x,+z).
     pub corners: Option<Vec<u32>>,
-    /// Vertices by number.
+    /// Indices of vertices.
     pub vertices: Option<Vec<u32>>,
-    /// Vertices inside the box `[min, max]` once the sheet is placed, m.
+    /// Vertices that are inside the box `[min, max]` after placement, m.
     #[cfg_attr(feature = "serde", serde(rename = "box"))]
     pub inside: Option<[[f64; 3]; 2]>,
-    /// The vertex nearest to a point once the sheet is placed, m.
+    /// The vertex that is nearest to a point after placement, m.
     pub nearest: Option<[f64; 3]>,
-    /// A side of the sheet before it is placed.
+    /// A side of the sheet before placement.
     pub edge: Option<SheetSide>,
 }
 
-/// Why a selection is not usable; the scene adds where it stands.
+/// Reason why a selection is not usable. The caller adds the cloth and the pin.
 pub(super) enum SelectError {
     OneSelection,
     Empty,
@@ -56,7 +56,7 @@ impl SelectError {
     }
 }
 
-/// The selected vertices in ascending order; `flat` are positions before, `placed` after placing.
+/// The selected vertices in ascending order. `flat` are the positions before placement, `placed` after it.
 pub(super) fn select(select: &SelectDesc, flat: &[[f64; 3]], placed: &[DVec3]) -> Result<Vec<u32>, SelectError> {
     let SelectDesc { corners, vertices, inside, nearest, edge } = select;
     let places = inside.iter().flat_map(|corners| corners.as_flattened()).chain(nearest.iter().flatten());
@@ -111,7 +111,7 @@ fn indices(count: usize, keep: impl Fn(usize) -> bool) -> Vec<u32> {
     (0..count).filter(|&v| keep(v)).map(|v| v as u32).collect()
 }
 
-/// The first index with the least value.
+/// The first index with the smallest value.
 fn least(count: usize, value: impl Fn(usize) -> f64) -> Option<u32> {
     (0..count).map(|v| (v as u32, value(v))).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(v, _)| v)
 }

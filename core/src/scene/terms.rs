@@ -1,4 +1,4 @@
-//! A cloth's material into the columns of its force terms.
+//! Converts the material of a cloth to the columns of its force terms.
 
 use alloc::vec::Vec;
 
@@ -154,7 +154,7 @@ impl Parts {
             if stitch.a.max(b).max(c) >= vertices || !(0.0..=1.0).contains(&stitch.weight) || to_itself {
                 return Err((index, MeshError::BadStitch { stitch: number as u32 }).into());
             }
-            // A pair is a stitch to an edge whose ends are one vertex.
+            // A pair of vertices is a stitch to an edge whose two ends are the same vertex.
             self.seams.vertices.push(sheet.shift(&[stitch.a, b, c]));
             self.seams.weights.push(stitch.weight as Real);
             self.seams.stiffness.push(seam.stiffness as Real);

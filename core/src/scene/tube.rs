@@ -1,4 +1,4 @@
-//! An open cylinder about the y axis, centred at the origin, in shifted rows.
+//! An open cylinder about the y axis, centred at the origin. Every second row is shifted by half a cell.
 
 use core::f64::consts::PI;
 
@@ -9,15 +9,15 @@ use crate::mesh::TriMesh;
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct TubeDesc {
-    /// m.
+    /// Radius, m.
     pub radius: f64,
-    /// m along y.
+    /// Height along y, m.
     pub height: f64,
-    /// Cells around and along.
+    /// Cells around the axis and along it.
     pub cells: [u32; 2],
 }
 
-/// Texture coordinates unroll the tube: u around, v along.
+/// The mesh of a tube. Texture coordinates unroll it: u runs around the axis, v along it.
 pub(super) fn mesh(tube: &TubeDesc) -> Result<TriMesh, SceneError> {
     super::check::positive("tube.radius", tube.radius)?;
     super::check::positive("tube.height", tube.height)?;
@@ -30,7 +30,7 @@ pub(super) fn mesh(tube: &TubeDesc) -> Result<TriMesh, SceneError> {
     for j in 0..=along {
         let shift = 0.5 * f64::from(j % 2);
         let y = tube.height * (0.5 - f64::from(j) / f64::from(along));
-        // One more texture column than vertices: the unrolled tube does not close.
+        // One more column of texture coordinates than of vertices: the unrolled tube is not closed.
         for i in 0..=around {
             let angle = 2.0 * PI * (f64::from(i) + shift) / f64::from(around);
             if i < around {
@@ -42,7 +42,7 @@ pub(super) fn mesh(tube: &TubeDesc) -> Result<TriMesh, SceneError> {
     for j in 0..along {
         for i in 0..around {
             let (a, b, c, d) = ((i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1));
-            // The shifted row's vertices lie half a cell further around.
+            // The vertices of the shifted row lie half a cell further around the axis.
             for corners in if j % 2 == 0 { [[a, b, c], [c, b, d]] } else { [[a, b, d], [a, d, c]] } {
                 mesh.triangles.push(corners.map(|(i, j)| j * around + i % around));
                 mesh.uv_triangles.push(corners.map(|(i, j)| j * (around + 1) + i));
