@@ -1,5 +1,5 @@
-//! Copies the shaders to where `stages.rs` takes them from; without remarks and indents where they are sent over
-//! the net.
+//! Copies the shaders to `OUT_DIR`, where `shaders.rs` includes them. For wasm32 it strips comments and
+//! indentation, because they would be sent over the network.
 
 use std::path::Path;
 use std::{env, fs, io};
@@ -22,7 +22,7 @@ fn main() -> io::Result<()> {
     Ok(())
 }
 
-/// WGSL knows no strings, so that two slashes always begin a remark.
+/// The text without comments, indentation and empty lines. WGSL has no strings, so two slashes always begin a comment.
 fn bare(text: &str) -> String {
     let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default().trim());
     lines.filter(|line| !line.is_empty()).flat_map(|line| [line, "\n"]).collect()

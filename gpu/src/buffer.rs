@@ -1,27 +1,27 @@
-//! Buffers on a device, and what comes back from one.
+//! Buffers on a device, and the wait until one can be read.
 
 use futures_channel::oneshot;
 
 use crate::device::Gpu;
 use crate::slots::Slot;
 
-/// Why a detection has no readback.
+/// Why a detection failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DetectionError {
-    /// The device is gone, or its driver refused.
+    /// The device is lost, or its driver reported an error.
     Lost(String),
-    /// So many bytes in one buffer are more than the device allows.
+    /// One buffer would need this many bytes, more than the device allows.
     TooLarge(u64),
-    /// Columns of other lengths than the surface's.
+    /// The number of boxes or positions is not the number of vertices of the surface.
     Lengths {
-        /// Vertices that it has.
+        /// Number of vertices of the surface.
         needed: usize,
     },
-    /// The stage does not exist, or it does not have the entry point.
+    /// The shader does not exist, or it does not have the entry point.
     Unknown {
-        /// The stage.
+        /// Name of the shader.
         shader: &'static str,
-        /// The entry.
+        /// Name of the entry point.
         entry: &'static str,
     },
 }
@@ -37,7 +37,7 @@ impl core::fmt::Display for DetectionError {
                     bytes.div_ceil(1 << 20)
                 )
             }
-            Self::Lengths { needed } => write!(f, "boxes or positions are not one for each of {needed} vertices"),
+            Self::Lengths { needed } => write!(f, "boxes and positions must have {needed} entries, one per vertex"),
             Self::Unknown { shader, entry } => write!(f, "there is no shader {shader} with an entry {entry}"),
         }
     }
@@ -45,15 +45,15 @@ impl core::fmt::Display for DetectionError {
 
 impl core::error::Error for DetectionError {}
 
-/// Bytes of the shortest buffer.
+/// Size of the smallest buffer, bytes.
 const LEAST: usize = 16;
 
-/// What a column of so many words of four bytes takes.
+/// Size of a column of `words` four-byte words, bytes.
 pub fn bytes_of(words: usize) -> u64 {
     (4 * words).max(LEAST) as u64
 }
 
-/// A buffer of at least so many bytes.
+/// A buffer of at least `bytes` bytes. Fails if the device does not allow this size.
 pub fn buffer(gpu: &Gpu, label: &str, bytes: usize, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, DetectionError> {
     let size = bytes.max(LEAST) as u64;
     let is_bound = usage.intersects(wgpu::BufferUsages::STORAGE);
@@ -63,17 +63,17 @@ pub fn buffer(gpu: &Gpu, label: &str, bytes: usize, usage: wgpu::BufferUsages) -
     Ok(gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false }))
 }
 
-/// A column of words of four bytes.
+/// A storage buffer for a column of `words` four-byte words.
 pub fn column(gpu: &Gpu, slot: Slot, words: usize) -> Result<wgpu::Buffer, DetectionError> {
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
     buffer(gpu, &format!("{slot:?}"), 4 * words, usage)
 }
 
-/// Waits until the first bytes of an readback are there. On a native device that blocks.
+/// Waits until the first `bytes` bytes of a readback buffer are mapped. On a native device this blocks.
 pub async fn mapped(gpu: &Gpu, readback: &wgpu::Buffer, bytes: u64) -> Result<(), DetectionError> {
     let (sender, receiver) = oneshot::channel();
     readback.slice(..bytes).map_async(wgpu::MapMode::Read, move |mapped| {
-        // Who asked may have gone.
+        // The caller may have dropped its end of the channel.
         let _ = sender.send(mapped);
     });
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| DetectionError::Lost(error.to_string()))?;

@@ -1,4 +1,4 @@
-//! The clocks of a device: a tick at either end of each pass.
+//! Timestamps of a device: one at the start and one at the end of each pass.
 
 use std::ops::Range;
 
@@ -7,13 +7,13 @@ use wgpu::{BufferUsages, CommandEncoder, ComputePassTimestampWrites, QuerySetDes
 use crate::buffer::{DetectionError, buffer};
 use crate::device::Gpu;
 
-/// Passes that one set of queries has room for on any device.
+/// Most passes that one query set has room for on any device.
 const MOST_PASSES: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
 
-/// Words of a pass: two ticks of eight bytes.
+/// Words per pass: two timestamps of eight bytes.
 pub const WORDS: usize = 4;
 
-/// A clock for each pass.
+/// The timestamp queries of all passes.
 #[derive(Debug)]
 pub struct Clock {
     queries: wgpu::QuerySet,
@@ -21,7 +21,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// For so many passes; none where the device has no clocks, or not so many.
+    /// A clock for `passes` passes; `None` if the device has no timestamps or one query set is too small.
     pub fn new(gpu: &Gpu, passes: usize) -> Result<Option<Self>, DetectionError> {
         if gpu.tick.is_none() || passes > MOST_PASSES {
             return Ok(None);
@@ -33,7 +33,7 @@ impl Clock {
         Ok(Some(Self { queries, ticks }))
     }
 
-    /// What a pass is to write.
+    /// The timestamps that a pass writes.
     pub fn around(&self, pass: usize) -> ComputePassTimestampWrites<'_> {
         ComputePassTimestampWrites {
             query_set: &self.queries,
@@ -42,7 +42,7 @@ impl Clock {
         }
     }
 
-    /// Copies the ticks of all passes to so many words of an readback.
+    /// Copies the timestamps of all passes to a range of words of a readback buffer.
     pub fn copy(&self, encoder: &mut CommandEncoder, readback: &wgpu::Buffer, words: Range<usize>) {
         if !words.is_empty() {
             encoder.resolve_query_set(&self.queries, 0..(words.len() / 2) as u32, &self.ticks, 0);

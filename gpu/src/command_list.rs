@@ -1,4 +1,4 @@
-//! Dispatches in a row, bound to columns and uniforms what they need, in passes that are timed.
+//! A list of dispatches, bound to their columns and uniforms and grouped into timed passes.
 
 use std::ops::Range;
 
@@ -9,29 +9,29 @@ use crate::params::Params;
 use crate::schedule::Dispatch;
 use crate::shaders::{self, SCAN};
 
-/// Groups in a row of a dispatch, the most that the web allows.
+/// Workgroups in a row of a dispatch: the most that every browser allows.
 const ROW: usize = 65_535;
 
-/// Bytes from one dispatch's params to the next: what uniforms must be aligned to.
+/// Bytes from the parameters of one dispatch to the next: the alignment that uniforms need.
 const STRIDE: usize = 256;
 
-/// What is to be run.
+/// Dispatches that are ready to be recorded.
 #[derive(Debug, Default)]
 pub struct CommandList {
     dispatches: Vec<Dispatch>,
-    /// Shader and entry of each, as pipelines in the table.
+    /// For each dispatch, the indices of its shader in the table and of its entry point in the shader.
     pipelines: Vec<[usize; 2]>,
-    /// Dispatches that are timed together, and what they are called.
+    /// The name of each timed pass and the range of its dispatches.
     passes: Vec<(&'static str, Range<usize>)>,
-    /// The params of all dispatches.
+    /// The parameters of all dispatches.
     uniforms: Option<wgpu::Buffer>,
-    /// The columns of every shader.
+    /// One bind group per shader: the parameters and its columns.
     groups: Vec<wgpu::BindGroup>,
     clock: Option<Clock>,
 }
 
 impl CommandList {
-    /// Binds columns, one buffer a slot. Fails where a dispatch is of no shader or entry of the table.
+    /// Binds the columns, one buffer per slot. Fails if the table lacks the shader or the entry point of a dispatch.
     pub fn new(gpu: &Gpu, dispatches: Vec<Dispatch>, buffers: &[wgpu::Buffer]) -> Result<Self, DetectionError> {
         let pipelines = dispatches.iter().map(pipeline_of).collect::<Result<_, _>>()?;
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
@@ -44,7 +44,7 @@ impl CommandList {
         Ok(commands)
     }
 
-    /// Changes what all dispatches are uniforms.
+    /// Changes the parameters of all dispatches and writes them to the device.
     pub fn write_uniforms(&mut self, gpu: &Gpu, change: impl Fn(&mut Params)) {
         let mut bytes = vec![0; STRIDE * self.dispatches.len()];
         for (dispatch, bytes) in self.dispatches.iter_mut().zip(bytes.chunks_mut(STRIDE)) {
@@ -56,7 +56,7 @@ impl CommandList {
         }
     }
 
-    /// Adds all dispatches to what is to be handed in.
+    /// Records all dispatches.
     pub fn record(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
         for (number, (label, dispatches)) in self.passes.iter().enumerate() {
             let timestamp_writes = self.clock.as_ref().map(|clock| clock.around(number));
@@ -76,19 +76,19 @@ impl CommandList {
         pass.dispatch_workgroups(groups.min(ROW) as u32, groups.div_ceil(ROW) as u32, 1);
     }
 
-    /// Words that the ticks of all passes take.
+    /// Number of words of the timestamps of all passes.
     pub fn tick_words(&self) -> usize {
         self.clock.as_ref().map_or(0, |_| clock::WORDS * self.passes.len())
     }
 
-    /// Copies the ticks of all passes to an readback.
+    /// Copies the timestamps of all passes to a readback buffer.
     pub fn copy_ticks(&self, encoder: &mut wgpu::CommandEncoder, readback: &wgpu::Buffer, words: Range<usize>) {
         if let Some(clock) = &self.clock {
             clock.copy(encoder, readback, words);
         }
     }
 
-    /// Adds the ticks of all passes to those of their stages.
+    /// Adds the duration of each pass, in ticks, to the sum of its stage.
     pub fn add_ticks(&self, words: &[u32], stages: &mut Vec<(&'static str, u64)>) {
         for ((shader, _), words) in self.passes.iter().zip(words.as_chunks().0) {
             let ticks = clock::passed(words);
@@ -105,7 +105,7 @@ fn pipeline_of(dispatch: &Dispatch) -> Result<[usize; 2], DetectionError> {
     shaders::find(shader, entry).ok_or(DetectionError::Unknown { shader, entry })
 }
 
-/// Neighbours of one file; a scan counts to what it is made for.
+/// Groups consecutive dispatches of one file into a pass. A scan joins the pass before it, which it serves.
 fn passes(dispatches: &[Dispatch]) -> Vec<(&'static str, Range<usize>)> {
     let mut passes: Vec<(&'static str, Range<usize>)> = Vec::new();
     for (number, dispatch) in dispatches.iter().enumerate() {

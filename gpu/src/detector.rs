@@ -1,4 +1,4 @@
-//! Detection on a device: boxes and positions go up, candidates and their distances come back.
+//! Collision detection on a device: uploads boxes and positions, reads back candidates and their distances.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::readback::{DetectionQuery, DetectionResult, ReadbackLayout};
 use crate::schedule::{self, Order};
 use crate::slots::{Slot, SurfaceSizes};
 
-/// What is on a device for one surface.
+/// The columns and dispatches of one surface on a device.
 #[derive(Debug)]
 pub struct Detector {
     sizes: SurfaceSizes,
@@ -23,26 +23,27 @@ pub struct Detector {
     buffers: Vec<wgpu::Buffer>,
     commands: CommandList,
     fresh: wgpu::Buffer,
-    /// What comes back, and where it comes to.
+    /// Layout of the next readback.
     layout: ReadbackLayout,
-    /// None while it is mapped: what fails or is given up meanwhile leaves none behind.
+    /// The readback buffer. `None` while it is mapped, so that a detection that fails or is dropped meanwhile does
+    /// not leave a mapped buffer here.
     readback: Option<wgpu::Buffer>,
-    /// Of the last detection, by stage.
+    /// Ticks of each stage in the last detection.
     ticks: Vec<(&'static str, u64)>,
     staging: Vec<f32>,
 }
 
-/// What comes of an layout.
+/// Result of reading the readback buffer.
 enum Verdict {
     Whole,
-    /// So much is to be read back.
+    /// The readback buffer must hold this many pairs of each kind.
     Expect([usize; 2]),
-    /// It takes more room.
+    /// The columns must have these capacities.
     Grow(Capacities),
 }
 
 impl Detector {
-    /// Makes room and sends what does not change.
+    /// Allocates the columns and uploads the data that does not change.
     pub fn new(gpu: &Gpu, surface: &Surface<'_>, radii: &[f32], query: DetectionQuery) -> Result<Self, DetectionError> {
         let sizes = SurfaceSizes::of(surface, radii.len());
         let triangles = sizes.triangles;
@@ -70,7 +71,7 @@ impl Detector {
             ticks: Vec::new(),
             staging: Vec::new(),
         };
-        // What was refused before, or to others.
+        // Drops errors of earlier calls and of other users of the device.
         let _ = gpu.error();
         detector.grow(gpu, capacities)?;
         detector.send(gpu, Slot::Triangles, bytemuck::cast_slice(surface.triangles));
@@ -94,8 +95,8 @@ impl Detector {
         }
     }
 
-    /// Makes room: columns of the new lengths, dispatches planned and bound to them. Where that fails
-    /// nothing is changed.
+    /// Allocates columns for new capacities, plans the dispatches and binds them. If this fails, nothing
+    /// changes.
     fn grow(&mut self, gpu: &Gpu, capacities: Capacities) -> Result<(), DetectionError> {
         let (sizes, query) = (self.sizes, self.layout.query);
         let buffers = Slot::ALL.iter().map(|&slot| {
@@ -116,7 +117,7 @@ impl Detector {
         self.expect(gpu, [ReadbackLayout::most(query, &capacities), self.layout, none])
     }
 
-    /// Reads back the first of these from now on whose readback is not too large.
+    /// Selects the first of these layouts whose readback buffer is not too large for the device.
     fn expect<const N: usize>(&mut self, gpu: &Gpu, layouts: [ReadbackLayout; N]) -> Result<(), DetectionError> {
         let bytes = |layout: &ReadbackLayout| bytes_of(layout.words() + self.commands.tick_words());
         let fitting = layouts.iter().find(|layout| bytes(layout) <= gpu.largest_readback);
@@ -124,13 +125,13 @@ impl Detector {
         Ok(())
     }
 
-    /// Reads back so much next time, and if there may be some more.
+    /// Selects a layout for `pairs` pairs of each kind and some spare, or without the spare if that is too large.
     fn expect_about(&mut self, gpu: &Gpu, pairs: [usize; 2]) -> Result<(), DetectionError> {
         let exactly = ReadbackLayout { pairs, ..self.layout };
         self.expect(gpu, [self.layout.expecting(pairs, &self.capacities), exactly])
     }
 
-    /// Takes what layouts land in, as large as the next one.
+    /// Takes the readback buffer, or makes a new one if it is too small for the current layout.
     fn readback(&mut self, gpu: &Gpu) -> Result<wgpu::Buffer, DetectionError> {
         let words = self.ticks_at().end;
         match self.readback.take() {
@@ -139,13 +140,14 @@ impl Detector {
         }
     }
 
-    /// Words of the ticks, behind the layout.
+    /// Words of the timestamps in the readback buffer, behind the columns.
     fn ticks_at(&self) -> Range<usize> {
         let start = self.layout.words();
         start..start + self.commands.tick_words()
     }
 
-    /// How far is looked, and what moving features keep, m.
+    /// Sets the reach, up to which distances are computed exactly, and the separation that moving features
+    /// keep, m.
     pub fn set_distances(&mut self, gpu: &Gpu, reach: f32, separation: f32) {
         if (self.params.reach, self.params.separation) != (reach, separation) {
             (self.params.reach, self.params.separation) = (reach, separation);
@@ -153,8 +155,9 @@ impl Detector {
         }
     }
 
-    /// Finds the candidates of a surface from one box a vertex, and of what is query their distances at
-    /// the start and when they meet on the way to the end.
+    /// Finds the candidates of a surface from one box per vertex, their distances at the start and, for
+    /// [`DetectionQuery::Times`], when they collide on the way to the end. Fails if the lengths of the slices
+    /// are not the number of vertices, or if the device fails.
     pub async fn detect(
         &mut self,
         gpu: &Gpu,
@@ -167,7 +170,7 @@ impl Detector {
         if boxes.len() != own || start.len() != own || end.len() != own {
             return Err(DetectionError::Lengths { needed: own });
         }
-        // What was refused before, or to others.
+        // Drops errors of earlier calls and of other users of the device.
         let _ = gpu.error();
         self.staging.clear();
         self.staging.extend(boxes.iter().flat_map(finite));
@@ -175,7 +178,7 @@ impl Detector {
         self.send(gpu, Slot::Start, bytemuck::cast_slice(start));
         self.send(gpu, Slot::End, bytemuck::cast_slice(end));
         self.ticks.clear();
-        // Whether the columns are whole on the device, so that they need only be copied.
+        // Whether the columns on the device are complete, so that only the copy must be repeated.
         let mut is_found = false;
         loop {
             let readback = self.readback(gpu)?;
@@ -191,21 +194,21 @@ impl Detector {
                     is_found = true;
                 }
                 Verdict::Grow(capacities) if capacities == self.capacities => {
-                    return Err(DetectionError::Lost("it asks for more room than it fills".into()));
+                    return Err(DetectionError::Lost("the device reports more candidates than it wrote".into()));
                 }
                 Verdict::Grow(capacities) => self.grow(gpu, capacities)?,
             }
         }
     }
 
-    /// What the device took for each stage of the last detection, ms; empty where it has no clocks. A
-    /// stage that was repeated for want of room counts as often.
+    /// Device time of each stage in the last detection, ms; empty if the device has no timestamps. If a
+    /// stage was repeated because a column was too short, all its runs count.
     pub fn stage_ms(&self, gpu: &Gpu) -> impl Iterator<Item = (&'static str, f64)> {
         let tick = gpu.tick.unwrap_or_default();
         self.ticks.iter().map(move |&(stage, ticks)| (stage, tick * ticks as f64))
     }
 
-    /// Records all dispatches, unless all is found, and the copies of the layout, and hands them in.
+    /// Submits all dispatches, unless the columns are already complete, and the copies to the readback buffer.
     fn submit(&self, gpu: &Gpu, readback: &wgpu::Buffer, is_found: bool) {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if !is_found {
@@ -221,7 +224,7 @@ impl Detector {
         gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Reads the layout, as far as it is one.
+    /// Reads the counters and, if they show that the readback is complete, the results.
     fn collect(
         &mut self,
         gpu: &Gpu,
@@ -252,7 +255,7 @@ impl Detector {
 }
 
 impl Capacities {
-    /// Room in flat cloth, as far as a buffer may be large.
+    /// Initial capacities: enough for flat cloth, limited by the size of a buffer.
     fn guess(triangles: usize, largest_buffer: u64) -> Self {
         let room = |each: usize| (each * triangles.max(64)).min(most_pairs(largest_buffer));
         Self {
@@ -267,8 +270,8 @@ impl Capacities {
         }
     }
 
-    /// Room for what was counted and a quarter more, as far as a buffer may be large. A stage that ran
-    /// short leaves later ones without all they would count, so that more than one round may be needed.
+    /// Capacities for the counted sizes and a quarter more, limited by the size of a buffer. A stage that
+    /// overflows keeps later stages from counting, so that more than one round may be needed.
     fn grown(&self, words: &[u32], largest_buffer: u64) -> Result<Self, DetectionError> {
         let most = most_pairs(largest_buffer);
         let room_for = |now: usize, needed: u32| {
@@ -280,7 +283,8 @@ impl Capacities {
             }
         };
         let room = |now, at: usize| room_for(now, words[at]);
-        // Candidates are counted when pairs have room: what pairs have in dense scenes saves a round.
+        // Candidates are counted only once the pairs fit. Their capacities grow with those of the pairs, which saves
+        // a round in dense scenes.
         let pairs = room(self.pairs, counters::PAIRS)?;
         let dense = if pairs > self.pairs { pairs.min(most) } else { 0 };
         Ok(Self {
@@ -296,15 +300,17 @@ impl Capacities {
     }
 }
 
-/// Bytes of a pair.
+/// Size of a pair, bytes.
 const PAIR: u64 = 8;
 
-/// How many pairs of one kind, or entries with their boxes, a buffer may hold beside as many of another.
+/// Largest number of pairs such that one buffer holds this many pairs of each of two kinds. A buffer also holds
+/// this many entries with their boxes.
 fn most_pairs(largest_buffer: u64) -> usize {
     usize::try_from(largest_buffer / (2 * PAIR)).unwrap_or(usize::MAX)
 }
 
-/// A box in finite numbers; one that is not valid has its corners exchanged.
+/// Minimum and maximum of a box, limited to finite numbers. For an invalid box, the largest number is the minimum
+/// and the smallest one the maximum.
 fn finite(b: &Aabb) -> [f32; 6] {
     let ordered = b.min.cmple(b.max).all();
     let [low, high] = if ordered { [b.min, b.max] } else { [Vec3::MAX, Vec3::MIN] };
@@ -325,7 +331,7 @@ mod tests {
             words[counters::PAIRS] = pairs;
             now.grown(&words, largest_buffer).map(|grown| grown.pairs)
         };
-        // A quarter more, less where two buffers would not both fit, and no less than needed.
+        // A quarter more; less if two kinds of pairs would not fit one buffer, but at least the needed number.
         for (needed, expected) in [(0, now.pairs), (600, 750), (900, 1000), (1000, 1000), (1001, 1001), (2000, 2000)] {
             assert_eq!(with(needed), Ok(expected), "{needed} pairs");
         }

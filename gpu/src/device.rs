@@ -1,4 +1,4 @@
-//! An adapter and what is asked of it.
+//! A device: an adapter opened with the requested limits.
 
 use std::sync::{Arc, Mutex};
 
@@ -13,21 +13,21 @@ use crate::shaders;
 /// A device that stages run on.
 #[derive(Debug)]
 pub struct Gpu {
-    /// As the driver calls it.
+    /// Name of the adapter, from the driver.
     pub name: String,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     /// All stages, compiled once for all surfaces.
     pub(crate) programs: Vec<Program>,
-    /// Bytes.
+    /// Size of the largest buffer that a stage can bind, bytes.
     pub(crate) largest_buffer: u64,
-    /// Bytes, of what no stage works on.
+    /// Size of the largest buffer that no stage binds, bytes.
     pub(crate) largest_readback: u64,
-    /// ms from one tick of its clock to the next, where it has one.
+    /// Length of a tick of its timestamps, ms; `None` if it has no timestamps.
     pub(crate) tick: Option<f64>,
-    /// What was asked for.
+    /// The requested limits.
     ask: Ask,
-    /// What the driver refused last.
+    /// The last error of the driver.
     refused: Arc<Mutex<Option<String>>>,
 }
 
@@ -43,12 +43,12 @@ impl core::fmt::Display for NoDevice {
 
 impl core::error::Error for NoDevice {}
 
-/// What may be asked of a device.
+/// Limits to request from an adapter. Timestamps are requested in both cases, if the adapter has them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ask {
-    /// What every browser has, and clocks where there are any: to test with.
+    /// The default limits, which every browser provides; for tests.
     Web,
-    /// As much as the adapter gives.
+    /// The limits of the adapter.
     Most,
 }
 
@@ -60,18 +60,18 @@ fn instance(ask: Ask) -> Instance {
     Instance::new(descriptor)
 }
 
-/// All adapters that there are.
+/// All adapters of this machine.
 pub async fn adapters() -> Vec<Adapter> {
     instance(Ask::Most).enumerate_adapters(Backends::all()).await
 }
 
 impl Gpu {
-    /// The fastest adapter, opened, with all stages compiled.
+    /// Opens the adapter with the highest performance and compiles all stages.
     pub async fn open(ask: Ask) -> Result<Self, NoDevice> {
         let options =
             RequestAdapterOptions { power_preference: PowerPreference::HighPerformance, ..Default::default() };
         let adapter =
-            // What wgpu says is a list of all that it was not built for.
+            // The message of wgpu only lists the backends that it was built without.
             instance(ask).request_adapter(&options).await.map_err(|_| NoDevice("no adapter was found".into()))?;
         let required_limits = match ask {
             Ask::Web => Limits::defaults(),
@@ -98,17 +98,17 @@ impl Gpu {
         Ok(Self { name, device, queue, programs, largest_buffer, largest_readback, tick, ask, refused })
     }
 
-    /// The same anew, where this one is lost.
+    /// Opens the device again with the same limits, after this one was lost.
     pub async fn reopen(&self) -> Result<Self, NoDevice> {
         Self::open(self.ask).await
     }
 
-    /// Gives the device up: what is asked of it then fails, as where it is lost.
+    /// Destroys the device. Later calls fail as if it were lost.
     pub fn close(&self) {
         self.device.destroy();
     }
 
-    /// What the driver refused since it was last asked.
+    /// The last error of the driver since the previous call.
     pub(crate) fn error(&self) -> Option<String> {
         self.refused.lock().ok()?.take()
     }

@@ -1,9 +1,9 @@
-//! Muslin's detection in WGSL: the stages of `muslin_core::broad_phase` and `narrow_phase`, each in a
-//! file of the same stem, run through wgpu on any adapter.
+//! Muslin's collision detection in WGSL: the stages of `muslin_core::broad_phase` and `narrow_phase`, each in
+//! a file of the same name, run through wgpu on any adapter.
 //!
-//! [`shaders`] is the table of them, [`slots`] that of the columns they commands on, [`schedule`] the order
-//! in which they run, [`detector`] what a host holds: boxes and positions go up, candidates with
-//! their distances come back, the same as the core's.
+//! [`shaders`] lists the stages, [`slots`] the columns that they read and write, [`schedule`] the order in
+//! which they run. A host uses [`detector`]: it uploads boxes and positions, and reads back candidates with
+//! their distances. The candidates are exactly those of the core; distances agree to rounding.
 #![forbid(unsafe_code)]
 
 mod buffer;

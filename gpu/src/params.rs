@@ -1,68 +1,68 @@
-//! What stages are told, and the words that they leave in the plan.
+//! Parameters of the stages, their capacities, and the layout of the counters.
 
 use bytemuck::{Pod, Zeroable};
 
-/// `struct Params` of `shared/params.wgsl`.
+/// Parameters of a dispatch: `struct Params` of `shared/params.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Params {
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: u32,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: u32,
     /// The first passive triangle.
     pub first_passive: u32,
-    /// 1: those before pair with one another.
+    /// 1: triangles before `first_passive` may pair with one another.
     pub own_contact: u32,
-    /// 1: some vertices are sewn.
+    /// 1: some vertices are sewn together.
     pub sewn: u32,
-    /// The level; of pairs with the last level the round, of the division how many levels are run.
+    /// The level. In the brute-force level: the round. In `divide`: the number of levels that are run.
     pub level: u32,
-    /// Of the sort: the lowest bit of a pass.
+    /// In the sort: the lowest bit that this pass looks at.
     pub shift: u32,
-    /// Of the scan: how many numbers; of the division: of the last level how many triangles are compared.
+    /// In the scan: the number of values. In `divide`: the number of triangles of the last level that are compared.
     pub length: u32,
-    /// Room for entries.
+    /// Capacity for entries.
     pub entries: u32,
-    /// Room for tiles.
+    /// Capacity for tiles.
     pub tiles: u32,
-    /// Room for pairs of triangles.
+    /// Capacity for pairs of triangles.
     pub pairs: u32,
-    /// Room for vertices with triangles.
+    /// Capacity for vertex-triangle candidates.
     pub vertex_triangle: u32,
-    /// Room for edges with edges.
+    /// Capacity for edge-edge candidates.
     pub edge_edge: u32,
-    /// m; further apart the boxes' distance will do.
+    /// Distance of boxes beyond which the exact distance is not computed, m.
     pub reach: f32,
-    /// m that moving features keep.
+    /// Separation that moving features keep, m.
     pub separation: f32,
-    /// Room for contacts.
+    /// Capacity for contacts.
     pub contacts: u32,
 }
 
-/// Room, in things; grown to what was counted.
+/// Capacities, in elements. They grow to the counted sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capacities {
-    /// Levels with cells.
+    /// Levels with cells that are run.
     pub levels: usize,
-    /// Entries of triangles in cells, in one level.
+    /// Entries of triangles in cells, for one level.
     pub entries: usize,
-    /// Tiles of comparisons of these.
+    /// Tiles of comparisons of these entries.
     pub tiles: usize,
-    /// Rounds of as many triangles of the last level as [`ROUND`].
+    /// Rounds of [`ROUND`] triangles of the last level.
     pub rounds: usize,
     /// Pairs of triangles.
     pub pairs: usize,
-    /// Vertices with triangles.
+    /// Vertex-triangle candidates.
     pub vertex_triangle: usize,
-    /// Edges with edges.
+    /// Edge-edge candidates.
     pub edge_edge: usize,
     /// Contacts of both kinds.
     pub contacts: usize,
 }
 
 impl Params {
-    /// The same with this room.
+    /// The same parameters with these capacities.
     pub fn with_room(self, capacities: &Capacities) -> Self {
         let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, contacts, .. } = *capacities;
         Self {
@@ -77,47 +77,47 @@ impl Params {
     }
 }
 
-/// Entries on either side of a tile.
+/// Entries on each side of a tile.
 pub const SIDE: usize = 64;
 
 /// Triangles of the last level that are compared with all others in one round.
 pub const ROUND: usize = 64;
 
-/// Numbers that a group scans.
+/// Numbers that one workgroup scans.
 pub const SCAN_BLOCK: usize = 2048;
 
-/// Words of the plan.
+/// Number of words of the counters.
 pub const COUNTER_WORDS: usize = 64;
 
-/// Places in the plan, as in `shared/counters.wgsl`.
+/// Indices of the counters, as in `shared/counters.wgsl`.
 pub mod counters {
-    /// What did not fit.
+    /// Bits that say which capacities were too small.
     pub const STATUS: usize = 0;
-    /// Levels with cells.
+    /// Number of levels with cells.
     pub const GRADED: usize = 1;
-    /// Triangles of the last level.
+    /// Number of triangles of the last level, which has no cells.
     pub const SINGLE: usize = 2;
-    /// Around all boxes.
+    /// Box around all triangles in levels with cells.
     pub const SCENE: usize = 11;
-    /// Entries of the last level that was run.
+    /// Number of entries of the level with cells that ran last.
     pub const ENTRIES: usize = 17;
-    /// Pairs of triangles.
+    /// Number of pairs of triangles.
     pub const PAIRS: usize = 18;
-    /// Candidates.
+    /// Number of vertex-triangle candidates.
     pub const VERTEX_TRIANGLE: usize = 19;
-    /// Candidates.
+    /// Number of edge-edge candidates.
     pub const EDGE_EDGE: usize = 20;
-    /// The most entries of any level.
+    /// Largest number of entries of any level.
     pub const MOST_ENTRIES: usize = 34;
-    /// Contacts: vertices with triangles, and edges.
+    /// Number of vertex-triangle contacts, then of edge-edge contacts.
     pub const CONTACTS: usize = 35;
-    /// Tiles of the last level that was run.
+    /// Number of tiles of the level with cells that ran last.
     pub const TILES: usize = 37;
-    /// The most tiles of any level.
+    /// Largest number of tiles of any level.
     pub const MOST_TILES: usize = 38;
 }
 
-/// The plan before the first stage: no box is around anything.
+/// The counters before the first stage: all counts are 0, and the box of the scene is empty.
 pub fn initial_counters() -> [u32; COUNTER_WORDS] {
     let mut words = [0; COUNTER_WORDS];
     words[counters::SCENE..counters::SCENE + 3].fill(u32::MAX);

@@ -1,20 +1,20 @@
-//! A shader on a device: its entries compiled, its columns bound.
+//! A shader on a device: one pipeline per entry point, and the binding of its columns.
 
 use crate::params::Params;
 use crate::shaders::Shader;
 
-/// A shader's entries, compiled.
+/// A compiled shader.
 #[derive(Debug)]
 pub struct Program {
-    /// What it is.
+    /// Its source, entry points and columns.
     pub shader: &'static Shader,
     layout: wgpu::BindGroupLayout,
-    /// In the order of its entries.
+    /// One pipeline per entry point, in the order of `shader.entries`.
     pub pipelines: Vec<wgpu::ComputePipeline>,
 }
 
 impl Program {
-    /// Compiles all entries.
+    /// Compiles all entry points.
     pub fn compile(device: &wgpu::Device, shader: &'static Shader) -> Self {
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(shader.name),
@@ -53,7 +53,7 @@ impl Program {
         Self { shader, layout, pipelines }
     }
 
-    /// Its columns and what it is uniforms, of these buffers.
+    /// A bind group of the parameters and of the shader's columns, which are taken from `buffers`.
     pub fn bind(&self, device: &wgpu::Device, uniforms: &wgpu::Buffer, buffers: &[wgpu::Buffer]) -> wgpu::BindGroup {
         let params = wgpu::BindGroupEntry {
             binding: 0,

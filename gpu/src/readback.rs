@@ -1,55 +1,56 @@
-//! What comes back of a detection, in a row in one buffer.
+//! Layout of the buffer that a detection is read back from.
 
 use std::ops::Range;
 
 use crate::params::{COUNTER_WORDS, Capacities, counters};
 use crate::slots::Slot;
 
-/// What a host wants to know.
+/// The results that a detection reads back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DetectionQuery {
-    /// All candidates and their distances: what a step responds to.
+    /// All candidates and their distances, as the response of a step needs them.
     Candidates,
-    /// Only those nearer than the reach.
+    /// Only the candidates nearer than the reach.
     Contacts,
-    /// All candidates, their distances and when they meet.
+    /// All candidates, their distances and their times of impact.
     Times,
 }
 
-/// What was found; as the core's, in another order that is always the same. What was not query is
-/// empty.
+/// Results of a detection. The pairs are those of the core, in a different order that is the same in every
+/// run. Columns that the query does not include are not written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DetectionResult {
-    /// How many candidates: vertices with triangles, and edges.
+    /// Number of vertex-triangle candidates, then of edge-edge candidates.
     pub candidates: [usize; 2],
-    /// Vertex and triangle.
+    /// Vertex and triangle of each pair.
     pub vertex_triangle: Vec<[u32; 2]>,
-    /// Two edges, the lesser first.
+    /// Two edges of each pair, the smaller index first.
     pub edge_edge: Vec<[u32; 2]>,
-    /// m.
+    /// Distance of each vertex-triangle pair, m.
     pub vertex_triangle_distances: Vec<f32>,
-    /// m.
+    /// Distance of each edge-edge pair, m.
     pub edge_edge_distances: Vec<f32>,
-    /// Parts of the step.
+    /// Time of impact of each vertex-triangle pair, as a fraction of the step; 2: never, 3: touching.
     pub vertex_triangle_times: Vec<f32>,
-    /// Likewise.
+    /// Time of impact of each edge-edge pair, as a fraction of the step; 2: never, 3: touching.
     pub edge_edge_times: Vec<f32>,
 }
 
-/// What is read back, and how much of it.
+/// The columns that are read back, and their lengths.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadbackLayout {
-    /// Of all.
+    /// Selects the columns.
     pub query: DetectionQuery,
-    /// Pairs: vertices with triangles, and edges; contacts come together, as the first.
+    /// Number of vertex-triangle pairs, then of edge-edge pairs. Contacts of both kinds are one column and count as the
+    /// first.
     pub pairs: [usize; 2],
 }
 
-/// Pairs more than last time that are read back.
+/// Spare pairs of each kind in the next readback, beyond the last count and a quarter of it.
 const SPARE: usize = 1024;
 
 impl ReadbackLayout {
-    /// All that there is room for.
+    /// A layout for all pairs that the columns can hold.
     pub fn most(query: DetectionQuery, capacities: &Capacities) -> Self {
         let Capacities { vertex_triangle, edge_edge, contacts, .. } = *capacities;
         let pairs = match query {
@@ -59,13 +60,13 @@ impl ReadbackLayout {
         Self { query, pairs }
     }
 
-    /// As much as was counted and some more, as far as there is room for it.
+    /// A layout for the counted pairs and some spare, limited by the capacities of the columns.
     pub fn expecting(self, counted: [usize; 2], capacities: &Capacities) -> Self {
         let most = Self::most(self.query, capacities).pairs;
         Self { pairs: [0, 1].map(|k| most[k].min(counted[k] + counted[k] / 4 + SPARE)), ..self }
     }
 
-    /// How much there is to be read back.
+    /// Number of pairs to be read back, according to the counters.
     pub fn counted(&self, counters: &[u32]) -> [usize; 2] {
         let [vertex_triangle, edge_edge] = counts(counters, self.query);
         match self.query {
@@ -104,12 +105,12 @@ impl ReadbackLayout {
             Slot::VertexTriangleDistances | Slot::VertexTriangleTimes => first,
             Slot::EdgeEdgeDistances | Slot::EdgeEdgeTimes => second,
             Slot::Counters => COUNTER_WORDS,
-            // Nothing of the others is read back.
+            // The other columns are not read back.
             _ => 0,
         }
     }
 
-    /// Each column and the words it comes to.
+    /// Each column and the words of the readback buffer that it is copied to.
     pub fn parts(&self) -> impl Iterator<Item = (Slot, Range<usize>)> {
         self.slots().iter().scan(0, |at, &slot| {
             let start = core::mem::replace(at, *at + self.words_of(slot));
@@ -117,12 +118,12 @@ impl ReadbackLayout {
         })
     }
 
-    /// Words of all columns.
+    /// Number of words of all columns.
     pub fn words(&self) -> usize {
         self.slots().iter().map(|&slot| self.words_of(slot)).sum()
     }
 
-    /// Takes what was found out of an answer that is whole.
+    /// Copies the results from a complete readback.
     pub fn read(&self, all: &[u32], found: &mut DetectionResult) {
         let counters = &all[..COUNTER_WORDS];
         found.candidates = counts(counters, DetectionQuery::Candidates);
@@ -146,7 +147,7 @@ impl ReadbackLayout {
     }
 }
 
-/// How many the plan says there are: vertices with triangles, and edges.
+/// The counted vertex-triangle pairs, then the edge-edge pairs: contacts or candidates, depending on the query.
 fn counts(counters: &[u32], query: DetectionQuery) -> [usize; 2] {
     let places = match query {
         DetectionQuery::Contacts => [counters::CONTACTS, counters::CONTACTS + 1],
@@ -155,7 +156,7 @@ fn counts(counters: &[u32], query: DetectionQuery) -> [usize; 2] {
     places.map(|at| counters[at] as usize)
 }
 
-/// Takes the first things out of words.
+/// Copies the first `count` elements of a column of words.
 fn take<T: bytemuck::Pod>(words: &[u32], count: usize, to: &mut Vec<T>) {
     to.clear();
     to.extend_from_slice(&bytemuck::cast_slice(words)[..count]);

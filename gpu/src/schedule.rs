@@ -1,46 +1,46 @@
-//! The order in which stages run, for a surface of some size and for some capacities.
+//! The order in which stages run, for the sizes of a surface and the capacities of the columns.
 
 use crate::params::{Capacities, Params, ROUND, SCAN_BLOCK, SIDE};
 use crate::readback::DetectionQuery;
 use crate::shaders::{self, Shader};
 use crate::slots::SurfaceSizes;
 
-/// A shader's entry, run once.
+/// One run of an entry point.
 #[derive(Clone, Copy, Debug)]
 pub struct Dispatch {
     /// The shader.
     pub shader: &'static str,
     /// The entry point.
     pub entry: &'static str,
-    /// Groups of invocations.
+    /// Number of workgroups.
     pub groups: usize,
-    /// What it is told.
+    /// Its parameters.
     pub params: Params,
 }
 
-/// Invocations of a group.
+/// Invocations per workgroup.
 const GROUP: usize = 256;
 
-/// Those of a continuous test, which differ in length.
+/// Invocations per workgroup of the continuous tests, whose run times differ.
 const SMALL_GROUP: usize = 64;
 
-/// Bits of a key that a pass of the sort sorts by.
+/// Bits of a key that one pass of the sort looks at.
 const DIGIT: usize = 4;
 
-/// How to run a detection.
+/// Input of the schedule of a detection.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
-    /// What all stages are told, but for the room.
+    /// Parameters of all stages, except the capacities.
     pub params: Params,
-    /// Of the surface.
+    /// Sizes of the surface.
     pub sizes: SurfaceSizes,
-    /// Room.
+    /// Capacities of the columns.
     pub capacities: Capacities,
-    /// What is to be found.
+    /// The results that are read back.
     pub query: DetectionQuery,
 }
 
-/// All dispatches of a detection.
+/// All dispatches of a detection, in order.
 pub fn of(order: &Order) -> Vec<Dispatch> {
     let order = &Order { params: order.params.with_room(&order.capacities), ..*order };
     let mut list = List { order, all: Vec::new() };
@@ -91,7 +91,7 @@ impl List<'_> {
         self.all.push(Dispatch { shader: shader.name, entry, groups, params });
     }
 
-    /// An invocation a thing.
+    /// Adds an entry point with one invocation per element.
     fn each(&mut self, shader: &'static Shader, entry: &'static str, count: usize) {
         self.add(shader, entry, count.div_ceil(GROUP), self.order.params);
     }
@@ -104,7 +104,7 @@ impl List<'_> {
         self.add(&shaders::SCAN, "spread", groups, params);
     }
 
-    /// Some triangles of the last level with all others.
+    /// Compares the triangles of the last level that belong to a round with all others.
     fn round(&mut self, round: u32, triangles: usize) {
         let (params, groups) = (Params { level: round, ..self.order.params }, triangles.div_ceil(GROUP));
         self.add(&shaders::BRUTE_FORCE_LEVEL, "count_brute_force", groups, params);
@@ -137,7 +137,7 @@ impl List<'_> {
         self.add(&shaders::PAIRS, "close_pairs", 1, params);
     }
 
-    /// Passes there and back.
+    /// Adds an even number of passes, so that the sorted entries end in their own column and not in the spare one.
     fn sort(&mut self, triangles: usize, entries: usize) {
         let bits = (triangles.max(1).ilog2() as usize + 2).max(6);
         let blocks = entries.div_ceil(SCAN_BLOCK);

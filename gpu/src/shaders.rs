@@ -1,25 +1,26 @@
-//! The table of stages: where each is, what it is made of, its entries and its columns.
+//! The table of shaders: the source, the entry points and the columns of each stage.
 
 use crate::slots::Slot;
 
-/// A file of entries that commands on the same columns.
+/// A WGSL file whose entry points share the same columns.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
-    /// Its path below `src`, without extension, with what it is joined with where there is a choice.
+    /// Its path below `src` without the extension. Variants of one file have a suffix behind a comma.
     pub name: &'static str,
-    /// WGSL, in pieces of which stages share some.
+    /// The WGSL source in pieces, some of which are shared by several shaders.
     pub pieces: &'static [&'static str],
     /// Its entry points.
     pub entries: &'static [&'static str],
-    /// Its columns in binding order from 1 on, and whether it writes them.
+    /// Its columns in the order of their bindings, from 1 on, and whether it writes them.
     pub bindings: &'static [(Slot, bool)],
-    /// How far what it writes may be from the core's: nothing; or of distances so much of the size of what
-    /// they are in, of times so much of the step.
+    /// Largest allowed difference from the results of the core: 0 for integers and copies, relative to the
+    /// largest coordinate for distances, as a fraction of the step for times.
     pub bound: f32,
 }
 
 impl Shader {
-    /// WGSL, whole. Joined when it is asked for: the common pieces are many times as long as what they serve.
+    /// The complete WGSL source. It is joined on each call, because storing the shared pieces once per shader would
+    /// take many times the space.
     pub fn source(&self) -> String {
         self.pieces.concat()
     }
@@ -31,7 +32,7 @@ pub fn find(shader: &str, entry: &str) -> Option<[usize; 2]> {
     Some([at, ALL[at].entries.iter().position(|&own| own == entry)?])
 }
 
-/// Pieces behind what all stages have, as `build.rs` left them.
+/// The pieces that all shaders share, then the given ones, as `build.rs` wrote them.
 macro_rules! wgsl {
     ($($piece:literal),*) => {
         &[
@@ -42,7 +43,7 @@ macro_rules! wgsl {
     };
 }
 
-/// Integers and copies.
+/// Bound of stages that compute integers or copy.
 const EXACT: f32 = 0.0;
 
 const READ: bool = false;
@@ -63,7 +64,7 @@ pub static BOUNDS: Shader = Shader {
     bound: EXACT,
 };
 
-/// Triangles by size.
+/// The division of triangles into levels by size.
 pub static LEVELS: Shader = Shader {
     name: "broad_phase/levels",
     pieces: wgsl!("broad_phase/levels.wgsl"),
@@ -72,7 +73,7 @@ pub static LEVELS: Shader = Shader {
     bound: EXACT,
 };
 
-/// The boxes of vertices in units.
+/// The boxes of vertices in integer units.
 pub static QUANTIZED_BOXES: Shader = Shader {
     name: "broad_phase/quantized_boxes",
     pieces: wgsl!("broad_phase/quantized_boxes.wgsl"),
@@ -121,7 +122,7 @@ pub static ENTRIES: Shader = Shader {
     bound: EXACT,
 };
 
-/// Sums of all numbers before each.
+/// Exclusive prefix sums.
 pub static SCAN: Shader = Shader {
     name: "shared/scan",
     pieces: wgsl!("shared/scan.wgsl"),
@@ -130,7 +131,7 @@ pub static SCAN: Shader = Shader {
     bound: EXACT,
 };
 
-/// A pass of the sort.
+/// A pass of the radix sort into the spare column.
 pub static SORT: Shader = Shader {
     name: "broad_phase/sort",
     pieces: wgsl!("broad_phase/sort.wgsl"),
@@ -139,14 +140,14 @@ pub static SORT: Shader = Shader {
     bound: EXACT,
 };
 
-/// The pass back.
+/// A pass of the radix sort from the spare column back.
 pub static SORT_BACK: Shader = Shader {
     name: "broad_phase/sort, back",
     bindings: &[(Slot::Spare, READ), (Slot::Entries, WRITE), (Slot::Counts, WRITE), (Slot::Counters, READ)],
     ..SORT
 };
 
-/// Boxes in bytes, of triangles and of entries.
+/// The boxes of triangles and of entries in bytes.
 pub static BYTE_BOXES: Shader = Shader {
     name: "broad_phase/byte_boxes",
     pieces: wgsl!("shared/entry.wgsl", "broad_phase/byte_boxes.wgsl"),
@@ -163,7 +164,7 @@ pub static BYTE_BOXES: Shader = Shader {
     bound: EXACT,
 };
 
-/// Comparisons of entries in pieces of one size.
+/// The comparisons of entries, split into tiles of one size.
 pub static TILES: Shader = Shader {
     name: "shared/tiles",
     pieces: wgsl!("shared/entry.wgsl", "shared/tiles.wgsl", "shared/overflow.wgsl"),
@@ -178,7 +179,7 @@ pub static TILES: Shader = Shader {
     bound: EXACT,
 };
 
-/// Pairs of triangles.
+/// Pairs of triangles that share a cell and whose boxes overlap.
 pub static PAIRS: Shader = Shader {
     name: "broad_phase/pairs",
     pieces: wgsl!(
@@ -219,7 +220,7 @@ pub static BRUTE_FORCE_LEVEL: Shader = Shader {
     bound: EXACT,
 };
 
-/// The features of pairs.
+/// The pairs of features of each pair of triangles.
 pub static FEATURES: Shader = Shader {
     name: "broad_phase/features",
     pieces: wgsl!("shared/sewn.wgsl", "broad_phase/features.wgsl", "shared/overflow.wgsl"),
@@ -237,7 +238,7 @@ pub static FEATURES: Shader = Shader {
     bound: EXACT,
 };
 
-/// Features as candidates.
+/// The pairs of features as candidates.
 pub static CANDIDATES: Shader = Shader {
     name: "shared/candidates",
     pieces: wgsl!("shared/candidates.wgsl"),
@@ -255,7 +256,7 @@ pub static CANDIDATES: Shader = Shader {
     bound: EXACT,
 };
 
-/// Distances of vertices and triangles.
+/// Distances of vertex-triangle candidates.
 pub static VERTEX_TRIANGLE: Shader = Shader {
     name: "narrow_phase/proximity, vertex_triangle",
     pieces: wgsl!(
@@ -277,7 +278,7 @@ pub static VERTEX_TRIANGLE: Shader = Shader {
     bound: 1e-5,
 };
 
-/// Distances of edges.
+/// Distances of edge-edge candidates.
 pub static EDGE_EDGE: Shader = Shader {
     name: "narrow_phase/proximity, edge_edge",
     pieces: wgsl!(
@@ -299,7 +300,7 @@ pub static EDGE_EDGE: Shader = Shader {
     bound: 1e-5,
 };
 
-/// Candidates that are near.
+/// Candidates nearer than the reach.
 pub static CONTACTS: Shader = Shader {
     name: "narrow_phase/contacts",
     pieces: wgsl!("narrow_phase/contacts.wgsl"),
@@ -317,7 +318,7 @@ pub static CONTACTS: Shader = Shader {
     bound: EXACT,
 };
 
-/// Times at which vertices and triangles meet.
+/// Times of impact of vertex-triangle candidates.
 pub static VERTEX_TRIANGLE_CCD: Shader = Shader {
     name: "narrow_phase/continuous, vertex_triangle",
     pieces: wgsl!(
@@ -342,7 +343,7 @@ pub static VERTEX_TRIANGLE_CCD: Shader = Shader {
     bound: 1e-3,
 };
 
-/// Times at which edges meet.
+/// Times of impact of edge-edge candidates.
 pub static EDGE_EDGE_CCD: Shader = Shader {
     name: "narrow_phase/continuous, edge_edge",
     pieces: wgsl!(
@@ -367,7 +368,7 @@ pub static EDGE_EDGE_CCD: Shader = Shader {
     bound: 1e-3,
 };
 
-/// All of them, in the order of the data.
+/// All shaders, in the order of the data flow.
 pub static ALL: [&Shader; 20] = [
     &BOUNDS,
     &LEVELS,

@@ -1,4 +1,4 @@
-//! Stages on columns that a caller gives: what tests compare with the core, stage by stage.
+//! Runs single stages on columns that the caller provides, so that tests can compare each stage with the core.
 
 use std::collections::HashMap;
 
@@ -8,10 +8,10 @@ use crate::device::Gpu;
 use crate::schedule::Dispatch;
 use crate::slots::Slot;
 
-/// Columns of words of four bytes.
+/// Columns by slot, in words of four bytes.
 pub type Columns = HashMap<Slot, Vec<u32>>;
 
-/// Runs dispatches in a row on columns and reads these back; columns that are not given are empty.
+/// Runs dispatches in order on the given columns and reads these back. All other columns are empty.
 pub async fn run(gpu: &Gpu, dispatches: Vec<Dispatch>, columns: &mut Columns) -> Result<(), DetectionError> {
     let words = |slot: &Slot| columns.get(slot).map_or(0, Vec::len);
     let buffers = Slot::ALL.iter().map(|slot| column(gpu, *slot, words(slot))).collect::<Result<Vec<_>, _>>()?;

@@ -1,4 +1,4 @@
-//! The columns that stages commands on, and how long they are.
+//! The columns that stages read and write, and their lengths.
 
 use muslin_core::broad_phase::Surface;
 
@@ -8,78 +8,78 @@ use crate::readback::DetectionQuery;
 /// A column on the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Slot {
-    /// Six numbers a vertex: least and greatest corner, m.
+    /// Box of each vertex, m: the minimum, then the maximum.
     Boxes,
-    /// Three vertices a triangle.
+    /// Three vertices per triangle.
     Triangles,
-    /// Three edges a triangle.
+    /// Three edges per triangle.
     TriangleEdges,
-    /// Two vertices an edge.
+    /// Two vertices per edge.
     Edges,
-    /// What each triangle stands for.
+    /// The features that each triangle owns in the surface.
     Given,
-    /// Rows of what is sewn to what.
+    /// The vertices that each vertex is sewn to: the offsets of the rows, then the rows.
     Sewn,
-    /// m around each vertex.
+    /// Radius around each vertex, m.
     Radii,
-    /// Three coordinates a vertex, m.
+    /// Position of each vertex at the start of the step, m.
     Start,
-    /// Likewise.
+    /// Position of each vertex at the end of the step, m.
     End,
-    /// Words that stages leave for one another and for the host.
+    /// Counters that stages write for later stages and for the host.
     Counters,
-    /// Triangles by size, and the level of each size.
+    /// Number of triangles of each size, then the level of each size.
     Histogram,
-    /// Six numbers a triangle.
+    /// Box of each triangle, m: the minimum, then the maximum.
     TriangleBoxes,
-    /// What each triangle stands for whose vertices are valid.
+    /// The features that each triangle owns and whose vertices all have valid boxes.
     Owned,
-    /// A level a triangle.
+    /// Level of each triangle.
     Levels,
-    /// Six integers a vertex.
+    /// Box of each vertex in integer units: the minimum, then the maximum.
     QuantizedBoxes,
-    /// Four integers a triangle.
+    /// Sphere around each triangle: twice the centre, and the squared diagonal of its box.
     Spheres,
-    /// Key and control bits of each triangle.
+    /// Key of the home cell and control bits of each triangle.
     Homes,
-    /// Key and object of each entry.
+    /// Key of the cell and object of each entry.
     Entries,
-    /// To sort into.
+    /// Entries between two passes of the sort.
     Spare,
-    /// Least and greatest corner of each triangle in bytes.
+    /// Box of each triangle in bytes: the minimum, then the maximum.
     ByteBoxes,
     /// Key, object and box of each entry.
     Boxed,
-    /// The first entry and the first other of each tile.
+    /// The first entry and the first other entry of each tile.
     Tiles,
-    /// What is counted, and then scanned.
+    /// Counts, which the scan replaces by their prefix sums.
     Counts,
-    /// Sums of blocks of counts.
+    /// Sums of the blocks of a scan.
     Blocks,
     /// Triangles of the last level.
     List,
     /// Pairs of triangles.
     Pairs,
-    /// The features of each pair.
+    /// The pairs of features of each pair of triangles, as bits.
     Masks,
-    /// Candidates: vertex and triangle.
+    /// Vertex and triangle of each candidate.
     VertexTriangle,
-    /// Candidates: two edges.
+    /// Two edges of each candidate.
     EdgeEdge,
-    /// m.
+    /// Distance of each vertex-triangle candidate, m.
     VertexTriangleDistances,
-    /// m.
+    /// Distance of each edge-edge candidate, m.
     EdgeEdgeDistances,
-    /// Candidates that are near.
+    /// Candidates nearer than the reach, of both kinds.
     Contacts,
-    /// Parts of the step.
+    /// Time of impact of each vertex-triangle candidate, as a fraction of the step.
     VertexTriangleTimes,
-    /// Likewise.
+    /// Time of impact of each edge-edge candidate, as a fraction of the step.
     EdgeEdgeTimes,
 }
 
 impl Slot {
-    /// All of them.
+    /// All slots, in the order of their numbers.
     pub const ALL: [Self; 34] = [
         Self::Boxes,
         Self::Triangles,
@@ -117,7 +117,7 @@ impl Slot {
         Self::EdgeEdgeTimes,
     ];
 
-    /// Whether anything is written to it, or read from it, where this is query.
+    /// Whether a detection with this query writes or reads the column.
     pub fn serves(self, query: DetectionQuery) -> bool {
         match self {
             Self::Contacts => query == DetectionQuery::Contacts,
@@ -126,7 +126,7 @@ impl Slot {
         }
     }
 
-    /// Words of four bytes, at least one.
+    /// Length in words of four bytes, at least four.
     pub fn words(self, sizes: &SurfaceSizes, capacities: &Capacities) -> usize {
         let SurfaceSizes { vertices, triangles, edges, sewn } = *sizes;
         let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, contacts, .. } = *capacities;
@@ -160,21 +160,21 @@ impl Slot {
     }
 }
 
-/// How large a surface is.
+/// Sizes of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SurfaceSizes {
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
-    /// Edges.
+    /// Number of edges.
     pub edges: usize,
-    /// Words of the rows of what is sewn.
+    /// Number of words of the column of sewn vertices.
     pub sewn: usize,
 }
 
 impl SurfaceSizes {
-    /// Of a surface with so many vertices.
+    /// The sizes of a surface with `vertices` vertices.
     pub fn of(surface: &Surface<'_>, vertices: usize) -> Self {
         Self {
             vertices,
@@ -188,7 +188,7 @@ impl SurfaceSizes {
         let Capacities { entries, tiles, pairs, vertex_triangle, edge_edge, .. } = *capacities;
         let (digits, rows) = (16 * entries.div_ceil(SCAN_BLOCK), entries.div_ceil(SIDE));
         let candidates = (2 * pairs).max(vertex_triangle + edge_edge);
-        // Whatever the scans are of: few of these are ever the longest.
+        // The lengths of all scans of the schedule.
         (4 * self.triangles).max(digits).max(rows).max(tiles).max(candidates)
     }
 }

@@ -1,4 +1,4 @@
-//! What a step asks of a device: its candidates and their distances.
+//! Detection for the steps of a simulation: finds candidates and their distances on a device.
 
 use muslin_core::broad_phase::Counts;
 use muslin_core::contact::{ContactModel, ContactScratch, Pairs};
@@ -13,7 +13,7 @@ use crate::readback::{DetectionQuery, DetectionResult};
 #[derive(Debug)]
 pub struct StepDetector {
     gpu: Gpu,
-    /// Made for the first step.
+    /// Created in the first step of a scene.
     detector: Option<Detector>,
     found: DetectionResult,
     stage_ms: Vec<(&'static str, f64)>,
@@ -21,7 +21,7 @@ pub struct StepDetector {
 }
 
 impl StepDetector {
-    /// On a device.
+    /// A detector that uses this device.
     pub fn new(gpu: Gpu) -> Self {
         Self { gpu, detector: None, found: DetectionResult::default(), stage_ms: Vec::new(), lost: None }
     }
@@ -31,23 +31,23 @@ impl StepDetector {
         &self.gpu
     }
 
-    /// What the device took for each stage of all steps, ms; empty where it has no clocks.
+    /// Device time of each stage, summed over all steps, ms; empty if the device has no timestamps.
     pub fn stage_ms(&self) -> &[(&'static str, f64)] {
         &self.stage_ms
     }
 
-    /// Why the device was opened anew since this was last asked.
+    /// The error because of which the device was opened again since the last call.
     pub fn take_loss(&mut self) -> Option<DetectionError> {
         self.lost.take()
     }
 
-    /// Takes what comes for another scene: surface, radii and seams are the device's from the first step on.
+    /// Discards the data of the scene. The next step uploads the surface, radii and seams of its scene again.
     pub fn forget(&mut self) {
         self.detector = None;
     }
 
-    /// Finds candidates and their distances, as `muslin_core::step::detect`; where there is too little room
-    /// for them only their counts. A device that is lost is opened anew and asked again.
+    /// Finds candidates and their distances, as `muslin_core::step::detect` does. Pairs that do not fit their
+    /// column are only counted. If the device is lost, it is opened again and the detection is repeated once.
     pub async fn detect(
         &mut self,
         model: &ContactModel<'_>,
@@ -87,7 +87,7 @@ impl StepDetector {
     }
 }
 
-/// Copies what was found, where there is room for all of it.
+/// Copies the candidates and their distances, if all of them fit.
 fn take(candidates: &[[u32; 2]], distances: &[f32], pairs: &mut Pairs<'_>) {
     let count = candidates.len();
     if let (Some(own), Some(far)) = (pairs.candidates.get_mut(..count), pairs.distances.get_mut(..count)) {

@@ -1,4 +1,5 @@
-//! One thread, a clock for each part of a step, and a device for candidates where there is one.
+//! How the browser runs a step: on one thread, with a clock for each part, and optionally a device that finds
+//! candidates.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -12,12 +13,12 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 #[wasm_bindgen]
 extern "C" {
-    /// ms, of pages, workers and Node.js.
+    /// The time in pages, workers and Node.js, ms.
     #[wasm_bindgen(js_namespace = performance)]
     fn now() -> f64;
 }
 
-/// Parts of a step with a clock each: predict, broad phase, narrow phase, response.
+/// Number of parts of a step that are timed: predict, broad phase, narrow phase, response.
 pub const PARTS: usize = 4;
 
 #[derive(Default)]
@@ -39,15 +40,15 @@ impl Times {
     }
 }
 
-/// Runs kernels here, told the time; asks its device for candidates.
+/// Runs kernels on this thread, measures their time, and lets its device find candidates.
 #[derive(Default)]
 pub struct Clock {
     times: Mutex<Times>,
     /// `None` while a step uses it, and without a device.
     detector: Mutex<Option<StepDetector>>,
-    /// Whether a step must not wait for it.
+    /// Whether steps find candidates on this thread, because they must not wait for the device.
     here: AtomicBool,
-    /// What the device said last that it should not.
+    /// The last message about a failure of the device.
     note: Mutex<Option<String>>,
 }
 
@@ -56,40 +57,40 @@ fn own<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Clock {
-    /// Stops until the next part is entered.
+    /// Stops the clock until the next part is entered.
     pub fn pause(&self) {
         own(&self.times).enter(None);
     }
 
-    /// ms in each part since this was last asked.
+    /// Time in each part since the last call, ms.
     pub fn take(&self) -> [f64; PARTS] {
         core::mem::take(&mut own(&self.times).sums)
     }
 
-    /// Whether steps find their candidates here from now on, whatever device there is. One type for both: two
-    /// would be all kernels twice.
+    /// Sets whether steps find their candidates on this thread, even if there is a device. One type serves both
+    /// cases, because two types would compile all kernels twice.
     pub fn stay_here(&self, here: bool) {
         self.here.store(here, Ordering::Relaxed);
     }
 
-    /// Whether a device is asked for candidates.
+    /// Whether there is a device that finds candidates.
     pub fn has_device(&self) -> bool {
         own(&self.detector).is_some()
     }
 
-    /// Asks a device from now on.
+    /// Uses this device from now on, or no device.
     pub fn ask(&self, detector: Option<StepDetector>) {
         *own(&self.detector) = detector;
     }
 
-    /// Another scene comes.
+    /// Discards the data of the scene on the device, because another scene follows.
     pub fn forget(&self) {
         if let Some(detector) = own(&self.detector).as_mut() {
             detector.forget();
         }
     }
 
-    /// What a device said that it should not, once.
+    /// The last message about a failure of the device. It is returned only once.
     pub fn note(&self) -> Option<String> {
         own(&self.note).take()
     }
@@ -111,7 +112,8 @@ impl Dispatch for Clock {
         if let Some(note) = why.or(lost) {
             *own(&self.note) = Some(note);
         }
-        // Fewer candidates will have room again; what is lost for good is not asked again.
+        // A device that ran out of room is kept: fewer candidates will fit again. A device that is lost for good is
+        // dropped.
         if !matches!(found, Err(muslin_gpu::DetectionError::Lost(_))) {
             self.ask(Some(detector));
         }

@@ -1,4 +1,4 @@
-//! Muslin in the browser: scenes in, columns out, nothing copied. `muslin.js` is what pages see of it.
+//! Muslin in the browser: scenes in, columns out, without copies. Pages use it through `muslin.js`.
 #![forbid(unsafe_code)]
 
 mod clock;

@@ -1,4 +1,4 @@
-//! What is asked of the allocator: a step must ask nothing.
+//! Counts allocations, because a step must not allocate.
 
 use std::alloc::System;
 
@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// How often memory was asked for so far.
+/// Number of allocations and reallocations since the module was started.
 #[wasm_bindgen]
 pub fn allocations() -> f64 {
     let stats = ALLOCATOR.stats();

@@ -1,4 +1,4 @@
-//! A cloth that a page steps, holds and looks at.
+//! A simulation that a page steps, changes and draws.
 
 use muslin_core::colliders::Form;
 use muslin_core::diagnostics::StateHash;
@@ -13,21 +13,21 @@ use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};
 use crate::clock::{Clock, PARTS};
 use crate::surface::{write_normals, write_strains};
 
-/// Columns of a simulation, as addresses and lengths in the memory of the module: a page looks at them there.
+/// A simulation. It gives its columns as addresses and lengths in the memory of the module, where a page reads them.
 #[wasm_bindgen]
 pub struct Simulation {
     own: Cloth,
     clock: Clock,
     frame: Frame,
     chain: StateHash,
-    /// Vertices that the page holds, and those that it let go: they stay so when the scene is changed.
+    /// Vertices that the page holds; `released` are vertices that it freed. Both stay so when the scene is changed.
     held: Vec<u32>,
     released: Vec<u32>,
     normals: Vec<Vec3>,
     strains: Vec<f32>,
 }
 
-/// Times of a scene, s.
+/// Frames per second and duration, s, of a scene.
 #[derive(Clone, Copy)]
 struct Frame {
     rate: f64,
@@ -46,7 +46,7 @@ fn error(why: impl std::fmt::Display) -> JsError {
 
 #[wasm_bindgen]
 impl Simulation {
-    /// Of a scene, as an object.
+    /// Builds the simulation of a scene, which is given as an object.
     #[wasm_bindgen(constructor)]
     pub fn new(scene: JsValue) -> Result<Self, JsError> {
         let desc = muslin_wasm_scene::read(scene).map_err(error)?;
@@ -73,7 +73,7 @@ impl Simulation {
         self.stepped(taken)
     }
 
-    /// Takes one step whose candidates a device finds, where there is one.
+    /// Takes one step; if a device is open, it finds the candidates.
     #[wasm_bindgen(js_name = awaitStep)]
     pub async fn await_step(&mut self) -> Result<(), JsError> {
         self.clock.stay_here(false);
@@ -88,7 +88,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Opens a device for the candidates of [`await_step`](Self::await_step); its name.
+    /// Opens a device for the candidates of [`await_step`](Self::await_step) and returns its name.
     #[wasm_bindgen(js_name = openDevice)]
     pub async fn open_device(&mut self) -> Result<String, JsError> {
         let gpu = Gpu::open(Ask::Most).await.map_err(error)?;
@@ -103,20 +103,20 @@ impl Simulation {
         self.clock.has_device()
     }
 
-    /// What a device said that it should not, once.
+    /// The last message about a failure of the device. It is returned only once.
     #[wasm_bindgen(js_name = takeNote)]
     pub fn take_note(&self) -> Option<String> {
         self.clock.note()
     }
 
-    /// Goes on with another scene; the cloth stays where it is if it has as many vertices still.
+    /// Continues with another scene. The cloth keeps its state if the number of vertices stays the same.
     #[wasm_bindgen(js_name = goOnAs)]
     pub fn go_on_as(&mut self, scene: JsValue) -> Result<(), JsError> {
         let desc = muslin_wasm_scene::read(scene).map_err(error)?;
         let mut next = Cloth::new(&desc, &[]).map_err(error)?;
         let state = self.own.state();
         let steps = (self.own.time() / f64::from(next.step_length())).round() as u64;
-        // Another method or another step looks back at nothing.
+        // The previous state may belong to another method or step length, so it is dropped.
         let state = State { steps, previous: [&[]; 2], ..state };
         if next.restore(&state, self.own.statistics(), self.own.tally()) {
             self.released.iter().for_each(|&vertex| _ = next.release(vertex));
@@ -134,7 +134,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Moves a vertex evenly to a place, m, within so many seconds, and holds it there.
+    /// Moves a vertex evenly to a place, m, within `seconds` of simulated time, and holds it there.
     #[wasm_bindgen(js_name = moveTo)]
     pub fn move_to(&mut self, vertex: f64, x: f32, y: f32, z: f32, seconds: f64) -> Result<(), JsError> {
         let vertex = self.vertex(vertex)?;
@@ -149,7 +149,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Lets go of a vertex, whatever held it; whether anything did.
+    /// Frees a vertex, also from a pin of the scene. Returns whether it was held.
     pub fn release(&mut self, vertex: f64) -> Result<bool, JsError> {
         let vertex = self.vertex(vertex)?;
         self.held.retain(|&other| other != vertex);
@@ -168,13 +168,13 @@ impl Simulation {
         Err(error(format!("there is no vertex {number}; there are {count}, from 0")))
     }
 
-    /// Vertices that are held.
+    /// The held vertices.
     pub fn pins(&self) -> Vec<u32> {
         self.own.pins().vertices.to_vec()
     }
 
-    /// Bodies, one after the other: shape (0 plane, 1 sphere, 2 capsule, 3 box, 4 mesh), radius, m, normal, how
-    /// many points, and where these are now, m.
+    /// The colliders, one after the other. Each has its shape (0 plane, 1 sphere, 2 capsule, 3 box, 4 mesh), radius, m,
+    /// normal, number of points, and the current positions of its points, m.
     pub fn bodies(&self) -> Vec<f32> {
         let Some(contact) = self.own.contact() else { return Vec::new() };
         let places = self.own.collider_positions();
@@ -196,40 +196,40 @@ impl Simulation {
         out
     }
 
-    /// How many vertices there are.
+    /// Number of vertices.
     #[wasm_bindgen(getter, js_name = vertexCount)]
     pub fn vertex_count(&self) -> usize {
         self.own.positions().len()
     }
 
-    /// How many triangles there are.
+    /// Number of triangles.
     #[wasm_bindgen(getter, js_name = triangleCount)]
     pub fn triangle_count(&self) -> usize {
         self.own.triangles().len()
     }
 
-    /// Three vertices a triangle.
+    /// Three vertices per triangle.
     pub fn triangles(&self) -> *const u32 {
         self.own.triangles().as_ptr().cast()
     }
 
-    /// Three coordinates a vertex, m.
+    /// Positions: three coordinates per vertex, m.
     pub fn positions(&self) -> *const f32 {
         self.own.positions().as_ptr().cast()
     }
 
-    /// Three coordinates a vertex, m/s.
+    /// Velocities: three coordinates per vertex, m/s.
     pub fn velocities(&self) -> *const f32 {
         self.own.velocities().as_ptr().cast()
     }
 
-    /// Three coordinates a vertex, of unit length, of the positions now.
+    /// Unit normals at the current positions: three coordinates per vertex.
     pub fn normals(&mut self) -> *const f32 {
         write_normals(self.own.positions(), self.own.triangles(), &mut self.normals);
         self.normals.as_ptr().cast()
     }
 
-    /// The greatest strain of each vertex's edges now.
+    /// For each vertex, the current strain of largest magnitude among its edges.
     pub fn strains(&mut self) -> *const f32 {
         let scene = self.own.scene();
         write_strains(self.own.positions(), &scene.edges, &scene.rest_lengths, &mut self.strains);
@@ -260,28 +260,28 @@ impl Simulation {
         self.frame.rate
     }
 
-    /// Simulated time of the scene, s.
+    /// Duration of the scene, s.
     #[wasm_bindgen(getter)]
     pub fn duration(&self) -> f64 {
         self.frame.duration
     }
 
-    /// The chain over the states after every step, as `muslin run` prints it.
+    /// The hash chain over the states of all steps, as `muslin run` prints it.
     #[wasm_bindgen(js_name = stateHash)]
     pub fn state_hash(&self) -> String {
         format!("fnv1a:{:016x}", self.chain.0)
     }
 
-    /// ms in predict, broad phase, narrow phase and response since this was last asked.
+    /// Time in predict, broad phase, narrow phase and response since the last call, ms.
     #[wasm_bindgen(js_name = takeTimes)]
     pub fn take_times(&self) -> Vec<f64> {
         let times: [f64; PARTS] = self.clock.take();
         times.to_vec()
     }
 
-    /// Stretch, largest and mean; kinetic, stretch, shear, bend, seam and gravity's energy, J; candidates,
-    /// proximity, impacts, zones and halved steps so far; evaluations of forces and iterations of conjugate
-    /// gradients so far.
+    /// Diagnostics, in this order: largest and mean stretch; kinetic, stretch, shear, bend, seam and gravity energy, J;
+    /// totals of candidates, proximity contacts, impacts, impact zones, halved steps, force evaluations and iterations
+    /// of conjugate gradients.
     pub fn numbers(&self) -> Vec<f64> {
         let (stretch, e) = (self.own.stretch(), self.own.energy());
         let (tally, work) = (self.own.tally(), self.own.statistics());

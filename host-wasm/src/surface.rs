@@ -1,8 +1,8 @@
-//! What is seen of a cloth: normals and strains of its vertices.
+//! Normals and strains of vertices, for drawing.
 
 use muslin_core::real::Vec3;
 
-/// Writes the mean normal of each vertex's triangles by area, of unit length.
+/// Writes the unit normal of each vertex: the mean normal of its triangles, weighted by area.
 pub fn write_normals(positions: &[Vec3], triangles: &[[u32; 3]], normals: &mut [Vec3]) {
     normals.fill(Vec3::ZERO);
     for triangle in triangles {
@@ -13,7 +13,7 @@ pub fn write_normals(positions: &[Vec3], triangles: &[[u32; 3]], normals: &mut [
     normals.iter_mut().for_each(|normal| *normal = normal.normalize_or_zero());
 }
 
-/// Writes the strain of each vertex's edge that is longest or shortest against its rest length, l / l0 - 1.
+/// Writes for each vertex the strain l / l0 - 1 of largest magnitude among its edges.
 pub fn write_strains(positions: &[Vec3], edges: &[[u32; 2]], rest_lengths: &[f32], strains: &mut [f32]) {
     strains.fill(0.0);
     for (&[a, b], &rest) in edges.iter().zip(rest_lengths) {

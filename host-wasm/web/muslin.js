@@ -5,7 +5,7 @@ import { changed, read, value, windy } from "./scene.js";
 
 const { Simulation, sceneNames, sceneText } = wasm;
 
-/** How often the module asked for memory, where it was made to count it. */
+/** The number of allocations, if the module was built to count them. */
 export const { allocations } = wasm;
 
 let memory;
@@ -18,7 +18,7 @@ export function load(source) {
       memory = exports.memory;
     },
     (error) => {
-      // Another try may find it.
+      // Another attempt may succeed.
       loading = undefined;
       throw error;
     },
@@ -35,7 +35,7 @@ export function scenes() {
   return sceneNames();
 }
 
-/** The object of a scene: of a text in TOML, or of the built-in scene of that name. */
+/** Parses a scene from TOML text, returns the built-in scene with that name, or copies an object. */
 export function scene(given) {
   ready();
   if (typeof given !== "string") return structuredClone(given);
@@ -61,7 +61,7 @@ const SHAPES = ["plane", "sphere", "capsule", "box", "mesh"];
 
 const named = (names, numbers, from = 0) => Object.fromEntries(names.map((name, k) => [name, numbers[from + k]]));
 
-/** Runs what is asked of the module; what breaks off inside it says so. */
+/** Calls into the module. A trap inside it becomes an `Error` that explains it. */
 function guarded(work) {
   try {
     return work();
@@ -80,7 +80,7 @@ function told(error) {
 export class Cloth {
   #own;
   #scene;
-  // Views of columns by address: the memory of the module may have moved since.
+  // Views of columns by address. They are replaced when the memory of the module has moved.
   #views = new Map();
   #busy = false;
 
@@ -89,7 +89,7 @@ export class Cloth {
     this.#own = guarded(() => new Simulation(this.#scene));
   }
 
-  /** The module's part, unless it is at work on a step. */
+  /** The simulation in the module. Throws while it is busy, or after `free()`. */
   get #idle() {
     if (this.#busy) throw new Error("a step is under way; await awaitStep() first");
     if (!this.#own) throw new Error("this cloth was given back by free()");
@@ -129,7 +129,7 @@ export class Cloth {
     if (!globalThis.navigator?.gpu) throw new Error("there is no WebGPU here");
     this.#busy = true;
     try {
-      // Browsers need not tell.
+      // Browsers may hide the name.
       return (await own.openDevice()) || "a GPU without a name";
     } catch (error) {
       throw told(error);
@@ -138,7 +138,7 @@ export class Cloth {
     }
   }
 
-  /** Whether a step is under way: nothing else can be asked before it is over. */
+  /** Whether a step, or the opening of a device, is under way. All other calls throw until it ends. */
   get busy() {
     return this.#busy;
   }
@@ -182,7 +182,7 @@ export class Cloth {
     return bodies;
   }
 
-  /** The scene as it is now. */
+  /** A copy of the current scene. */
   get scene() {
     return structuredClone(this.#scene);
   }

@@ -1,13 +1,13 @@
-// Scenes as objects: read from TOML, with other values at their keys.
+// Scenes as objects: reads them from TOML and changes values at keys.
 
 import { parse } from "smol-toml";
 
-/** The object of a scene's text; a syntax error tells line and column. */
+/** Parses the TOML text of a scene. A syntax error names line and column. */
 export function read(text) {
   return parse(text);
 }
 
-/** A value as the command line takes it: TOML, or a bare word. */
+/** Parses a value as the command line does: TOML, or a bare word. */
 export function value(text) {
   try {
     return parse(`value = ${text}`).value;
@@ -16,10 +16,10 @@ export function value(text) {
   }
 }
 
-/** What is no key of anything, and what would change more than the scene. */
+/** Parts of a key that are refused: the empty one, and names that would change more than the scene. */
 const FORBIDDEN = ["", "__proto__", "constructor", "prototype"];
 
-/** A copy of the scene with other values at keys such as "integrator.step"; without those that are `undefined`. */
+/** A copy of the scene with new values at keys such as "integrator.step". `undefined` removes a key. */
 export function changed(scene, changes) {
   const copy = structuredClone(scene);
   for (const [key, value] of Object.entries(changes)) {
@@ -30,7 +30,7 @@ export function changed(scene, changes) {
   return copy;
 }
 
-/** The wind section of a scene with this velocity, m/s; coefficients are its own, or those of light cloth. */
+/** The wind section of a scene with this velocity, m/s. The coefficients are the scene's, or those of light cloth. */
 export function windy(scene, velocity) {
   return { normal: 0.6, tangential: 0.03, ...scene.drag?.wind, velocity };
 }
@@ -39,7 +39,7 @@ function put(owner, [first, ...rest], value, key) {
   if (Array.isArray(owner)) {
     if (owner.length === 0) throw new Error(`${key}: there is nothing that could have ${first}: the list is empty`);
     const index = /^\d+$/.test(first) ? Number(first) : undefined;
-    // A key of a list is that of each of its items.
+    // A key of a list, without an index, applies to each of its items.
     if (index === undefined) return owner.forEach((item) => put(item, [first, ...rest], value, key));
     if (index >= owner.length) throw new Error(`${key}: there is no number ${index}; the last is ${owner.length - 1}`);
     first = index;
@@ -52,7 +52,7 @@ function put(owner, [first, ...rest], value, key) {
   } else if (value === undefined) {
     delete owner[first];
   } else {
-    // Each item of a list gets its own.
+    // Each item of a list gets a copy of its own.
     owner[first] = structuredClone(value);
   }
 }

@@ -1,7 +1,7 @@
 // The boxes of triangles: unions of the boxes of their vertices.
 //
-// The host hands in boxes that are not valid with their corners exchanged at the largest number: no
-// adapter need know what is not a number.
+// The host replaces an invalid box by one whose minimum is the largest number and whose maximum is the
+// smallest one, so that no adapter has to handle NaN.
 
 @group(0) @binding(1) var<storage, read> boxes: array<f32>;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;

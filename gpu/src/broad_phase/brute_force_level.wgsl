@@ -1,4 +1,4 @@
-// The last level: each of its triangles against all others, without cells; so many in a round.
+// The last level: compares each of its triangles with all others, without cells, ROUND triangles per round.
 
 @group(0) @binding(1) var<storage, read> levels: array<u32>;
 @group(0) @binding(2) var<storage, read> triangle_boxes: array<f32>;
@@ -66,7 +66,7 @@ fn write_brute_force(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_inv
     }
 }
 
-// One invocation.
+// Runs as one invocation.
 @compute @workgroup_size(1)
 fn close_brute_force() {
     counters[PAIRS] = saturated(counters[PAIRS], blocks[(params.triangles + 2047u) / 2048u]);

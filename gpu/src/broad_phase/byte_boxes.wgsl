@@ -1,19 +1,20 @@
-// The boxes of triangles in bytes, three to a word, and those of all entries beside their keys: what
-// neighbours read then lies together.
+// The boxes of triangles in bytes, three bytes per word, and a copy of them beside the key of each entry, so
+// that neighbouring invocations read contiguous memory.
 //
-// Coordinates are rounded outward to units, at most 60 across a triangle, and taken modulo 256.
+// Coordinates are rounded down to units, of which a triangle spans at most 60, and taken modulo 256.
 
 @group(0) @binding(1) var<storage, read> quantized_boxes: array<i32>;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
 @group(0) @binding(3) var<storage, read> levels: array<u32>;
 @group(0) @binding(4) var<storage, read> entries: array<vec2<u32>>;
-// Least and greatest corner.
+// Minimum and maximum of each box.
 @group(0) @binding(5) var<storage, read_write> byte_boxes: array<vec2<u32>>;
-// Key, object and its box.
+// Key, object and box of each entry.
 @group(0) @binding(6) var<storage, read_write> boxed: array<vec4<u32>>;
 @group(0) @binding(7) var<storage, read> counters: array<u32>;
 
-// From units of which 2^10 span a triangle to bytes' units of which 60 do.
+// Packs a corner into three bytes. Converts from units of which a triangle spans at most 2^10 to units of which
+// it spans at most 60.
 fn word(corner: vec3<i32>) -> u32 {
     let bytes = vec3<u32>((corner * 15) >> vec3<u32>(8u)) & vec3<u32>(0xffu);
     return bytes.x | (bytes.y << 8u) | (bytes.z << 16u);

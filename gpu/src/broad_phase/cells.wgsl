@@ -1,11 +1,11 @@
-// The size of the cells; the home cell of every sphere and the control bits.
+// The size of the cells, then the home cell and the control bits of every sphere.
 
 @group(0) @binding(1) var<storage, read> spheres: array<vec4<i32>>;
-// Keys and control bits.
+// Key of the home cell and control bits of each triangle.
 @group(0) @binding(2) var<storage, read_write> homes: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read_write> counters: array<u32>;
 
-// The least integer whose square is not less.
+// The smallest integer whose square is at least n.
 fn root_above(n: u32) -> u32 {
     var root = 0u;
     for (var bit = 32768u; bit > 0u; bit >>= 1u) {
@@ -17,7 +17,7 @@ fn root_above(n: u32) -> u32 {
     return root + select(0u, 1u, root * root < n);
 }
 
-// One invocation.
+// Runs as one invocation.
 @compute @workgroup_size(1)
 fn choose_grid() {
     let count = counters[SPHERES];
@@ -31,7 +31,7 @@ fn choose_grid() {
     while bits.x + bits.y + bits.z > most {
         var longest = 0u;
         for (var k = 1u; k < 3u; k++) {
-            // The last of equals.
+            // Of equal axes the last one is shortened, as in the core.
             if bits[k] >= bits[longest] {
                 longest = k;
             }

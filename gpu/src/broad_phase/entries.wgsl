@@ -1,13 +1,13 @@
-// One entry for each cell that an object touches: own homes, smaller homes, own phantoms, smaller
-// phantoms.
+// One entry for each cell that an object touches, in this order: own homes, smaller homes, own phantoms, smaller
+// phantoms. Own objects belong to this level, smaller ones to levels before.
 
 @group(0) @binding(1) var<storage, read> homes: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> levels: array<u32>;
-// Four sections of one number a triangle: how many entries, and after the scan how many before.
+// Four sections with one number per triangle: its number of entries; after the scan, the number before it.
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
-// Behind the last block the sum of all.
+// After the last block: the sum of all counts.
 @group(0) @binding(4) var<storage, read> blocks: array<u32>;
-// Key and object.
+// Key of the cell and object of each entry.
 @group(0) @binding(5) var<storage, read_write> entries: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read_write> counters: array<u32>;
 

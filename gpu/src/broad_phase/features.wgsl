@@ -1,7 +1,8 @@
-// Pairs of triangles -> the pairs of features that the two stand for, whose boxes overlap.
+// Pairs of triangles -> the pairs of features that the two triangles own and whose boxes overlap.
 //
-// The fifteen pairs of features are bits of a word: bit 4 r + c stands for edges r and c, in the last
-// column for vertex r and the second triangle, in the last row for vertex c and the first.
+// The fifteen pairs of features are bits of a word, for r and c from 0 to 2: bit 4 r + c is edge r of the first
+// with edge c of the second triangle, bit 4 r + 3 is vertex r of the first with the second triangle, and bit
+// 12 + c is vertex c of the second with the first triangle.
 
 @group(0) @binding(1) var<storage, read> boxes: array<f32>;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
@@ -50,7 +51,7 @@ fn corners_of(triangle: u32) -> vec3<u32> {
     return vec3<u32>(triangles[at], triangles[at + 1u], triangles[at + 2u]);
 }
 
-// Whether vertices are two, and not sewn together.
+// Whether two vertices are different and not sewn together.
 fn are_apart(a: u32, b: u32) -> bool {
     return a != b && !joins(a, b);
 }

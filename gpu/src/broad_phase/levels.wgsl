@@ -1,8 +1,8 @@
-// Triangles by size: a histogram, its division into levels, and the level of every triangle.
+// Levels of triangles by size: a histogram of sizes, its division into levels, and the level of every triangle.
 
 @group(0) @binding(1) var<storage, read> triangle_boxes: array<f32>;
 @group(0) @binding(2) var<storage, read_write> levels: array<u32>;
-// The counts, then the level of each bin.
+// The count of each bin, then the level of each bin.
 @group(0) @binding(3) var<storage, read_write> histogram: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
 
@@ -14,7 +14,7 @@ const UNBOUNDED: u32 = 1020u;
 const INFINITE: u32 = 0x7f800000u;
 const LARGEST: f32 = 3.4028234663852886e38;
 
-// Bits that compare as their numbers do.
+// Maps a number to an integer; the integers compare as the numbers do.
 fn ordered(x: f32) -> u32 {
     let bits = bitcast<u32>(x);
     return select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);
@@ -25,7 +25,7 @@ struct Extent {
     bits: u32,
 }
 
-// The greatest extent as bits; beyond all numbers it is infinite.
+// The largest extent of a triangle's box, as bits. It is infinite if the box is unbounded or the extent overflows.
 fn extent(triangle: u32) -> Extent {
     var bits = 0u;
     var is_valid = true;
@@ -33,7 +33,7 @@ fn extent(triangle: u32) -> Extent {
         let low = triangle_boxes[6u * triangle + k];
         let high = triangle_boxes[6u * triangle + 3u + k];
         is_valid = is_valid && low <= high;
-        // Halves: the whole might be too large.
+        // Halves are compared, because the difference itself may overflow.
         let is_unbounded = low <= -LARGEST || high >= LARGEST || 0.5 * high - 0.5 * low > 0.5 * LARGEST;
         bits = max(bits, select(bitcast<u32>(high - low), INFINITE, is_unbounded));
     }
@@ -114,7 +114,7 @@ fn divide(@builtin(local_invocation_index) local: u32) {
         }
         atomicStore(&counters[GRADED], level);
         atomicStore(&counters[SINGLE], left);
-        // The host runs so many levels and rounds.
+        // The host runs only params.level levels, and rounds for params.length triangles of the last level.
         if level > params.level {
             atomicOr(&counters[STATUS], NO_ROOM_LEVELS);
         }

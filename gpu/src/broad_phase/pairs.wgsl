@@ -1,22 +1,22 @@
-// Pairs of triangles whose boxes overlap, each from exactly one of their common cells.
+// Pairs of triangles whose boxes overlap, each found in exactly one of their common cells.
 //
-// Found in tiles, a group each: an invocation compares its entry with the tile's others, which the group
-// has read together.
+// One workgroup searches one tile: each invocation compares its entry with the other entries of the tile, which
+// the workgroup reads together.
 
-// Key, object and its box in bytes.
+// Key, object and box in bytes of each entry.
 @group(0) @binding(1) var<storage, read> boxed: array<vec4<u32>>;
-// The first entry and the first other.
+// The first entry and the first other entry of each tile.
 @group(0) @binding(2) var<storage, read> tiles: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> homes: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> triangle_boxes: array<f32>;
-// How many pairs each tile makes, and after the scan how many those before it do.
+// Number of pairs of each tile; after the scan, the number of pairs of all tiles before it.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(6) var<storage, read> blocks: array<u32>;
 @group(0) @binding(7) var<storage, read_write> pairs: array<vec2<u32>>;
 @group(0) @binding(8) var<storage, read_write> counters: array<u32>;
 
 const WORD: u32 = 32u;
-// A phantom of no cell.
+// A placeholder: a phantom in a cell that does not exist.
 const NOTHING: vec4<u32> = vec4<u32>(0xffffffffu, 0u, 0u, 0u);
 
 var<workgroup> others: array<vec4<u32>, SIDE>;
@@ -28,20 +28,20 @@ fn cell_type(key: u32) -> u32 {
     return (key & 1u) | (((key >> y) & 1u) << 1u) | (((key >> z) & 1u) << 2u);
 }
 
-// The sign of each byte.
+// The sign bits of the three bytes.
 const SIGNS: u32 = 0x00808080u;
 
-// Whether no byte of a difference is negative.
+// Whether no byte of the difference a - b is negative.
 fn none_below(a: u32, b: u32) -> bool {
     return ((((a | SIGNS) - (b & ~SIGNS)) ^ (a ^ ~b)) & SIGNS) == 0u;
 }
 
-// Whether boxes in bytes overlap. Those far apart may seem to.
+// Whether boxes in bytes may overlap. Boxes that are far apart can pass, because coordinates are modulo 256.
 fn may_overlap(a: vec2<u32>, b: vec2<u32>) -> bool {
     return none_below(a.y, b.x) && none_below(b.y, a.x);
 }
 
-// Reads an entry, and one of the others for all of the group.
+// Reads the entry of an invocation, and one of the other entries for the whole workgroup.
 fn load(tile: u32, local: u32) -> vec4<u32> {
     let place = tiles[tile] + local;
     let end = min(counters[ENTRIES], params.entries);
@@ -55,7 +55,8 @@ fn load(tile: u32, local: u32) -> vec4<u32> {
     return NOTHING;
 }
 
-// A bit for each partner of an entry among half of the others, of which the first few are not behind it.
+// A bit for each partner of an entry among the WORD others from `half` on. The first `few` others do not come
+// after the entry and are skipped.
 fn among(half: u32, entry: vec4<u32>, few: u32) -> u32 {
     let is_own = kind_of(entry.y) == OWN_HOME;
     let a = entry.y & ID;
@@ -74,7 +75,7 @@ fn among(half: u32, entry: vec4<u32>, few: u32) -> u32 {
     return found;
 }
 
-// A bit for each partner of an entry among the others.
+// A bit for each partner of an entry among all others of the tile.
 fn partners(tile: u32, local: u32, entry: vec4<u32>) -> vec2<u32> {
     if (entry.y & IS_HOME) == 0u {
         return vec2<u32>(0u);
@@ -84,8 +85,8 @@ fn partners(tile: u32, local: u32, entry: vec4<u32>) -> vec2<u32> {
     return vec2<u32>(among(0u, entry, few), among(WORD, entry, few));
 }
 
-// The partners of an invocation's entry, none where the tile is not wanted, and in `hits` how many all of the
-// group have; by all of it.
+// The partners of an invocation's entry, and in `hits` the number of partners for each invocation of the workgroup.
+// If `is_wanted` is false, there are no partners. All invocations of the workgroup must call it.
 fn find(tile: u32, local: u32, is_wanted: bool) -> vec2<u32> {
     var entry = NOTHING;
     if is_wanted {
@@ -101,7 +102,7 @@ fn find(tile: u32, local: u32, is_wanted: bool) -> vec2<u32> {
     return found;
 }
 
-// How many pairs the first invocations of a group found.
+// Number of pairs that the invocations of the workgroup before `local` found.
 fn hits_before(local: u32) -> u32 {
     var sum = 0u;
     for (var k = 0u; k < local; k++) {
@@ -110,7 +111,7 @@ fn hits_before(local: u32) -> u32 {
     return sum;
 }
 
-// A group a tile.
+// One workgroup per tile.
 @compute @workgroup_size(64)
 fn count_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let tile = workgroup_index(group);
@@ -121,7 +122,7 @@ fn count_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
 }
 
-// After the scan.
+// Number of pairs of all tiles before `tile`; valid after the scan.
 fn pairs_before(tile: u32) -> u32 {
     if tile < params.tiles {
         return counts[tile];
@@ -152,7 +153,7 @@ fn write_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
 }
 
-// One invocation: later pairs come behind these.
+// Runs as one invocation. Later levels append their pairs after these.
 @compute @workgroup_size(1)
 fn close_pairs() {
     counters[PAIRS] = saturated(counters[PAIRS], pairs_before(params.tiles));

@@ -1,4 +1,5 @@
-// The boxes of vertices rounded outward to integers, and the scale for that.
+// The boxes of vertices rounded down to integers, and the scale of the rounding. Boxes that overlap still overlap
+// afterwards, because rounding is monotone.
 
 @group(0) @binding(1) var<storage, read> boxes: array<f32>;
 @group(0) @binding(2) var<storage, read_write> quantized_boxes: array<i32>;
@@ -17,7 +18,7 @@ fn exponent(bits: u32) -> i32 {
     return i32(bits >> 23u) - 127;
 }
 
-// One invocation. Also makes the counters ready for the level.
+// Runs as one invocation. It also resets the counters of the spheres for this level.
 @compute @workgroup_size(1)
 fn choose_scale() {
     let low = vec3<f32>(unordered(counters[SCENE]), unordered(counters[SCENE + 1u]), unordered(counters[SCENE + 2u]));

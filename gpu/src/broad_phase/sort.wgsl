@@ -1,9 +1,9 @@
-// Stable radix sort by cell, four bits a pass: counts by digit and block, scanned digit by digit, say
-// where each block's entries of a digit begin.
+// Stable radix sort by cell, four bits per pass. Entries are counted by digit and block. The scan of these counts,
+// digit by digit, gives the places where each block's entries of a digit begin.
 
 @group(0) @binding(1) var<storage, read> entries: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read_write> sorted: array<vec2<u32>>;
-// One number a digit and block, digit by digit.
+// One number per digit and block, ordered by digit.
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(4) var<storage, read> counters: array<u32>;
 
@@ -39,7 +39,8 @@ fn count_digits(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
     }
 }
 
-// Two digits a word, eight apart: each invocation's entries, then those of all before it.
+// Entries of each invocation by digit, then the sums up to and including it. A word holds two digits that differ
+// by eight.
 var<workgroup> ranks: array<u32, 2048>;
 
 @compute @workgroup_size(256)

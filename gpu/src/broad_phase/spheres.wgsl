@@ -1,9 +1,9 @@
-// The spheres around triangles' boxes in units, and what the cells have to know of them all.
+// The spheres around the boxes of triangles, in units, and their count and maxima, from which the cells are chosen.
 
 @group(0) @binding(1) var<storage, read> quantized_boxes: array<i32>;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
 @group(0) @binding(3) var<storage, read> levels: array<u32>;
-// Twice the centre, and the square of the box's diagonal; the centre of what is absent is -1.
+// Twice the centre, and the squared diagonal of the box. The centre of an absent triangle is -1.
 @group(0) @binding(4) var<storage, read_write> spheres: array<vec4<i32>>;
 @group(0) @binding(5) var<storage, read_write> counters: array<atomic<u32>>;
 
@@ -14,7 +14,7 @@ fn write_spheres(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     let triangle = workgroup_index(group) * GROUP + local;
     if triangle < params.triangles {
         var sphere = vec4<i32>(-1, -1, -1, 0);
-        // Levels that there are not have no objects.
+        // A level that does not exist has no objects.
         if levels[triangle] <= params.level && params.level < atomicLoad(&counters[GRADED]) {
             sphere = around(triangle);
             atomicAdd(&all_of[0], 1u);

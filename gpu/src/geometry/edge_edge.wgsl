@@ -1,4 +1,4 @@
-// The nearest points of two edges: where on each, from 0 to 1.
+// The nearest points of two edges, as a parameter from 0 to 1 on each.
 
 fn closest_parameters(a0: vec3<f32>, a1: vec3<f32>, b0: vec3<f32>, b1: vec3<f32>) -> vec2<f32> {
     let a = a1 - a0;

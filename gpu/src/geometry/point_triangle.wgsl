@@ -25,7 +25,7 @@ fn closest_weights(p: vec3<f32>, t0: vec3<f32>, t1: vec3<f32>, t2: vec3<f32>) ->
     return nearest_on_edges(p, t0, t1, t2, vec3<bool>(true));
 }
 
-// The nearest point on those of the edges that the point sees; k joins corners k and k + 1.
+// The weights of the nearest point on the edges that are marked in `seen`. Edge k joins corners k and k + 1.
 fn nearest_on_edges(p: vec3<f32>, t0: vec3<f32>, t1: vec3<f32>, t2: vec3<f32>, seen: vec3<bool>) -> vec3<f32> {
     let corners = array<vec3<f32>, 3>(t0, t1, t2);
     var weights = vec3<f32>(1.0, 0.0, 0.0);

@@ -1,17 +1,17 @@
-// Conservative advancement: features move on for as long as they cannot meet. Twice the reserve of the
-// core: divisions and roots are less exact here.
+// Conservative advancement: two features advance by times in which they cannot collide. The reserve for rounding
+// is twice that of the core, because divisions and roots are less exact here.
 
 const ROUNDING: f32 = 64.0 * EPSILON;
 const MOST_ADVANCES: u32 = 128u;
 const CLOSE: f32 = 0.1;
 const TARGET: f32 = 0.9;
-// Sums of squares below have lost digits to underflow.
+// Sums of squares below this have lost digits to underflow.
 const LEAST_SQUARED: f32 = 1e-31;
 const LARGEST: f32 = 3.4e38;
 const NEVER: f32 = 2.0;
 
-// When two features come within `separation + tolerance`, 0 to 1; NEVER where they stay farther apart
-// than `separation`. Never late.
+// The time, 0 to 1, at which two features come within `separation + tolerance`; NEVER if they stay farther apart
+// than `separation`. The time is never late.
 fn advance(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>, separation: f32, tolerance: f32) -> f32 {
     var begin = x;
     var end = y;
@@ -52,7 +52,7 @@ fn advance(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>, separation: f32, tole
     return time;
 }
 
-// The largest coordinate relative to the first vertex.
+// The largest coordinate relative to the first vertex, at both ends of the step.
 fn largest(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>) -> f32 {
     var most = vec3<f32>(0.0);
     for (var i = 1u; i < 4u; i++) {
@@ -61,8 +61,8 @@ fn largest(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>) -> f32 {
     return max(max(most.x, most.y), most.z);
 }
 
-// Whether all coordinates are numbers less than 2^29, whose differences have fourth powers, by their bits:
-// compilers may suppose that nothing is infinite or no number.
+// Whether all coordinates are numbers below 2^29, so that fourth powers of their differences do not overflow. The
+// bits are compared, because compilers may assume that no value is infinite or NaN.
 fn are_moderate(x: array<vec3<f32>, 4>) -> bool {
     var most = vec3<u32>(0u);
     for (var i = 0u; i < 4u; i++) {
@@ -71,8 +71,8 @@ fn are_moderate(x: array<vec3<f32>, 4>) -> bool {
     return all(most < vec3<u32>(0x4e000000u));
 }
 
-// When the slab between the features that is perpendicular to a direction is as thin as the goal, at
-// the earliest: 1 if never, `time` if it already is or the direction is too short to tell.
+// The earliest time at which the slab between the features, perpendicular to the direction, is as thin as the
+// goal: 1 if never, `time` if it already is or if the direction is too short to tell.
 fn closing(along: vec3<f32>, now: array<vec3<f32>, 4>, end: array<vec3<f32>, 4>, time: f32, goal: f32) -> f32 {
     let squared = dot(along, along);
     if !(squared >= LEAST_SQUARED) {
@@ -105,13 +105,13 @@ fn slab(along: vec3<f32>, x: array<vec3<f32>, 4>) -> f32 {
     return least - most;
 }
 
-// Perpendicular to the triangle, or to both edges, towards the first feature.
+// The direction perpendicular to the triangle, or to both edges, towards the first feature.
 fn upright(x: array<vec3<f32>, 4>, between: vec3<f32>) -> vec3<f32> {
     let along = direction(x);
     return select(along, -along, dot(along, between) < 0.0);
 }
 
-// The farthest that a vertex of one feature moves relative to one of the other.
+// The farthest that a vertex of one feature moves relative to a vertex of the other.
 fn fastest(begin: array<vec3<f32>, 4>, end: array<vec3<f32>, 4>) -> f32 {
     var moves = begin;
     for (var i = 0u; i < 4u; i++) {

@@ -1,16 +1,17 @@
-// Candidates -> contacts: those that are near, in their order; edges behind vertices with triangles.
+// Candidates -> contacts: the candidates nearer than the reach, in their order. Edge-edge contacts come after all
+// vertex-triangle contacts.
 
 @group(0) @binding(1) var<storage, read> vertex_triangle: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> edge_edge: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> vertex_triangle_distances: array<f32>;
 @group(0) @binding(4) var<storage, read> edge_edge_distances: array<f32>;
-// 1 for each contact, and after the scan how many there are before.
+// 1 for each contact; after the scan, the number of contacts before.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(6) var<storage, read> blocks: array<u32>;
 @group(0) @binding(7) var<storage, read_write> contacts: array<vec2<u32>>;
 @group(0) @binding(8) var<storage, read_write> counters: array<u32>;
 
-// Whether what is at a place is a candidate of which there is room, and near.
+// Whether a candidate exists at this index, fits its column and is nearer than the reach.
 fn is_near(at: u32) -> bool {
     if at < params.vertex_triangle {
         return at < counters[VERTEX_TRIANGLE] && vertex_triangle_distances[at] < params.reach;

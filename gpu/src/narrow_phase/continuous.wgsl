@@ -1,9 +1,9 @@
-// When the features of each candidate meet in the course of a step; at once what is too large to square, or
-// no number.
+// The time at which the features of each candidate collide in the course of a step. Features with a coordinate
+// that is not finite, or too large to square, count as touching.
 //
-// The core's reserve, ROUNDING of the size, is nearly twice what divisions and roots of the device are off by.
-// The size is that of both ends, as differences of moves may be taken as moves of differences; those of
-// positions are rounded once.
+// The reserve is that of the core, ROUNDING times the size: nearly twice the error of the device, whose divisions
+// and roots are less exact. The size is taken over both ends of the step, because a compiler may compute
+// differences of moves as moves of differences. Differences of positions are rounded only once.
 
 @group(0) @binding(1) var<storage, read> candidates: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> features: array<u32>;
@@ -21,7 +21,8 @@ fn position_at_end(vertex: u32) -> vec3<f32> {
     return vec3<f32>(end_of[3u * vertex], end_of[3u * vertex + 1u], end_of[3u * vertex + 2u]);
 }
 
-// Not less than the way that the features come towards one another, m, however far they move together.
+// An upper bound on the distance by which the features approach one another, m. It allows for rounding, however far
+// they move together.
 fn farthest(x: array<vec3<f32>, 4>, y: array<vec3<f32>, 4>) -> f32 {
     var most = vec3<f32>(0.0);
     for (var i = 0u; i < 4u; i++) {
@@ -52,13 +53,13 @@ fn write_times(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         times[at] = TOUCHING;
         return;
     }
-    // Nearly all candidates cannot have come near enough.
+    // Nearly all candidates are too far apart to come near enough.
     if farthest(x, y) + ROUNDING * largest(x, y) < distance - separation {
         times[at] = NEVER;
         return;
     }
     let around = radius(gather_radii(vertices));
     let time = advance(x, y, separation + around, 0.5 * separation);
-    // At once, although apart: rounding hides what they do.
+    // A time of 0 for features that are apart means that rounding hides their motion: they count as touching.
     times[at] = select(time, TOUCHING, time == 0.0);
 }

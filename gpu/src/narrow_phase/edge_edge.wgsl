@@ -1,4 +1,4 @@
-// What two edges are to the stages of the narrow phase.
+// The functions of the narrow phase that are specific to two edges.
 
 const FIRST: u32 = 2u;
 const IS_EDGES: bool = true;
@@ -25,12 +25,12 @@ fn nearest(x: array<vec3<f32>, 4>) -> Nearest {
     return Nearest(vec4<f32>(1.0 - st.x, st.x, st.y - 1.0, -st.y), a * st.x - (b + (c - b) * st.y));
 }
 
-// Across both edges; for features that touch.
+// A direction perpendicular to both edges, for features that touch.
 fn direction(x: array<vec3<f32>, 4>) -> vec3<f32> {
     return cross(x[1] - x[0], x[3] - x[2]);
 }
 
-// Square of the largest distance that a point of one feature moves against the other.
+// Square of the largest distance by which a point of one feature moves relative to the other.
 fn approach_squared(moves: array<vec3<f32>, 4>) -> f32 {
     var most = 0.0;
     for (var i = 0u; i < 2u; i++) {
@@ -47,7 +47,7 @@ fn radius(radii: vec4<f32>) -> f32 {
     return max(radii.x, radii.y) + max(radii.z, radii.w);
 }
 
-// Least distance of the two features by their boxes, m.
+// A lower bound on the distance of the features, from their boxes, m.
 fn box_distance(x: array<vec3<f32>, 4>) -> f32 {
     let gaps = max(min(x[0], x[1]) - max(x[2], x[3]), min(x[2], x[3]) - max(x[0], x[1]));
     return max(max(gaps.x, gaps.y), gaps.z);

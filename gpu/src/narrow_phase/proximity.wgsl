@@ -1,4 +1,4 @@
-// How far apart the features of each candidate are at the start of a step.
+// The distance of the features of each candidate at the start of a step.
 
 @group(0) @binding(1) var<storage, read> candidates: array<vec2<u32>>;
 // Vertices of triangles, or ends of edges.
@@ -18,7 +18,7 @@ fn write_distances(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
     let x = gather(vertices);
     let around = radius(gather_radii(vertices));
     let bound = box_distance(x) - around;
-    // Further than anyone asks: the boxes' will do.
+    // Beyond the reach the lower bound is enough.
     if bound > params.reach {
         distances[at] = bound;
     } else {

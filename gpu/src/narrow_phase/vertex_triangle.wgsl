@@ -1,4 +1,4 @@
-// What a vertex and a triangle are to the stages of the narrow phase.
+// The functions of the narrow phase that are specific to a vertex and a triangle.
 
 const FIRST: u32 = 1u;
 const IS_EDGES: bool = false;
@@ -10,7 +10,7 @@ struct Nearest {
     between: vec3<f32>,
 }
 
-// Of the vertex, then of the triangle.
+// The vertex, then the vertices of the triangle.
 fn vertices_of(candidate: vec2<u32>) -> vec4<u32> {
     let at = 3u * candidate.y;
     return vec4<u32>(candidate.x, features[at], features[at + 1u], features[at + 2u]);
@@ -24,12 +24,12 @@ fn nearest(x: array<vec3<f32>, 4>) -> Nearest {
     return Nearest(vec4<f32>(1.0, -w.x, -w.y, -w.z), -(a * w.x + b * w.y + c * w.z));
 }
 
-// Perpendicular to the triangle; for features that touch.
+// A direction perpendicular to the triangle, for features that touch.
 fn direction(x: array<vec3<f32>, 4>) -> vec3<f32> {
     return cross(x[2] - x[1], x[3] - x[1]);
 }
 
-// Square of the largest distance that a point of one feature moves against the other.
+// Square of the largest distance by which a point of one feature moves relative to the other.
 fn approach_squared(moves: array<vec3<f32>, 4>) -> f32 {
     var most = 0.0;
     for (var k = 1u; k < 4u; k++) {
@@ -44,7 +44,7 @@ fn radius(radii: vec4<f32>) -> f32 {
     return radii.x + max(max(radii.y, radii.z), radii.w);
 }
 
-// Least distance of the two features by their boxes, m.
+// A lower bound on the distance of the features, from their boxes, m.
 fn box_distance(x: array<vec3<f32>, 4>) -> f32 {
     let low = min(min(x[1], x[2]), x[3]);
     let high = max(max(x[1], x[2]), x[3]);

@@ -1,10 +1,11 @@
-// The features of pairs as candidates: vertices with triangles, and edges, the lesser first.
+// The pairs of features as candidates: a vertex and a triangle, or two edges, the smaller index first.
 
 @group(0) @binding(1) var<storage, read> triangles: array<u32>;
 @group(0) @binding(2) var<storage, read> triangle_edges: array<u32>;
 @group(0) @binding(3) var<storage, read> pairs: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> masks: array<u32>;
-// Vertices with triangles of each pair, then its edges; after the scan how many there are before.
+// Number of vertex-triangle candidates of each pair, then of edge-edge candidates of each pair; after the scan,
+// the number before.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(6) var<storage, read_write> vertex_triangle: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> edge_edge: array<vec2<u32>>;
@@ -32,7 +33,7 @@ fn write_candidates(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
     let a = pairs[pair].x;
     let b = pairs[pair].y;
     var face = counts[pair];
-    // Behind all vertices with triangles come the edges.
+    // The scan counts edge-edge candidates after all vertex-triangle candidates.
     var edge = counts[params.pairs + pair] - counts[params.pairs];
     var left = masks[pair];
     while left != 0u {

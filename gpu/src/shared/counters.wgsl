@@ -1,29 +1,29 @@
-// Words of the counters: what stages tell later ones, and the host.
+// Indices and bits of the counters, which stages write for later stages and for the host.
 
-// Bits of what did not fit.
+// Bits that say which capacities were too small.
 const STATUS: u32 = 0u;
 const GRADED: u32 = 1u;
-// Triangles of the last level.
+// Number of triangles of the last level, which has no cells.
 const SINGLE: u32 = 2u;
-// The greatest extent in each level, as bits.
+// The largest extent in each level, as bits.
 const EXTENTS: u32 = 3u;
-// Around all boxes in levels with cells, as ordered bits: three least, three greatest.
+// The box around all triangles in levels with cells, as ordered bits: the minimum, then the maximum.
 const SCENE: u32 = 11u;
 const ENTRIES: u32 = 17u;
 const PAIRS: u32 = 18u;
 const VERTEX_TRIANGLE: u32 = 19u;
 const EDGE_EDGE: u32 = 20u;
-// From metres to units: three coordinates and the scale, as bits.
+// The conversion from metres to units: the three coordinates of the origin and the scale, as bits.
 const QUANTIZATION: u32 = 21u;
-// Of the spheres: how many, the greatest square of a diagonal, the last centre on each axis.
+// The spheres: their number, the largest squared diagonal, the largest coordinate of a centre on each axis.
 const SPHERES: u32 = 25u;
-// The edge of a cell, then the bits of a key for each axis.
+// The edge length of a cell, then the bits of a key for each axis.
 const CELL_GRID: u32 = 30u;
-// The most entries of any level.
+// The largest number of entries of any level.
 const MOST_ENTRIES: u32 = 34u;
-// Contacts: vertices with triangles, and edges.
+// Number of vertex-triangle contacts, then of edge-edge contacts.
 const CONTACTS: u32 = 35u;
-// Tiles of the level, and the most of any.
+// Number of tiles of this level, and the largest number of any level.
 const TILES: u32 = 37u;
 const MOST_TILES: u32 = 38u;
 
@@ -36,14 +36,14 @@ const NO_ROOM_VERTEX_TRIANGLE: u32 = 32u;
 const NO_ROOM_EDGE_EDGE: u32 = 64u;
 const NO_ROOM_CONTACTS: u32 = 128u;
 
-// What tiles are counted without.
+// If one of these bits is set, tiles are not counted.
 const NO_ROOM_BEFORE_TILES: u32 = 3u;
-// What pairs are counted without.
+// If one of these bits is set, pairs are not counted.
 const NO_ROOM_BEFORE_PAIRS: u32 = 15u;
-// And found without.
+// If one of these bits is set, pairs are neither written nor used.
 const NO_ROOM_FOR_PAIRS: u32 = 31u;
 
-// A sum that does not wrap: what is too much for a word has no room either.
+// A sum that saturates instead of wrapping: a count that overflows a word exceeds every capacity anyway.
 fn saturated(a: u32, b: u32) -> u32 {
     return a + min(b, ~a);
 }

@@ -1,6 +1,6 @@
-// Which triangles may touch at all.
+// Tests that a pair of triangles must pass.
 
-// Whether features of two triangles may.
+// Whether features of two triangles may touch at all.
 fn may_pair(a: u32, b: u32) -> bool {
     let is_passive = vec2<bool>(a >= params.first_passive, b >= params.first_passive);
     return !all(is_passive) && (any(is_passive) || params.own_contact != 0u);

@@ -1,17 +1,17 @@
-// What every stage is told, and its own place in the work.
+// The parameters of every stage, and the index of a workgroup.
 
 struct Params {
     vertices: u32,
     triangles: u32,
     first_passive: u32,
     own_contact: u32,
-    // 1: some vertices are sewn.
+    // 1: some vertices are sewn together.
     sewn: u32,
-    // Of pairs with the last level the round, of the division how many levels are run.
+    // The level. In the brute-force level: the round. In `divide`: the number of levels that are run.
     level: u32,
-    // Of the sort: the lowest bit of this pass.
+    // In the sort: the lowest bit that this pass looks at.
     shift: u32,
-    // Of the scan: how many numbers; of the division: of the last level how many are compared.
+    // In the scan: the number of values. In `divide`: the number of triangles of the last level that are compared.
     length: u32,
     // Capacities.
     entries: u32,
@@ -30,7 +30,7 @@ struct Params {
 const GROUP: u32 = 256u;
 const ROW: u32 = 65535u;
 
-// Workgroups are folded into rows: none has more than the web allows.
+// The index of a workgroup. Workgroups are arranged in rows, because browsers limit their number per dimension.
 fn workgroup_index(group: vec3<u32>) -> u32 {
     return group.y * ROW + group.x;
 }

@@ -1,7 +1,7 @@
-// Sums of all numbers before each: of blocks, over the blocks, and back into the numbers.
+// Exclusive prefix sums: first the sum of each block, then the prefix sums of the blocks, then those of all numbers.
 
 @group(0) @binding(1) var<storage, read_write> numbers: array<u32>;
-// The sum before each block, and after the last the sum of all.
+// The sum of all numbers before each block; after the last block, the sum of all numbers.
 @group(0) @binding(2) var<storage, read_write> blocks: array<u32>;
 
 const EACH: u32 = 8u;
@@ -9,7 +9,8 @@ const BLOCK: u32 = 2048u;
 
 var<workgroup> sums: array<u32, GROUP>;
 
-// The sum of all before an invocation's own in its group; what is in `sums` last is that of all.
+// The sum over all invocations of the workgroup before this one. The last of `sums` is then the sum over the whole
+// workgroup.
 fn before(local: u32, own: u32) -> u32 {
     sums[local] = own;
     workgroupBarrier();
@@ -53,7 +54,7 @@ fn sum_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     }
 }
 
-// One group.
+// Runs as one workgroup.
 @compute @workgroup_size(256)
 fn scan_blocks(@builtin(local_invocation_index) local: u32) {
     let count = (params.length + BLOCK - 1u) / BLOCK;

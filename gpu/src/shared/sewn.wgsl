@@ -1,4 +1,4 @@
-// What is sewn to what: the start of each vertex's row, then the rows.
+// The vertices that each vertex is sewn to: the start of each vertex's row, then the rows.
 
 fn joins(a: u32, b: u32) -> bool {
     if params.sewn == 0u {

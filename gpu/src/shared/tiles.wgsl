@@ -1,14 +1,14 @@
-// The comparisons of entries in pieces of one size: a row of 64 entries, with 64 others at a time.
+// Splits the comparisons of entries into tiles of one size: a row of 64 entries with 64 others at a time.
 //
-// In a cell, own homes meet everything after them, smaller homes only own phantoms.
+// In a cell, own homes are compared with all entries after them, smaller homes only with own phantoms.
 
-// Key, object and its box in bytes, sorted by key; in a cell first own homes, then smaller ones, own
-// phantoms and smaller ones.
+// Key, object and box in bytes of each entry, sorted by key. In a cell, own homes come first, then smaller homes,
+// own phantoms and smaller phantoms.
 @group(0) @binding(1) var<storage, read> boxed: array<vec4<u32>>;
-// Tiles of each row, and after the scan how many there are before.
+// Number of tiles of each row; after the scan, the number of tiles of all rows before it.
 @group(0) @binding(2) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(3) var<storage, read> blocks: array<u32>;
-// The first entry and the first other.
+// The first entry and the first other entry of each tile.
 @group(0) @binding(4) var<storage, read_write> tiles: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read_write> counters: array<u32>;
 
@@ -19,7 +19,7 @@ fn row_count() -> u32 {
     return (params.entries + SIDE - 1u) / SIDE;
 }
 
-// The first entry from a place on that is not in the cell, or of a lesser kind.
+// The first entry from `start` on that is not in the cell or is of a lower kind.
 fn end_of(cell: u32, kind: u32, start: u32, end: u32) -> u32 {
     var low = start;
     var high = end;
@@ -35,7 +35,7 @@ fn end_of(cell: u32, kind: u32, start: u32, end: u32) -> u32 {
     return low;
 }
 
-// The first tile of a row and how many there are, to all of its group.
+// The first other entry of a row and the number of its tiles, returned to all invocations of its workgroup.
 fn span(row: u32, local: u32) -> vec2<u32> {
     if local == 0u {
         atomicStore(&first, 0xffffffffu);
@@ -65,7 +65,7 @@ fn span(row: u32, local: u32) -> vec2<u32> {
     return vec2<u32>(start, (stop - start + SIDE - 1u) / SIDE);
 }
 
-// A group a row.
+// One workgroup per row.
 @compute @workgroup_size(64)
 fn count_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let row = workgroup_index(group);

@@ -1,4 +1,4 @@
-//! Makes the npm package with its page: `cargo run -p muslin-pack [-- [--count] FOLDER]`.
+//! Builds the npm package with its page: `cargo run -p muslin-pack [-- [--count] FOLDER]`.
 #![forbid(unsafe_code)]
 
 use std::path::{Path, PathBuf};
@@ -9,21 +9,21 @@ use wasm_bindgen_cli_support::{Bindgen, Output};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Vectors are four lanes wide everywhere; a panic has nobody to tell, so that it needs neither text nor place, and
-/// nobody reads debug output; what is unrolled is twice as long and no faster; the compiler's own optimiser, asked for
-/// more than it gives by itself, saves 1.4 kB, and set-up
-/// (`small`) made for size 3 kB.
+/// Compiler flags. The module uses vectors of four lanes. Panics abort without message or location, because nobody
+/// could read them; debug output is left out for the same reason. Unrolled loops take twice the space and are not
+/// faster. A higher level of MIR optimisation saves 1.4 kB, and set-up code that is optimised for size (`small`)
+/// saves 3 kB.
 const FLAGS: &str = "--cfg=small -Ctarget-feature=+simd128 -Zunstable-options -Cpanic=immediate-abort -Zlocation-detail=none \
                      -Zmir-opt-level=3 -Zfmt-debug=none -Cllvm-args=-unroll-threshold=25";
 
-/// The standard library is built with the module: for size, and without the texts of panics. That is unstable,
+/// Flags that build the standard library with the module, for size and without panic messages. They are unstable,
 /// hence `RUSTC_BOOTSTRAP`.
 const STANDARD: [&str; 2] = ["-Zbuild-std=std,panic_abort", "-Zbuild-std-features=optimize_for_size"];
 
-/// What is bundled: its entries below `web` and in the package.
+/// Files that are bundled with their imports; the paths below `web` and in the package are equal.
 const BUNDLES: [&str; 4] = ["muslin.js", "page/page.js", "page/worker.js", "page/style.css"];
 
-/// What is taken as it is.
+/// Files that are copied unchanged: the source and the path in the package.
 const COPIED: [(&str, &str); 5] = [
     ("package.json", "package.json"),
     ("README.md", "README.md"),
@@ -37,8 +37,8 @@ fn main() -> ExitCode {
     if options.iter().any(|option| option != "--count") || folders.len() > 1 {
         println!(
             "cargo run -p muslin-pack [-- [--count] FOLDER]\n\n\
-             Makes the npm package and its page in FOLDER, host-wasm/dist unless told otherwise.\n\
-             --count  a module that counts what it asks of the allocator, for tests"
+             Makes the npm package and its page in FOLDER, host-wasm/dist by default.\n\
+             --count  a module that counts its allocations, for tests"
         );
         return ExitCode::from(2);
     }
@@ -81,7 +81,7 @@ fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
     fs::remove_file(&bound).map_err(failed(&bound))
 }
 
-/// Fetches the tools that `package-lock.json` names, where it is not older than those that are there.
+/// Installs the tools that `package-lock.json` names, unless the installed ones are newer than this file.
 fn install(own: &Path) -> Result<(), String> {
     let written = |path: &str| fs::metadata(own.join(path)).and_then(|file| file.modified()).ok();
     if written("node_modules/.package-lock.json") > written("package-lock.json") {
@@ -106,14 +106,14 @@ fn build(own: &Path, count: bool) -> Result<PathBuf, String> {
     Ok(target.join(TARGET).join("wasm/muslin_wasm.wasm"))
 }
 
-/// Writes the module as pages load it, and `muslin_wasm.js` that does.
+/// Writes the module in the form that pages load, and `muslin_wasm.js`, which loads it.
 fn bind(module: &Path, to: &Path) -> Result<(), String> {
     let failed = |why: anyhow::Error| format!("{}: {why:#}", module.display());
     let mut bindgen = Bindgen::new();
     bindgen.input_path(module).web(true).map_err(failed)?;
     bindgen.omit_default_module_path(false).typescript(false).remove_name_section(true).remove_producers_section(true);
     let mut output = bindgen.generate_output().map_err(failed)?;
-    // What the linker was told: nobody reads it.
+    // Nobody reads this section after linking.
     output.wasm_mut().customs.remove_raw("target_features");
     let names = shorten(&mut output);
     output.emit(to).map_err(failed)?;
@@ -124,8 +124,8 @@ fn bind(module: &Path, to: &Path) -> Result<(), String> {
     fs::write(&script, text).map_err(told)
 }
 
-/// What the module imports has names of fifty letters, there and in the script: two hundred of them; closures that
-/// it exports have longer ones. Gives them short ones in the module, and tells what of the script to replace.
+/// Shortens the names of imports and exports in the module, and returns the replacements for the script. The two
+/// hundred imports have names of fifty letters, in the module and in the script; exported closures have longer ones.
 fn shorten(output: &mut Output) -> Vec<(String, String)> {
     let module = output.wasm_mut();
     let imports = module.imports.iter_mut().filter(|import| import.name.starts_with("__wb"));
@@ -143,7 +143,7 @@ fn shorten(output: &mut Output) -> Vec<(String, String)> {
     imports.chain(exports).collect()
 }
 
-/// One file of an entry and all that it imports, but for the package itself where a page asks for it.
+/// Bundles a file and all its imports into one file. A page's import of the package itself stays an import.
 fn bundle(own: &Path, entry: &Path, to: &Path) -> Result<(), String> {
     let mut esbuild = Command::new(own.join("node_modules/.bin/esbuild"));
     esbuild

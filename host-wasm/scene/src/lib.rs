@@ -1,6 +1,6 @@
-//! Scenes as JavaScript has them: objects, arrays, numbers, words.
+//! Reads scenes from JavaScript values: objects, arrays, numbers, strings.
 //!
-//! `serde-wasm-bindgen` would pass over keys that nobody knows; a scene with one is refused here, as everywhere.
+//! `serde-wasm-bindgen` would ignore unknown keys. Here an unknown key is an error, as in every scene.
 
 #[path = "../../../host-cli/src/scene_file/hint.rs"]
 mod hint;
@@ -12,7 +12,7 @@ use serde::de::{Deserialize, VariantAccess};
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error as _, MapAccess, SeqAccess, Unexpected, Visitor};
 use wasm_bindgen::{JsCast, JsValue};
 
-/// What is wrong, and the keys that lead to it, the last first.
+/// The error message, and the keys on the path to the wrong value, the innermost first.
 #[derive(Debug)]
 struct Error {
     why: String,
@@ -40,14 +40,14 @@ impl serde::de::Error for Error {
     }
 }
 
-/// Reads a scene.
+/// Reads a scene. The error message names the path to the wrong value.
 pub fn read(scene: JsValue) -> Result<SceneDesc, String> {
     SceneDesc::deserialize(Value(scene)).map_err(|error| explain(&error))
 }
 
-/// The message where it belongs, with the nearest known key where one is unknown.
+/// The error message with its path and, for an unknown key, the most similar known key.
 fn explain(error: &Error) -> String {
-    // The names of Rust types mean nothing to who writes a scene.
+    // Authors of scenes do not know the names of Rust types.
     let why = match error.why.split_once("expected struct ") {
         Some((before, _)) => format!("{before}expected a section of keys"),
         None => error.why.replace(", expected f64", ", expected a number"),
@@ -61,18 +61,18 @@ fn explain(error: &Error) -> String {
 struct Value(JsValue);
 
 impl Value {
-    /// A list of a scene is an array here, or an array of numbers of one type.
+    /// The value as a list, if it is an array.
     fn list(&self) -> Option<Array> {
         self.0.dyn_ref::<Array>().cloned()
     }
 
     fn section(&self) -> Option<Array> {
-        // What a parser made may have no prototype, and is no instance of anything.
+        // Objects from a parser may have no prototype, so `instanceof` does not work.
         (self.0.is_object() && !self.0.is_array()).then(|| Object::entries(self.0.unchecked_ref()))
     }
 
     fn is_not<'de, V: Visitor<'de>>(&self, visitor: &V) -> Error {
-        // Its own words: those for strings are debug output, which the module is built without.
+        // Strings are formatted here, because serde uses debug output for them, which the module is built without.
         let text = self.0.as_string().map(|text| format!("string \"{text}\""));
         let unexpected = match (&text, self.0.as_f64(), self.0.as_bool()) {
             (Some(text), ..) => Unexpected::Other(text),
@@ -94,13 +94,13 @@ macro_rules! wholes {
     ($($name:ident $visit:ident $type:ty),*) => {
         $(fn $name<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
             let number = self.whole(&visitor)?;
-            // What is below nothing is refused by who asks for a count.
+            // A negative number goes to `visit_i64`, so that a visitor for a count rejects it.
             if number < 0.0 { visitor.visit_i64(number as i64) } else { visitor.$visit(number as $type) }
         })*
     };
 }
 
-// Each asks its visitor for one thing, so that only that is compiled.
+// Each typed method calls one method of its visitor, so that only this one is compiled.
 impl<'de> Deserializer<'de> for Value {
     type Error = Error;
 
@@ -245,7 +245,7 @@ impl<'de> MapAccess<'de> for Entries {
     type Error = Error;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Error> {
-        // A key without a value is as good as none.
+        // A key whose value is undefined is skipped.
         let entry = loop {
             if self.next == self.items.length() {
                 return Ok(None);

@@ -1,9 +1,9 @@
-// What is in view as the page's address: the scene's name, other values at its keys, what is shown.
+// The page's address: it stores the name of the scene, the changed values by key, and the display options.
 
-/** What is shown, in words; all other names are keys of the scene. */
+/** The names of the display options. All other names are keys of the scene. */
 const SHOWN = ["material", "detail", "strain", "compare", "text", "draw"];
 
-/** {scene, changes: {key: value}, shown: {name: text}} of the address. */
+/** Reads {scene, changes: {key: value}, shown: {name: text}} from the address. */
 export function read() {
   const changes = {};
   const shown = {};
@@ -16,7 +16,7 @@ export function read() {
   return { scene, changes, shown };
 }
 
-/** As it was written, or a word that somebody typed. */
+/** The value as `write` stored it, or the text itself if somebody typed a word. */
 function valued(text) {
   try {
     return text === "none" ? undefined : JSON.parse(text);

@@ -1,10 +1,10 @@
-// Bodies as triangles: three coordinates a corner and its normal, anew when they have moved.
+// Colliders as triangles: the position and the normal of each corner. They are computed again when a collider moves.
 
 import { add, cross, sub, unit } from "./vector.js";
 
 const AROUND = 32;
 const RINGS = 16;
-const FLOOR = 4; // m, half of what is drawn of a plane
+const FLOOR = 4; // m, half the edge of the square that is drawn of a plane
 
 const across = (n) => unit(cross(n, Math.abs(n[1]) < 0.9 ? [0, 1, 0] : [1, 0, 0]));
 
@@ -12,7 +12,7 @@ const point = (points, k) => Array.from(points.subarray(3 * k, 3 * k + 3));
 
 let last = { bodies: [], corners: new Float32Array() };
 
-/** Corners of all bodies: [position, normal] after one another, six numbers each. */
+/** The corners of the triangles of all bodies: position and normal, six numbers each. */
 export function corners(bodies) {
   const rest = (body, k) => body.points.every((x, i) => x === last.bodies[k].points[i]);
   if (bodies.length !== last.bodies.length || !bodies.every(rest)) last = { bodies, corners: made(bodies) };
@@ -36,7 +36,7 @@ function round({ points, radius }, put) {
   const x = across(axis);
   const z = cross(axis, x);
   const at = (ring, place) => {
-    // Two rings are at the middle: the straight part of a capsule lies between them.
+    // Two rings lie in the middle: the straight part of a capsule is between them.
     const half = Math.min(ring, RINGS - 1 - ring) / (RINGS / 2 - 1);
     const [polar, turn] = [(half * Math.PI) / 2, (place / AROUND) * 2 * Math.PI];
     const up = Math.cos(polar) * (ring < RINGS / 2 ? 1 : -1);
@@ -52,7 +52,7 @@ function round({ points, radius }, put) {
   }
 }
 
-// Corner k lies beyond the centre along those axes whose bit k has.
+// The corners of each face of a box. Corner k is on the positive side of every axis whose bit is set in k.
 const FACES = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
 
 const shapes = {

@@ -1,15 +1,15 @@
-// Where the page looks from: turned about a point, in matrices by columns.
+// The camera. It orbits a point; its matrices are stored by columns.
 
 import { cross, dot, sub, unit } from "./vector.js";
 
-const OPENING = 0.7; // rad, of the shorter side
+const OPENING = 0.7; // rad, field of view of the shorter side
 
 export class Camera {
   constructor() {
     Object.assign(this, { yaw: 0.6, pitch: 0.25, distance: 3, centre: [0, 0.5, 0], size: [1, 1] });
   }
 
-  /** Looks at all of these positions. */
+  /** Moves the camera so that all positions are in view. */
   frame(positions) {
     const low = [Infinity, Infinity, Infinity];
     const high = low.map((x) => -x);
@@ -17,7 +17,7 @@ export class Camera {
       low[k % 3] = Math.min(low[k % 3], x);
       high[k % 3] = Math.max(high[k % 3], x);
     });
-    // Down to the floor: that is where cloth goes.
+    // Include the space below, down to the floor or 1 m, because cloth falls.
     low[1] = Math.min(low[1], Math.max(0, low[1] - 1));
     this.centre = low.map((x, k) => (x + high[k]) / 2);
     this.distance = 1.5 * Math.hypot(...sub(high, low)) + 0.1;
@@ -43,7 +43,7 @@ export class Camera {
     return this.centre.map((x, k) => x + this.distance * this.axes[2][k]);
   }
 
-  /** From the world to clips of depth 0 to 1, or -1 to 1. */
+  /** The matrix from world to clip space, with depths from 0 to 1 if `fromZero`, otherwise from -1 to 1. */
   matrix(fromZero) {
     const [width, height] = this.size;
     const focus = 1 / Math.tan(OPENING / 2) / Math.max(1, height / width);
@@ -64,7 +64,7 @@ export class Camera {
     return out;
   }
 
-  /** Pixels from the left and from the top, and how far before the eye. */
+  /** The position of a point on the screen, in pixels from the left and the top, and its depth in front of the eye. */
   project(matrix, [x, y, z]) {
     const at = (row) => matrix[row] * x + matrix[4 + row] * y + matrix[8 + row] * z + matrix[12 + row];
     const w = at(3);
@@ -79,7 +79,7 @@ export class Camera {
     for (let v = 0; v < positions.length / 3; v++) {
       const [px, py, depth] = this.project(matrix, positions.subarray(3 * v, 3 * v + 3));
       const off = Math.hypot(px - x, py - y);
-      // Of what lies about as near to the pixel, what is before the rest.
+      // Among vertices at about the same distance from the pixel, the one in front is chosen.
       if (depth > 0 && (off < least - 8 || (off < least + 8 && off < within && depth < nearest))) {
         [best, least, nearest] = [v, Math.min(off, least), depth];
       }
@@ -87,7 +87,7 @@ export class Camera {
     return best;
   }
 
-  /** What a way over the screen, in pixels, is at a place: parallel to the screen, m. */
+  /** A place, m, after a move parallel to the screen by a number of pixels. */
   moved(place, x, y) {
     const [right, up, back] = this.axes;
     const depth = dot(back, sub(this.eye, place));

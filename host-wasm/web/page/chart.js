@@ -1,11 +1,11 @@
-// Speed against accuracy of the scene in view, drawn while a worker measures.
+// The chart of speed against accuracy for the current scene. It is drawn while a worker measures.
 
 import { length } from "./error.js";
 
 const COLOURS = ["#c33", "#e80", "#a70", "#380", "#07a", "#44c", "#a3a"];
 const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [360, 300, 56, 38, 10];
 
-/** Measures in a worker and draws into a figure; a function that gives it up. */
+/** Measures in a worker and draws into a figure. Returns a function that ends it. */
 export function chart(figure, scene, seconds, over) {
   const state = { name: scene.name, points: [], doing: "", failed: [] };
   const worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
@@ -34,9 +34,9 @@ export function chart(figure, scene, seconds, over) {
 const escaped = (text) => text.replace(/[<&]/g, (letter) => (letter === "<" ? "&lt;" : "&amp;"));
 const powers = (values) => [Math.floor(Math.log10(Math.min(...values))), Math.ceil(Math.log10(Math.max(...values)))];
 
-/** What is known so far, as markup; `why` it went no farther. */
+/** The results up to now, as markup. `why` is the reason for which the measurement failed. */
 export function drawn({ name = "untitled", points, doing, failed, until, reference, done, why }) {
-  // Clocks of browsers are coarse: what took no time cannot be drawn.
+  // The clocks of browsers are coarse: a run that took 0 ms cannot be drawn on a logarithmic axis.
   const seen = points.filter(({ error, ms }) => error > 0 && ms > 0);
   const now = done ? escaped(why ?? "") : `${escaped(doing || "Measuring")} …`;
   if (seen.length === 0) return `<figcaption>${now || "Nothing was measured that could be drawn."}</figcaption>`;

@@ -1,4 +1,4 @@
-// Pictures by WebGL2, where there is no WebGPU.
+// Draws with WebGL2, if there is no WebGPU.
 
 const CLOTH = `#version 300 es
 layout(location=0) in vec3 place; layout(location=1) in vec3 normal; layout(location=2) in float strain;
@@ -17,7 +17,7 @@ void main() {
   seen = vec4(colour * (.35 + .5 * max(dot(m, normalize(vec3(.4, .9, .5))), 0.) + .2 * max(dot(m, eye), 0.)), 1.);
 }`;
 
-/** Draws on a canvas; undefined where WebGL2 is not to be had. `lost` is called when the context goes. */
+/** A renderer for a canvas, or undefined if WebGL2 is not available. `lost` is called when the context is lost. */
 export function webgl(canvas, lost) {
   const gl = canvas.getContext("webgl2", { antialias: true });
   if (!gl) return undefined;

@@ -1,6 +1,6 @@
-// Pictures by WebGPU.
+// Draws with WebGPU.
 
-// `look`: the eye, and at how much strain the colours end, none for 0.
+// `look`: the position of the eye, and the strain at which the colours saturate; 0 draws no strain.
 const CODE = `
 struct Look { matrix: mat4x4f, look: vec4f }
 @group(0) @binding(0) var<uniform> u: Look;
@@ -23,7 +23,7 @@ struct Seen { @builtin(position) clip: vec4f, @location(0) place: vec3f, @locati
 
 const SAMPLES = 4;
 
-/** Draws on a canvas; undefined where WebGPU is not to be had. `lost` is called when the device goes. */
+/** A renderer for a canvas, or undefined if WebGPU is not available. `lost` is called when the device is lost. */
 export async function webgpu(canvas, lost) {
   const adapter = await navigator.gpu?.requestAdapter();
   const device = await adapter?.requestDevice();
@@ -48,7 +48,7 @@ export async function webgpu(canvas, lost) {
     pipeline("cloth", columns),
     pipeline("body", [{ arrayStride: 24, attributes: [three(0), three(1, 12)] }]),
   ]);
-  // Last: a canvas that has one kind of context gets no other.
+  // This comes last, because a canvas that has one kind of context cannot get another.
   const context = canvas.getContext("webgpu");
   if (!context) return undefined;
   context.configure({ device, format, alphaMode: "opaque" });
@@ -80,7 +80,7 @@ export async function webgpu(canvas, lost) {
   let indices = 0;
   return {
     name: "WebGPU",
-    // For who wants to see what happens when it is lost: that a driver gives it up cannot be ordered.
+    // Lets a test lose the device, because a real loss cannot be forced.
     lose: () => device.destroy(),
     triangles(list) {
       indices = list.length;

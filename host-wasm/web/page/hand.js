@@ -1,10 +1,10 @@
-// The hand of who looks: takes hold of vertices, moves them, pins them, turns the view.
+// The user's hand: grabs vertices, moves and pins them, and turns the view.
 
-/** px within which a vertex is taken. */
+/** Distance within which a vertex is grabbed, px. */
 const REACH = 40;
-/** m/s: what goes faster is no hand. */
+/** Highest speed of the grabbed vertex, m/s. */
 const FASTEST = 4;
-const KEY = 0.02; // of the distance, m a press
+const KEY = 0.02; // move per key press, as a fraction of the height of the view
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 export class Hand {
@@ -13,12 +13,15 @@ export class Hand {
   #cloth;
   #pointers = new Map();
   #held;
-  /** What the last press took, and whether it was pinned before: by its second click it is led, hence held. */
+  /**
+   * The vertex that the last press grabbed, and whether it was pinned before. During a double click the grab itself
+   * holds the vertex, so that an earlier pin could no longer be recognised.
+   */
   #pressed;
-  /** What the hand let go last: it may be seen as pinned until the next step. */
+  /** The vertex that the hand released last. Until the next step it may still be listed as pinned. */
   #free;
 
-  /** `cloth` gives {positions, pins, moveTo, release} of what is in view. */
+  /** `cloth` provides {positions, pins, moveTo, release} of the current cloth. */
   constructor(canvas, camera, cloth) {
     this.#canvas = canvas;
     this.#camera = camera;
@@ -33,7 +36,7 @@ export class Hand {
     });
   }
 
-  /** Nothing is held any more: another cloth is in view. */
+  /** Forgets the grabbed vertex, because another cloth is in view. */
   drop() {
     this.#held = this.#pressed = this.#free = undefined;
     this.#pointers.clear();
@@ -110,7 +113,7 @@ export class Hand {
     if (this.#pointers.delete(event.pointerId) && this.#pointers.size === 0 && this.#held) this.#let_go();
   }
 
-  /** Pins what is held or at the middle, or lets it go where it is pinned. */
+  /** Pins the grabbed vertex, or else the vertex in the middle. If it is pinned, its pin is removed. */
   pin() {
     if (this.#held) {
       this.#held.pinned = !this.#held.pinned;
@@ -121,7 +124,7 @@ export class Hand {
     if (vertex !== undefined) this.#toggle({ vertex, pinned: this.#pinned(vertex) });
   }
 
-  /** Whether a key was meant for the hand. */
+  /** Handles a key. Returns false if the key is not for the hand. */
   key(key) {
     if (key === "g") {
       if (this.#held) this.#let_go();
@@ -136,7 +139,7 @@ export class Hand {
     return true;
   }
 
-  /** Leads what is held, for so many simulated seconds from now on. */
+  /** Moves the grabbed vertex towards its target within the next `seconds` of simulated time. */
   moveTo(seconds, moveTo) {
     if (!this.#held) return;
     const { at, to, vertex } = this.#held;

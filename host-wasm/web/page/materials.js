@@ -1,5 +1,6 @@
-// Cloths in plain words: mass, kg/m²; stiffness against stretch and shear, N/m; flexural rigidity, N m. Orders of
-// magnitude of such cloths, not of a certain one: stretch is softer than measured, as is usual, for larger steps.
+// Materials: density, kg/m²; stiffness against stretch and shear, N/m; flexural rigidity, N m. The values are orders
+// of magnitude for such cloths, not measurements of one. Stretch is softer than measured, as is usual, so that steps
+// can be larger.
 
 const of = (density, stretch, shear, rigidity) => ({
   "cloth.density": density,

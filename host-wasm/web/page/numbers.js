@@ -1,4 +1,4 @@
-// What is measured of the run in view, as a list.
+// The list of measurements of the current run.
 
 import { length } from "./error.js";
 
@@ -14,7 +14,7 @@ export class Numbers {
     this.#list = list;
   }
 
-  /** Steps and contacts between the last two lists of this cloth that differed; another step counts anew. */
+  /** Steps and contacts between the last two shown states. They start over with another cloth or a longer step. */
   #since(cloth, contacts) {
     const before = this.#before;
     if (before.cloth !== cloth || cloth.steps < before.steps) {

@@ -1,4 +1,4 @@
-// The page: what is chosen becomes a scene with changes, the run does it, the address keeps it.
+// The page: its controls change the scene, the run simulates it, and the address stores it.
 
 import { load, scene as read, scenes, source, windy } from "../muslin.js";
 import * as address from "./address.js";
@@ -11,7 +11,7 @@ import { Numbers } from "./numbers.js";
 import { Picture } from "./picture.js";
 import { Run } from "./run.js";
 
-/** Terms by name: their key, and what they are where a scene has none. */
+/** The terms by name: the key, and the value to use if the scene does not have the term. */
 const TERMS = {
   shear: ["cloth.shear", { stiffness: 200 }],
   bend: ["cloth.bend", { model: "hinge", rigidity: 1e-5, damping: 0.001 }],
@@ -19,18 +19,18 @@ const TERMS = {
   "own contact": ["contact.self", true],
   friction: ["contact.friction", 0.3],
 };
-/** Simulated seconds that the chart measures. */
+/** Simulated time that the chart measures, s. */
 const CHARTED = 0.5;
 
 const el = (id) => document.getElementById(id);
 const list = (id, names) => el(id).append(...names.map((name) => new Option(name, name)));
 
-/** The name of a scene that was typed in. */
+/** The name of a scene that the user typed in. */
 const OWN = "own";
 const DETAILS = ["quick", "as in the scene"];
 
 const state = { scene: "ball", changes: {}, shown: {} };
-/** The text that was typed in last. */
+/** The text of the scene that the user typed in last. */
 let own;
 let base;
 let run;
@@ -56,12 +56,12 @@ const hand = new Hand(pad, camera, {
 });
 const numbers = new Numbers(el("numbers"));
 
-/** What a key of the scene in view is now. */
+/** The value of a key in a scene; for a list, of its first item. */
 function valueAt(scene, key) {
   return key.split(".").reduce((owner, part) => (Array.isArray(owner) ? owner[0] : owner)?.[part], scene);
 }
 
-/** What makes a scene quick: half of the cells each way, and a solver that stops early; the error tells its price. */
+/** Makes a scene quick: half of the cells in each direction, a solver that stops early. The page shows the error. */
 function quick(scene) {
   const changes = { "integrator.tolerance": 0.01 };
   const halved = (count) => (count > 5 ? Math.ceil(count / 2) : count);
@@ -74,7 +74,7 @@ function quick(scene) {
   return changes;
 }
 
-/** Puts the controls where the scene is. */
+/** Sets the controls to the values of the scene. */
 function show() {
   const { scene } = run.cloth;
   if (state.scene === OWN && !el("scene").querySelector(`[value=${OWN}]`)) list("scene", [OWN]);
@@ -97,7 +97,7 @@ function show() {
   address.write(state);
 }
 
-/** The latest values last, and none for a key inside another that is set anew. */
+/** Stores changes, the latest ones last. A new value for a key removes older values for keys inside it. */
 function keep(changes) {
   for (const [key, value] of Object.entries(changes)) {
     for (const old of Object.keys(state.changes)) {
@@ -107,7 +107,7 @@ function keep(changes) {
   }
 }
 
-/** Other values; where one is refused all is as before, the controls too. */
+/** Changes values. If one is refused, the scene and the controls stay as before. */
 function change(changes) {
   attempt(() => {
     run.set(changes);
@@ -117,7 +117,7 @@ function change(changes) {
   });
 }
 
-/** Begins with a scene, of the built-in ones or of a text. */
+/** Starts a built-in scene, or a scene from a text. */
 function open(name, text = name) {
   const scene = read(text);
   const changes = { ...(state.shown.detail ? {} : quick(scene)), ...state.changes };
@@ -127,7 +127,7 @@ function open(name, text = name) {
   state.scene = name;
   hand.drop();
   camera.frame(run.positions());
-  // A text of one's own is part of the address.
+  // The text of a scene that the user typed in is part of the address.
   if (name === OWN) state.shown.text = own = text;
   else delete state.shown.text;
   el("text").value = source(text) ?? text;
@@ -136,7 +136,7 @@ function open(name, text = name) {
   if (el("device").checked) device();
 }
 
-/** The same, where a mistake is no more than said; the cloth in view stays. */
+/** Runs an action between steps. An error is shown, and the state and the cloth stay as before. */
 function attempt(what) {
   run.ask(() => {
     const before = { ...state, changes: { ...state.changes }, shown: { ...state.shown } };
@@ -176,7 +176,7 @@ function wind(speed) {
   change({ "drag.wind": windy(scene, velocity) });
 }
 
-/** Asks the GPU from the next step on, where it is to, and where there is anything to detect. */
+/** From the next step on, detects on the GPU if this is chosen and the scene has contact. */
 function device() {
   run.ask(async () => {
     await run.detect(el("device").checked && run.cloth.scene.contact !== undefined).catch((error) => {
@@ -263,7 +263,7 @@ function listen() {
   });
 }
 
-/** Terms as boxes. */
+/** Creates a checkbox for each term. */
 function terms() {
   for (const [name, [key, fallback]] of Object.entries(TERMS)) {
     const label = document.createElement("label");
@@ -277,7 +277,7 @@ function terms() {
   }
 }
 
-/** Whether there is a GPU, and whether it is worth asking: a processor that plays one is slower than ours. */
+/** Whether there is a GPU, and whether it is worth using: software that emulates one is slower than the processor. */
 async function offered() {
   const adapter = await navigator.gpu?.requestAdapter();
   const software = adapter?.info?.isFallbackAdapter || /swiftshader|llvmpipe/i.test(`${adapter?.info?.architecture} ${adapter?.info?.description}`);
@@ -320,7 +320,7 @@ async function start() {
   };
   requestAnimationFrame(frame);
   setInterval(() => {
-    // What diverges stops by itself.
+    // A run that diverges pauses itself; this updates the button.
     pause();
     run.cloth.busy || numbers.show(run);
   }, 250);
@@ -333,6 +333,6 @@ async function start() {
   }
 }
 
-// For tests and the curious.
+// For tests, and for users of the console.
 window.muslin = { camera, picture, run: () => run, firstFrame: () => firstFrame };
 start().catch((error) => say(error.message, true));

@@ -1,13 +1,13 @@
-// The canvas, whichever way it is drawn.
+// The canvas, drawn with WebGPU or WebGL2.
 
 import { corners } from "./bodies.js";
 import { webgl } from "./draw_webgl.js";
 import { webgpu } from "./draw_webgpu.js";
 
 const DARK = matchMedia("(prefers-color-scheme: dark)");
-/** Strain at which the colours end. */
+/** Strain at which the colours saturate. */
 const STRAINED = 0.05;
-/** What shaders take for a pin, and draw dark. */
+/** A strain that marks a pinned vertex. The shaders draw it dark. */
 const PINNED = 1e9;
 
 export class Picture {
@@ -16,7 +16,7 @@ export class Picture {
   #only;
   #say;
 
-  /** `only`: "webgl" for the fallback; `say` is told when a renderer is lost. */
+  /** `only`: "webgl" forces the fallback. `say` shows a message when a renderer is lost. */
   constructor(canvas, camera, only, say) {
     Object.assign(this, { canvas, camera, strain: false });
     this.#only = only;
@@ -42,7 +42,7 @@ export class Picture {
     if (this.#triangles) this.#renderer.triangles(this.#triangles);
   }
 
-  // A canvas serves one kind of context for life, and a lost one serves none.
+  // Makes a new canvas, because a canvas supports only one kind of context and is useless once that is lost.
   async #replace(why) {
     this.#renderer = undefined;
     const fresh = document.createElement("canvas");

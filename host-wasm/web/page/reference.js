@@ -1,14 +1,15 @@
-// The error of the run in view, live: a worker takes the same scene in shorter steps, and is told of every hand.
+// The current error of the run: a worker simulates the same scene with shorter steps, and repeats every action of
+// the user.
 
 import { rms } from "./error.js";
 
-/** Pictures that wait for the reference; those after them are passed over until there is room. */
+/** Most frames that wait for the reference. Further frames are skipped until fewer wait. */
 const MOST = 8;
 
 export class Reference {
   #worker;
   #waiting = new Map();
-  /** {time, error}, s and m, of the last picture that the reference has reached. */
+  /** {time, error}, s and m, of the last frame that the reference has reached. */
   last;
   /** The reason why there is no reference. */
   why;
@@ -20,12 +21,12 @@ export class Reference {
     this.tell({ ask: "start", scene, step });
   }
 
-  /** Lets it go on to the page's time, and do there what the page did. */
+  /** Sends an action to the worker, which advances the reference to the page's time and repeats the action there. */
   tell(what) {
     if (this.why === undefined) this.#worker.postMessage(what);
   }
 
-  /** The page's run is at this time, with these positions. */
+  /** Reports that the page's run has reached this time with these positions. */
   reached(time, positions) {
     if (this.why !== undefined || this.#waiting.size >= MOST) return;
     this.#waiting.set(time, positions.slice());

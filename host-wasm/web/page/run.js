@@ -1,11 +1,11 @@
-// The cloth in view and its time: requests wait until no step is running.
+// The current cloth and its time. Requests wait until no step is running.
 
 import { Cloth, changed } from "../muslin.js";
 import { Reference } from "./reference.js";
 
-/** s of the clock that a picture may stand for: after a stall or behind another tab the cloth goes on, not after. */
+/** Longest time that one frame may advance, s. After a stall or behind another tab the cloth does not catch up. */
 const LONGEST = 1 / 15;
-/** ms of steps before the next picture. */
+/** Time for steps before the next frame is drawn, ms. */
 const BUDGET = 24;
 
 export class Run {
@@ -15,7 +15,7 @@ export class Run {
   /** Whether a reference follows the run from its start on. */
   comparing = false;
   paused = false;
-  /** Simulated over real time. */
+  /** Simulated time over real time. */
   speed = 1;
 
   constructor(scene, changes, picture, hand, say) {
@@ -23,7 +23,7 @@ export class Run {
     this.open(scene, changes);
   }
 
-  /** Starts a scene, another or the same. Throws if it is no valid scene. */
+  /** Starts a scene, a new one or the same again. Throws if the scene is not valid. */
   open(scene, changes) {
     const cloth = new Cloth(changed(scene, changes));
     const last = this.cloth;
@@ -32,19 +32,19 @@ export class Run {
     try {
       last?.free();
     } catch {
-      // What broke off inside cannot be given back.
+      // A cloth that failed inside the module cannot be freed.
     }
     this.picture.triangles(cloth.triangles());
     this.#look();
     this.compare(this.comparing);
   }
 
-  /** Does something between steps. */
+  /** Queues an action that runs between steps. */
   ask(what) {
     this.#todo.push(what);
   }
 
-  // What the hand needs.
+  // The interface for the hand.
   positions = () => this.view.positions;
   pins = () => this.view.pins;
   moveTo = (...given) => this.ask(() => this.#moveTo(...given));
@@ -59,7 +59,7 @@ export class Run {
     this.reference?.tell({ ask: "moveTo", vertex, place, seconds, time: this.cloth.time });
   };
 
-  /** Between steps: other values at keys of the scene. */
+  /** Changes values at keys of the scene. Call it between steps. */
   set(changes) {
     const before = this.cloth.time;
     this.cloth.set(changes);
@@ -67,22 +67,22 @@ export class Run {
     this.reference?.tell({ ask: "change", changes, step, time: before, after, tolerance: scene.integrator.tolerance });
   }
 
-  /** Follows the run with a reference from its next start on, or from now where it has not begun. */
+  /** Switches the reference on or off. It starts now if no step was taken, otherwise at the next start of the run. */
   compare(whether) {
     this.comparing = whether;
     this.reference?.end();
     this.reference = whether && this.cloth.steps === 0 ? new Reference(this.cloth.scene, this.cloth.stepLength) : undefined;
   }
 
-  /** Between steps: detects on the GPU from now on, or no more. */
+  /** Switches detection on the GPU on or off. Call it between steps. */
   async detect(whether) {
     this.device = whether ? await this.cloth.openDevice() : undefined;
   }
 
   #look() {
     const { cloth } = this;
-    // What makes copies comes first: it may move the memory that the others are views of. With a device a step may
-    // be under way while they are looked at.
+    // The calls that make copies come first, because they may move the memory that the other columns are views of.
+    // With a device, columns are copied, because a step may be running while they are used.
     const view = { bodies: cloth.bodies(), pins: Array.from(cloth.pins()) };
     const kept = (column) => (this.device ? column.slice() : column);
     for (const name of ["positions", "normals", "strains"]) view[name] = kept(cloth[name]());
@@ -113,7 +113,7 @@ export class Run {
     return taken * cloth.stepLength;
   }
 
-  /** Goes on by one step, paused or not. */
+  /** Takes one step at the next frame, paused or not. */
   one() {
     this.#ones += 1;
   }
@@ -130,14 +130,14 @@ export class Run {
     }
   }
 
-  /** A picture's worth of time. */
+  /** Advances by the time of one frame, s, and draws. */
   async tick(seconds) {
     await this.#drain();
     for (; this.#ones > 0; this.#ones--) await this.#advance(this.cloth.stepLength);
     if (!this.paused) {
       this.#due = Math.min(this.#due + Math.min(seconds, LONGEST), Math.max(LONGEST, this.cloth.stepLength));
       const passed = await this.#advance(this.#due);
-      // What there was no time for is not made up for.
+      // Time that the budget did not suffice for is dropped, except for at most one step.
       this.#due = passed > 0 ? Math.max(0, Math.min(this.#due - passed, this.cloth.stepLength)) : this.#due;
       this.speed += 0.05 * (passed / Math.max(seconds, 1e-3) - this.speed);
     }

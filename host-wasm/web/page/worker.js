@@ -1,35 +1,35 @@
-// What would make the page stand still: a reference run that follows the page's, and runs for the chart.
+// Work that would block the page: a reference that follows the page's run, and the runs for the chart.
 
 import { Cloth, changed, load } from "../muslin.js";
 import { rms } from "./error.js";
 import { METHODS } from "./methods.js";
 
-/** The reference takes so many steps where the page takes one. */
+/** Steps of the reference per step of the page. */
 const FINER = 4;
-/** Its solver goes on for so much longer, to what single precision can tell. */
+/** Tolerance of the reference's solver: a factor of the page's tolerance, and the limit of single precision. */
 const SHARPER = 0.01;
 const SHARPEST = 1e-5;
 
 let reference;
-/** The page's time less the reference's, s: another step moves both clocks to whole ones of their own. */
+/** The page's time minus the reference's, s. A change of the step rounds each clock to whole steps of its own. */
 let ahead = 0;
 
-/** What makes a run the reference of one with this step and tolerance. */
+/** Changes that make a run the reference of a run with this step and tolerance. */
 const finer = (step, tolerance = 1e-4, by) => ({
-  // A hair more, so that single precision makes no further step of it.
+  // Slightly longer, so that rounding to single precision does not add a step.
   "integrator.step": (step / by) * (1 + 1e-6),
   "integrator.tolerance": Math.min(tolerance, Math.max(SHARPEST, SHARPER * tolerance)),
 });
 const reference_of = (scene, step, by) => changed(scene, finer(step, scene.integrator.tolerance, by));
 
 const asks = {
-  // Its step divides the other's, which is not the scene's own where that divides no picture.
+  // The reference's step divides the page's step. This is not the scene's step if that does not divide a frame.
   start({ scene, step }) {
     reference?.free();
     reference = new Cloth(reference_of(scene, step, FINER));
     ahead = 0;
   },
-  // All happens at the page's time.
+  // These actions happen at the page's time.
   change({ changes, step, tolerance, time, after }) {
     go_on(time);
     reference.set({ ...changes, ...finer(step, tolerance, FINER) });
@@ -58,7 +58,7 @@ function go_on(time) {
   reference.step(Math.max(0, Math.round((time - ahead - reference.time) / reference.stepLength)));
 }
 
-/** Positions after so many seconds, and what they cost, ms. */
+/** Positions after `seconds`, the time of the computation, ms, and the step, s. */
 function ran(scene, seconds) {
   const cloth = new Cloth(scene);
   try {
@@ -74,17 +74,17 @@ function ran(scene, seconds) {
 
 function chart(scene, seconds) {
   const { step } = scene.integrator;
-  // Of second order, where contact does not make all methods of first.
+  // A method of second order, unless contact reduces all methods to first order.
   const method = scene.contact ? "backward-euler" : "bdf2";
   const best = changed(scene, { "integrator.method": method });
-  // Steps divide a picture's time: all end together after whole ones.
+  // Steps divide the time of a frame: after whole frames all runs end at the same time.
   const until = Math.max(1, Math.round(seconds * scene.frame_rate)) / scene.frame_rate;
   const tell = (what) => postMessage({ kind: "chart", until, ...what });
   tell({ doing: `the reference: ${method} in steps of ${((1000 * step) / TRUTH).toPrecision(3)} ms` });
   const truth = ran(reference_of(best, step, TRUTH), until).positions;
   const own = rms(ran(reference_of(best, step, TRUTH / 2), until).positions, truth);
   tell({ reference: own });
-  // Of steps that come to the same number in a picture, one is enough.
+  // Of step lengths that give the same number of steps per frame, one is tried.
   const steps_of = (coarser) => Math.max(1, Math.ceil(1 / (step * coarser * scene.frame_rate) - 1e-9));
   const tried = [...new Set(COARSER.map(steps_of))].map((count) => 1 / scene.frame_rate / count);
   for (const method of METHODS) {
