@@ -1,7 +1,7 @@
-//! A step allocates nothing: everything is sized when a scene is built, and within the bounds that
-//! the manual states.
+//! A step allocates nothing: all columns are allocated when a scene is built, and their size is within the
+//! bounds that the manual states.
 //!
-//! Run with `cargo test -p muslin-tests --test allocation`.
+//! Run: `cargo test -p muslin-tests --test allocation`.
 
 use harness::steps::Steps;
 use muslin_core::integrate::{Method, Preconditioner};
@@ -91,7 +91,7 @@ normal = [0.0, 1.0, 0.0]
 step = 0.0004
 "#;
 
-/// The same run again needs no more room than the first has made.
+/// A second run from the same start needs no more capacity than the first one has allocated.
 #[test]
 fn a_step_with_contact_allocates_nothing_once_there_is_room() {
     for method in [Method::SymplecticEuler, Method::BackwardEuler, Method::Bdf2] {
@@ -122,24 +122,26 @@ fn a_step_with_contact_allocates_nothing_once_there_is_room() {
     }
 }
 
-/// What no step can follow: a pinned edge led through the plane.
+/// A motion that no step can follow: a pinned edge is moved through the plane.
 const REFUSED: (&str, &str) = (
     "bend = { model = \"hinge\", rigidity = 1e-6 }",
     "bend = { model = \"hinge\", rigidity = 1e-6 }\npin = [{ select = { edge = \"left\" }, motion = { keys = [[0, 0, 0, 0], \
      [0.1, 0, -0.2, 0]] } }]",
 );
 
-/// What takes halves: a ball that goes farther in a step than what it pushes is looked for.
+/// A motion that needs halved steps: in one step the ball moves farther than the search distance of the cloth
+/// it pushes.
 const FAST: (&str, &str) = ("radius = 0.05", "radius = 0.05\nmotion = { keys = [[0, 0, 0, 0], [1, 0, 40, 0]] }");
 
-/// A second sheet all but on the first: pairs that only an exact test of the end tells apart.
+/// A second sheet that almost touches the first: only an exact test at the end of the step can decide its
+/// pairs.
 const NEARLY: (&str, &str) = (
     "[contact]",
     "[[cloth]]\ngrid = { size = [0.2, 0.2], cells = [12, 12] }\nposition = [0.003, 1e-8, 0.007]\ndensity = 0.2\n\
      stretch = { model = \"membrane\", stiffness = 50.0 }\n\n[contact]",
 );
 
-/// Counts what a second run of a step or several allocates, once there is room.
+/// Counts the allocations of a second run of one or several steps; the first run provides the capacity.
 fn allocated(cloth: &mut Simulation, what: &str, run: impl Fn(&mut Simulation)) {
     let start = cloth.clone();
     run(cloth);
@@ -152,7 +154,7 @@ fn allocated(cloth: &mut Simulation, what: &str, run: impl Fn(&mut Simulation)) 
     );
 }
 
-/// Neither where it is refused, nor where it is taken in halves, nor where its end is tested exactly.
+/// Tests a step that is refused, one that is taken in halves, and one whose end is tested exactly.
 #[test]
 fn a_step_that_is_taken_back_allocates_nothing() {
     for method in [Method::SymplecticEuler, Method::BackwardEuler, Method::Bdf2] {
@@ -189,7 +191,7 @@ fn a_step_that_is_taken_back_allocates_nothing() {
     }
 }
 
-/// Bytes a particle of a scene's columns.
+/// Bytes per particle of a scene's columns.
 fn bytes_per_particle(text: &str) -> f64 {
     let scene: SceneDesc = toml::from_str(text).expect("the scene of this test parses");
     let cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");

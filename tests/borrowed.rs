@@ -1,12 +1,12 @@
-//! A step needs no allocator: a small spring cloth whose every column is an array on the stack,
-//! stepped by `step::predict` and `step::commit`, goes through the same bits as the owned
-//! `Simulation`, in both precisions.
+//! A step needs no allocator: a small spring cloth whose columns are all arrays on the stack is advanced by
+//! `step::predict` and `step::commit`. It passes through the same bits as the owned `Simulation`, in both
+//! precisions.
 //!
 //! Run: `cargo test -p muslin-tests --test borrowed`. A failure names method and step.
 
 use harness::both_precisions;
 
-/// Rows and columns of the sheet, cut along one diagonal.
+/// Rows and columns of the sheet; its cells are divided along one diagonal.
 const SIDE: usize = 3;
 const VERTICES: usize = SIDE * SIDE;
 const SPRINGS: usize = 16;
@@ -55,7 +55,7 @@ both_precisions! {
     const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
     const HELD: [u32; 2] = [0, SIDE as u32 - 1];
     const AXES: [u8; 2] = [7, 5];
-    /// The first pin rests, the second moves.
+    /// The first pin is at rest, the second moves.
     const MOTIONS: [u32; 2] = [AT_REST, 0];
     const TABLE: [Motion; 1] = [Motion { keys: [0, 2], turn: None }];
     const KEYS: [Key; 2] =
@@ -66,7 +66,7 @@ both_precisions! {
     }
 
     fn spring(number: usize) -> Spring {
-        // No two alike, so that a wrong order shows.
+        // All springs differ, so that a wrong order shows.
         let part = number as Real;
         Spring { rest: 0.09 + 0.002 * part, stiffness: 20.0 + part, damping: 0.01 + 0.001 * part }
     }
@@ -117,11 +117,11 @@ both_precisions! {
         springs().into_iter().enumerate().filter_map(move |(k, ends)| other(ends).map(|other| (k, other)))
     }
 
-    /// Steps over arrays; `see` is shown every state.
+    /// Takes steps on arrays; calls `see` after every step.
     fn borrowed(method: Method, mut see: impl FnMut(u32, &[Vec3], &[Vec3])) {
-        // Springs by vertex.
+        // Springs at each vertex.
         let (mut offsets, mut others, mut numbers) = ([0; VERTICES + 1], [0; ENDS], [0; ENDS]);
-        // The matrix: the diagonal and what is right of it, then what mirrors it.
+        // The matrix: the diagonal and the upper triangle, then the mirrored entries.
         let (mut rows, mut columns, mut targets) = ([0; VERTICES + 1], [0; BLOCKS], [NOT_STORED; ENDS]);
         let (mut mirrored_offsets, mut mirrored) = ([0; VERTICES + 1], [Mirrored { column: 0, block: 0 }; SPRINGS]);
         let (mut end, mut block, mut mirror) = (0, 0, 0);

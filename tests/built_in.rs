@@ -1,9 +1,8 @@
-//! Every built-in scene to its end: finite, every solve converged, no edge stretched by more than its
-//! scene's bound in any step, and, where there is contact, nothing passes through anything or is
-//! inside a collider in any frame.
+//! Every built-in scene runs to its end: finite, every solve converged, no edge stretched beyond its scene's
+//! bound in any step; with contact, no crossings and no vertex inside a collider in any frame.
 //!
-//! Run with `cargo test -p muslin-tests --test built_in`; scenes with
-//! contact take minutes each, and `-- --include-ignored`.
+//! Run: `cargo test -p muslin-tests --test built_in`; scenes with contact take minutes each and run with
+//! `-- --include-ignored`.
 
 use harness::steps::Steps;
 use muslin_core::dispatch::Serial;
@@ -46,8 +45,8 @@ macro_rules! scenes {
     };
 }
 
-// `flag`, the softest, reaches 1.066 when the wind takes it up. Sheets that fall on something are
-// drawn out for a moment, and eight turns wring a strip at its ends.
+// `flag` is the softest and reaches 1.066 when the wind lifts it. Sheets that fall on something are stretched
+// for a moment, and eight turns wring a strip at its ends.
 scenes!(
     ball 1.15 "slow",
     cantilever 1.1,

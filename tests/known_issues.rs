@@ -1,8 +1,8 @@
-//! What is known to be wrong, one test each: it passes while the fault is there. When a test
-//! fails the fault is mended: turn the assertion round and move it to the tests of its module, and
-//! strike the line from the manual's limits (`core/README.md`).
+//! Known faults, one test each: a test passes while its fault exists. A failing test means that the fault is
+//! fixed: reverse the assertion, move it to the tests of its module, and delete the line from the limits in the
+//! manual (`core/README.md`).
 //!
-//! Run with `cargo test -p muslin-tests --test known_issues`.
+//! Run: `cargo test -p muslin-tests --test known_issues`.
 
 use glam::DVec3;
 use harness::belt::{belt, drum, hanging, holding_end};
@@ -26,7 +26,7 @@ fn hinge() -> HingeColumns {
     }
 }
 
-/// The hinge bent by an angle, its second triangle `height` high.
+/// The hinge bent by an angle; its second triangle has the given height.
 fn bent(degrees: f64, height: f64) -> [DVec3; 4] {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     [DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1.0, 0.0), DVec3::new(0.5, -height * cosine, height * sine)]

@@ -1,7 +1,8 @@
-//! The manuals tell the truth: the scene runs, all that is built in is named, and every link leads somewhere.
+//! The manuals agree with the code: the scene runs, every built-in name is mentioned, and every link has a
+//! target.
 //!
-//! Run: `cargo test -p muslin-tests --test manuals`. Their Rust is compiled and run by `cargo test -p
-//! muslin-tests-harness --doc`, their commands are read by a unit test of `muslin-cli`.
+//! Run: `cargo test -p muslin-tests --test manuals`. Their Rust code is compiled and run by
+//! `cargo test -p muslin-tests-harness --doc`; a unit test of `muslin-cli` reads their commands.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ const SCENE: &str = include_str!("../host-cli/manual/scene.md");
 const RUNNING: &str = include_str!("../host-cli/manual/running.md");
 const METHODS: &str = include_str!("../host-cli/manual/methods.md");
 
-/// All manuals, from the root of the project.
+/// All manuals, relative to the root of the project.
 const MANUALS: [&str; 14] = [
     "README.md",
     "core/README.md",
@@ -88,7 +89,7 @@ fn every_link_leads_somewhere() {
     assert!(broken.is_empty(), "these lead nowhere: {broken:#?}");
 }
 
-/// The map in `core/src/lib.rs`: every module, and files that exist.
+/// The map in `core/src/lib.rs` names every module, and only files that exist.
 #[test]
 fn the_map_of_the_core_is_whole() {
     let (root, text) = (root(), read(&root().join("core/src/lib.rs")));
@@ -109,12 +110,12 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// What stands in round brackets behind square ones.
+/// The targets of Markdown links.
 fn links(text: &str) -> impl Iterator<Item = String> {
     text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).map(str::to_owned)
 }
 
-/// The headings as links name them.
+/// The headings in the form that links use.
 fn anchors(text: &str) -> BTreeSet<String> {
     let headings = text.lines().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
     let kept = |c: char| (c.is_alphanumeric() || c == '-' || c == '_').then(|| c.to_ascii_lowercase());

@@ -1,10 +1,10 @@
-//! The f32 core follows the f64 core: forces, energies and Jacobians of the same states, which are
-//! exact in both, agree within a few roundings of what they are made of.
+//! The f32 core follows the f64 core: forces, energies and Jacobians of the same states, which are exact in
+//! both, agree within a few roundings of the terms that they are computed from.
 //!
-//! Run: `cargo test -p muslin-tests --test precision`; with `-- --nocapture` it prints the worst
-//! difference of every comparison, which is relative to the largest of: the value; stiffness x
-//! size, of which a force near rest is a small difference; and the Jacobian times the velocities,
-//! of which a damping force is a sum. A failure names the element, the component and both values.
+//! Run: `cargo test -p muslin-tests --test precision`; with `-- --nocapture` it prints the worst difference of
+//! every comparison, relative to the largest of: the value; stiffness x size, because a force near rest is a small
+//! difference of terms of that size; and the Jacobian times the velocities, because a damping force sums such terms.
+//! A failure names the element, the component and both values.
 
 use std::fmt::Debug;
 
@@ -17,14 +17,14 @@ use harness::worst::{Worst, norm};
 use muslin_core::forces::element::Element as Single;
 use muslin_core_f64::forces::element::Element as Double;
 
-/// Of each regime.
+/// Number of elements in each regime.
 const COUNT: usize = 500;
 
-/// Some thirty roundings of 6e-8.
+/// About thirty roundings of 6e-8.
 const BOUND: f64 = 2e-6;
 
-/// Compares all that two terms say about the same elements. `stiffness` is what forces are made
-/// of, N/m (N m / m^2 for hinges, N s/m for wind).
+/// Compares all results of two terms for the same elements. `stiffness` is the scale of the terms that forces
+/// sum, N/m (N m / m^2 for hinges, N s/m for wind).
 fn follows<const K: usize, const N: usize, P: Debug>(
     single: impl Fn(usize, &State<P, K>) -> Said<K>,
     double: impl Fn(usize, &State<P, K>) -> Said<K>,
@@ -54,7 +54,7 @@ fn follows<const K: usize, const N: usize, P: Debug>(
     }
 }
 
-/// What a term says about an element.
+/// All results of a term for one element.
 struct Said<const K: usize> {
     force: [DVec3; K],
     energy: f64,
@@ -62,7 +62,7 @@ struct Said<const K: usize> {
     exact: [[DMat3; K]; K],
 }
 
-/// Elastic and damped in equal parts: corners move by a size a second.
+/// Elastic and damping parts are equally large: corners move by about one element size per second.
 const SCALE: [f64; 2] = [1.0, 1.0];
 
 fn in_single<P, const K: usize>(term: &impl Single<K>) -> impl Fn(usize, &State<P, K>) -> Said<K> {
@@ -141,8 +141,8 @@ const SCENE: &str = r#"
     wind = { velocity = [3.0, -1.0, 2.0], normal = 0.6, tangential = 0.07 }
 "#;
 
-/// A sheet of 1 m in cells of 25 mm, crumpled by a tenth of a cell: each vertex sums six
-/// elements, made of 2000 N/m x 25 mm.
+/// A sheet of 1 m with cells of 25 mm, crumpled by a tenth of a cell: each vertex sums six elements whose terms
+/// have the size 2000 N/m x 25 mm.
 #[test]
 fn forces_and_energies_of_a_scene_follow() {
     let (single_scene, double_scene, rng) = (single::build(SCENE), double::build(SCENE), &mut Rng::new(116));

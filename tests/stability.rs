@@ -1,8 +1,8 @@
-//! Stability: where explicit methods blow up. How the fastest mode grows with the mesh and what
-//! compression does to the implicit matrix are rows of `muslin validate`.
+//! Stability: the steps at which explicit methods become unstable. `muslin validate` tests how the fastest
+//! frequency grows with the mesh and how compression affects the implicit matrix.
 //!
-//! Run: `cargo test -p muslin-tests --test stability`; with `-- --nocapture` it prints measured
-//! limits beside theory.
+//! Run: `cargo test -p muslin-tests --test stability`; with `-- --nocapture` it prints the measured limits beside
+//! the theory.
 
 use glam::DVec3;
 use harness::net::{Net, XYZ, linearised};
@@ -15,8 +15,8 @@ use muslin_core_f64::spectrum::{Tangent, fastest_modes};
 
 const EXPLICIT: [Method; 4] = [Method::ExplicitEuler, Method::SymplecticEuler, Method::Midpoint, Method::Rk4];
 
-/// Damping ratios, then the limits on z = omega h of explicit Euler, symplectic Euler, midpoint
-/// and RK4 as published.
+/// Damping ratios, then the published limits on z = omega h for explicit Euler, symplectic Euler, midpoint and
+/// RK4.
 const RATIOS: [f64; 8] = [0.0, 0.01, 0.05, 0.1, 0.3, 0.5, 1.0, 2.0];
 const LIMITS: [[f64; 8]; 4] = [
     [0.0, 0.02, 0.1, 0.2, 0.6, 1.0, 2.0, 0.536],
@@ -25,7 +25,7 @@ const LIMITS: [[f64; 8]; 4] = [
     [2.828, 2.849, 2.910, 2.951, 2.835, 2.6225, 2.785, 0.746],
 ];
 
-/// The table is rounded.
+/// Rounding of the published table.
 const DIGITS: f64 = 6e-4;
 
 #[test]
@@ -43,7 +43,7 @@ fn limits_of_one_oscillator_are_the_published_table() {
     }
 }
 
-/// The core finds the limits in the eigenvalue's plane, the harness by the step's matrix.
+/// The core finds the limits in the complex plane of the eigenvalue, the harness from the matrix of a step.
 #[test]
 fn longest_steps_are_the_limits_of_one_oscillator() {
     let omega = 40.0;
@@ -65,7 +65,7 @@ fn longest_steps_are_the_limits_of_one_oscillator() {
     assert!((longest * 50.0 - 2.785_293_563_405).abs() < 1e-9, "RK4 reaches to -2.7853 on the real axis: {longest}");
 }
 
-/// Two masses on a spring: omega^2 = 2 k / m, and k / m with one of them held; dampers likewise.
+/// Two masses on a spring: omega^2 = 2 k / m, or k / m if one mass is held; the damping has the same factors.
 #[test]
 fn fastest_modes_leave_out_what_is_held() {
     let (mass, stiffness, damper) = (0.3, 40.0, 0.8);
@@ -80,7 +80,7 @@ fn fastest_modes_leave_out_what_is_held() {
     }
 }
 
-/// A stiff spring without a damper and, past a held mass, a soft one with a strong damper: the damper
+/// A stiff spring without a damper and, beyond a held mass, a soft spring with a strong damper: the damper
 /// limits the step.
 #[test]
 fn the_most_damped_mode_limits_steps_too() {
@@ -105,8 +105,8 @@ fn blows_up(method: Method, omega: f64, mode: &[DVec3], damping: f64, step: f64)
     let mut built = Net::lattice(SIDE, SPRINGS, damping).build();
     let particles = &mut built.particles;
     for ((x, v), &e) in particles.positions.iter_mut().zip(&mut particles.velocities).zip(mode) {
-        // So small that springs stay linear; in phase, where a stable symplectic orbit has most
-        // energy, which it would else find later.
+        // Small, so that springs stay linear. Displacement and velocity are in phase: there a stable symplectic
+        // orbit has its largest energy, so that the energy cannot grow later.
         *x += e * 1e-5;
         *v += e * 1e-5 * omega;
     }
@@ -118,7 +118,7 @@ fn blows_up(method: Method, omega: f64, mode: &[DVec3], damping: f64, step: f64)
         if energy > 10.0 * start {
             return true;
         }
-        // What is left is rounding.
+        // The rest is rounding.
         if energy < 1e-9 * start {
             return false;
         }
@@ -133,7 +133,7 @@ fn critical_steps_are_those_of_theory() {
     let omega = lambda.sqrt();
     for method in EXPLICIT {
         for zeta in [0.0, 0.3, 0.5, 0.7] {
-            // Never stable: `undamped_growth_is_exact`.
+            // These are never stable: see `undamped_growth_is_exact`.
             if zeta == 0.0 && matches!(method, Method::ExplicitEuler | Method::Midpoint) {
                 continue;
             }
@@ -154,8 +154,8 @@ fn critical_steps_are_those_of_theory() {
     }
 }
 
-/// Without damping explicit Euler and midpoint have no stable step: the fastest mode grows by
-/// 1 + z^2 and 1 + z^4 / 4 in energy each step, at any z.
+/// Without damping, explicit Euler and midpoint have no stable step: the energy of the fastest mode grows by
+/// the factor 1 + z^2 or 1 + z^4 / 4 in each step, at any z.
 #[test]
 fn undamped_growth_is_exact() {
     let undamped = Net::lattice(SIDE, SPRINGS, 0.0).build();
@@ -170,7 +170,7 @@ fn undamped_growth_is_exact() {
             let before = sim.energy().total();
             sim.take_step().expect("finite");
             let factor = sim.energy().total() / before;
-            // The vector of the mode is right to 1e-6, its neighbours' energies to 1e-12.
+            // The mode's vector is accurate to 1e-6, so other modes contribute 1e-12 of the energy.
             assert!(
                 (factor - want).abs() <= 1e-5,
                 "{} at z {z}, step {n}: energy factor {factor}, expected {want}",

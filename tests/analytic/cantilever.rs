@@ -1,10 +1,10 @@
-//! The heavy cantilever [Romero 2021]: a strip clamped level bends under its weight into a shape
-//! that Gamma = w L^3 / D alone decides.
+//! The heavy cantilever [Romero 2021]: a strip that is clamped horizontally bends under its weight into a shape
+//! that depends only on Gamma = w L^3 / D.
 //!
-//! The strip is one row of equilateral triangles, so that it bends as a cylinder. It has no
-//! hinges along its length, which hold a ninth of a wide sheet's rigidity: the hinge model is a
-//! plate with a Poisson ratio of -1/3 and a narrow strip sees D (1 - 1/9). Its first hinge at the
-//! clamp bends from the last held vertex but one on, which is where the free length begins.
+//! The strip is one row of equilateral triangles, so that it bends as a cylinder. It has no hinges along its
+//! length; in a wide sheet these contribute a ninth of the rigidity. The hinge model is a plate with a Poisson
+//! ratio of -1/3, so a narrow strip has the rigidity D (1 - 1/9). The free length begins at the last but one
+//! held vertex, from which the first hinge at the clamp bends.
 
 use glam::DVec3;
 use harness::kit::double as kit;
@@ -12,17 +12,17 @@ use harness::net::{converged, settle};
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;
 
-/// N/m^2, and m.
+/// Weight per area, N/m^2, and free length, m.
 const WEIGHT: f64 = 0.2 * 9.81;
 const LENGTH: f64 = 0.2;
 
-/// Drop and reach of the tip over the free length, and the largest stretch less one.
+/// Drop and reach of the tip, divided by the free length, and the largest stretch minus one.
 fn drape(gamma: f64, cells: u32) -> ([f64; 2], f64) {
     let edge = LENGTH / (f64::from(cells) - 0.5);
     let rigidity = WEIGHT * LENGTH.powi(3) / gamma / (1.0 - 1.0 / 9.0);
     let (long, wide) = (edge * f64::from(cells), edge * 0.75f64.sqrt());
     let stiffness = 2e5 * WEIGHT * LENGTH;
-    // Holds the first triangle.
+    // Pins the first triangle.
     let clamp = -0.5 * long + 1.25 * edge;
     let built = kit::build(&format!(
         r#"
@@ -48,14 +48,14 @@ fn drape(gamma: f64, cells: u32) -> ([f64; 2], f64) {
     ([-end.y / LENGTH, from_clamp / LENGTH], sim.stretch().max - 1.0)
 }
 
-/// Gamma, then drop and reach of the tip over the length.
+/// Gamma, then drop and reach of the tip, divided by the length.
 const TRUTH: [(f64, [f64; 2]); 3] =
     [(5.0, [0.49590504, 0.84665718]), (10.0, [0.70019972, 0.65635376]), (50.0, [0.90791712, 0.24501476])];
 
 #[test]
 fn strip_drapes_by_gamma() {
     for (gamma, truth) in TRUTH {
-        // More than ten edges in L / sqrt(Gamma), over which the strip turns down.
+        // The strip turns down over the length L / sqrt(Gamma), which holds more than ten edges.
         let (shape, stretch) = drape(gamma, 75);
         for (what, got, want) in [
             ("H/L", shape[0], truth[0]),

@@ -1,5 +1,5 @@
-//! Chains of masses and springs: longitudinal modes, static stretch, swinging rope. The catenary is a group
-//! of `muslin validate`.
+//! Chains of masses and springs: longitudinal modes, static stretch, swinging rope. The catenary is tested by
+//! `muslin validate`.
 
 use std::f64::consts::PI;
 
@@ -12,13 +12,13 @@ use muslin_core_f64::simulation::Simulation;
 
 const G: f64 = 9.81;
 
-/// Every longitudinal mode of a chain, followed by RK4 for a period: omega = 2 sqrt(k/m)
-/// sin(angle / 2) with the shape sin(i angle).
+/// Follows every longitudinal mode of a chain with RK4 for a period: omega = 2 sqrt(k/m) sin(angle / 2), shape
+/// sin(i angle).
 fn modes(what: &str, masses: usize, free_end: bool) {
     const STIFFNESS: f64 = 30.0;
     const MASS: f64 = 0.02;
     const AMPLITUDE: f64 = 0.1;
-    // RK4 errs by (omega h)^4 / 120 of the phase: 5e-10 after a period.
+    // The phase error of RK4 is (omega h)^4 / 120 of the phase: 5e-10 after a period.
     const STEPS: u32 = 628;
     let vertices = if free_end { masses + 1 } else { masses + 2 };
     let mut net = Net::chain(vertices, DVec3::X, MASS, STIFFNESS, 0.0);
@@ -78,7 +78,7 @@ fn hanging_chain_stretches_by_the_closed_form() {
     worst.check();
 }
 
-/// Checks that an error falls with the square of the number of links.
+/// Checks that the error falls with the square of the number of links.
 fn second_order(what: &str, error: impl Fn(usize) -> f64) {
     let errors = [16, 32, 64].map(error);
     let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
@@ -89,7 +89,7 @@ fn second_order(what: &str, error: impl Fn(usize) -> f64) {
     );
 }
 
-/// The slowest mode of a hanging rope is J0(2 omega sqrt(s / g)) at the height s over its end.
+/// The slowest mode of a hanging rope is J0(2 omega sqrt(s / g)) at the height s above its free end.
 #[test]
 fn rope_swings_at_the_root_of_the_bessel_function() {
     const FREQUENCY: f64 = 1.2024128;
@@ -103,8 +103,8 @@ fn rope_swings_at_the_root_of_the_bessel_function() {
         let mut sim = Simulation::from_columns(net.build(), linearised(Method::BackwardEuler), 10.0);
         settle(&mut sim, 1e-13, 30);
         let shape: Vec<_> = (0..=links).map(|i| bessel(FREQUENCY * FREQUENCY * (1.0 - i as f64 * rest))).collect();
-        // So small that the swing is linear to 1e-6 beside the weight, whatever turns: the links are
-        // a million times as stiff.
+        // The amplitude is small, so that the swing is linear: the links, a million times stiffer than the
+        // weight, strain by at most 1e-6.
         let built = {
             let mut built = sim.scene().clone();
             built.particles.velocities.fill(DVec3::ZERO);
@@ -117,7 +117,7 @@ fn rope_swings_at_the_root_of_the_bessel_function() {
             sim.take_step().expect("finite");
             sim.positions().iter().zip(&shape).zip(&net.masses).map(|((x, s), m)| x.x * s * m).sum()
         };
-        // Times at which the amplitude of the mode changes its sign: half a period apart.
+        // Times at which the amplitude of the mode changes its sign: they are half a period apart.
         let (mut before, mut time, mut roots) = (1.0, 0.0, Vec::new());
         while roots.len() < 2 {
             let now = swing();
@@ -127,7 +127,7 @@ fn rope_swings_at_the_root_of_the_bessel_function() {
             (before, time) = (now, time + h);
         }
         let turned = PI / (roots[1] - roots[0]);
-        // Implicit midpoint turns by 2 atan(omega h / 2) a step.
+        // Implicit midpoint turns the phase by 2 atan(omega h / 2) per step.
         2.0 / h * (turned * h / 2.0).tan() / G.sqrt()
     };
     second_order("frequency of a swinging rope over sqrt(g / L)", |links| measured(links) - FREQUENCY);

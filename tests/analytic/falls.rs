@@ -1,4 +1,4 @@
-//! Cloth in free fall and under linear drag, and the two published scenes of a falling sheet.
+//! Cloth in free fall and under linear drag, and two published scenes of a falling sheet.
 
 use glam::DVec3;
 use harness::kit::{double, single};
@@ -9,7 +9,7 @@ use muslin_core_f64::simulation::Simulation;
 
 const G: f64 = 9.81;
 
-/// So soft that explicit Euler's growing modes do not raise the rounding.
+/// A cloth so soft that the modes that grow under explicit Euler do not amplify the rounding errors.
 fn cloth(method: Method, step: f64, linear: f64) -> Simulation {
     let built = double::build(&format!(
         r#"
@@ -27,7 +27,7 @@ fn cloth(method: Method, step: f64, linear: f64) -> Simulation {
     Simulation::from_columns(built, linearised(method), step)
 }
 
-/// The fall of every method after n steps, in units of g h^2 / 2.
+/// Distance that each method falls in n steps, in units of g h^2 / 2.
 fn fallen(method: Method, n: f64) -> f64 {
     match method {
         Method::ExplicitEuler => n * (n - 1.0),
@@ -56,14 +56,14 @@ fn free_fall_keeps_the_shape_and_the_closed_form() {
     }
 }
 
-/// v = density g / c, the same of every mesh and method.
+/// The terminal velocity is v = density g / c for every mesh and method.
 #[test]
 fn drag_limits_the_speed_of_fall() {
     for method in Method::ALL {
         let mut worst = Worst::new(format!("{}: terminal velocity, relative", method.name()), 1e-10);
         let linear = 4.0;
         let mut sim = cloth(method, 0.005, linear);
-        // exp(-25) of the start is left.
+        // The deviation from the terminal velocity has decayed to exp(-25) of its initial value.
         for _ in 0..250 {
             sim.step(&muslin_core_f64::dispatch::Serial).expect("finite");
         }
@@ -75,7 +75,7 @@ fn drag_limits_the_speed_of_fall() {
     }
 }
 
-/// A built-in scene in f32, as it is published, to `duration`; sees every step.
+/// Runs a built-in scene in f32, as published, up to `duration`; calls `see` after every step.
 fn built_in(name: &str, duration: f64, mut see: impl FnMut(&muslin_core::simulation::Simulation)) {
     let (_, text) = muslin_core::scene::BUILT_IN.iter().find(|(known, _)| *known == name).expect("built in");
     let mut sim = muslin_core::simulation::Simulation::new(&single::scene(text), &[]).expect("a valid scene");
@@ -98,7 +98,7 @@ fn centre_of_mass(sim: &muslin_core::simulation::Simulation) -> DVec3 {
 fn swing_drops_its_centre_of_mass_as_published() {
     let mut last = (0.0, DVec3::ZERO);
     built_in("swing", 0.5, |sim| last = (sim.time(), centre_of_mass(sim)));
-    // The sheet hangs upright about the origin.
+    // The sheet starts upright, centred on the origin.
     let drop = -last.1.y;
     println!("swing: dropped {drop:.4} m at {:.4} s, expected 0.207 +- 0.01", last.0);
     assert!(

@@ -1,7 +1,7 @@
-//! Closed forms: what chains, ropes, strips and falling cloth must do.
+//! Closed forms for chains, ropes, strips and falling cloth.
 //!
-//! Run: `cargo test -p muslin-tests --test analytic`; with `-- --nocapture` it prints measured
-//! beside expected.
+//! Run: `cargo test -p muslin-tests --test analytic`; with `-- --nocapture` it prints the measured values
+//! beside the expected ones.
 
 mod cantilever;
 mod chains;

@@ -1,4 +1,4 @@
-//! All methods name the same pairs, each once, whatever they are given.
+//! All methods report the same pairs, each once, for every input.
 
 use glam::DVec3;
 use harness::crumpled;
@@ -7,7 +7,7 @@ use harness::rng::Rng;
 use super::methods::{Found, METHODS, all};
 use harness::case::{Case, random, single};
 
-/// Checks that all methods agree; returns what they found.
+/// Checks that all methods agree; returns their pairs.
 fn agree(case: &Case) -> Found {
     let expected = all(METHODS[0].1, case).sorted();
     for pairs in [&expected.vertex_triangle, &expected.edge_edge] {
@@ -35,7 +35,7 @@ fn compare(case: &Case, name: &str, kind: &str, found: &[[u32; 2]], expected: &[
     );
 }
 
-/// Not only that nothing is missed of nothing.
+/// Also checks that the case has pairs, so that the comparison is not empty.
 fn agree_on_some(case: &Case) {
     let [vertex_triangle, edge_edge] = agree(case).counts;
     assert!(vertex_triangle > 10 && edge_edge > 10, "{}: only {vertex_triangle} and {edge_edge}", case.name);
@@ -68,7 +68,7 @@ fn a_crumpled_sheet() {
     }
 }
 
-/// Corners on planes of cells, and boxes that touch without a gap.
+/// Corners lie on planes between cells, and boxes touch without a gap.
 #[test]
 fn integer_corners() {
     for seed in 0..5 {
@@ -82,7 +82,7 @@ fn integer_corners() {
     }
 }
 
-/// Every position appears in other triangles again; some triangles name the same vertices.
+/// Every position occurs again in other triangles; some triangles have the same vertices.
 #[test]
 fn duplicates() {
     let corners = random(&mut Rng::new(2), 100, 3.0, |_| 1.0);
@@ -194,13 +194,13 @@ fn sewn_features() {
     let rng = &mut Rng::new(8);
     let vertices = mesh.positions.len() as u64;
     case.sewn = (0..150).map(|_| [(rng.bits() % vertices) as u32, (rng.bits() % vertices) as u32]).collect();
-    // Neighbours along the meander, which nearly touch.
+    // Adjacent layers of the meander, which nearly touch.
     case.sewn.extend((0..15).map(|j| [15 * j, 15 * j + 3]));
     let sewn = agree(&case).counts;
     assert!(sewn[0] < free[0] && sewn[1] < free[1], "sewing takes away: {free:?} to {sewn:?}");
 }
 
-/// Colliders that are points and lines with a radius, beside faces.
+/// Colliders that are points and lines with a radius, together with faces.
 #[test]
 fn lone_points_and_edges() {
     for passive in [false, true] {

@@ -1,5 +1,5 @@
-//! Too little room loses nothing unseen: the counts stay, what fits is the beginning of the whole.
-//! Equal input gives equal output, in the same order, under any number of threads.
+//! Insufficient capacity is always reported: the counts stay complete, and the pairs that fit are the first
+//! ones of the full list. Equal input gives equal output, in the same order, with any number of threads.
 
 use harness::crumpled;
 
@@ -39,7 +39,7 @@ fn repeats_to_the_order() {
     }
 }
 
-/// The same columns serve one state after another, as in a simulation.
+/// The same columns are used for successive states, as in a simulation.
 #[test]
 fn columns_can_be_used_again() {
     let first = case();

@@ -1,5 +1,5 @@
-//! Two triangles that cross and that the rule as it is often told misses: spheres without the
-//! factor of sqrt(2), cells of one and a half diameters, tests only where one of two is at home.
+//! Two intersecting triangles that the usual form of the rule misses: spheres without the factor of sqrt(2),
+//! cells of one and a half diameters, and a test only in cells that are the home of one of the two.
 
 use glam::DVec3;
 use harness::rng::Rng;
@@ -28,7 +28,7 @@ fn sphere(corners: &[DVec3; 3]) -> (DVec3, f64) {
     (center, corners.iter().map(|x| x.distance(center)).fold(0.0, f64::max))
 }
 
-/// The cells that a sphere touches, and whether each is its home.
+/// The cells that a sphere touches, and whether each one is its home cell.
 fn cells(center: DVec3, radius: f64) -> Vec<(DVec3, bool)> {
     let home = (center / CELL).floor();
     let steps = || [-1.0, 0.0, 1.0].into_iter();
@@ -49,7 +49,8 @@ fn the_literal_rule_misses_a_crossing() {
     assert!(tests_of_the_pair(2.0_f64.sqrt()) > 0, "with the factor there is one");
 }
 
-/// Alone, and beside so many others that they are sorted into cells, wherever those begin.
+/// Tests the pair alone, and beside enough others that triangles are sorted into cells, for several cell
+/// origins.
 #[test]
 fn all_methods_find_it() {
     for (name, method) in METHODS {

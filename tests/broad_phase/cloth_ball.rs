@@ -1,5 +1,5 @@
-//! A real pair of frames: as many candidates as counted exactly by others, in cells and out of
-//! them, in both precisions.
+//! A real pair of frames: the number of candidates equals an exact count from other software, with boxes swept
+//! between the frames, in both precisions.
 
 use glam::Vec3;
 use harness::cloth_ball;

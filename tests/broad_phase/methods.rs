@@ -1,18 +1,18 @@
-//! Every method in both precisions, as functions from a case to the candidates found.
+//! Every method in both precisions, as functions from a case to its candidates.
 
 use harness::case::Case;
 
-/// Candidates as a method wrote them, and how many it counted.
+/// The candidates that a method wrote, and the numbers that it counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Found {
     pub vertex_triangle: Vec<[u32; 2]>,
     pub edge_edge: Vec<[u32; 2]>,
-    /// Of each kind.
+    /// Number of pairs of each kind.
     pub counts: [usize; 2],
 }
 
 impl Found {
-    /// In ascending order.
+    /// Sorts the pairs in ascending order.
     pub fn sorted(mut self) -> Self {
         self.vertex_triangle.sort_unstable();
         self.edge_edge.sort_unstable();
@@ -20,7 +20,7 @@ impl Found {
     }
 }
 
-/// A method with room for so many of each kind.
+/// A method with a capacity for the candidates of each kind.
 pub type Method = fn(&Case, [usize; 2]) -> Found;
 
 pub const METHODS: [(&str, Method); 6] = [
@@ -32,7 +32,7 @@ pub const METHODS: [(&str, Method); 6] = [
     ("grid in f64", double::grid),
 ];
 
-/// All that a method finds: counted first, then with just enough room.
+/// All candidates of a method: a first call counts them, a second has the exact capacity.
 pub fn all(method: Method, case: &Case) -> Found {
     let counts = method(case, [0, 0]).counts;
     method(case, counts)
@@ -86,7 +86,7 @@ harness::both_precisions! {
         })
     }
 
-    /// The grid with kernels cut unevenly among threads.
+    /// The grid with kernels divided unevenly among threads.
     pub fn on_threads(case: &Case, threads: usize) -> Found {
         let counts = grid(case, [0, 0]).counts;
         found(case, counts, |boxes, surface, out| {
@@ -95,7 +95,7 @@ harness::both_precisions! {
         })
     }
 
-    /// Counts of cases with the same triangles, all in the same columns.
+    /// Counts for cases with the same triangles, all computed in the same columns.
     pub fn in_turn<const K: usize>(cases: &[&Case; K]) -> [[usize; 2]; K] {
         let (boxes, surface) = columns(cases[0]);
         let mut work = GridColumns::build(boxes.len(), surface.triangles.len());

@@ -1,11 +1,11 @@
-//! Every feature has exactly one triangle that stands for it, and no triangle stands for many.
+//! Every feature is owned by exactly one triangle, and no triangle owns many features.
 
 use harness::crumpled;
 use muslin_core::broad_phase::{IS_FACE, OWNS_EDGE, OWNS_VERTEX};
 use muslin_core::mesh::SurfaceColumns;
 use muslin_core::mesh::edges::NONE;
 
-/// Checks that every vertex of a triangle and every edge has one owner.
+/// Checks that every vertex of a triangle and every edge has exactly one owner.
 fn check(vertices: usize, triangles: &[[u32; 3]]) -> SurfaceColumns {
     let surface = SurfaceColumns::build(vertices, triangles, &[]);
     let mut owners_of_vertices = vec![0; vertices];

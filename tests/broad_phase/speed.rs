@@ -1,5 +1,5 @@
-//! How fast, on one thread: candidates of crumpled sheets, in f32. With `MUSLIN_MESHES` set to a
-//! folder, writes the meshes there as OBJ for others to measure.
+//! Speed on one thread: candidates of crumpled sheets, in f32. If `MUSLIN_MESHES` is set to a folder, the
+//! meshes are written there as OBJ files, so that other software can be measured.
 
 use std::fmt::Write as _;
 use std::time::Instant;

@@ -1,6 +1,6 @@
-//! The rule of the control bits by itself: two or more boxes that touch in their corners, so that
-//! the centres are as far apart as overlapping spheres can be, placed all about the corners of
-//! cells: every overlapping pair comes out exactly once.
+//! The rule of the control bits in isolation: two or more boxes touch at their corners, so that their centres
+//! are as far apart as those of overlapping spheres can be, and lie around the corners of cells. Every
+//! overlapping pair must be found exactly once.
 
 use glam::DVec3;
 use harness::rng::Rng;
@@ -19,7 +19,7 @@ fn boxes(rng: &mut Rng) -> Vec<[DVec3; 2]> {
         let other = corner + size * DVec3::from_array(std::array::from_fn(|_| rng.pick(&[-1.0, 1.0])));
         [corner.min(other), corner.max(other)]
     };
-    // The frame fixes where cells begin, and the last box how large they are.
+    // The extra box fixes the origin of the cells and their size.
     let mut boxes: Vec<_> = (0..count).map(|_| one(rng)).collect();
     boxes.push([DVec3::splat(-100.0), DVec3::splat(-92.0)]);
     boxes
@@ -38,7 +38,7 @@ harness::both_precisions! {
     use muslin::mesh::SurfaceColumns;
     use harness::rng::Rng;
 
-    /// The pairs of boxes of one level.
+    /// The pairs of overlapping boxes at one level.
     fn pairs_in_cells(boxes: &[Aabb], levels: &[u8], level: u8) -> Vec<[u32; 2]> {
         let scene = boxes.iter().fold(Aabb::EMPTY, |scene, b| scene.union(b));
         let mut quantized_boxes = vec![QuantizedBox::EMPTY; boxes.len()];
@@ -86,7 +86,7 @@ harness::both_precisions! {
         assert!(overlapping > CASES, "only {overlapping} pairs overlap");
     }
 
-    /// Keys of one digit and of several, in which equal keys must stay in their order.
+    /// Keys of one digit and of several digits; entries with equal keys must keep their order.
     #[test]
     fn the_sort_is_stable() {
         let rng = &mut Rng::new(22);

@@ -1,4 +1,4 @@
-// The chart of the page, as markup: no browser is needed.
+// The page's chart as markup: needs no browser.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";

@@ -1,4 +1,4 @@
-// The module that counts what it asks of its allocator: 1,000 steps ask nothing, and its memory does not grow.
+// The module built to count calls to its allocator: 1,000 steps make none, and the memory does not grow.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";

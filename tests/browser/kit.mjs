@@ -1,4 +1,4 @@
-// A browser and a server for tests: Debian's Chromium, headless, with a WebGPU of software.
+// A browser and a server for tests: Debian's Chromium, headless, with a software implementation of WebGPU.
 
 import { createRequire } from "node:module";
 import { createServer } from "node:http";
@@ -15,7 +15,7 @@ const require = createRequire(join(root, "host-wasm/package.json"));
 const CHROMIUM = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 const executablePath = process.env.CHROMIUM ?? CHROMIUM.find((path) => existsSync(path));
 
-/** Why tests that need a browser are skipped; false where they run. */
+/** The reason why tests that need a browser are skipped; false if they run. */
 export const skip =
   executablePath || process.env.MUSLIN_REQUIRE_BROWSER
     ? false
@@ -24,39 +24,39 @@ export const skip =
 const FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking"].concat(
   ["--disable-component-update", "--disable-sync", "--enable-unsafe-swiftshader"],
 );
-// Without Vulkan and ANGLE by software as well, canvases of WebGPU stay blank.
+// Without software Vulkan and ANGLE as well, WebGPU canvases stay blank.
 const WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan"].concat(
   ["--use-vulkan=swiftshader", "--use-angle=swiftshader"],
 );
 
 const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
 
-/** How commands of the project are run; what they say is seen where they fail. */
+/** Options for running commands of the project; their error output is shown. */
 export const pack = { cwd: root, stdio: ["ignore", "ignore", "inherit"] };
 
-/** Where pictures of pages are left to be looked at. */
+/** Saves a screenshot of a page in target/browser. */
 export const shot = (page, name) => page.screenshot({ path: join(root, "target/browser", `${name}.png`) });
 
-/** ms after which a page hangs: long, as machines may be slow and busy. */
+/** ms after which a page counts as hung: long, because machines may be slow and busy. */
 const PATIENCE = 600_000;
 
-/** Waits until the page's run has taken so many steps. */
+/** Waits until the page's run has taken `count` steps. */
 export const steps = (page, count) =>
   page.waitForFunction((count) => window.muslin?.run()?.cloth.busy === false && muslin.run().cloth.steps >= count, count);
 
-/** Waits until a run that was paused stands still and is drawn so. */
+/** Waits until a paused run has stopped and its last state is drawn. */
 export async function still(page) {
   await page.waitForFunction(() => muslin.run().paused && muslin.run().cloth.busy === false);
   await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
 }
 
-/** Waits for so many further steps. */
+/** Waits for `count` further steps. */
 export async function more(page, count) {
   const now = await page.waitForFunction(() => muslin.run().cloth.busy === false && String(muslin.run().cloth.steps));
   await steps(page, Number(await now.jsonValue()) + count);
 }
 
-/** Where a vertex is in the page's picture, px; -1 is the last. */
+/** Position of a vertex in the page's picture, px; -1 is the last vertex. */
 export const spot = (page, vertex) =>
   page.evaluate((vertex) => {
     const { camera, run } = muslin;
@@ -64,17 +64,17 @@ export const spot = (page, vertex) =>
     return camera.project(camera.matrix(true), run().positions().slice(from, from + 3));
   }, vertex);
 
-/** Whether a vertex is drawn darker than without pins; -1 is the last. */
+/** Whether a vertex is drawn darker than without pins; -1 is the last vertex. */
 export const dark = (page, vertex) =>
   page.evaluate(async (vertex) => {
     const { camera, picture, run } = muslin;
     const view = { ...run().view };
-    // The cloth may move meanwhile.
+    // Copies, because the cloth may move meanwhile.
     for (const name of ["positions", "normals", "strains"]) view[name] = view[name].slice();
     const from = 3 * (vertex < 0 ? view.positions.length / 3 + vertex : vertex);
     const [x, y] = camera.project(camera.matrix(true), view.positions.slice(from, from + 3));
     const scale = picture.canvas.width / camera.size[0];
-    // A canvas of WebGPU shows one picture a frame.
+    // A WebGPU canvas shows one picture per frame.
     const around = async (pins) => {
       await new Promise(requestAnimationFrame);
       picture.draw({ ...view, pins });
@@ -83,11 +83,11 @@ export const dark = (page, vertex) =>
       return context.getImageData(0, 0, 9, 9).data;
     };
     const [marked, unpinned] = [await around(view.pins), await around([])];
-    // A vertex's colour fades to its neighbours', which may be few pixels away.
+    // A vertex's colour blends into its neighbours' colours, which may be only a few pixels away.
     return marked.some((value, k) => k % 4 === 0 && unpinned[k] - value > 40);
   }, vertex);
 
-/** How many of 30,000 points of the page's picture are darker than the paper. */
+/** Number of points, out of 30,000 in the page's picture, that are darker than the background. */
 export const drawn = (page) =>
   page.evaluate(() => {
     const { picture, run } = muslin;
@@ -99,7 +99,7 @@ export const drawn = (page) =>
     return data.filter((value, k) => k % 4 === 0 && value < 230 && data[k + 3] > 0).length;
   });
 
-/** Serves `host-wasm` and a blank page on this machine alone; the address, and how to end it. */
+/** Serves `host-wasm` and a blank page on localhost only; returns the address and a function that stops the server. */
 async function serve() {
   const server = createServer(async (request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname));
@@ -114,7 +114,7 @@ async function serve() {
   return { address: `http://127.0.0.1:${server.address().port}`, end: () => server.close() };
 }
 
-/** A browser, with WebGPU or without, that notes what pages complain of. */
+/** A browser, with or without WebGPU, that records the errors of pages. */
 export async function browser({ webgpu }) {
   const folder = await mkdtemp(join(tmpdir(), "muslin-browser-"));
   const args = webgpu ? [...FLAGS, ...WEBGPU] : [...FLAGS, "--disable-features=WebGPU"];
@@ -122,7 +122,7 @@ export async function browser({ webgpu }) {
   context.setDefaultTimeout(PATIENCE);
   const server = await serve();
   return {
-    /** A page at an address below `host-wasm`; `errors` fills with what it throws and complains of. */
+    /** Opens a page at an address below `host-wasm`; `errors` collects its exceptions and console errors. */
     async open(path, viewport = { width: 1200, height: 800 }) {
       const page = await context.newPage();
       await page.setViewportSize(viewport);

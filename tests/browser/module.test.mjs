@@ -1,4 +1,5 @@
-// The module in a browser: the bits of the command line, no memory asked for by steps, errors that say what to do.
+// The module in a browser: the same bits as the command line, steps that allocate no memory, errors that say
+// how to fix them.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -24,23 +25,23 @@ after(() => chromium?.close());
 
 const STEPS = 200;
 
-/** As the tests of the command line leave it. */
+/** Built by the tests of the command line. */
 const muslin = join(process.env.CARGO_TARGET_DIR ?? join(root, "target"), "debug/muslin");
 
-/** What the command line says of the same run. */
+/** The command line's JSON report of the same run. */
 function native(scene, seconds) {
   assert.ok(existsSync(muslin), `no ${muslin}: cargo build -p muslin-cli`);
   const out = mkdtempSync(join(tmpdir(), "muslin-native-"));
   try {
     const run = ["run", scene, "--duration", String(seconds * (1 - 1e-6)), "--preview", "none", "--json", "--quiet", "--out", out];
-    // Up to the picture at that time, not the one after it.
+    // The duration is slightly shorter, so that the run stops at the picture of that time, not at the next one.
     return JSON.parse(execFileSync(muslin, run, { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
   } finally {
     rmSync(out, { recursive: true, force: true });
   }
 }
 
-// Wind and two-step memory, contact of cloth with itself and a plane, springs' neighbour: the stiff strip.
+// Wind and two-step memory (flag), self-contact and contact with a plane (fold), a stiff strip (cantilever).
 for (const scene of ["flag", "fold", "cantilever"]) {
   test(`${scene}: the state hash after ${STEPS} steps is the native one`, { skip }, async () => {
     const own = await page.evaluate(([scene, steps]) => {
@@ -112,7 +113,7 @@ test("keys are set as on the command line; what is refused changes nothing", { s
   assert.ok(told.kept, "the cloth stays where it was");
   assert.equal(told.scene.cloth[0].density, 0.3);
   assert.equal(told.scene.cloth[0].bend, undefined);
-  // The longest step not above it that divides a picture.
+  // The longest step that is not above the requested one and divides a picture evenly.
   assert.ok(Math.abs(told.stepLength - 1 / 30 / 17) < 1e-9, `steps of ${told.stepLength} s`);
   assert.ok(Math.abs(told.time - 3 / 240) <= 0.001, `time went from ${3 / 240} to ${told.time}`);
   assert.deepEqual(told.value, [0.5, "rk4", [1, 2]]);

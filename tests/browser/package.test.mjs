@@ -1,4 +1,4 @@
-// The npm package as others get it: installed from its tarball, typed, and drawn by three.js.
+// The npm package as users get it: installed from its tarball, typed, and drawn by three.js.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";

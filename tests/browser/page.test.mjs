@@ -1,4 +1,4 @@
-// The page on its fallback path: no WebGPU, the processor detects, WebGL2 draws.
+// The page on its fallback path: without WebGPU, the processor detects and WebGL2 draws.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -13,7 +13,7 @@ before(async () => {
 });
 after(() => chromium?.close());
 
-/** Opens the page, waits until it has taken so many steps. */
+/** Opens the page and waits until it has taken two steps. */
 async function open(hash = "", viewport) {
   const { page, errors } = await chromium.open(`${PAGE}${hash}`, viewport);
   await steps(page, 2);
@@ -50,7 +50,7 @@ test("a hand drags the cloth, pins it and lets it go", { skip }, async () => {
       const place = Array.from(run().cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
       return { place, at: camera.project(camera.matrix(true), place), pins: Array.from(run().cloth.pins()), vertex };
     });
-  // It stands still until it is taken.
+  // The cloth stands still until it is grabbed.
   await page.click("#pause");
   await still(page);
   const before = await seen();
@@ -145,7 +145,7 @@ test("a double click pins, and another lets go", { skip }, async () => {
   const { page } = await open("#scene=cantilever");
   const pinned = () => inPage(page, () => Array.from(muslin.run().cloth.pins()));
   const press = async (vertex) => {
-    // It stands still while it is aimed at; what is pressed is led, so that it must go on.
+    // The run is paused while the pointer aims; a grabbed vertex follows the pointer only if the run continues.
     await inPage(page, () => (muslin.run().paused = true));
     await still(page);
     await page.mouse.move(...(await spot(page, vertex)));
@@ -232,7 +232,7 @@ step = 0.002
   const { page: again } = await open(address.slice(address.indexOf("#")));
   assert.equal(await inPage(again, () => muslin.run().cloth.scene.cloth[0].density), 0.3);
   assert.equal(await again.inputValue("#text"), text);
-  // It stays to be chosen, once, when another was looked at.
+  // The scene stays in the list, once, after another scene was viewed.
   for (const [name, density] of [["cantilever", 0.2], ["own", 0.3]]) {
     await again.selectOption("#scene", name);
     await again.click("#strain");
@@ -296,7 +296,7 @@ test("a mistake is told and the cloth in view goes on", { skip }, async () => {
   assert.match(await page.locator("#banner").textContent(), /unknown field `clot`.*did you mean `cloth`\?/s);
   const at = await inPage(page, () => muslin.run().cloth.steps);
   await steps(page, at + 3);
-  // What blows up pauses, says so, and begins anew.
+  // A run that diverges pauses, reports it, and starts again on reset.
   await page.selectOption("#scene", "hanging");
   await page.selectOption("#method", "explicit-euler");
   await page.waitForFunction(() => /diverged/.test(document.getElementById("banner").textContent));
@@ -362,7 +362,7 @@ test("it fits a phone", { skip }, async () => {
 
 test("a stall is not caught up; a lost context is drawn anew", { skip }, async () => {
   const { page } = await open("#scene=cantilever");
-  // No pictures for a while, as behind another tab.
+  // Blocks frames for a while, as in a background tab.
   const [before, after] = await inPage(page, async () => {
     const before = muslin.run().cloth.time;
     const until = performance.now() + 2000;

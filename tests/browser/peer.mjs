@@ -1,5 +1,6 @@
-// `hanging` (64x64, two corners) by this module and by the soft body of Jolt Physics (XPBD, npm: jolt-physics), one
-// thread each in Node.js: what a step of 1/60 s costs, and how far the worst edge was stretched in the second second.
+// `hanging` (64x64, two corners) with this module and with the soft body of Jolt Physics (XPBD, npm:
+// jolt-physics), one thread each in Node.js: cost of a step of 1/60 s, and largest stretch of an edge during
+// the second second.
 //     cargo run -p muslin-pack && npm install --no-save --prefix host-wasm jolt-physics@1.1.0 && node tests/browser/peer.mjs
 
 import { readFileSync } from "node:fs";
@@ -38,7 +39,7 @@ const apart = (x, a, b) => Math.hypot(x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * 
 const worst = (x) => [...edges.values()].reduce((most, [a, b]) => Math.max(most, apart(x, a, b) / apart(rest, a, b) - 1), 0);
 const middle = (numbers) => numbers.sort((a, b) => a - b)[numbers.length >> 1];
 
-/** Lets two seconds pass; cost of a step, ms, and the worst stretch, both of the second one. */
+/** Runs two seconds; returns the median cost of a step, ms, and the largest stretch, both over the second second. */
 function measure(step, positions) {
   for (let k = 0; k < SECOND; k++) step();
   let stretch = 0;
@@ -52,7 +53,7 @@ function measure(step, positions) {
   return { ms: middle(times), stretch };
 }
 
-/** The same sheet, as compliant as ours is stiff, without bending: what Jolt calls an iteration is a substep. */
+/** The same sheet with compliance 1 / stiffness and without bending. An iteration in Jolt's terms is a substep. */
 function jolt(iterations) {
   const settings = new Jolt.JoltSettings();
   const layers = new Jolt.ObjectLayerPairFilterTable(1);

@@ -1,4 +1,4 @@
-// What a visitor's browser fetches: the page and the module, gzipped.
+// Size of the files that a visitor's browser fetches: the page and the module, gzipped.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";

@@ -1,4 +1,4 @@
-// Steps per second of `hanging` (64x64) in a browser against native, one thread each, in turns:
+// Steps per second of `hanging` (64x64) in a browser and native, one thread each, in alternating turns:
 //     cargo run -p muslin-pack && cargo build --release -p muslin-cli && node tests/browser/speed.mjs
 
 import { execFileSync } from "node:child_process";

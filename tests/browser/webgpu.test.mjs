@@ -1,4 +1,5 @@
-// The page where there is WebGPU: it draws with it, and detects with it what the processor detects.
+// The page with WebGPU: it draws with WebGPU, and detection on the device finds the same contacts as the
+// processor.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -42,7 +43,7 @@ test("the page detects on the device while a hand drags, and here again", { skip
   const { page, errors } = await chromium.open("dist/page/index.html#scene=ball&compare=0");
   await steps(page, 2);
   const banner = () => page.locator("#banner").textContent();
-  // A device that a processor plays is not worth asking: nobody does unless told to.
+  // A software device is slower than the processor: the page does not use it unless the box is checked.
   assert.equal(await page.isChecked("#device"), false);
   await page.check("#device");
   await page.waitForFunction(() => /detection: .+, WebGPU · picture: WebGPU/.test(document.getElementById("banner").textContent));
@@ -72,7 +73,8 @@ test("from one state the device finds the contacts that the processor finds", { 
     const scene = m.changed(m.scene("fold"), { "cloth.grid.cells": [4, 20], "cloth.position": [0, 0.5, 0] });
     const counts = ({ candidates, proximity, impacts }) => [candidates, proximity, impacts];
     const rows = [];
-    // As it falls on the plane and lies on itself; later states differ in their last bits, as distances do.
+    // At these times the cloth falls on the plane and on itself; later states differ in their last bits,
+    // because distances do.
     for (const before of [60, 90, 120]) {
       const [ours, theirs] = [new m.Cloth(scene), new m.Cloth(scene)];
       ours.step(before);
@@ -81,7 +83,7 @@ test("from one state the device finds the contacts that the processor finds", { 
       const device = await theirs.openDevice();
       ours.step();
       await theirs.awaitStep();
-      // Another scene after that: the device must not keep the old one.
+      // Then changes the scene: the device must not keep the old one.
       if (before === 120) {
         for (const cloth of [ours, theirs]) cloth.set("contact.self", false);
         ours.step();

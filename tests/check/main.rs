@@ -1,5 +1,5 @@
-//! All checks, in the order in which they fail fastest: `cargo run -p muslin-tests --bin check [-- --all]`.
-//! Everything is run, whatever fails before it; failures are listed at the end. CI runs the same.
+//! Runs all checks, those that fail fastest first: `cargo run -p muslin-tests --bin check [-- --all]`. All
+//! steps run even if earlier ones fail; failures are listed at the end. CI runs the same checks.
 #![forbid(unsafe_code)]
 
 mod plan;
@@ -77,7 +77,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether all that was asked for passed.
+/// Runs the requested steps; returns whether all passed.
 fn check(arguments: &Arguments) -> Result<bool, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut steps = plan::steps(&suites::all(&root)?);

@@ -1,33 +1,33 @@
-//! What is checked, in the order in which mistakes are found soonest: one row a step.
+//! The steps of the checks, in the order that finds mistakes soonest: one row per step.
 
 use std::fmt;
 
 use crate::suites::Suite;
 
-/// How much is checked.
+/// The level of checking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// After every change: minutes.
     Everyday,
-    /// Before a change is published: what is slow too.
+    /// Before a change is published: includes slow checks.
     All,
 }
 
 /// One step.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// By which `--only` finds it.
+    /// The name that `--only` matches.
     pub name: String,
-    /// The lowest level that takes it.
+    /// The lowest level that includes it.
     pub level: Level,
-    /// What is run.
+    /// The task that it runs.
     pub task: Task,
 }
 
-/// What a step runs.
+/// The task of a step.
 #[derive(Clone, Debug)]
 pub enum Task {
-    /// A command line that is to exit with 0, and the variables that it is given.
+    /// A command line that must exit with 0, and its environment variables.
     Command(String, &'static [(&'static str, &'static str)]),
     /// Suites of tests in a profile of cargo.
     Suites(&'static str, Vec<Suite>),
@@ -39,20 +39,20 @@ pub const TESTED: &str = "dev";
 /// Further profiles, in which the bits must be the same.
 const PROFILES: [&str; 2] = ["unoptimised", "release"];
 
-/// The suite that pins them.
+/// The suite that checks the bits.
 const BITS: &str = "determinism";
 
-/// Linted every day; the other packages are for browsers alone, and need much more to be built.
+/// Packages linted every day; the other packages are for browsers only and take much longer to build.
 const LINTED: &str = "-p muslin-core -p muslin-core-f64 -p muslin-gpu -p muslin-cli -p muslin-tests \
                       -p muslin-tests-harness -p muslin-tests-gpu";
 
 /// The core in both precisions.
 const CORES: [&str; 2] = ["muslin-core", "muslin-core-f64"];
 
-/// Where the core must build without an operating system.
+/// Targets without an operating system, for which the core must build.
 pub const BARE_TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "wasm32-unknown-unknown"];
 
-/// What is made of the core for a bare target.
+/// Features with which the core is built for a bare target.
 const FEATURES: [&str; 2] = ["", " --features alloc"];
 
 fn command(level: Level, name: &str, line: &str) -> Step {
@@ -68,13 +68,13 @@ pub fn steps(suites: &[Suite]) -> Vec<Step> {
         command(Everyday, "format", "cargo fmt --all --check"),
         command(Everyday, "lints", &format!("cargo clippy {LINTED} --all-targets -- -D warnings")),
         in_profile("tests", Everyday, TESTED, suites.to_vec()),
-        // With the other packages, so that libraries are those that the suites have built.
+        // Includes the other packages, so that the libraries built for the suites are reused.
         command(Everyday, "manual", "cargo test --doc -p muslin-tests-harness -p muslin-tests -p muslin-cli"),
         command(All, "lints of every package", "cargo clippy --workspace --all-targets -- -D warnings"),
     ];
     let docs = Task::Command("cargo doc --workspace --no-deps".to_owned(), &[("RUSTDOCFLAGS", "-D warnings")]);
     steps.push(Step { name: "docs".to_owned(), level: All, task: docs });
-    // Alone, a package has only the features that itself asks for.
+    // A package checked alone has only the features that it requests itself.
     for package in CORES.iter().chain(&["muslin-cli"]) {
         steps.push(command(All, &format!("{package} alone"), &format!("cargo check -p {package}")));
     }
@@ -100,7 +100,7 @@ impl Step {
         matches!(&self.task, Task::Command(line, _) if line.contains("--target") || line.contains("muslin-pack"))
     }
 
-    /// The part of it that a level takes.
+    /// The part of the step that belongs to a level.
     pub fn at(self, level: Level) -> Option<Self> {
         let task = match self.task {
             Task::Suites(profile, suites) => {
@@ -111,7 +111,7 @@ impl Step {
         (self.level <= level).then_some(Self { task, ..self })
     }
 
-    /// The part of it that has the word in its name: all of it, or some suites.
+    /// The part of the step with the word in its name: the whole step, or some of its suites.
     pub fn part(self, word: &str) -> Option<Self> {
         if self.name.contains(word) {
             return Some(self);
@@ -135,7 +135,7 @@ impl fmt::Display for Step {
     }
 }
 
-/// Files, because versions of Node.js differ in what they make of a folder.
+/// Lists files, because versions of Node.js treat a folder differently.
 fn browser_tests() -> String {
     let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/browser")).into_iter().flatten().flatten();
     let names = files.filter_map(|file| file.file_name().into_string().ok());

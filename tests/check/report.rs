@@ -1,13 +1,13 @@
-//! What came of it: the time of every step and suite, the slowest tests, what was left out, what failed.
+//! The report: time of every step and suite, the slowest tests, skipped tests, failures.
 
 use std::collections::BTreeSet;
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// How many of the slowest tests are listed.
+/// Number of slowest tests that are listed.
 const SLOWEST: usize = 10;
 
-/// By which a test says that it needs something that is not there.
+/// Prefix of the line by which a test reports that something it needs is absent.
 const SKIPPED: &str = "skipped: ";
 
 /// How a test ended.
@@ -26,7 +26,7 @@ pub enum Ending {
 /// One test.
 #[derive(Clone, Debug)]
 pub struct Test {
-    /// With its modules.
+    /// Name with its modules.
     pub name: String,
     /// Its time, s.
     pub seconds: f64,
@@ -36,22 +36,22 @@ pub struct Test {
     pub output: String,
 }
 
-/// What came of a command or of a suite.
+/// Result of a command or of a suite.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     name: String,
     time: Duration,
-    /// Its tests, of a suite.
+    /// The tests of a suite; empty for a command.
     pub tests: Vec<Test>,
-    /// Each with the first step of its mend.
+    /// Failures, each with the first step to fix it.
     pub failures: Vec<String>,
-    /// Why some of it was not tested.
+    /// Reasons why parts were not tested.
     pub skipped: Vec<String>,
-    /// Whether it tests anything: to build does not.
+    /// Whether it counts as a check: a build does not.
     pub counts: bool,
 }
 
-/// What came of everything.
+/// Results of all steps.
 #[derive(Debug)]
 pub struct Report {
     started: Instant,
@@ -61,12 +61,12 @@ pub struct Report {
 }
 
 impl Outcome {
-    /// Passed, in this time.
+    /// A passed outcome that took `time`.
     pub fn new(name: String, time: Duration) -> Self {
         Self { name, time, tests: Vec::new(), failures: Vec::new(), skipped: Vec::new(), counts: true }
     }
 
-    /// The same with one more failure.
+    /// Adds a failure.
     pub fn failed(mut self, why: String) -> Self {
         self.failures.push(why);
         self
@@ -104,12 +104,12 @@ impl fmt::Display for Outcome {
 }
 
 impl Report {
-    /// Nothing yet.
+    /// An empty report.
     pub fn new() -> Self {
         Self { started: Instant::now(), outcomes: Vec::new(), skipped: BTreeSet::new(), skipped_steps: 0 }
     }
 
-    /// One more outcome.
+    /// Adds an outcome.
     pub fn add(&mut self, outcome: Outcome) {
         self.skipped.extend(outcome.tests.iter().flat_map(|test| reasons(&test.output)).map(str::to_owned));
         self.skipped.extend(outcome.skipped.iter().cloned());
@@ -122,7 +122,7 @@ impl Report {
         self.outcomes.push(outcome);
     }
 
-    /// A step that cannot be run here.
+    /// Records a step that cannot be run here.
     pub fn skipped(&mut self, name: &str, why: &str) {
         println!("    skipped: {why}");
         self.skipped_steps += 1;
@@ -172,7 +172,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// Why a test ended early, as its output says.
+/// The reasons for an early end that a test's output gives.
 pub fn reasons(output: &str) -> impl Iterator<Item = &str> {
     output.lines().filter_map(|line| line.strip_prefix(SKIPPED))
 }

@@ -1,4 +1,4 @@
-//! Runs steps: commands as they are, suites test by test, with the time that each took.
+//! Runs steps: commands as a whole, suites test by test, with the time of each.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -11,17 +11,17 @@ use crate::plan::{BARE_TARGETS, Level, Step, Task};
 use crate::report::{Ending, Outcome, Report, Test, reasons};
 use crate::suites::{self, Suite};
 
-/// Where a browser must be tested; without it only where there is what that needs.
+/// Variable that requires browser tests; without it they run only if their tools are installed.
 const REQUIRE_BROWSER: &str = "MUSLIN_REQUIRE_BROWSER";
 
-/// By which libtest tells in JSON what became of each test, and how long it took. It is unstable, and asks for
+/// Arguments with which libtest reports the result and time of each test in JSON. They are unstable and need
 /// `RUSTC_BOOTSTRAP` in the environment of the tests.
 const TOLD: [&str; 5] = ["-Zunstable-options", "--format=json", "--report-time", "--show-output", "--color=never"];
 
-/// In the name of a test that is a command of its own, which no level runs.
+/// Part of the name of a test that is run only by its own command, at no level.
 const LONG_FORM: &str = "long_form";
 
-/// Runs a step to its end, whatever fails.
+/// Runs a step to its end, also after failures.
 pub fn step(root: &Path, step: &Step, level: Level, report: &mut Report) {
     println!("==> {}", step.name);
     if let Some(why) = missing(step) {
@@ -65,7 +65,7 @@ fn command(root: &Path, name: &str, line: &str, variables: &[(&str, &str)]) -> O
     }
 }
 
-/// Runs tests that tell in TAP what became of them, and keeps why some were skipped.
+/// Runs tests that report in TAP, and collects the reasons of skipped tests.
 fn told(command: &mut Command, skipped: &mut Vec<String>) -> std::io::Result<ExitStatus> {
     let mut child = command.stdout(Stdio::piped()).spawn()?;
     for line in BufReader::new(child.stdout.take().expect("it is piped")).lines().map_while(Result::ok) {
@@ -75,7 +75,7 @@ fn told(command: &mut Command, skipped: &mut Vec<String>) -> std::io::Result<Exi
     child.wait()
 }
 
-/// Why a step cannot be run here, if it need not be.
+/// The reason why a step cannot be run here and may be skipped.
 fn missing(step: &Step) -> Option<String> {
     let line = match &step.task {
         Task::Command(line, _) => line.as_str(),
@@ -90,7 +90,7 @@ fn is_there(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
-/// Adds what some steps of the full level need beside the compiler, where rustup has not got it yet.
+/// Installs targets and components that some steps of the full level need, if rustup does not have them yet.
 pub fn install(root: &Path, report: &mut Report) {
     let rustup = |arguments: &[&str]| Command::new("rustup").args(arguments).current_dir(root).status();
     let added = |arguments: &[&str]| rustup(arguments).is_ok_and(|done| done.success());
@@ -101,7 +101,7 @@ pub fn install(root: &Path, report: &mut Report) {
     }
 }
 
-/// Runs a suite; at the full level with the tests that are marked as slow.
+/// Runs a suite; at the full level including the tests marked as slow.
 fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
     print!("    {:<24}", suite.name);
     let _ = std::io::stdout().flush();
@@ -110,7 +110,7 @@ fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
     command.args(TOLD).args(["--skip", LONG_FORM]).args((level == Level::All).then_some("--include-ignored"));
     command.env("RUSTC_BOOTSTRAP", "1").current_dir(suite.folder()).stdout(Stdio::piped());
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
-        // Mesa complains without it.
+        // Mesa prints warnings without it.
         command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
     }
     let (mut tests, mut finished) = (Vec::new(), false);
@@ -137,7 +137,7 @@ fn run(suite: &Suite, path: &Path, profile: &str, level: Level) -> Outcome {
     outcome
 }
 
-/// The test that has ended, if an event of libtest says so.
+/// The test that ended, if this event of libtest reports one.
 fn test(event: &Value) -> Option<Test> {
     let text = |key: &str| event[key].as_str().unwrap_or_default().to_owned();
     let output = text("stdout") + &text("message");

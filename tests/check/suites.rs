@@ -1,4 +1,4 @@
-//! Suites of tests: which there are, and how cargo builds them.
+//! Suites of tests: their list, and their build by cargo.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -15,10 +15,10 @@ const PACKAGES: [(&str, Level); 4] = [
     ("muslin-tests-gpu", Level::All),
 ];
 
-/// A target that cargo makes a test executable of.
+/// A target from which cargo builds a test executable.
 #[derive(Clone, Debug)]
 pub struct Suite {
-    /// That of the target; of tests inside a library or a program, that of its package and `unit`.
+    /// Name of the target; for tests inside a library or a program, name of the package followed by `unit`.
     pub name: String,
     /// The lowest level that runs it.
     pub level: Level,
@@ -28,7 +28,7 @@ pub struct Suite {
     kind: &'static str,
 }
 
-/// All suites, as cargo knows them.
+/// All suites that cargo reports.
 pub fn all(root: &Path) -> Result<Vec<Suite>, String> {
     let mut cargo = Command::new(env!("CARGO"));
     let output = cargo.args(["metadata", "--no-deps", "--format-version=1"]).current_dir(root).output();
@@ -73,7 +73,7 @@ impl Suite {
         format!("cargo test --profile {profile} -p {package} {target} -- --include-ignored --exact {test}")
     }
 
-    /// The folder that its tests run in.
+    /// The folder in which its tests run.
     pub fn folder(&self) -> &Path {
         self.manifest.parent().unwrap_or(Path::new("."))
     }
@@ -91,12 +91,13 @@ impl Suite {
     }
 }
 
-/// Builds suites and finds their executables; cargo's own words go to the terminal.
+/// Builds suites and finds their executables; cargo's messages go to the terminal.
 pub fn build<'a>(root: &Path, profile: &str, suites: &'a [Suite]) -> Result<Vec<(&'a Suite, PathBuf)>, String> {
     let level = suites.iter().map(|suite| suite.level).fold(Level::Everyday, Level::max);
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(["test", "--no-run", "--message-format=json-render-diagnostics", "--profile", profile]);
-    // Always the packages of the whole level: libraries are built once, with the features that any of these asks for.
+    // Always builds all packages of the level: libraries are then built only once, with the union of the
+    // features.
     for (name, _) in PACKAGES.iter().filter(|(_, own)| *own <= level) {
         cargo.args(["-p", name]);
     }

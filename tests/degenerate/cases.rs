@@ -1,5 +1,5 @@
-//! The degenerate elements, and how hard they may pull. Every list runs from harmless to fully
-//! collapsed, still and moving, in any orientation.
+//! The degenerate elements, and bounds on their forces. Every list ranges from harmless to fully collapsed, at
+//! rest and moving, in random orientations.
 
 use glam::{DMat2, DVec2, DVec3};
 use harness::rng::Rng;
@@ -12,7 +12,7 @@ pub struct Limits {
     pub jacobian: f64,
 }
 
-/// From harmless over what rounds away, and what underflows in f32 when squared, to nothing.
+/// Factors from harmless, through values that vanish by rounding or whose square underflows in f32, to zero.
 const COLLAPSE: [f64; 14] = [1.0, 0.3, 0.1, 0.05, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 3e-7, 1e-8, 1e-15, 1e-25, 0.0];
 
 fn states<P: Copy, const K: usize>(size: f64, cases: impl IntoIterator<Item = (P, [DVec3; K])>) -> Vec<State<P, K>> {
@@ -29,7 +29,7 @@ fn states<P: Copy, const K: usize>(size: f64, cases: impl IntoIterator<Item = (P
     states
 }
 
-/// Coinciding and nearly coinciding ends, with a rest length and without.
+/// Coincident and nearly coincident ends, with and without a rest length.
 pub fn bars() -> Vec<State<Bar, 2>> {
     let at = |rest: f64| {
         let part = Bar { rest, stiffness: 500.0, damping: 20.0 };
@@ -38,20 +38,21 @@ pub fn bars() -> Vec<State<Bar, 2>> {
     states(0.1, at(0.1).into_iter().chain(at(0.0)))
 }
 
-/// A spring along x, of 500 N/m and 0.1 m, of which a fraction is left.
+/// A spring along x of 500 N/m and 0.1 m, compressed to a fraction of its length.
 pub fn compressed_bar(left: f64) -> (State<Bar, 2>, [DVec3; 2]) {
     let x = [DVec3::ZERO, DVec3::X * 0.1 * left];
     (states(0.1, [(Bar { rest: 0.1, stiffness: 500.0, damping: 0.0 }, x)])[0], x)
 }
 
-/// k times the length and the rest length, kd times the velocities; k + kd.
+/// Force: k times length and rest length, plus kd times the velocities. Jacobian: k + kd.
 pub fn bar_limits(s: &State<Bar, 2>) -> Limits {
     let Bar { rest, stiffness, damping } = s.part;
     let pull = stiffness * (rest + norm(&s.x)) + damping * norm(&s.v);
     Limits { force: 2.0 * pull, jacobian: 4.0 * (stiffness + damping) }
 }
 
-/// Collapsed to a line, to an edge, to a point, and slivers of aspect 1e4 at rest and now.
+/// Triangles collapsed to a line, to an edge and to a point, and slivers of aspect 1e4 at rest and in the
+/// state.
 pub fn triangles() -> Vec<State<Triangle, 3>> {
     let equilateral = [DVec2::ZERO, DVec2::new(0.1, 0.0), DVec2::new(0.05, 0.0866)];
     let sliver = [DVec2::ZERO, DVec2::new(0.1, 0.0), DVec2::new(0.05, 1e-5)];
@@ -63,11 +64,11 @@ pub fn triangles() -> Vec<State<Triangle, 3>> {
             cases.push((part(rest), place(DMat2::from_diagonal(DVec2::new(1.0, t)))));
             cases.push((part(rest), place(DMat2::from_diagonal(DVec2::new(t, 1.0)))));
             cases.push((part(rest), place(DMat2::from_diagonal(DVec2::splat(t)))));
-            // Warp and weft on one line, as long as at rest.
+            // Warp and weft lie on one line and keep their rest length.
             cases.push((part(rest), place(DMat2::from_cols(DVec2::X, DVec2::new(1.0, t)))));
             cases.push((part(rest), place(DMat2::from_cols(DVec2::X, DVec2::new(-1.0, t)))));
         }
-        // The shape of the other: 1e4 times as high, or as low.
+        // Rest shape and state are exchanged: 1e4 times as high, or as low.
         for x in [equilateral, sliver] {
             cases.push((part(rest), x.map(|x| x.extend(0.0))));
         }
@@ -75,14 +76,14 @@ pub fn triangles() -> Vec<State<Triangle, 3>> {
     states(0.1, cases)
 }
 
-/// A right triangle of 500 N/m and sides of 0.1 m, of the warp of which a fraction is left.
+/// A right triangle of 500 N/m with sides of 0.1 m, compressed along the warp to a fraction.
 pub fn compressed_triangle(left: f64) -> (State<Triangle, 3>, [DVec3; 3]) {
     let rest = [DVec2::ZERO, DVec2::X * 0.1, DVec2::Y * 0.1];
     let x = rest.map(|x| DVec3::new(x.x * left, x.y, 0.0));
     (states(0.1, [(Triangle { rest, stiffness: [500.0; 3], damping: [0.0; 2] }, x)])[0], x)
 }
 
-/// Weights times area, and the largest deformation gradient that the corners allow.
+/// Area, weight, and bounds on the deformation gradient and its rate for these corners.
 fn deformation(s: &State<Triangle, 3>) -> [f64; 4] {
     let [a, b, c] = s.part.rest;
     let rest = DMat2::from_cols(b - a, c - a);
@@ -91,7 +92,7 @@ fn deformation(s: &State<Triangle, 3>) -> [f64; 4] {
     [area, weight, weight * norm(&s.x), weight * norm(&s.v)]
 }
 
-/// Stress k |w| (1 + |w|^2), spread over the corners by the weights; its derivative.
+/// Force: the stress k |w| (1 + |w|^2), distributed to the corners by the weights. Jacobian: its derivative.
 pub fn triangle_limits(s: &State<Triangle, 3>) -> Limits {
     let ([area, weight, w, rate], stiffness, time) = (deformation(s), 500.0, 0.2);
     let stress = stiffness * ((1.0 + w).powi(3) + time * rate * (1.0 + w).powi(2));
@@ -99,7 +100,7 @@ pub fn triangle_limits(s: &State<Triangle, 3>) -> Limits {
     Limits { force: 4.0 * area * weight * stress, jacobian: 8.0 * area * weight * weight * stiffening }
 }
 
-/// Edges and heights that vanish, corners that meet, folds shut exactly, slivers at rest and now.
+/// Vanishing edges and heights, coincident corners, exactly closed folds, slivers at rest and in the state.
 pub fn hinges() -> Vec<State<Fold, 4>> {
     let part = |rest_angle, least_height| Fold { stiffness: 1e-3, rest_angle, least_height, damping: 1e-4 };
     let mut cases = Vec::new();
@@ -113,16 +114,16 @@ pub fn hinges() -> Vec<State<Fold, 4>> {
         for angle in [0.0, 0.5, -2.0, 3.0] {
             for t in COLLAPSE {
                 cases.push(fold(0.1 * t, [height; 2], angle, 0.05 * t));
-                // The far corners off the short edge.
+                // The far corners project beyond the short edge.
                 cases.push(fold(0.1 * t, [height; 2], angle, 0.2));
                 cases.push(fold(0.1, [height * t, height], angle, 0.05));
                 cases.push(fold(0.1, [height * t; 2], angle, 0.05));
-                // Collapsing beside the edge, and in all directions.
+                // Collapse beside the edge, and in all directions.
                 cases.push(fold(0.1, [height * t; 2], angle, 0.3));
                 cases.push(fold(0.1 * t, [height * t; 2], angle, 0.05 * t));
             }
         }
-        // Shut exactly, from both sides: the far corners meet.
+        // Exactly closed, from both sides: the far corners coincide.
         let shut = [DVec3::ZERO, DVec3::X * 0.1, DVec3::Z * height, DVec3::Z * height];
         cases.push((usual, shut));
         cases.push((usual, [shut[1], shut[0], shut[3], shut[2]]));
@@ -135,7 +136,7 @@ pub fn hinges() -> Vec<State<Fold, 4>> {
     states(0.1, cases)
 }
 
-/// A fold by an angle, of the least heights of which a fraction is left.
+/// A hinge folded by an angle; its heights are the fraction `left` of the least height.
 pub fn compressed_hinge(left: f64, angle: f64) -> (State<Fold, 4>, [DVec3; 4]) {
     let part = Fold { stiffness: 1e-3, rest_angle: 0.0, least_height: 0.01, damping: 0.0 };
     let far = DVec3::new(0.05, 0.01 * left * angle.sin(), -0.01 * left * angle.cos());
@@ -143,8 +144,8 @@ pub fn compressed_hinge(left: f64, angle: f64) -> (State<Fold, 4>, [DVec3; 4]) {
     (states(0.1, [(part, x)])[0], x)
 }
 
-/// The gradient of the angle is 1 / height, and the offset of a far corner along the edge over
-/// height and length; none of them counts as less than `least_height`.
+/// The gradient of the angle is 1 / height, and the offset of a far corner along the edge divided by height and
+/// length; heights and lengths count as at least `least_height`.
 pub fn hinge_limits(s: &State<Fold, 4>) -> Limits {
     let least = s.part.least_height;
     let gradient = 2.0 / least * (1.0 + 2.0 * norm(&s.x) / least);
@@ -153,7 +154,7 @@ pub fn hinge_limits(s: &State<Fold, 4>) -> Limits {
     Limits { force: moment * gradient, jacobian }
 }
 
-/// Closed, on an edge without length, and both.
+/// Closed stitches, and stitches to an edge without length; both for three weights.
 pub fn stitches() -> Vec<State<Stitch, 3>> {
     let part = |weight| Stitch { weight, stiffness: 500.0, damping: 20.0 };
     let closed = [DVec3::ZERO; 3];
@@ -162,7 +163,7 @@ pub fn stitches() -> Vec<State<Stitch, 3>> {
     states(0.1, cases)
 }
 
-/// k times the gap; k.
+/// Force: k times the gap. Jacobian: k.
 pub fn stitch_limits(s: &State<Stitch, 3>) -> Limits {
     let Stitch { stiffness, damping, .. } = s.part;
     let pull = stiffness * norm(&s.x) + damping * norm(&s.v);
@@ -200,7 +201,7 @@ pub const SCENE: &str = r#"
     wind = { velocity = [3.0, -1.0, 2.0], normal = 0.6, tangential = 0.07 }
 "#;
 
-/// A name, and what becomes of a vertex that rests at a point.
+/// A name, and a function from rest position to collapsed position.
 pub type Collapse = (&'static str, fn(DVec3) -> DVec3);
 
 pub const COLLAPSES: [Collapse; 6] = [

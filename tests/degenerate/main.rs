@@ -1,10 +1,10 @@
-//! Elements without length, area or angle, in both precisions: forces, energies and Jacobians
-//! stay finite, forces sum to zero, and forces and projected Jacobians stay within a stated
-//! multiple of the stiffness however far an element collapses. (The exact Jacobian of a
-//! collapsing element grows without bound by itself; it is only held to be finite.)
+//! Elements without length, area or angle, in both precisions: forces, energies and Jacobians stay finite,
+//! forces sum to zero, and forces and projected Jacobians stay within a stated multiple of the stiffness
+//! however far an element collapses. (The exact Jacobian of a collapsing element grows without bound; the test
+//! only requires that it is finite.)
 //!
-//! Run: `cargo test -p muslin-tests --test degenerate`. Caught so far: hinges whose edge
-//! collapses pulled a million times too hard (forces/hinge.rs, `relief`).
+//! Run: `cargo test -p muslin-tests --test degenerate`. It has caught: a collapsing edge of a hinge caused
+//! forces that were a million times too large (forces/hinge.rs, `relief`).
 
 mod cases;
 
@@ -25,11 +25,11 @@ both_precisions! {
 
     use super::cases::{self, Limits};
 
-    /// Relative to the force's limit: a corner far off a collapsed edge is projected on it with a
-    /// rounding of its distance, not of the edge.
+    /// Relative to the force's limit: the projection of a corner far from a collapsed edge has a rounding error
+    /// relative to the corner's distance, not to the edge.
     const SUM: f64 = kit::bound(1e-6, 1e-14);
 
-    /// `limits`: how large the force and the projected Jacobian of an element may be.
+    /// `limits` returns the largest permitted force and projected Jacobian of an element.
     fn stays_in_bounds<const K: usize, const N: usize, P: Debug>(
         term: &impl Element<K>,
         states: &[State<P, K>],
@@ -69,7 +69,8 @@ both_precisions! {
         stays_in_bounds::<2, 6, _>(&kit::bars(&states), &states, true, cases::bar_limits);
     }
 
-    /// StoppingCriterion less than a millionth is left: a collapsed element still knows its direction.
+    /// Until less than a millionth of its size is left, a collapsed element still has a direction and resists
+    /// in full.
     #[test]
     fn elements_resist_in_full_until_they_vanish() {
         let mut worst = Worst::new("resistance of what has nearly collapsed", kit::bound(1e-6, 1e-14));
@@ -88,8 +89,8 @@ both_precisions! {
         worst.check();
     }
 
-    /// A spring without length is no reason to forget those beside it: stars of up to nine, one
-    /// of them collapsed, at every place.
+    /// A collapsed spring must not affect the springs beside it: stars of up to nine springs, one of them
+    /// collapsed, in every position.
     #[test]
     fn springs_beside_a_collapsed_one() {
         let (rng, mut worst) = (&mut Rng::new(122), Worst::new("force of springs beside a collapsed one", SUM));
@@ -135,8 +136,8 @@ both_precisions! {
         stays_in_bounds::<3, 9, _>(&columns.view(), &states, false, cases::wind_limits);
     }
 
-    /// Every term at once, with every vertex in one point, on a line, in a plane, and folded onto
-    /// itself: finite forces, energies and Jacobians.
+    /// All terms at once, with all vertices in one point, on a line, in a plane, or folded onto the sheet
+    /// itself: forces, energies and Jacobians stay finite.
     #[test]
     fn collapsed_sheets() {
         let built = kit::build(cases::SCENE);

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-/// Steps after which the chain is kept; it covers all steps before.
+/// Steps after which the line records the hash; it covers all earlier steps.
 const CHECKPOINTS: [u64; 6] = [1, 2, 3, 5, 10, 20];
 
 macro_rules! lines {
@@ -33,7 +33,7 @@ macro_rules! lines {
 lines!(single, muslin_core, single);
 lines!(double, muslin_core_f64, double);
 
-/// What differs, and from which checkpoint on.
+/// Describes the difference and the first checkpoint at which it occurs.
 fn difference(got: &str, goldens: &str) -> Option<String> {
     let fields: Vec<_> = got.split(' ').collect();
     let golden = goldens.lines().find(|line| line.split(' ').take(2).eq(fields[..2].iter().copied()));

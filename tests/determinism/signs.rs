@@ -1,4 +1,4 @@
-//! The state hash sees every bit, signs in pairs too.
+//! The state hash depends on every bit, also on two signs that are flipped together.
 
 use glam::DVec3;
 use muslin_core_f64::diagnostics::StateHash;

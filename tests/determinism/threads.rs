@@ -1,9 +1,9 @@
-//! The state after every step is the same, bit for bit, under 1, 2, 3 and 7 threads, for every
-//! method, with every force term, in both precisions.
+//! The state after every step is bitwise the same with 1, 2, 3 and 7 threads, for every method, with every
+//! force term, in both precisions.
 
 use harness::both_precisions;
 
-/// Two sheets, moving pins and air: every term, and both motions.
+/// Two sheets, moving pins and air: every term, and both kinds of motion.
 const EVERYTHING: &str = r#"
     name = "everything"
     duration = 1.0
@@ -28,7 +28,7 @@ const EVERYTHING: &str = r#"
     pin = [{ select = { edge = "left" }, axes = "xz", motion = { keys = [[0.0, 0, 0, 0], [1.0, 0.5, 0.5, 0]] } }]
 "#;
 
-/// More vertices than the solver sums in one part.
+/// More vertices than one partial sum of the solver contains.
 const LARGE: &str = r#"
     name = "large"
     duration = 1.0
@@ -42,7 +42,7 @@ const LARGE: &str = r#"
     pin = [{ select = { corners = [0] } }]
 "#;
 
-/// Sheets thrown onto one another, a turning box and a plane: every pass of the response.
+/// Sheets thrown onto one another, onto a turning box and a plane: uses every pass of the response.
 const TOUCHING: &str = r#"
     name = "touching"
     duration = 1.0

@@ -1,5 +1,5 @@
-//! A whole model, in f64: its terms add up, its force is -dE/dx, and its assembled Jacobians are
-//! the sums of their elements', with every term in the list at once.
+//! A whole model, in f64: the terms add up, the force is -dE/dx, and the assembled Jacobians are the sums of
+//! the elements' Jacobians, with all terms present at once.
 
 use glam::{DMat3, DVec3};
 use harness::dense::{Dense, add_block, asymmetry, size};
@@ -13,7 +13,7 @@ use muslin_core_f64::forces::{Model, TangentScale, Term};
 use muslin_core_f64::integrate::Jacobian;
 use muslin_core_f64::scene::BuiltScene;
 
-/// 13 vertices of membrane, hinges and seams, 9 of springs; cells of 0.3 m.
+/// 13 vertices with membrane, hinges and seams, 9 with springs; cells of 0.3 m.
 const VERTICES: usize = 22;
 const N: usize = 3 * VERTICES;
 const SCENE: &str = r#"
@@ -37,10 +37,10 @@ const SCENE: &str = r#"
     wind = { velocity = [3.0, -1.0, 2.0], normal = 0.6, tangential = 0.07 }
 "#;
 const CELL: f64 = 0.3;
-/// Differences over a thousandth of a cell.
+/// Step of the differences: a thousandth of a cell.
 const STEP: f64 = 3e-4;
 
-/// The scene, its corners moved by up to a quarter of a cell, and velocities.
+/// The scene, its positions perturbed by up to a quarter of a cell, and random velocities.
 fn crumpled() -> (BuiltScene, [DVec3; VERTICES], [DVec3; VERTICES]) {
     let (built, rng) = (kit::build(SCENE), &mut Rng::new(91));
     let x: Vec<_> = kit::positions(&built).iter().map(|&x| x + rng.cube(0.25 * CELL)).collect();
@@ -81,8 +81,8 @@ fn gravity_is_mass_times_g_and_drag_proportional_to_area() {
     worst.check();
 }
 
-/// In seconds; the membrane's is per material and held against its definition in
-/// [`dissipation`](super::dissipation).
+/// The factor is in seconds. The membrane's damping is stored per material; [`dissipation`](super::dissipation)
+/// compares it with its definition.
 #[test]
 fn damping_is_proportional_to_stiffness() {
     let built = kit::build(SCENE);
@@ -113,7 +113,7 @@ fn forces_of_a_model_are_the_slope_of_its_energy() {
     worst.check();
 }
 
-/// At rest, where an assembled Jacobian is symmetric; wind only by its velocities.
+/// df/dx is taken at zero velocity, where an assembled Jacobian is symmetric; wind enters only through df/dv.
 #[test]
 fn exact_jacobian_of_a_model_is_the_slope_of_its_force() {
     let (built, x, v) = crumpled();
@@ -131,7 +131,7 @@ fn exact_jacobian_of_a_model_is_the_slope_of_its_force() {
     worst.check();
 }
 
-/// Adds each element's projected blocks where its corners stand.
+/// Adds each element's projected blocks at the rows and columns of its corners.
 fn scatter<const K: usize>(m: &mut Dense<N>, term: &impl Element<K>, x: &[DVec3], scale: [f64; 2]) {
     for (i, corners) in term.vertices().iter().enumerate() {
         let blocks = kit::projected(term, i, &corners.map(|c| x[c as usize]), scale);
@@ -176,7 +176,7 @@ fn projected_jacobian_of_a_model_is_the_sum_of_its_elements() {
     worst.check();
 }
 
-/// Kernels compute springs in groups: hubs of every size about those that groups may have.
+/// Kernels compute springs in groups: tests hubs with numbers of springs around every possible group size.
 #[test]
 fn spring_forces_do_not_depend_on_how_many_meet() {
     let (rng, mut worst) = (&mut Rng::new(92), Worst::new("spring forces against one spring at a time", 1e-13));

@@ -1,5 +1,5 @@
-//! Force = -dE/dx and exact Jacobian = df/dx, df/dv by central differences, in f64, on 3,000
-//! states a term: near rest, stretched to 3, compressed to 0.2, sheared, folded past 90 degrees.
+//! Force = -dE/dx, and exact Jacobian = df/dx and df/dv, by central differences in f64, on 3,000 states per
+//! term: near rest, stretched by up to 3, compressed to 0.2, sheared, folded past 90 degrees.
 //!
 //! Errors are relative to the norm of the element's whole force or Jacobian.
 
@@ -15,7 +15,7 @@ use muslin_core_f64::forces::element::Element;
 
 /// States of each regime.
 const COUNT: usize = 500;
-/// Sixth-order differences over a thousandth of the element err by 1e-8 on the sharpest hinge.
+/// Sixth-order differences with a thousandth of the element size have an error of 1e-8 on the sharpest hinge.
 const FORCE: f64 = 1e-7;
 const JACOBIAN: f64 = 1e-6;
 /// A few roundings.
@@ -34,7 +34,7 @@ fn force_is_slope_of_energy<const K: usize, P: Debug>(term: &impl Element<K>, st
     worst.check();
 }
 
-/// With the part of the damping force: the corners move.
+/// Includes the contribution of the damping force: the corners move.
 fn jacobian_is_slope_of_force<const K: usize, const N: usize, P: Debug>(
     term: &impl Element<K>,
     states: &[State<P, K>],
@@ -54,7 +54,7 @@ fn jacobian_is_slope_of_force<const K: usize, const N: usize, P: Debug>(
     by_velocity.check();
 }
 
-/// At rest for df/dx: the part of the damping force is not symmetric.
+/// df/dx is taken at zero velocity, because the contribution of the damping force is not symmetric.
 fn jacobian_is_symmetric<const K: usize, const N: usize, P: Debug>(
     term: &impl Element<K>,
     states: &[State<P, K>],
@@ -138,7 +138,7 @@ fn seam_jacobian_is_the_slope_of_its_force() {
     jacobian_is_symmetric::<3, 9, _>(&kit::seams(&states).view(), &states, [1.0, 1.0]);
 }
 
-/// Wind has no energy; [`dissipation`](super::dissipation) holds its force against a formula.
+/// Wind has no energy; [`dissipation`](super::dissipation) compares its force with a formula.
 #[test]
 fn wind_jacobian_is_the_slope_of_its_force() {
     let states = many(12, COUNT, triangle);

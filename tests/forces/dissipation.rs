@@ -1,5 +1,5 @@
-//! Damping and air, in f64: each force is -dR/dv, where R is the dissipation (half the power
-//! lost) written down anew from the term's definition, with rates of strain by differences in time.
+//! Damping and air, in f64: each force is -dR/dv. R is the dissipation function (half of the power lost),
+//! implemented again from the definition of the term, with strain rates by differences in time.
 
 use std::fmt::Debug;
 
@@ -12,9 +12,9 @@ use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::forces::hinge::Hinges;
 
 const COUNT: usize = 100;
-/// R is quadratic in v, so differences in v are exact; those in time err by 1e-8.
+/// R is quadratic in v, so differences in v are exact; differences in time have an error of 1e-8.
 const BOUND: f64 = 1e-7;
-/// Of the power lost, which is 2R: as `BOUND`.
+/// Bound for the power lost, which is 2R: equal to `BOUND`.
 const POWER: f64 = 1e-7;
 
 fn half(x: f64) -> f64 {
@@ -80,7 +80,7 @@ fn hinge_damping_resists_the_rate_of_the_angle() {
     force_is_slope_of_dissipation(&columns.view(), &states, |i, s: &State<Fold, 4>, v| {
         let term: Hinges<'_> = columns.view();
         let now = term.angle(i, &s.x);
-        // Turned back across the jump from pi to -pi.
+        // Shifted so that the angle does not jump from pi to -pi.
         let angle = |t: f64| (term.angle(i, &moved(&s.x, v, t)) - now + 9.0).rem_euclid(std::f64::consts::TAU);
         s.part.damping * half(slope(1e-4, angle))
     });
@@ -95,7 +95,7 @@ fn seam_damping_resists_the_rate_of_the_gap() {
     });
 }
 
-/// Air at rest; a steady wind is the same in the frame of the wind (next test).
+/// Air at rest; the next test shows that wind is equivalent to still air in the frame of the wind.
 #[test]
 fn still_air_resists_normal_and_tangential_velocity() {
     let states = many(25, COUNT, triangle);

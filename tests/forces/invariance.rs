@@ -1,9 +1,9 @@
-//! What no internal force may do, in both precisions: push or turn the cloth as a whole, resist
-//! its rest shape wherever that lies, damp rigid motion, or know where the origin is.
+//! Symmetries of internal forces, in both precisions: no net force or torque on the cloth, no force at the rest
+//! shape wherever it is placed, no damping of rigid motion, no dependence on the origin.
 //!
-//! Stitches balance and forget the origin as well, but a gaping stitch has no direction that its
-//! damping could be projected on: it resists rotation, as [`forces::seam`](muslin_core::forces::seam)
-//! says by being linear. Rotation is tested on closed ones.
+//! Stitches balance and do not depend on the origin. But an open stitch has no fixed direction onto which its
+//! damping could be projected: it resists rotation, because [`forces::seam`](muslin_core::forces::seam) is
+//! linear. Rotation is tested on closed stitches.
 
 use glam::DVec3;
 use harness::both_precisions;
@@ -12,14 +12,14 @@ use harness::states::{State, single};
 
 const COUNT: usize = 100;
 
-/// A velocity field without deformation, as fast as the states' corners.
+/// A rigid velocity field, about as fast as the states' corners.
 fn rigid_velocity<P, const K: usize>(s: &State<P, K>, rng: &mut Rng) -> [DVec3; K] {
     let (speed, spin) = (rng.cube(s.size), rng.cube(1.0));
     s.x.map(|x| speed + spin.cross(x - s.x[0]))
 }
 
-/// Corners on a lattice of 2^-12 sizes: they, and their sums with small multiples of the size,
-/// are exact in f32.
+/// Corners on a lattice with spacing 2^-12 of the size: the corners, and their sums with small multiples of the
+/// size, are exact in f32.
 fn on_lattice<P, const K: usize>(s: &State<P, K>) -> ([DVec3; K], f64) {
     let size = s.size.log2().floor().exp2();
     (s.x.map(|x| (x / size * 4096.0).round() / 4096.0 * size), size)
@@ -36,9 +36,9 @@ both_precisions! {
 
     use super::{COUNT, on_lattice, rigid_velocity, single};
 
-    /// Relative to the forces: a few roundings, more near rest, where forces are differences.
+    /// Relative to the forces: a few roundings, and more near rest, where forces are small differences.
     const BALANCE: f64 = kit::bound(5e-6, 1e-12);
-    /// Relative to stiffness x size: roundings of positions up to seven sizes off the origin.
+    /// Relative to stiffness x size: roundings of positions up to seven sizes away from the origin.
     const REST: f64 = kit::bound(1e-5, 1e-12);
 
     fn balances<const K: usize, P: Debug>(term: &impl Element<K>, states: &[State<P, K>], moving: bool) {
@@ -128,7 +128,7 @@ both_precisions! {
         for (i, s) in states.iter().enumerate() {
             let moving = kit::force(term, i, &s.x, &rigid_velocity(s, rng));
             let still = kit::force(term, i, &s.x, &[DVec3::ZERO; K]);
-            // As large as the damping of the same corners at random velocities.
+            // The scale is the damping of the same corners at random velocities.
             let scale = norm(&kit::force(term, i, &s.x, &s.v)) + norm(&still);
             worst.vectors(scale, &moving, &still, || s.place(i));
         }
@@ -177,7 +177,7 @@ both_precisions! {
         }
     }
 
-    /// To the last bit: kernels take differences of positions first.
+    /// Equal to the last bit: kernels take differences of positions first.
     #[test]
     fn no_term_knows_the_origin() {
         let (bars, triangles, folds, stitches) =

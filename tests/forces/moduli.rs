@@ -1,5 +1,6 @@
-//! What springs and hinges amount to, in f64: elastic moduli of the spring lattice, energy of a fold, and
-//! of bending springs (none when flat). Sheets of hinges are rows of `muslin validate`.
+//! Macroscopic properties of springs and hinges, in f64: elastic moduli of the spring lattice, energy of a
+//! fold, and energy of bending springs, whose bending modulus is zero when flat. `muslin validate` tests sheets
+//! of hinges.
 
 use glam::DVec3;
 use harness::kit::double as kit;
@@ -8,10 +9,10 @@ use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::mesh::TriMesh;
 use muslin_core_f64::scene::{BuiltScene, Content};
 
-/// A row of equilateral triangles over its edge.
+/// Height of a row of equilateral triangles, divided by the edge.
 const ROW: f64 = 0.866_025_403_784_438_6;
 
-/// Equilateral, with edges of 1 m.
+/// A sheet of equilateral triangles with edges of 1 m.
 fn sheet(material: &str) -> BuiltScene {
     kit::build(&format!(
         "name = \"sheet\"\nduration = 0\n[[cloth]]\ndensity = 1.0\n\
@@ -20,14 +21,14 @@ fn sheet(material: &str) -> BuiltScene {
     ))
 }
 
-/// Energy of an isotropic sheet of Young's modulus times thickness 1 under strains xx, zz, xz.
+/// Energy density of an isotropic sheet whose Young's modulus times thickness is 1, for the strains xx, zz, xz.
 fn plane_stress(poisson: f64, [xx, zz, xz]: [f64; 3]) -> f64 {
     let sum = xx + zz;
     0.5 / (1.0 - poisson * poisson) * (sum * sum - 2.0 * (1.0 - poisson) * (xx * zz - xz * xz))
 }
 
-/// Energy per area of the springs about the middle vertex of a sheet with edges of 1 m, of which
-/// each belongs half to it, for strains xx, zz, xz.
+/// Energy per area of the springs at the middle vertex of a sheet with edges of 1 m, for the strains xx, zz,
+/// xz. Half of each spring is attributed to the vertex.
 fn spring_energy_density(built: &BuiltScene, [xx, zz, xz]: [f64; 3]) -> f64 {
     let rest = kit::positions(built);
     let springs = built.model.view().stretch_springs.expect("springs");
@@ -42,17 +43,17 @@ fn spring_energy_density(built: &BuiltScene, [xx, zz, xz]: [f64; 3]) -> f64 {
         });
         stored.sum::<f64>() / 2.0 / ROW
     };
-    // The mean of strain and its opposite is free of the cubic part.
+    // The mean over the strain and its opposite cancels the cubic term.
     0.5 * (energy(1.0) + energy(-1.0))
 }
 
-/// Strains: along x, along z, all round, shear, one free to contract, mixed.
+/// Strains: along x, along z, isotropic, shear, uniaxial with free contraction, mixed.
 const STRAINS: [[f64; 3]; 6] =
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, -1.0 / 3.0, 0.0], [0.3, -0.7, 0.4]];
 
 fn assert_isotropic(built: &BuiltScene, young: f64) {
     const STRAIN: f64 = 1e-4;
-    // Of the square of the strain.
+    // The bound is relative to the square of the strain.
     let mut worst = Worst::new("energy density against an isotropic sheet, Poisson's ratio 1/3", 1e-7);
     for strain in STRAINS {
         let got = spring_energy_density(built, strain.map(|e| e * STRAIN)) / (STRAIN * STRAIN);
@@ -68,7 +69,7 @@ fn equilateral_springs_have_the_young_s_modulus_that_is_asked_for() {
     assert_isotropic(&sheet(material), 250.0);
 }
 
-/// A lattice of springs k has 2 k / sqrt(3).
+/// A lattice of springs of stiffness k has the modulus 2 k / sqrt(3).
 #[test]
 fn per_spring_stiffness_is_each_spring_s_own() {
     let material = r#"stretch = { model = "spring", stiffness = 250.0, per_spring = true }"#;
@@ -78,8 +79,8 @@ fn per_spring_stiffness_is_each_spring_s_own() {
     assert_isotropic(&built, 250.0 / ROW);
 }
 
-/// Whatever the mesh, half triangles and border edges included: each triangle gives each of its
-/// sides stiffness x area / length^2.
+/// Holds for every mesh, also with half triangles and border edges: each triangle adds stiffness x area /
+/// length^2 to each of its sides.
 #[test]
 fn springs_resist_growth_in_area_alike_on_every_mesh() {
     const GROWTH: f64 = 0.2;
@@ -101,7 +102,7 @@ fn springs_resist_growth_in_area_alike_on_every_mesh() {
     worst.check();
 }
 
-/// Two triangles of height l over a common edge, the second turned by an angle about it.
+/// Two triangles of the given height over a common edge; the second is rotated about the edge by an angle.
 fn rhombus(height: f64, angle: f64) -> [DVec3; 4] {
     let (sin, cos) = angle.sin_cos();
     let fold = DVec3::new(0.0, height * sin, -height * cos);
@@ -118,7 +119,7 @@ fn build_rhombus(height: f64, bend: &str) -> BuiltScene {
     kit::build_with(&scene, &[("fold".into(), Content::Mesh(mesh))])
 }
 
-/// To the last digit of the angle, on both sides and past 90 degrees.
+/// Accurate to the last digit of the angle, on both sides and past 90 degrees.
 #[test]
 fn a_fold_stores_half_its_stiffness_times_the_angle_squared() {
     let mut worst = Worst::new("energy of a fold against ke theta^2 / 2", 1e-14);
@@ -136,7 +137,7 @@ fn a_fold_stores_half_its_stiffness_times_the_angle_squared() {
     worst.check();
 }
 
-/// Across two collinear heights l: E = 2 k l^2 (1 - cos(theta / 2))^2 = k l^2 theta^4 / 32 + ...
+/// The spring spans two collinear heights l: E = 2 k l^2 (1 - cos(theta / 2))^2 = k l^2 theta^4 / 32 + ...
 #[test]
 fn a_bending_spring_has_no_modulus_when_flat() {
     let (height, stiffness) = (0.4, 50.0);
@@ -148,7 +149,7 @@ fn a_bending_spring_has_no_modulus_when_flat() {
         worst.compare(stiffness * height * height, &[energy(angle)], &[want], || format!("angle {angle}"));
     }
     worst.check();
-    // The next term of the series is theta^2 / 24 of the first.
+    // The next term of the series is theta^2 / 24 times the first term.
     let mut worst = Worst::new("energy of a bending spring against k l^2 theta^4 / 32", 0.0005);
     for angle in [-0.1, 0.05, 0.1_f64] {
         let want = stiffness * height * height * angle.powi(4) / 32.0;

@@ -1,6 +1,6 @@
-//! Patch tests, in both precisions: an affine map of a membrane stores A psi(F) and pulls at no
-//! interior vertex, on every pattern of the generators and whatever the mesh. Springs pass it on
-//! their regular lattices.
+//! Patch tests, in both precisions: an affine map of a membrane stores the energy A psi(F) and exerts no force
+//! at interior vertices, for every pattern of the generators and every mesh. Springs pass on their regular
+//! lattices.
 
 use glam::DVec3;
 use harness::both_precisions;
@@ -18,14 +18,14 @@ const GRIDS: [(&str, f64); 7] = [
     ("grid = { size = [0.125, 0.125], cells = [1, 1] }", 0.015_625),
 ];
 
-/// Discs and their areas: polygons of 24 corners, the second without one of 12.
+/// Discs and their areas: a polygon of 24 corners, and one with a hole of 12 corners.
 const DISCS: [(&str, f64); 2] = [
     ("disc = { radius = 0.4, rings = 4 }", 0.16 * 3.105_828_541_230_249),
     ("disc = { radius = 0.4, hole = 0.2, rings = 2 }", 0.16 * 3.105_828_541_230_249 - 0.04 * 3.0),
 ];
 
-/// Columns of an affine map and its offset: stretch and compression by up to 2, shear, any place;
-/// in multiples of 1/64.
+/// Columns of a random affine map and its offset: stretch and compression by up to 2, shear, any position;
+/// rounded to multiples of 1/64.
 fn affine(rng: &mut Rng) -> [DVec3; 3] {
     let (turn, shear) = (rng.rotation(), rng.between(-0.8, 0.8));
     let (warp, weft) = (rng.magnitude(0.5, 2.0), rng.magnitude(0.5, 2.0));
@@ -44,7 +44,7 @@ both_precisions! {
 
     /// Relative to the largest force.
     const INTERIOR: f64 = kit::bound(2e-6, 1e-13);
-    /// Corners of a disc are rounded in f32: 3e-8 m on cells of 0.1 m, under strains from 0.1.
+    /// Corners of a disc are rounded in f32: 3e-8 m on cells of 0.1 m, at strains of at least 0.1.
     const DISC_INTERIOR: f64 = kit::bound(1e-5, 1e-13);
     const ENERGY: f64 = kit::bound(2e-6, 1e-13);
 
@@ -58,7 +58,7 @@ both_precisions! {
         kit::build(&format!("name = \"patch\"\nduration = 0\n[[cloth]]\n{sheet}\ndensity = 1.0{material}"))
     }
 
-    /// The sheet under an affine map, and how to call it.
+    /// The positions under an affine map, and a description for messages.
     fn mapped(sheet: &str, built: &BuiltScene, [wu, wv, offset]: [DVec3; 3]) -> (Vec<DVec3>, String) {
         let x = kit::positions(built).iter().map(|x| offset + wu * x.x + wv * x.z).collect();
         (x, format!("{sheet} under wu {wu}, wv {wv}"))
@@ -81,7 +81,7 @@ both_precisions! {
         worst.check();
     }
 
-    /// `inside` says which vertices are held against zero.
+    /// `inside` selects the vertices whose force must be zero.
     fn pulls_nowhere(sheet: &str, material: &str, worst: &mut Worst, inside: impl Fn(&BuiltScene) -> Vec<bool>) {
         let (built, rng) = (scene(sheet, material), &mut Rng::new(72));
         let inside = inside(&built);
@@ -114,7 +114,8 @@ both_precisions! {
         worst.check();
     }
 
-    /// Two cells off the border, where the lattice is regular: springs know no area.
+    /// Tests vertices at least two cells from the border, where the lattice is regular: springs have no area
+    /// weights.
     #[test]
     fn an_affine_spring_lattice_pulls_at_no_interior_vertex() {
         let mut worst = Worst::new("interior force of springs under an affine map", INTERIOR);

@@ -1,7 +1,7 @@
-//! Projected Jacobians, in f64: equal to the exact one where that is positive semidefinite, to
-//! its eigenvalue clamp for springs and for the membrane's two energies, to ke grad grad^T for
-//! hinges; and never indefinite on 1,000,000 random states (400,000 springs, 400,000 membrane
-//! triangles, 200,000 hinges).
+//! Projected Jacobians, in f64: equal to the exact Jacobian where it is positive semidefinite; equal to its
+//! eigenvalue clamp for springs and for the membrane's two energies; equal to ke grad grad^T for hinges. They
+//! are never indefinite on 1,000,000 random states (400,000 springs, 400,000 membrane triangles, 200,000
+//! hinges).
 
 use glam::{DVec2, DVec3};
 use harness::dense::{Dense, clamped, from_blocks, least_pivot, size};
@@ -17,7 +17,7 @@ use muslin_core_f64::real::outer;
 
 const COUNT: usize = 500;
 const STILL: [f64; 2] = [1.0, 0.0];
-/// Both sides are a few products; the eigen-solver stops at rounding.
+/// Both sides are a few products; the eigenvalue solver converges to rounding.
 const ROUNDING: f64 = 1e-12;
 
 #[test]
@@ -46,8 +46,8 @@ fn projected_spring_is_exact_when_stretched() {
     worst.check();
 }
 
-/// Triangles whose corners 1 and 2 are wu and wv themselves, so that the blocks of these corners
-/// are the second derivative by (wu; wv), times the area.
+/// Triangles whose corners 1 and 2 are wu and wv themselves. The blocks of these corners are then the second
+/// derivative with respect to (wu; wv), times the area.
 fn gradient_triangles(seed: u64, stiffness: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<State<Triangle, 3>> {
     let rng = &mut Rng::new(seed);
     let mut states = many(seed, COUNT, triangle);
@@ -55,7 +55,7 @@ fn gradient_triangles(seed: u64, stiffness: impl Fn([f64; 3]) -> [f64; 3]) -> Ve
         s.part.rest = [DVec2::ZERO, DVec2::X, DVec2::Y];
         s.part.stiffness = stiffness(s.part.stiffness);
         s.x = [DVec3::ZERO, rng.direction() * rng.magnitude(0.2, 3.0), rng.direction() * rng.magnitude(0.2, 3.0)];
-        // Where the closed form branches: exactly at rest, and without shear.
+        // Branches of the closed form: exactly at rest, and without shear.
         match rng.bits() % 8 {
             0 => s.x[1] = DVec3::X,
             1 => (s.x[1], s.x[2]) = (DVec3::X * 1.5, DVec3::Y * 0.5),
@@ -112,7 +112,7 @@ fn projected_hinge_is_gauss_newton() {
     let states = many(36, COUNT, hinge);
     let columns = kit::hinges(&states);
     let (term, scale) = (columns.view(), [0.7, 0.3]);
-    // The gradient is by differences.
+    // The gradient is computed by differences.
     let mut worst = Worst::new("projected hinge against ke grad grad^T", 1e-7);
     for (i, s) in states.iter().enumerate() {
         let now = term.angle(i, &s.x);
@@ -157,15 +157,15 @@ fn projected_jacobians_are_linear_in_the_scale() {
     is_linear_in_the_scale::<3, 9, _>(&kit::wind(&triangles, DVec3::X, [0.6, 0.07]).view(), &triangles);
 }
 
-/// By a Cholesky factorisation of the matrix plus 1e-12 of its largest diagonal entry, which
-/// exists where no eigenvalue lies further below zero.
+/// Checks by a Cholesky factorisation of the matrix plus 1e-12 of its largest diagonal entry, which exists if
+/// no eigenvalue is lower than that below zero.
 fn assert_semidefinite<const N: usize>(m: &Dense<N>, place: impl Fn() -> String) {
     let largest = (0..N).map(|i| m[i][i]).fold(f64::MIN_POSITIVE, f64::max);
     let pivot = least_pivot(m, 1e-12 * largest);
     assert!(pivot > 0.0, "indefinite: pivot {pivot:e} beside {largest:e} in {}", place());
 }
 
-/// One of the scales of an implicit stage: elastic, or damped as well.
+/// A scale of an implicit stage: elastic only, or with damping.
 fn scale(rng: &mut Rng) -> [f64; 2] {
     [1.0, rng.pick(&[0.0, 0.01, 1.0])]
 }

@@ -1,4 +1,4 @@
-//! A real pair of frames: the candidates exactly, twice the same in the same order.
+//! A real pair of frames: exactly the expected candidates, and the same order in two runs.
 
 use glam::Vec3;
 use harness::cloth_ball;

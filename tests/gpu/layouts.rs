@@ -1,4 +1,4 @@
-//! What the host writes lies where shaders read it.
+//! The data that the host writes has the layout that shaders read.
 
 use std::mem::{offset_of, size_of};
 

@@ -1,4 +1,5 @@
-//! A device that is lost is an error and no panic; a step is repeated on another and comes out the same.
+//! Losing the device returns an error and does not panic; the step is repeated on another device with the same
+//! result.
 
 use harness::crumpled;
 use muslin_core::real::Vec3;
@@ -32,7 +33,7 @@ fn what_a_lost_device_is_asked_fails() {
     assert!(matches!(&failed, Err(DetectionError::Lost(why)) if !why.is_empty()), "{failed:?}");
 }
 
-/// Steps before the device is lost, and in all: some are in contact by then.
+/// Steps before the device is lost, and in total: by then some features are in contact.
 const STEPS: [u32; 2] = [15, 30];
 
 #[test]

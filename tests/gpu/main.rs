@@ -1,7 +1,7 @@
-//! The device finds what the core finds: names, shaders, layouts, each stage, and the whole.
+//! The device finds the same pairs as the core: names, shaders, layouts, each stage, and whole detections.
 //!
-//! Run: `cargo test -p muslin-tests-gpu -- --include-ignored --skip long_form`. Without a driver the tests that need one
-//! say so and pass; with `MUSLIN_REQUIRE_GPU=1` they fail.
+//! Run: `cargo test -p muslin-tests-gpu -- --include-ignored --skip long_form`. Without a driver, the tests that
+//! need one report that and pass; with `MUSLIN_REQUIRE_GPU=1` they fail.
 
 #[path = "../broad_phase/agree.rs"]
 mod agree;

@@ -1,4 +1,4 @@
-//! The grid of the core and that on a device, as functions from a case to the candidates found.
+//! The grid of the core and the grid on a device, as functions from a case to its candidates.
 
 #[path = "../broad_phase/methods.rs"]
 #[expect(dead_code, reason = "of the core only the grid in single precision is compared with")]
@@ -17,8 +17,8 @@ use harness::case::Case;
 
 pub const METHODS: [(&str, Method); 2] = [("grid in f32", core_methods::single::grid), ("grid on a device", on_device)];
 
-/// A device with the limits of every browser, one for all tests. Without an adapter a test says so and ends, or fails
-/// where `MUSLIN_REQUIRE_GPU` asks for one.
+/// A device with the limits of every browser, shared by all tests. Without an adapter, prints a note and
+/// returns `None`, or panics if `MUSLIN_REQUIRE_GPU` is 1.
 pub fn gpu() -> Option<&'static Gpu> {
     static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
     let open = || pollster::block_on(Gpu::open(Ask::Web)).map_err(|why| why.to_string());
@@ -32,7 +32,7 @@ pub fn gpu() -> Option<&'static Gpu> {
     }
 }
 
-/// All that a method finds; the device makes room itself.
+/// All candidates of a method; the device allocates its capacity itself.
 pub fn all(method: Method, case: &Case) -> Found {
     match std::ptr::fn_addr_eq(method, on_device as Method) {
         true => on_device(case, [usize::MAX; 2]),
@@ -40,7 +40,7 @@ pub fn all(method: Method, case: &Case) -> Found {
     }
 }
 
-/// The grid on the device; without one that of the core, which finds nothing new.
+/// The grid on the device; without a device, the result of the core's grid, which then agrees trivially.
 fn on_device(case: &Case, room: [usize; 2]) -> Found {
     let Some(gpu) = gpu() else { return core_methods::all(core_methods::single::grid, case) };
     let (boxes, surface) = columns(case);

@@ -1,4 +1,4 @@
-//! A crumpled sheet in motion: distances and times of its candidates, judged in double precision.
+//! A crumpled sheet in motion: distances and times of its candidates, checked in double precision.
 
 use glam::DVec3;
 use harness::crumpled;
@@ -15,18 +15,18 @@ use muslin_gpu::{DetectionQuery, DetectionResult, Detector, shaders};
 use super::methods::{columns, gpu};
 use harness::case::{Case, single};
 
-/// m that features keep, and how far they are looked for.
+/// Separation that features keep, m, and the search distance.
 const SEPARATION: f64 = 0.05;
 const REACH: f64 = 0.5;
 
-/// m around each vertex, in turn.
+/// Radii of the vertices, assigned cyclically, m.
 const RADII: [f64; 4] = [0.0625, 0.03125, 0.09375, 0.0];
 
 fn radius(vertex: u32) -> f64 {
     RADII[vertex as usize % RADII.len()]
 }
 
-/// What a distance may be off by: of the size of a pair.
+/// Largest rounding error of a distance: proportional to the size of the pair.
 fn rounding(query: &Query) -> f64 {
     let stage = match query.pair {
         Pair::VertexTriangle => &shaders::VERTEX_TRIANGLE,
@@ -35,7 +35,7 @@ fn rounding(query: &Query) -> f64 {
     f64::from(stage.bound) * query.size()
 }
 
-/// Moments at which a motion is looked at.
+/// Number of intervals at whose ends a motion is sampled.
 const MOMENTS: u32 = 64;
 
 struct Scene {
@@ -65,18 +65,18 @@ fn scene(query: DetectionQuery) -> Option<Scene> {
     Some(Scene { start, end, triangles: mesh.triangles, edges, surface, found })
 }
 
-/// A candidate, and what was found of it.
+/// A candidate with its results.
 struct Answer {
     query: Query,
-    /// m around both features.
+    /// Sum of the radii of both features, m.
     around: f64,
-    /// The distance.
+    /// The distance that the device reports.
     told: f64,
     time: f32,
 }
 
 impl Answer {
-    /// How far apart the features are, less their radii, m.
+    /// Distance of the features minus their radii, m.
     fn gap(&self, x: &[DVec3; 4]) -> f64 {
         distance(self.query.pair, x) - self.around
     }
@@ -112,7 +112,7 @@ impl Scene {
         (Query { pair, start: at(&self.start), end: at(&self.end) }, vertices.map(radius))
     }
 
-    /// What the core makes of the same candidates and distances, in the same order.
+    /// The core's times for the same candidates and distances, in the same order.
     fn times_of_the_core(&self) -> Vec<f32> {
         let [start, end] = [&self.start, &self.end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
         let moves: Vec<_> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
@@ -220,8 +220,8 @@ fn times_are_never_late_and_not_needlessly_early() {
     assert!(hits > 100 && misses > 1000, "{hits} meet, {misses} do not");
 }
 
-/// The two may differ where features come so near that one still counts it and the other does not, and in
-/// how soon within that band they do.
+/// The times may differ if features come so close that one implementation reports a collision and the other
+/// does not, or if both report it at different times within that band.
 #[test]
 #[ignore = "takes a graphics driver"]
 fn times_are_the_core_s_but_for_a_band() {

@@ -1,4 +1,4 @@
-//! Every file of detection has its twin: change crate and extension, nothing else.
+//! Every detection file has its twin: the path differs only in crate and extension.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -12,7 +12,7 @@ use muslin_gpu::{DetectionError, DetectionQuery, shaders};
 use super::methods::gpu;
 use super::stages::evenly;
 
-/// What the device does without, and why.
+/// Files without a twin on the device, and the reasons.
 const WITHOUT: [(&str, &str); 8] = [
     ("broad_phase/mod", "types"),
     ("broad_phase/grid", "the order of the stages: gpu/src/schedule.rs"),
@@ -24,7 +24,7 @@ const WITHOUT: [(&str, &str); 8] = [
     ("narrow_phase/local_minimum", "of contacts, which the core makes of what is near"),
 ];
 
-/// Files of a folder by their stems.
+/// Files of the two folders by their stems.
 fn stems(of: &str, extension: &str) -> BTreeSet<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(of);
     let folders = ["broad_phase", "narrow_phase"];
@@ -53,7 +53,7 @@ fn every_dispatch_is_of_a_stage_of_the_table() {
     }
 }
 
-/// The first stage and entry are what an unknown one must not be taken for.
+/// Unknown names, some of which nearly match. They must not be taken for the first stage and entry.
 const UNKNOWN: [(&str, &str); 4] = [
     ("broad_phase/bound", "write_bounds"),
     ("", ""),

@@ -1,4 +1,4 @@
-//! A torture scene whose candidates a device finds.
+//! A torture scene whose candidates are found by a device.
 
 use std::sync::Mutex;
 
@@ -20,13 +20,13 @@ use harness::torture::Scene;
 pub struct OnDevice(Mutex<Option<StepDetector>>);
 
 impl OnDevice {
-    /// A device of its own, to be lost.
+    /// Opens a device of its own, which may be lost.
     pub fn open() -> Self {
         let gpu = pollster::block_on(Gpu::open(Ask::Web)).unwrap();
         Self(Mutex::new(Some(StepDetector::new(gpu))))
     }
 
-    /// What is there to be asked between steps.
+    /// Calls a function with the detector, between steps.
     pub fn with<R>(&self, ask: impl FnOnce(&mut StepDetector) -> R) -> R {
         ask(self.0.lock().unwrap().as_mut().unwrap())
     }
@@ -45,7 +45,7 @@ impl Dispatch for OnDevice {
     }
 }
 
-/// A scene at its start.
+/// A simulation of a scene with the start positions of a seed.
 pub fn begin(scene: &Scene, seed: u64) -> Simulation {
     let (mut sim, mut rng) = (simulation(&(scene.text)(), &[]), Rng::new(seed));
     let mut start: Vec<DVec3> = sim.positions().iter().map(|&x| to_f64(x).into()).collect();

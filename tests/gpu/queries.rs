@@ -1,4 +1,4 @@
-//! Queries with exact truth, rounded to single precision: no contact is missed on a device.
+//! Queries with exact answers, rounded to single precision: the device misses no contact.
 
 use bytemuck::{cast_slice, cast_vec};
 use glam::DVec3;
@@ -16,10 +16,10 @@ use super::methods::gpu;
 use harness::exact;
 use harness::head_on::{KINDS, Row, cases};
 
-/// m that features keep; nearly all queries that miss do so by less.
+/// Separation that features keep, m; nearly all features that do not touch are less than this apart.
 const SEPARATION: f32 = 1e-6;
 
-/// The stages of a kind of pairs, and where its candidates, distances and times are.
+/// The stages for a kind of pair, the slots of its candidates, distances and times, and its counter.
 fn kind(pair: Pair) -> ([&'static str; 2], [Slot; 3], usize) {
     match pair {
         Pair::VertexTriangle => (
@@ -35,12 +35,12 @@ fn kind(pair: Pair) -> ([&'static str; 2], [Slot; 3], usize) {
     }
 }
 
-/// When each query's features meet.
+/// Time of impact of each query.
 fn times(pair: Pair, queries: &[Query]) -> Option<Vec<f32>> {
     times_to_keep(SEPARATION, pair, queries, &vec![0.0; queries.len()])
 }
 
-/// When each query's features come within a separation, m, and the radius around the first.
+/// Time at which each query's features come within a separation, m, plus the radius of the first feature.
 fn times_to_keep(separation: f32, pair: Pair, queries: &[Query], radii: &[f32]) -> Option<Vec<f32>> {
     let gpu = gpu()?;
     let (stages, [candidates, distances, times], place) = kind(pair);
@@ -100,7 +100,7 @@ fn no_contact_is_missed() {
     }
 }
 
-/// As `detect --backend gpu --stage ccd` asks.
+/// The same query as `detect --backend gpu --stage ccd`.
 fn fuzz_head_on(seed: u64, count: u64) {
     let (rng, mut missed) = (&mut Rng::new(seed), 0);
     for kind in KINDS {
@@ -145,7 +145,7 @@ fn what_is_too_large_or_no_number_is_hit_at_once() {
     }
 }
 
-/// A vertex over a triangle, or an edge across another, so high.
+/// A vertex above a triangle, or an edge across another one, at a height.
 fn above(pair: Pair, height: f64) -> [DVec3; 4] {
     let up = height * DVec3::Y;
     match pair {
@@ -154,7 +154,7 @@ fn above(pair: Pair, height: f64) -> [DVec3; 4] {
     }
 }
 
-/// Both features end in one plane, far off: the nearer one's way is rounded to the other's.
+/// Both features end in one plane, far away: rounding makes the displacements of both features equal.
 #[test]
 #[ignore = "takes a graphics driver"]
 fn nothing_is_missed_that_moves_far_together() {
@@ -168,7 +168,7 @@ fn nothing_is_missed_that_moves_far_together() {
     }
 }
 
-/// Rounding hides what features do that are a few units of it apart.
+/// Features only a few roundings apart: rounding hides whether they collide.
 #[test]
 #[ignore = "takes a graphics driver"]
 fn what_rounding_hides_is_hit_at_once() {

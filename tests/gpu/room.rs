@@ -1,4 +1,4 @@
-//! A detector that is used again finds what a fresh one does, whatever it had no room for before.
+//! A reused detector finds the same pairs as a new one, also after a detection that exceeded its capacity.
 
 use glam::DVec3;
 use muslin_core::geometry::aabb::Aabb;
@@ -8,12 +8,13 @@ use muslin_gpu::{DetectionError, DetectionQuery, DetectionResult, Detector};
 use super::methods::{columns, gpu};
 use harness::case::Case;
 
-/// Triangles that all lie on one another, or apart.
+/// Triangles on top of one another, or `spread` apart.
 fn soup(spread: f64) -> Case {
     layers(1750, spread, 0.0)
 }
 
-/// Triangles one over the other, so many of them close, in boxes that are so much larger.
+/// Triangles one above the other: `close` of them at the distance `spread`, the others farther apart; boxes are
+/// enlarged by `inflation`.
 fn layers(close: u32, spread: f64, inflation: f64) -> Case {
     let corner = |i: u32| DVec3::splat(spread * f64::from(i.min(close)) + 2.0 * f64::from(i.saturating_sub(close)));
     let corners: Vec<_> = (0..1750).map(|i| [corner(i), corner(i) + DVec3::X, corner(i) + DVec3::Y]).collect();
@@ -43,7 +44,8 @@ fn what_had_no_room_spoils_nothing_after_it() {
 #[ignore = "takes a graphics driver"]
 fn a_detector_finds_what_a_fresh_one_does() {
     let Some(gpu) = gpu() else { return };
-    // Apart; with more pairs of edges than an answer is made for, and no more of others; with more of all.
+    // Apart; then more pairs of edges than the initial readback capacity, other kinds unchanged; then more pairs of
+    // every kind.
     let cases = [(0, 0.38), (150, 0.38), (1750, 0.15), (0, 0.38), (1750, 0.38), (1750, 0.38)];
     let cases = cases.map(|(close, spread)| layers(close, spread, 0.2));
     let radii = vec![0.0; cases[0].boxes.len()];

@@ -1,10 +1,10 @@
-//! Every shader parses and is valid by what browsers guarantee, and is what the table says of it.
+//! Every shader parses, is valid within the limits that browsers guarantee, and matches the table.
 
 use muslin_gpu::shaders::{self, Shader};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess};
 
-/// What every browser has [WebGPU, 3.6.2].
+/// Limits that every browser guarantees [WebGPU, 3.6.2].
 const STORAGE_BUFFERS: usize = 8;
 const INVOCATIONS: u32 = 256;
 const WORKGROUP_BYTES: u32 = 16 * 1024;

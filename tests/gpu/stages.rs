@@ -1,4 +1,4 @@
-//! Each stage against its twin in the core, on the same columns: integers and boxes exactly, distances to
+//! Each stage against its twin in the core, on the same columns: integers and boxes exactly, distances up to
 //! rounding.
 
 use bytemuck::cast_slice;
@@ -30,10 +30,10 @@ use muslin_gpu::slots::{Slot, SurfaceSizes};
 use super::methods::{columns, gpu};
 use harness::case::Case;
 
-/// Around the sizes of groups.
+/// Sizes around multiples of the workgroup size.
 const SIZES: [usize; 6] = [0, 1, 255, 256, 257, 65_537];
 
-/// What the core writes for the first level, in words.
+/// The core's results for the first level, in words.
 fn by_the_core(case: &Case) -> Vec<(Slot, Vec<u32>)> {
     let (boxes, surface) = columns(case);
     let (surface, count) = (surface.view(), case.triangles.len());
@@ -79,19 +79,19 @@ fn by_the_core(case: &Case) -> Vec<(Slot, Vec<u32>)> {
     all
 }
 
-/// Those pairs whose boxes do overlap, in ascending order, in words.
+/// The pairs whose boxes overlap, in ascending order, in words.
 fn sorted(mut pairs: Vec<[u32; 2]>, triangle_boxes: &[Aabb]) -> Vec<u32> {
     pairs.retain(|&[a, b]| triangle_boxes[a as usize].overlaps(&triangle_boxes[b as usize]));
     pairs.sort_unstable();
     pairs.into_flattened()
 }
 
-/// The first pairs of a column.
+/// The counted pairs at the beginning of a column.
 fn pairs_of(device: &Columns, slot: Slot, place: usize) -> &[[u32; 2]] {
     &cast_slice(&device[&slot])[..device[&Slot::Counters][place] as usize]
 }
 
-/// As much room for everything, in one level.
+/// The same capacity for everything, with one level.
 pub fn evenly(room: usize) -> Capacities {
     Capacities {
         levels: 1,
@@ -105,12 +105,12 @@ pub fn evenly(room: usize) -> Capacities {
     }
 }
 
-/// All columns that the device has after a detection with enough room.
+/// All columns of the device after a detection with sufficient capacity.
 fn on_the_device(case: &Case) -> Option<Columns> {
     detected(case, evenly(16 * case.triangles.len().max(64)))
 }
 
-/// All columns that the device has after a detection with one level.
+/// All columns of the device after a detection with the given capacities.
 fn detected(case: &Case, capacities: Capacities) -> Option<Columns> {
     let gpu = gpu()?;
     let (boxes, surface) = columns(case);
@@ -138,14 +138,15 @@ fn detected(case: &Case, capacities: Capacities) -> Option<Columns> {
     Some(all)
 }
 
-/// How far is looked, m.
+/// Search distance, m.
 const REACH: f32 = 0.1;
 
 fn centers(boxes: &[Aabb]) -> Vec<Vec3> {
     boxes.iter().map(|b| 0.5 * (b.min + b.max)).collect()
 }
 
-/// Triangles of about one size, so that there is one level, and of many a few that are left over.
+/// Triangles of about the same size, so that there is one level with cells; if there are more than a hundred, a
+/// few larger ones are on the last level, which has no cells.
 fn alike(count: usize) -> Vec<[DVec3; 3]> {
     let (rng, half) = (&mut Rng::new(count as u64), 0.5 * (count as f64).cbrt());
     let triangle = |_| {
@@ -187,7 +188,7 @@ fn every_column_is_the_core_s() {
     }
 }
 
-/// How many a stage counts that ran with too little room for what it works on: none.
+/// A stage behind one with insufficient capacity does nothing and counts zero.
 #[test]
 #[ignore = "takes a graphics driver"]
 fn stages_behind_too_little_room_do_nothing() {
@@ -217,7 +218,7 @@ fn stages_behind_too_little_room_do_nothing() {
 #[ignore = "takes a graphics driver"]
 fn room_is_for_the_level_with_the_most_tiles() {
     let mut triangles = alike(3000);
-    // A level of its own, and few of them meet.
+    // These triangles form a level of their own, in which few overlap.
     triangles.extend(alike(300).iter().map(|t| t.map(|x| 40.0 * x + 1000.0)));
     let case = Case::soup("two levels", &triangles, 0.3);
     let told = |capacities| detected(&case, capacities)?.remove(&Slot::Counters);
@@ -230,8 +231,8 @@ fn room_is_for_the_level_with_the_most_tiles() {
     assert!(short[counters::STATUS] != 0 && short[counters::MOST_TILES] == most, "room for one too few: {short:?}");
 }
 
-/// Compares distances of candidates with the core's, and what is near with the core's choice of the same
-/// distances.
+/// Compares the distances of candidates with the core's, and the contacts with the core's selection from the
+/// same distances.
 fn compare_distances<P: Pairing>(
     surface: &Surface<'_>,
     x: &[Vec3],
@@ -321,7 +322,7 @@ fn groups_beyond_a_row_are_folded() {
     assert_eq!(missed, None, "the first of {count} that touch and were not told so");
 }
 
-/// A column of numbers scanned: the sums before each, and that of all.
+/// Scans a column of numbers: returns the exclusive prefix sums and the total.
 fn scanned(numbers: Vec<u32>) -> Option<(Vec<u32>, u32)> {
     let params = Params { length: numbers.len() as u32, ..Params::default() };
     let groups = numbers.len().div_ceil(SCAN_BLOCK);

@@ -1,4 +1,4 @@
-//! The torture set with candidates found on a device: nothing passes through anything.
+//! The torture set with candidates found on a device: no crossings, and no vertex inside a collider.
 
 use muslin_core::dispatch::Serial;
 
@@ -16,7 +16,7 @@ fn check(scene: &Scene, seed: u64) {
     println!("{}: {:?}", scene.name, sim.tally());
 }
 
-/// Those that CI has time for.
+/// The scenes that CI runs.
 const SOME: [&str; 4] = ["folded", "wrung", "masses", "capsules"];
 
 #[test]

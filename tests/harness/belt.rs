@@ -2,10 +2,10 @@
 
 use core::f64::consts::PI;
 
-/// Of the drum, m: its axis lies along z.
+/// Radius of the drum, m: its axis lies along z.
 const DRUM: f64 = 0.05;
 const THICKNESS: f64 = 0.002;
-/// m, from the top of the drum's side downward.
+/// Length of the heavier end, m, from the side of the drum downward.
 const HEAVY_END: f64 = 0.5;
 
 /// A ribbon or a drum, as a mesh.
@@ -13,13 +13,13 @@ const HEAVY_END: f64 = 0.5;
 pub struct Mesh {
     /// m.
     pub positions: Vec<[f64; 3]>,
-    /// m; none of a drum.
+    /// m; empty for a drum.
     pub uvs: Vec<[f64; 2]>,
-    /// Vertices.
+    /// Vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A drum of so many sides, around the same axis.
+/// A drum with `sides` sides, around the z axis.
 pub fn drum(sides: u32) -> Mesh {
     let mut drum = Mesh::default();
     for side in 0..sides {
@@ -31,7 +31,7 @@ pub fn drum(sides: u32) -> Mesh {
     drum
 }
 
-/// A ribbon over the drum, its lighter end, of that length, m, to the left.
+/// A ribbon over the drum; its lighter end hangs on the left and has the length `light_end`, m.
 pub fn belt(light_end: f64) -> Mesh {
     const ACROSS: usize = 4;
     let radius = DRUM + THICKNESS + 1e-5;
@@ -64,9 +64,9 @@ pub fn belt(light_end: f64) -> Mesh {
     belt
 }
 
-/// How long the lighter end must be so that the belt holds, m: its tension T, by its weight per
-/// length, grows on the way over the drum by
-/// `dT / da = mu (T + R sin a) + R cos a` [Euler 1769], with the belt's own weight.
+/// Length of the lighter end at which the belt just holds, m. The tension T, divided by the weight per length,
+/// grows over the drum by `dT / da = mu (T + R sin a) + R cos a` [Euler 1769], which includes the belt's own
+/// weight.
 pub fn holding_end(mu: f64) -> f64 {
     const STEPS: usize = 4000;
     let radius = DRUM + THICKNESS;
@@ -86,10 +86,10 @@ pub fn holding_end(mu: f64) -> f64 {
     high
 }
 
-/// The drum as a capsule: what [`hanging`] takes.
+/// The drum as a capsule, for [`hanging`].
 pub const ROUND: &str = "shape = \"capsule\"\na = [0, 0, -0.2]\nb = [0, 0, 0.2]\nradius = 0.05";
 
-/// The scene of the belt "belt" over a drum, of a friction and by an integrator's table.
+/// The scene of the mesh "belt" over a drum, with a coefficient of friction and an `[integrator]` table.
 pub fn hanging(friction: f64, integrator: &str, drum: &str) -> String {
     format!(
         r#"

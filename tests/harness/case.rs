@@ -3,12 +3,12 @@
 use crate::rng::Rng;
 use glam::DVec3;
 
-/// Boxes of vertices and what they belong to.
+/// Boxes of vertices, and the triangles and seams of those vertices.
 #[derive(Clone, Debug, Default)]
 pub struct Case {
-    /// Shown where a test fails.
+    /// Shown when a test fails.
     pub name: String,
-    /// Least and greatest corner, one a vertex.
+    /// Smallest and largest corner, one box per vertex.
     pub boxes: Vec<[DVec3; 2]>,
     /// Vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
@@ -21,7 +21,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// Boxes of half the size `inflation` around points.
+    /// Boxes of half the size `inflation` around the points.
     pub fn new(name: &str, points: &[DVec3], triangles: &[[u32; 3]], inflation: f64) -> Self {
         let around = |&x: &DVec3| [single(x - inflation), single(x + inflation)];
         Self {
@@ -38,7 +38,7 @@ impl Case {
         Self::new(name, corners.as_flattened(), &triangles, inflation)
     }
 
-    /// Adds another's triangles as passive ones.
+    /// Adds the triangles of `passive` as triangles of a collider.
     pub fn against(mut self, passive: &Self) -> Self {
         let first = self.boxes.len() as u32;
         self.first_passive = Some(self.triangles.len() as u32);
@@ -48,12 +48,12 @@ impl Case {
     }
 }
 
-/// Rounded to f32.
+/// Rounds to f32.
 pub fn single(x: DVec3) -> DVec3 {
     x.as_vec3().as_dvec3()
 }
 
-/// Random triangles of a size in a cube of half the side `half`.
+/// Random triangles of the given size in a cube of half the side `half`.
 pub fn random(rng: &mut Rng, count: usize, half: f64, size: impl Fn(&mut Rng) -> f64) -> Vec<[DVec3; 3]> {
     let triangle = |_| {
         let (center, size) = (rng.cube(half), size(rng));

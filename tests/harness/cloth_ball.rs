@@ -8,11 +8,11 @@ use std::path::Path;
 pub struct ClothBall {
     /// Positions in each frame.
     pub frames: [Vec<[f32; 3]>; 2],
-    /// The same in both.
+    /// The same triangles in both frames.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// `None`, with a word on it, where the files are absent and need not be there.
+/// The two frames; prints a note and returns `None` if the files are absent and `MUSLIN_REQUIRE_DATA` is not 1.
 pub fn load() -> Option<ClothBall> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/cloth-ball"));
     if !folder.exists() && std::env::var("MUSLIN_REQUIRE_DATA").as_deref() != Ok("1") {

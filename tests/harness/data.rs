@@ -1,11 +1,12 @@
-//! Real meshes of `shared/data`, read the simple way.
+//! Real meshes of `shared/data`, read by simple parsers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use muslin_core::mesh::{Stitch, TriMesh};
 
-/// A file of `shared/data`; `None`, with a word on it, where it is absent and need not be there.
+/// A file of `shared/data`. If it is absent and `MUSLIN_REQUIRE_DATA` is not 1, prints a note and returns
+/// `None`.
 pub fn path(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
     if !path.exists() && std::env::var("MUSLIN_REQUIRE_DATA").as_deref() != Ok("1") {
@@ -35,7 +36,7 @@ pub fn obj(name: &str) -> Option<TriMesh> {
     Some(mesh)
 }
 
-/// A big-endian PLY file of three floats a vertex and triangles, as the cloth on a ball comes.
+/// A big-endian PLY file with three floats per vertex, and triangles: the format of the cloth on a ball.
 pub fn ply(name: &str) -> Option<TriMesh> {
     let bytes = fs::read(path(name)?).expect("the mesh can be read");
     let end = bytes.windows(11).position(|w| w == b"end_header\n").expect("a header") + 11;

@@ -1,4 +1,4 @@
-//! Small dense symmetric matrices: the slow, plain truth that closed forms are held against.
+//! Small dense symmetric matrices: a slow, plain reference for closed forms.
 
 use glam::DMat3;
 
@@ -25,15 +25,14 @@ pub fn size<const N: usize>(m: &Dense<N>) -> f64 {
     m.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// The largest difference between a matrix and its transpose.
+/// The largest difference between an entry and its transpose.
 pub fn asymmetry<const N: usize>(m: &Dense<N>) -> f64 {
     let pairs = (0..N).flat_map(|i| (0..i).map(move |k| (i, k)));
     pairs.map(|(i, k)| (m[i][k] - m[k][i]).abs()).fold(0.0, f64::max)
 }
 
-/// The least pivot of the Cholesky factorisation of `m + shift I`; the factorisation stops at
-/// the first that is not positive, which is then the answer. Positive: `m` has no eigenvalue
-/// below `-shift`.
+/// The smallest pivot of the Cholesky factorisation of `m + shift I`. The factorisation stops at the first
+/// pivot that is not positive, and returns it. If the result is positive, `m` has no eigenvalue below `-shift`.
 pub fn least_pivot<const N: usize>(m: &Dense<N>, shift: f64) -> f64 {
     let mut l = *m;
     let mut least = f64::INFINITY;
@@ -53,7 +52,7 @@ pub fn least_pivot<const N: usize>(m: &Dense<N>, shift: f64) -> f64 {
     least
 }
 
-/// Eigenvalues and, in the columns of the second, eigenvectors: cyclic Jacobi rotations.
+/// Eigenvalues and, in the columns of the second result, eigenvectors: by cyclic Jacobi rotations.
 pub fn eigen<const N: usize>(m: &Dense<N>) -> ([f64; N], Dense<N>) {
     let mut a = *m;
     let mut vectors: Dense<N> = std::array::from_fn(|i| std::array::from_fn(|k| f64::from(i == k)));
@@ -71,7 +70,7 @@ pub fn eigen<const N: usize>(m: &Dense<N>) -> ([f64; N], Dense<N>) {
     (std::array::from_fn(|i| a[i][i]), vectors)
 }
 
-/// The rotation that clears `a[p][q]`.
+/// Applies the rotation that zeroes `a[p][q]`.
 fn rotate<const N: usize>(a: &mut Dense<N>, vectors: &mut Dense<N>, p: usize, q: usize) {
     if a[p][q] == 0.0 {
         return;

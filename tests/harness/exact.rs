@@ -1,8 +1,8 @@
-//! Whether moving features touch, decided without rounding.
+//! Decides without rounding whether moving features touch.
 //!
-//! Features that touch are coplanar: at a root of `f(t) = det(edges, difference)`. There the
-//! static tests are signs of polynomials in t. Where f vanishes throughout, the times of contact
-//! are a closed set, which starts at 0 or where one of those polynomials vanishes.
+//! Features that touch are coplanar: this happens at a root of `f(t) = det(edges, difference)`. There the
+//! static tests are signs of polynomials in t. If f is identically zero, the times of contact are a closed set,
+//! which starts at 0 or at a root of one of those polynomials.
 
 use num_bigint::{BigInt, Sign};
 use num_traits::Zero;
@@ -57,7 +57,7 @@ pub fn touch(query: &Query) -> bool {
     }
 }
 
-/// A point is on an edge: collinear with its ends, and not beyond them.
+/// The condition that a point is on an edge: collinear with its ends, and not beyond them.
 struct OnEdge {
     collinear: Vector,
     beyond: Polynomial,
@@ -96,7 +96,7 @@ fn cross(a: &Vector, b: &Vector) -> Vector {
     [(1, 2), (2, 0), (0, 1)].map(|(j, k)| &(&a[j] * &b[k]) - &(&a[k] * &b[j]))
 }
 
-/// Every coordinate as a line in t, all scaled by the power of two that makes them whole.
+/// Every coordinate as a line in t, all scaled by the power of two that makes them integers.
 fn paths(query: &Query) -> [Vector; 4] {
     let least = query.start.iter().chain(&query.end).flat_map(|x| x.to_array()).filter(|&x| x != 0.0);
     let least = least.map(|x| parts(x).1).min().unwrap_or(0);

@@ -1,12 +1,12 @@
-//! Features that come at one another head-on: no point of theirs moves farther than the features come
-//! nearer, so that a distance wrong by one rounding is the difference between a hit and a miss.
+//! Features that approach head-on: no point moves farther than the features approach, so that an error of one
+//! rounding in a distance makes the difference between a hit and a miss.
 
 use glam::DVec3;
 
 use crate::query::{Pair, Query};
 use crate::rng::Rng;
 
-/// Where the features touch.
+/// The location of the contact on the two features.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A vertex inside a triangle.
@@ -27,7 +27,7 @@ pub enum Kind {
     Parallel,
 }
 
-/// All of them.
+/// All kinds.
 pub const KINDS: [Kind; 8] = [
     Kind::Face,
     Kind::Side,
@@ -40,7 +40,7 @@ pub const KINDS: [Kind; 8] = [
 ];
 
 impl Kind {
-    /// Which features.
+    /// The pair of features.
     pub fn pair(self) -> Pair {
         match self {
             Self::Face | Self::Side | Self::Corner => Pair::VertexTriangle,
@@ -49,24 +49,24 @@ impl Kind {
     }
 }
 
-/// Features that touch, and the line from the second to the first along which they came: all whole
-/// numbers of eighths below 2^11.
+/// Features that touch, and the direction from the second to the first, along which they approached. All
+/// coordinates are multiples of one eighth below 2^11.
 struct Touch {
     x: [DVec3; 4],
     along: DVec3,
 }
 
-/// Vectors of a whole length.
+/// Integer vectors with an integer length.
 const WHOLE: [[i64; 3]; 6] = [[1, 0, 0], [0, 3, 4], [1, 2, 2], [2, 3, 6], [1, 4, 8], [4, 4, 7]];
 
-/// Features that touch at the end and at no time before, and the radius around the first, if it is
-/// `round`. All are multiples of a power of two, exact with so many bits of significand. Between 1 mm and
-/// 100 m large, up to 256 times their size from the origin.
+/// Features that touch at the end and at no earlier time, and the radius around the first feature if `round`.
+/// All numbers are multiples of a power of two and exact with `bits` bits of significand. The features are
+/// between 1 mm and 100 m large, and up to 256 times their size from the origin.
 fn exact(rng: &mut Rng, kind: Kind, bits: i32, round: bool) -> (Query, f64) {
     let Touch { x, along } = touch(rng, kind, round);
     let radius = f64::from(round) * rng.pick(&[0.125, 1.0, 8.0, 64.0]);
     let reach = rng.pick(&[0, 0, 11, 15, 18]);
-    // Bits of the fraction beside all sums below.
+    // Bits of the fraction that remain below the largest sum.
     let finest = bits - 13.max(reach + 2);
     let way = odd(rng) * 2f64.powi(4 - below(rng, i64::from(finest) + 5) as i32);
     let [first, second] = rng.pick(&[[way, 0.0], [0.0, way], [way, way]]);
@@ -81,8 +81,8 @@ fn exact(rng: &mut Rng, kind: Kind, bits: i32, round: bool) -> (Query, f64) {
     (query, radius * along.length() * scale)
 }
 
-/// Features that come so near, in real numbers that are still to be rounded. Between 1 mm and 100 m
-/// large, up to 10,000 times their size from the origin. `gap` says how near of their size.
+/// Features that approach up to a gap, before rounding. They are between 1 mm and 100 m large, and up to 10,000
+/// times their size from the origin. `gap` returns the final gap divided by the size.
 fn real(rng: &mut Rng, kind: Kind, epsilon: f64, gap: impl Fn(&mut Rng) -> f64) -> Query {
     let Touch { mut x, along } = touch(rng, kind, false);
     let size = x.iter().map(|v| (v - x[0]).abs().max_element()).fold(0.0, f64::max);
@@ -103,18 +103,18 @@ fn real(rng: &mut Rng, kind: Kind, epsilon: f64, gap: impl Fn(&mut Rng) -> f64) 
     }
 }
 
-/// A question about features of a kind.
+/// A query about features of one kind.
 pub struct Case {
-    /// As it was rounded.
+    /// The query after rounding.
     pub query: Query,
-    /// m around the first feature.
+    /// Radius around the first feature, m.
     pub radius: f64,
-    /// Whether it ends exactly on touch. Of the others only the exact decision knows.
+    /// Whether the motion ends exactly at contact. For other cases only the exact decision tells.
     pub touches: bool,
 }
 
-/// Cases of a kind, rounded to so many bits of significand. A third ends exactly on touch, half of it with a
-/// radius where cases may be `round`; a third touches or not by how it is rounded; a third ends short of touch.
+/// Cases of a kind, rounded to `bits` bits of significand. A third ends exactly at contact, half of these with
+/// a radius if `round`; in a third, contact depends on the rounding; a third ends short of contact.
 pub fn cases(rng: &mut Rng, kind: Kind, count: u64, bits: i32, round: bool, rounded: fn(&Query) -> Query) -> Vec<Case> {
     let epsilon = 2f64.powi(1 - bits);
     let mut case = |i: u64| {
@@ -130,7 +130,7 @@ pub fn cases(rng: &mut Rng, kind: Kind, count: u64, bits: i32, round: bool, roun
     (0..count).map(&mut case).collect()
 }
 
-/// What became of the cases of one kind.
+/// Counts of the results for one kind of contact.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     hits: u64,
@@ -140,7 +140,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// Adds a case that touches or ends short, and is reported to meet or not; prints the first that is missed.
+    /// Adds a case that touches or ends short, and whether a collision is reported; prints the first that is
+    /// missed.
     pub fn add(&mut self, query: &Query, touches: bool, meets: bool) {
         if touches && !meets && self.missed == 0 {
             eprintln!("missed {query}");
@@ -151,7 +152,7 @@ impl Row {
         self.reported += u64::from(!touches && meets);
     }
 
-    /// Prints the row; returns how many were missed.
+    /// Prints the row; returns the number of missed cases.
     pub fn print(&self, path: &str, kind: Kind) -> u64 {
         let Self { hits, missed, short, reported } = self;
         let (kind, share) = (format!("{kind:?}"), 100.0 * *reported as f64 / *short as f64);
@@ -161,19 +162,19 @@ impl Row {
     }
 }
 
-/// How many vertices the first feature has.
+/// Number of vertices of the first feature.
 fn firsts(kind: Kind) -> usize {
     if kind.pair() == Pair::VertexTriangle { 1 } else { 2 }
 }
 
-/// Where they are `round` the line has a whole length.
+/// Creates random features that touch; if `round`, the direction has an integer length.
 fn touch(rng: &mut Rng, kind: Kind, round: bool) -> Touch {
     let along = if round { whole(rng) } else { nonzero(|| vector(rng, 7)) };
     let half = rng.pick(&[2, 16, 64]);
     let mut across = || nonzero(|| along.cross(vector(rng, half)));
     let [a, b] = [across(), across()];
     let [i, j] = [(); 2].map(|()| below(rng, 9) as f64 / 8.0);
-    // Leaning away from the other feature, by about as much as edges are long.
+    // The other end leans away from the other feature, by up to about the length of the edges.
     let away = |part: f64| along * (part * half as f64).trunc();
     let x = match kind {
         Kind::Face => [a * i + b * j.min(1.0 - i), DVec3::ZERO, a, b],
@@ -217,7 +218,7 @@ fn odd(rng: &mut Rng) -> f64 {
     (2 * below(rng, 4) + 1) as f64
 }
 
-/// A whole number below the bound.
+/// A random integer in `0..bound`.
 fn below(rng: &mut Rng, bound: i64) -> i64 {
     (rng.bits() % bound as u64) as i64
 }

@@ -1,8 +1,8 @@
 //! The core in plain doubles, once for each precision: columns for the random elements of
 //! [`states`](crate::states), scenes from text, and calls that take and return doubles.
 
-/// Runs the same tests in f32 and in f64: in the body `muslin` is the core, `kit` the module of
-/// [`kit`](crate::kit) that fits it.
+/// Runs the same tests in f32 and in f64: in the body, `muslin` is the core and `kit` the matching module of
+/// [`kit`](crate::kit).
 #[macro_export]
 macro_rules! both_precisions {
     ($($body:tt)*) => {
@@ -56,22 +56,22 @@ macro_rules! kit {
             use $crate::query::{Pair, Query};
             use $crate::states::{Bar, Fold, State, Stitch, Triangle};
 
-            /// The bound for this precision.
+            /// Selects the bound for this precision.
             pub const fn bound(single: f64, double: f64) -> f64 {
                 if size_of::<Real>() == 4 { single } else { double }
             }
 
-            /// Rounded to this precision.
+            /// Rounds to this precision.
             pub fn narrow<const K: usize>(v: &[DVec3; K]) -> [Vec3; K] {
                 v.map(|v| vec3(v.to_array()))
             }
 
-            /// In double, exactly.
+            /// Converts to double, exactly.
             pub fn wide<const K: usize>(v: &[Vec3; K]) -> [DVec3; K] {
                 v.map(|v| to_f64(v).into())
             }
 
-            /// Springs as elements with two corners. Their force is that of the whole kernel.
+            /// Springs as elements with two corners. Their force comes from the whole kernel.
             pub struct Bars(Vec<(Spring, SpringColumns)>);
 
             impl Element<2> for Bars {
@@ -102,7 +102,7 @@ macro_rules! kit {
                 }
             }
 
-            /// Element `i` is the spring of state `i`; so for the other terms.
+            /// Element `i` is the spring of state `i`; the other terms are numbered in the same way.
             pub fn bars(states: &[State<Bar, 2>]) -> Bars {
                 let spring = |s: &State<Bar, 2>| {
                     let Bar { rest, stiffness, damping } = s.part;
@@ -112,7 +112,7 @@ macro_rules! kit {
                 Bars(states.iter().map(spring).collect())
             }
 
-            /// Triangles with a material each.
+            /// Triangles, each with its own material.
             pub fn membrane(states: &[State<Triangle, 3>]) -> MembraneColumns {
                 let vertices = corners(states.len());
                 let rest: Vec<_> = states.iter().map(|s| RestTriangle { corners: s.part.rest }).collect();
@@ -136,7 +136,7 @@ macro_rules! kit {
                 }
             }
 
-            /// Hinges.
+            /// Hinges of a bending term.
             pub fn hinges(states: &[State<Fold, 4>]) -> HingeColumns {
                 let vertices = corners(states.len());
                 let column = |value: fn(&Fold) -> f64| states.iter().map(|s| value(&s.part) as Real).collect();
@@ -150,7 +150,7 @@ macro_rules! kit {
                 }
             }
 
-            /// Stitches.
+            /// Stitches of a seam.
             pub fn seams(states: &[State<Stitch, 3>]) -> SeamColumns {
                 let vertices = corners(states.len());
                 let column = |value: fn(&Stitch) -> f64| states.iter().map(|s| value(&s.part) as Real).collect();
@@ -163,7 +163,7 @@ macro_rules! kit {
                 }
             }
 
-            /// Triangles in a wind.
+            /// Triangles exposed to wind.
             pub fn wind<P>(states: &[State<P, 3>], velocity: DVec3, [normal, tangential]: [f64; 2]) -> WindColumns {
                 let vertices = corners(states.len());
                 WindColumns {
@@ -199,7 +199,7 @@ macro_rules! kit {
                 f64::from(hinges.angle(i, &narrow(x)))
             }
 
-            /// All blocks of [`Element::tangent`].
+            /// All blocks of [`Element::tangent`] as a matrix.
             pub fn projected<const K: usize, E: Element<K>>(
                 term: &E,
                 i: usize,
@@ -237,8 +237,8 @@ macro_rules! kit {
                 forces::energy(model, masses, &x)
             }
 
-            /// The assembled `-(position Kx + velocity Kv)` of the listed terms of a scene, by rows,
-            /// read off products with unit vectors; `N` is three times the number of vertices.
+            /// The assembled `-(position Kx + velocity Kv)` of the terms of `model`, by rows, determined from
+            /// products with unit vectors; `N` is three times the number of vertices.
             pub fn tangents<const N: usize>(
                 built: &BuiltScene,
                 model: &Model<'_>,
@@ -277,7 +277,7 @@ macro_rules! kit {
                 query.map(|x| wide(&[vec3(x.to_array())])[0])
             }
 
-            /// Distance of two features, from `[vertex, t0, t1, t2]` or `[a0, a1, b0, b1]`.
+            /// Distance between two features, given as `[vertex, t0, t1, t2]` or `[a0, a1, b0, b1]`.
             pub fn distance(pair: Pair, x: &[DVec3; 4]) -> f64 {
                 let apart = match pair {
                     Pair::VertexTriangle => vertex_triangle_ccd::apart(&narrow(x)),
@@ -297,12 +297,12 @@ macro_rules! kit {
                 time.map(f64::from)
             }
 
-            /// What a query keeps in reserve against rounding, m.
+            /// Safety distance that a query keeps against rounding, m.
             pub fn reserve(query: &Query) -> f64 {
                 f64::from(ROUNDING) * query.size()
             }
 
-            /// How often the time of impact asks for a distance.
+            /// Number of distances that the time of impact evaluates.
             pub fn distances(query: &Query, separation: f64, tolerance: f64) -> u32 {
                 let (start, end, count) = (narrow(&query.start), narrow(&query.end), Cell::new(0));
                 let (separation, tolerance) = (separation as Real, tolerance as Real);
@@ -322,12 +322,12 @@ macro_rules! kit {
                 count.get()
             }
 
-            /// The response to pieces that move for 1 s, each a cloth by itself.
+            /// The response to pieces that move for 1 s; each piece is a cloth of its own.
             pub fn respond(pieces: &[Piece], thickness: f64, friction: f64) -> Response {
                 respond_after(pieces, thickness, friction, |_| ())
             }
 
-            /// The same, after something else changed where the vertices go.
+            /// [`respond`], with `change` applied to the predicted positions before the response.
             pub fn respond_after(
                 pieces: &[Piece],
                 thickness: f64,
@@ -338,8 +338,8 @@ macro_rules! kit {
                 respond_with(pieces, thickness, friction, settings, &[], change)
             }
 
-            /// The same without friction, where what still meets may be held back, and with axes held of
-            /// vertices.
+            /// [`respond`] without friction, with vertices that still collide allowed to be held back, and with
+            /// some axes of vertices held.
             pub fn respond_at_last(pieces: &[Piece], thickness: f64, held: &[(usize, usize)]) -> Response {
                 respond_with(pieces, thickness, 0.0, Settings { step: 1.0, hold: true }, held, |_| ())
             }
@@ -362,7 +362,7 @@ macro_rules! kit {
                 for piece in pieces {
                     let (first, last) = (from.len() as u32, piece.start.len() as u32 - 1);
                     contact.firsts.push(first);
-                    // A lone point or edge repeats its last vertex.
+                    // An isolated point or edge repeats its last vertex.
                     triangles.push([0, 1, 2].map(|k: u32| first + k.min(last)));
                     for ((x, d), mass) in piece.start.iter().zip(&piece.moves).zip(&piece.masses) {
                         from.push(vec3(x.to_array()));
@@ -414,29 +414,29 @@ macro_rules! kit {
                 DMat3::from_cols(x, y, z)
             }
 
-            /// A scene from its text.
+            /// Parses a scene.
             pub fn scene(text: &str) -> SceneDesc {
                 toml::from_str(text).unwrap_or_else(|error| panic!("{error}in scene\n{text}"))
             }
 
-            /// A built scene without mesh files.
+            /// Builds a scene without mesh files.
             pub fn build(text: &str) -> BuiltScene {
                 build_with(text, &[])
             }
 
-            /// A built scene.
+            /// Builds a scene.
             pub fn build_with(text: &str, resources: &[Resource]) -> BuiltScene {
                 let built = $muslin::scene::build(&scene(text), resources);
                 built.unwrap_or_else(|error| panic!("{error}: in scene\n{text}"))
             }
 
-            /// A scene in motion.
+            /// A simulation of a scene.
             pub fn simulation(text: &str, resources: &[Resource]) -> Simulation {
                 let sim = Simulation::new(&scene(text), resources);
                 sim.unwrap_or_else(|error| panic!("{error}: in scene\n{text}"))
             }
 
-            /// Steps for a time, s; after each step `see` is shown the state.
+            /// Takes steps for a time, s; calls `see` after each step.
             pub fn run(sim: &mut Simulation, seconds: f64, mut see: impl FnMut(&Simulation)) {
                 for _ in 0..(seconds / f64::from(sim.step_length())).round() as u32 {
                     sim.take_step().unwrap_or_else(|diverged| panic!("{diverged}"));
@@ -444,14 +444,14 @@ macro_rules! kit {
                 }
             }
 
-            /// A mesh under the name by which a scene asks for it.
+            /// A mesh as a resource with the name that the scene uses.
             pub fn resource(name: &str, mesh: crate::belt::Mesh) -> Resource {
                 let (positions, uvs, triangles) = (mesh.positions, mesh.uvs, mesh.triangles);
                 let uv_triangles = if uvs.is_empty() { Vec::new() } else { triangles.clone() };
                 (name.into(), Content::Mesh(TriMesh { positions, uvs, triangles, uv_triangles, ..TriMesh::default() }))
             }
 
-            /// How far the last vertex of the first cloth goes down in a time, m.
+            /// Distance that the last vertex of the first cloth falls in a time, m.
             pub fn falls(text: &str, resources: &[Resource], seconds: f64) -> f64 {
                 let mut sim = simulation(text, resources);
                 let end = |sim: &Simulation| places(sim, 0).last().expect("the cloth has vertices").y;
@@ -460,13 +460,13 @@ macro_rules! kit {
                 start - end(&sim)
             }
 
-            /// Throws a cloth of a scene, m/s.
+            /// Sets the velocity of all vertices of a cloth, m/s.
             pub fn throw(sim: &mut Simulation, cloth: usize, velocity: DVec3) {
                 let range = sim.scene().cloths[cloth].vertices.clone();
                 sim.state_mut().1[range.start as usize..range.end as usize].fill(vec3(velocity.to_array()));
             }
 
-            /// Where the vertices of a cloth are, m.
+            /// Positions of the vertices of a cloth, m.
             pub fn places(sim: &Simulation, cloth: usize) -> Vec<DVec3> {
                 let range = sim.scene().cloths[cloth].vertices.clone();
                 let positions = &sim.positions()[range.start as usize..range.end as usize];

@@ -1,4 +1,4 @@
-//! What the tests share.
+//! Code that the test suites share.
 
 pub mod belt;
 pub mod case;
@@ -25,7 +25,7 @@ pub mod torture;
 pub mod truth;
 pub mod worst;
 
-/// The manuals that have Rust, so that it is compiled and run.
+/// The manuals that contain Rust code, so that doctests compile and run it.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 #[doc = include_str!("../../core/README.md")]

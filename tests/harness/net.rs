@@ -1,5 +1,5 @@
-//! Nets of masses and springs in f64, for what no scene describes: single springs, chains,
-//! lattices. Axes are held by bits, x = 1, y = 2, z = 4.
+//! Nets of masses and springs in f64 that no scene can describe: single springs, chains, lattices. Held axes
+//! are bits: x = 1, y = 2, z = 4.
 
 use crate::steps::Steps;
 use glam::DVec3;
@@ -14,7 +14,7 @@ use muslin_core_f64::simulation::Simulation;
 /// All axes.
 pub const XYZ: u8 = 7;
 
-/// A net at rest, where its points are.
+/// A net at rest at the given points.
 #[derive(Clone, Debug, Default)]
 pub struct Net {
     /// m.
@@ -27,7 +27,7 @@ pub struct Net {
     pub held: Vec<(u32, u8)>,
     /// m/s^2.
     pub gravity: Option<DVec3>,
-    /// N s/m of each vertex; 0: none.
+    /// Drag of each vertex, N s/m; 0 turns it off.
     pub drag: f64,
 }
 
@@ -43,9 +43,9 @@ impl Net {
         }
     }
 
-    /// A square sheet of `side * side` masses of 1 kg, 1 m apart in the xz plane, with structural
-    /// springs, shear springs along both diagonals and bending springs that skip a mass, N/m;
-    /// where 0, none. Dampers are `damping` times each spring, s.
+    /// A square sheet of `side * side` masses of 1 kg, 1 m apart in the xz plane, with structural springs,
+    /// shear springs along both diagonals and bending springs that skip a mass, N/m. A stiffness of 0 omits the
+    /// springs. Damping is `damping` times the stiffness of each spring, s.
     pub fn lattice(side: u32, [structural, shear, bend]: [f64; 3], damping: f64) -> Self {
         let links = [
             ([1, 0], structural),
@@ -73,7 +73,7 @@ impl Net {
         net
     }
 
-    /// The columns.
+    /// Builds the columns.
     pub fn build(&self) -> BuiltScene {
         let (vertices, axes): (Vec<_>, Vec<_>) = self.held.iter().copied().unzip();
         BuiltScene {
@@ -109,13 +109,12 @@ pub fn linearised(method: Method) -> Scheme {
     Scheme { method, newton: 1, tolerance: 1e-14, preconditioner, jacobian: Jacobian::Projected }
 }
 
-/// Newton's method until the residual has fallen to `tolerance` of its start.
+/// Newton's method until the residual has fallen to `tolerance` times its initial value.
 pub fn converged(method: Method, tolerance: f64) -> Scheme {
     Scheme { newton: 100, tolerance, ..linearised(method) }
 }
 
-/// Lets a damped simulation come to rest: until no vertex is faster than `speed`, m/s. Panics
-/// after `most` steps.
+/// Steps a damped simulation until no vertex is faster than `speed`, m/s. Panics after `most` steps.
 pub fn settle(sim: &mut Simulation, speed: f64, most: u32) {
     for _ in 0..most {
         sim.take_step().unwrap_or_else(|error| panic!("while settling: {error}"));

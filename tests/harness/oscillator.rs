@@ -1,17 +1,17 @@
-//! One oscillator, x'' = -w^2 x - 2 zeta w x' with w = 1 and z = w h, under every one-step
-//! method, as the method is written on paper.
+//! One oscillator, x'' = -w^2 x - 2 zeta w x' with w = 1 and z = w h, under every one-step method, from the
+//! method's definition.
 
 use glam::DMat2;
 use muslin_core_f64::integrate::Method;
 
-/// What a step multiplies (x, v) with.
+/// The matrix by which one step multiplies (x, v).
 pub fn update(method: Method, z: f64, zeta: f64) -> DMat2 {
     let i = DMat2::IDENTITY;
     let l = DMat2::from_cols_array(&[0.0, -1.0, 1.0, -2.0 * zeta]) * z;
     let kept = 1.0 - 2.0 * zeta * z;
     match method {
         Method::ExplicitEuler => i + l,
-        // Damping is that of the old velocity.
+        // The damping force uses the old velocity.
         Method::SymplecticEuler => DMat2::from_cols_array(&[1.0 - z * z, -z, z * kept, kept]),
         Method::Midpoint => i + l + l * l * 0.5,
         Method::Rk4 => i + l + l * l * (1.0 / 2.0) + l * l * l * (1.0 / 6.0) + l * l * l * l * (1.0 / 24.0),
@@ -28,7 +28,7 @@ pub fn spectral_radius(m: DMat2) -> f64 {
     if square < 0.0 { m.determinant().sqrt() } else { half.abs() + square.sqrt() }
 }
 
-/// The least z at which a step amplifies: where the spectral radius first exceeds 1.
+/// The smallest z at which a step amplifies: the spectral radius first exceeds 1 there.
 pub fn stable_limit(method: Method, zeta: f64) -> f64 {
     // Rounding leaves the undamped symplectic radius within 1e-15 of 1.
     let grows = |z: f64| spectral_radius(update(method, z, zeta)) > 1.0 + 1e-14;

@@ -1,89 +1,88 @@
-//! Loose points, edges and triangles that move straight for a step: contact alone, without forces
-//! and without cloth between them. In plain doubles; the step is 1 s, so that displacements are
-//! velocities.
+//! Isolated points, edges and triangles that move along straight lines for a step: contact alone, without
+//! forces or cloth between them. In plain doubles; the step is 1 s, so that displacements are velocities.
 
 use glam::DVec3;
 
 use crate::kit::double as kit;
 use crate::query::Pair;
 
-/// A point, an edge or a triangle by itself.
+/// An isolated point, edge or triangle.
 #[derive(Clone, Debug)]
 pub struct Piece {
     /// m.
     pub start: Vec<DVec3>,
-    /// How each vertex would move if nothing touched, m.
+    /// Displacement of each vertex without contact, m.
     pub moves: Vec<DVec3>,
-    /// kg; infinite: nothing moves it but its own motion.
+    /// kg; a vertex of infinite mass follows its own motion only.
     pub masses: Vec<f64>,
 }
 
-/// One contact that had to be kept.
+/// One contact that the response enforced.
 #[derive(Clone, Debug)]
 pub struct Kept {
-    /// Over the vertices of all pieces.
+    /// Numbered over the vertices of all pieces.
     pub vertices: [usize; 4],
-    /// Positive on the first feature.
+    /// Positive for the first feature.
     pub weights: [f64; 4],
     /// From the second feature to the first.
     pub normal: DVec3,
     /// At the start, m.
     pub gap: f64,
-    /// Asked for at the end, m.
+    /// Gap that is required at the end, m.
     pub target: f64,
     /// Along the normal, kg m.
     pub impulse: f64,
-    /// Across it, kg m.
+    /// Perpendicular to the normal, kg m.
     pub friction: DVec3,
 }
 
-/// What the response made of the pieces; columns over the vertices of all.
+/// Result of the response; the columns cover the vertices of all pieces.
 #[derive(Clone, Debug)]
 pub struct Response {
-    /// What it was, as it names itself.
+    /// The outcome as its `Debug` text.
     pub outcome: String,
-    /// Contacts near at the start, meetings, zones.
+    /// Counts of contacts at the start, impacts, and impact zones.
     pub counts: [u64; 3],
-    /// Whether the last resort was needed.
+    /// Count of uses of the failsafe.
     pub failsafe: u64,
-    /// m, as the core was given it.
+    /// Start, m, as passed to the core.
     pub start: Vec<DVec3>,
-    /// m.
+    /// Predicted positions, m.
     pub predicted: Vec<DVec3>,
-    /// m.
+    /// Final positions, m.
     pub end: Vec<DVec3>,
-    /// Whether the response touched it.
+    /// Whether the response changed the vertex.
     pub touched: Vec<bool>,
     /// kg.
     pub masses: Vec<f64>,
-    /// Every contact there was.
+    /// Every contact.
     pub kept: Vec<Kept>,
 }
 
 impl Kept {
-    /// The relative displacement that a column of displacements gives, m.
+    /// The relative displacement of the features for a column of displacements, m.
     pub fn relative(&self, moves: &[DVec3]) -> DVec3 {
         self.vertices.iter().zip(self.weights).map(|(&v, w)| moves[v] * w).sum()
     }
 
-    /// By how much it is violated, m.
+    /// The amount by which the contact is violated, m.
     pub fn missing(&self, moves: &[DVec3]) -> f64 {
         self.target - self.gap - self.normal.dot(self.relative(moves))
     }
 }
 
 impl Response {
-    /// How each vertex would have moved, m.
+    /// Displacement of each vertex without the response, m.
     pub fn before(&self) -> Vec<DVec3> {
         self.predicted.iter().zip(&self.start).map(|(x, start)| *x - *start).collect()
     }
 
-    /// How it moved, m.
+    /// Displacement of each vertex after the response, m.
     pub fn moves(&self) -> Vec<DVec3> {
         self.end.iter().zip(&self.start).map(|(x, start)| *x - *start).collect()
     }
 
-    /// The change of momentum of what is free, of the sum of all |changes|.
+    /// The change of momentum of the free vertices, divided by the sum of the magnitudes of all changes.
     pub fn drift(&self) -> f64 {
         let free = (0..self.end.len()).filter(|&v| self.masses[v].is_finite());
         let changes = free.map(|v| (self.end[v] - self.predicted[v]) * self.masses[v]);
@@ -98,7 +97,7 @@ impl Response {
         [energy(&self.before()), energy(&self.moves())]
     }
 
-    /// The least distance of two pieces in `samples` instants of the step, m.
+    /// The smallest distance of two pieces at `samples` instants of the step, m.
     pub fn closest(&self, pieces: &[Piece], samples: u32) -> f64 {
         let mut firsts = vec![0];
         firsts.extend(pieces.iter().scan(0, |sum, piece| {

@@ -1,5 +1,5 @@
-//! Polynomials with integer coefficients, their roots in [0, 1] one by one, and the signs of other
-//! polynomials there, all exact: Descartes' rule of signs after a Moebius map, and bisection
+//! Polynomials with integer coefficients, isolation of their roots in [0, 1], and the signs of other
+//! polynomials at these roots. All is exact: Descartes' rule of signs after a Moebius map, and bisection
 //! [Collins 1976].
 
 use std::ops::{Add, Mul, Neg, Sub};
@@ -8,31 +8,32 @@ use num_bigint::{BigInt, Sign};
 use num_integer::Integer;
 use num_traits::{One, Zero};
 
-/// Coefficients from the constant up, the last not zero; none for zero.
+/// Coefficients from the constant up; the last is not zero. The zero polynomial has no coefficients.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomial(Vec<BigInt>);
 
-/// A number in [0, 1]: `numerator / 2^level`, or the only root between it and the next of that level.
+/// A number in [0, 1]: `numerator / 2^level`, or the only root between that number and
+/// `(numerator + 1) / 2^level`.
 #[derive(Clone, Debug)]
 pub enum Root {
     /// The number itself.
     At(BigInt, u32),
-    /// The root of a square-free polynomial above it.
+    /// The root of a square-free polynomial in the open interval above it.
     Above(BigInt, u32, Polynomial),
 }
 
 impl Polynomial {
-    /// The line from one value at 0 to another at 1.
+    /// The line from the value `start` at 0 to the value `end` at 1.
     pub fn line(start: &BigInt, end: &BigInt) -> Self {
         Self(vec![start.clone(), end - start]).trimmed()
     }
 
-    /// Whether it vanishes everywhere.
+    /// Whether the polynomial is zero.
     pub fn is_zero(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Each root in [0, 1] once. Zero has none.
+    /// Each root in [0, 1] once. The zero polynomial returns no roots.
     pub fn roots(&self) -> Vec<Root> {
         if self.is_zero() {
             return Vec::new();
@@ -70,8 +71,8 @@ impl Polynomial {
         value.sign()
     }
 
-    /// Descartes' bound on the roots strictly between `left / 2^level` and the next: exact where it
-    /// is 0 or 1.
+    /// Descartes' bound on the number of roots strictly between `left / 2^level` and `(left + 1) / 2^level`;
+    /// exact if it is 0 or 1.
     fn variations(&self, left: &BigInt, level: u32) -> usize {
         let degree = self.0.len().saturating_sub(1) as u32;
         let mut c: Vec<_> = (0u32..).zip(&self.0).map(|(i, c)| c << (level * (degree - i))).collect();
@@ -86,7 +87,7 @@ impl Polynomial {
         Self((1u32..).zip(self.0.iter().skip(1)).map(|(i, c)| c * i).collect())
     }
 
-    /// Divided by a divisor, up to a positive factor.
+    /// The quotient, up to a positive factor.
     fn divided(&self, by: &Self) -> Self {
         let (mut rest, lead) = (self.0.clone(), &by.0[by.0.len() - 1]);
         let mut quotient = vec![BigInt::zero(); (rest.len() + 1).saturating_sub(by.0.len())];
@@ -129,7 +130,7 @@ impl Polynomial {
 }
 
 impl Root {
-    /// The sign of a polynomial here.
+    /// The sign of a polynomial at this root.
     pub fn sign(&self, of: &Polynomial) -> Sign {
         match self {
             _ if of.is_zero() => Sign::NoSign,

@@ -1,10 +1,10 @@
-//! Questions to continuous collision detection: two features, and where they go.
+//! Queries for continuous collision detection: two features and their motion.
 
 use std::fmt;
 
 use glam::DVec3;
 
-/// Which features.
+/// The pair of features.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pair {
     /// A vertex and a triangle, `[vertex, t0, t1, t2]`.
@@ -13,22 +13,22 @@ pub enum Pair {
     EdgeEdge,
 }
 
-/// Both.
+/// Both pairs.
 pub const PAIRS: [Pair; 2] = [Pair::VertexTriangle, Pair::EdgeEdge];
 
 /// Four vertices that move linearly.
 #[derive(Clone, Debug)]
 pub struct Query {
-    /// What the vertices are.
+    /// The features that the vertices form.
     pub pair: Pair,
-    /// Where they start.
+    /// Start positions.
     pub start: [DVec3; 4],
-    /// Where they end.
+    /// End positions.
     pub end: [DVec3; 4],
 }
 
 impl Query {
-    /// Every position replaced.
+    /// Replaces every position.
     pub fn map(&self, new: impl Fn(DVec3) -> DVec3) -> Self {
         Self { pair: self.pair, start: self.start.map(&new), end: self.end.map(&new) }
     }
@@ -38,7 +38,7 @@ impl Query {
         Self { pair: self.pair, start: order.map(|i| self.start[i]), end: order.map(|i| self.end[i]) }
     }
 
-    /// Orders that leave the features what they are.
+    /// Orders of the vertices that describe the same features.
     pub fn orders(&self) -> &'static [[usize; 4]] {
         match self.pair {
             Pair::VertexTriangle => &[[0, 2, 3, 1], [0, 3, 1, 2], [0, 2, 1, 3], [0, 1, 3, 2], [0, 3, 2, 1]],
@@ -56,7 +56,7 @@ impl Query {
         Self { pair: self.pair, start: self.at(from), end: self.at(to) }
     }
 
-    /// As the first vertex sees it.
+    /// The motion relative to the first vertex.
     pub fn local(&self) -> Self {
         let from_first = |x: &[DVec3; 4]| x.map(|v| v - x[0]);
         Self { pair: self.pair, start: from_first(&self.start), end: from_first(&self.end) }

@@ -27,12 +27,12 @@ impl Rng {
         low + (high - low) * unit
     }
 
-    /// Uniform in the logarithm: every magnitude is as likely.
+    /// Uniform in the logarithm: every magnitude is equally likely.
     pub fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
 
-    /// One of a slice.
+    /// Picks one element of a slice.
     pub fn pick<T: Copy>(&mut self, from: &[T]) -> T {
         from[(self.bits() % from.len() as u64) as usize]
     }

@@ -1,13 +1,13 @@
-//! Random elements: their material and rest shape, where their corners are and how they move.
+//! Random elements: material and rest shape, positions of the corners and their velocities.
 //!
-//! Every number is exact in f32, so that both precisions are asked the same question. Triangles
-//! and hinges keep clear of slivers: no height is below a fifth of the rest height.
+//! Every number is exact in f32, so that both precisions get the same input. Triangles and hinges are no
+//! slivers: no height is below a fifth of the rest height.
 
 use glam::{DMat2, DVec2, DVec3};
 
 use crate::rng::Rng;
 
-/// What was done to an element.
+/// The deformation of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Regime {
     /// Within 5 % of its rest shape.
@@ -18,7 +18,7 @@ pub enum Regime {
     Compressed,
     /// Sheared by up to 1.5, lengths within 20 %.
     Sheared,
-    /// Folded past 90 degrees (hinges; others as `Mixed`).
+    /// Folded past 90 degrees (hinges; the other elements as `Mixed`).
     Folded,
     /// Each length 0.2 to 3 times as large.
     Mixed,
@@ -29,7 +29,7 @@ impl Regime {
     pub const ALL: [Self; 6] =
         [Self::Rest, Self::Stretched, Self::Compressed, Self::Sheared, Self::Folded, Self::Mixed];
 
-    /// A length over its rest length.
+    /// Draws a length divided by its rest length.
     fn ratio(self, rng: &mut Rng) -> f64 {
         match self {
             Self::Rest => rng.between(0.95, 1.05),
@@ -44,7 +44,7 @@ impl Regime {
 /// An element with `K` corners and the parameters `P`.
 #[derive(Clone, Copy, Debug)]
 pub struct State<P, const K: usize> {
-    /// What was done to it.
+    /// Its deformation.
     pub regime: Regime,
     /// Its rest size, m.
     pub size: f64,
@@ -62,7 +62,7 @@ impl<P: std::fmt::Debug, const K: usize> State<P, K> {
         format!("element {index}: {self:?}")
     }
 
-    /// A step for differences: small against every length over which forces bend.
+    /// A step for differences: small compared with every length over which forces vary.
     pub fn step(&self) -> f64 {
         1e-3 * self.size
     }
@@ -93,7 +93,7 @@ pub struct Triangle {
     pub rest: [DVec2; 3],
     /// Warp, weft and shear stiffness, N/m.
     pub stiffness: [f64; 3],
-    /// Of stretch and shear, s.
+    /// Damping of stretch and shear, s.
     pub damping: [f64; 2],
 }
 
@@ -113,7 +113,7 @@ pub struct Fold {
 /// A stitch.
 #[derive(Clone, Copy, Debug)]
 pub struct Stitch {
-    /// Where on the edge.
+    /// Position on the edge.
     pub weight: f64,
     /// N/m.
     pub stiffness: f64,
@@ -121,7 +121,7 @@ pub struct Stitch {
     pub damping: f64,
 }
 
-/// A spring in a regime.
+/// A spring with the given deformation.
 pub fn bar(regime: Regime, rng: &mut Rng) -> State<Bar, 2> {
     let (size, stiffness) = (single(rng.magnitude(0.01, 1.0)), stiffness(rng));
     let part = Bar { rest: size, stiffness, damping: damping(rng, stiffness) };
@@ -129,7 +129,7 @@ pub fn bar(regime: Regime, rng: &mut Rng) -> State<Bar, 2> {
     State::new(regime, size, part, [DVec3::ZERO, far], rng)
 }
 
-/// A triangle in a regime, the warp in any direction.
+/// A triangle with the given deformation; the warp has a random direction.
 pub fn triangle(regime: Regime, rng: &mut Rng) -> State<Triangle, 3> {
     let size = rng.magnitude(0.01, 1.0);
     let (along, height) = (rng.between(-0.2, 1.2), rng.between(0.5, 1.2));
@@ -145,8 +145,8 @@ pub fn triangle(regime: Regime, rng: &mut Rng) -> State<Triangle, 3> {
     State::new(regime, size, Triangle { rest, stiffness, damping }, x, rng)
 }
 
-/// A hinge in a regime. Its angle stays 0.2 off the one opposite to its rest angle, where its
-/// energy has a ridge.
+/// A hinge with the given deformation. Its angle stays 0.2 away from the angle opposite to its rest angle,
+/// where the energy has a ridge.
 pub fn hinge(regime: Regime, rng: &mut Rng) -> State<Fold, 4> {
     let size = rng.magnitude(0.01, 1.0);
     let heights = [rng.between(0.5, 1.2), rng.between(0.5, 1.2)].map(|h| h * size);
@@ -172,7 +172,7 @@ pub fn hinge(regime: Regime, rng: &mut Rng) -> State<Fold, 4> {
     State::new(regime, size, Fold { stiffness, rest_angle, least_height, damping }, x, rng)
 }
 
-/// A stitch that gapes.
+/// A stitch with a gap.
 pub fn stitch(regime: Regime, rng: &mut Rng) -> State<Stitch, 3> {
     let (size, stiffness) = (rng.magnitude(0.01, 1.0), stiffness(rng));
     let part = Stitch { weight: single(rng.between(0.0, 1.0)), stiffness, damping: damping(rng, stiffness) };
@@ -208,7 +208,7 @@ fn stiffness(rng: &mut Rng) -> f64 {
     single(rng.magnitude(1.0, 1e4))
 }
 
-/// Forces of damping as large as those of stiffness: corners move by a size a second.
+/// Damping forces are as large as elastic forces: corners move by about one element size per second.
 fn damping(rng: &mut Rng, stiffness: f64) -> f64 {
     single(rng.between(0.1, 1.0) * stiffness)
 }

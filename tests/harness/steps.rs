@@ -1,8 +1,9 @@
-//! Steps on one thread, compiled here once: a test that calls `Simulation::step` compiles all of a step anew.
+//! Steps on one thread, compiled only once, here: a test that calls `Simulation::step` compiles the whole step
+//! again.
 
 /// A simulation that takes steps.
 pub trait Steps {
-    /// Why it cannot.
+    /// The reason why a step fails.
     type Error;
 
     /// Takes one step on one thread.

@@ -1,11 +1,11 @@
-//! Threads that cut every kernel's output unevenly and elsewhere at every call: what the bits of
-//! a simulation must not depend on.
+//! Threads that divide the output of every kernel unevenly and differently at every call: the bits of a
+//! simulation must not depend on the division.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::rng::Rng;
 
-/// So many threads.
+/// A dispatcher with `threads` threads.
 #[derive(Debug)]
 pub struct Uneven {
     threads: usize,
@@ -13,12 +13,12 @@ pub struct Uneven {
 }
 
 impl Uneven {
-    /// One thread runs a kernel as a whole.
+    /// With one thread, a kernel runs as a whole.
     pub fn new(threads: usize) -> Self {
         Self { threads, calls: AtomicU64::new(0) }
     }
 
-    /// Where the parts of this call start after the first, in ascending order.
+    /// Start indices of the parts after the first, in ascending order.
     fn cuts(&self, length: usize) -> Vec<usize> {
         let mut rng = Rng::new(self.calls.fetch_add(1, Ordering::Relaxed));
         let mut cuts: Vec<_> = (1..self.threads).map(|_| (rng.bits() % (length as u64 + 1)) as usize).collect();

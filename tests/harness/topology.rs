@@ -1,4 +1,4 @@
-//! Counting on triangle meshes by brute force, independent of the core's edges.
+//! Counts on triangle meshes by brute force, independent of the core's edges.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ pub fn border_sides(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     sides.keys().copied().filter(|&[a, b]| !sides.contains_key(&[b, a])).collect()
 }
 
-/// Which vertices lie on the border.
+/// Marks the vertices that lie on the border.
 pub fn border(triangles: &[[u32; 3]], vertices: usize) -> Vec<bool> {
     let mut border = vec![false; vertices];
     for vertex in border_sides(triangles).into_iter().flatten() {

@@ -1,4 +1,4 @@
-//! The torture scenes: each has a text, and a function that moves the vertices of the start by a seed.
+//! The torture scenes: each has a text, and a function that moves the start positions with a random generator.
 
 use crate::rng::Rng;
 use glam::DVec3;
@@ -11,11 +11,11 @@ pub struct Scene {
     pub text: fn() -> String,
     /// Moves the vertices, m.
     pub start: fn(&mut [DVec3], &mut Rng),
-    /// Steps of a run.
+    /// Number of steps of a run.
     pub steps: u32,
 }
 
-/// m.
+/// Side of a sheet, m.
 const SIDE: f64 = 0.2;
 
 const MATERIAL: &str = r#"
@@ -64,7 +64,7 @@ fn two_sheets(light: &str, heavy: &str) -> String {
     scene(&[&lower, &upper, &GROUND.replace("-0.3", "-0.02")])
 }
 
-/// A random smooth height over the sheet, of about so many metres; graphs do not cross themselves.
+/// Adds a random smooth height of about `size` metres; a height field does not intersect itself.
 fn heights(x: &mut [DVec3], rng: &mut Rng, size: f64) {
     let waves: Vec<_> = (0..6)
         .map(|_| (rng.direction() * rng.between(10.0, 60.0), rng.between(0.0, 6.3), rng.between(0.0, size)))
@@ -115,7 +115,7 @@ pub const SCENES: &[Scene] = &[
         steps: 60,
     },
     Scene {
-        // One linearised step would overshoot from a thousandfold stretch.
+        // With one linearised step, the start from a thousandfold stretch would overshoot.
         name: "stretched",
         text: || one_sheet().replace("step = 0.005", "step = 0.005\nnewton = 20"),
         start: |x, rng| {

@@ -1,4 +1,4 @@
-//! Queries with exact truth [Wang 2021].
+//! Queries with exact answers [Wang 2021].
 
 use std::sync::OnceLock;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::data;
 use crate::query::{Pair, Query};
 
-/// Where they come from.
+/// The sources of the queries.
 pub const FAMILIES: [&str; 5] =
     ["erleben-cube-cliff-edges", "erleben-spike-wedge", "erleben-spikes", "erleben-wedges", "unit-tests"];
 
@@ -15,13 +15,14 @@ pub const FAMILIES: [&str; 5] =
 pub struct Known {
     /// One of the families.
     pub family: &'static str,
-    /// The question.
+    /// The query.
     pub query: Query,
     /// Whether the features touch, as published.
     pub touches: bool,
 }
 
-/// All queries; none, with a word on it, where they are absent and need not be there.
+/// All queries; if they are absent and `MUSLIN_REQUIRE_DATA` is not 1, prints a note and returns an empty
+/// slice.
 pub fn queries() -> &'static [Known] {
     static QUERIES: OnceLock<Vec<Known>> = OnceLock::new();
     QUERIES.get_or_init(|| {

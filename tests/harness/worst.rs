@@ -1,8 +1,8 @@
-//! The worst of many comparisons, and where it was: what a failed test says first.
+//! The worst of many comparisons, and where it occurred: the first thing that a failed test prints.
 
 use glam::DVec3;
 
-/// Collects relative errors; [`check`](Worst::check) fails where the worst is above the bound.
+/// Collects relative errors; [`check`](Worst::check) fails if the worst is above the bound.
 #[derive(Debug)]
 pub struct Worst {
     what: String,
@@ -13,12 +13,12 @@ pub struct Worst {
 }
 
 impl Worst {
-    /// Nothing seen yet. `what` says which claim is tested, `bound` how wrong it may be.
+    /// An empty collection. `what` names the tested claim, `bound` the largest permitted error.
     pub fn new(what: impl Into<String>, bound: f64) -> Self {
         Self { what: what.into(), bound, error: 0.0, detail: String::new(), count: 0 }
     }
 
-    /// Sees an error; what is not a number counts as infinite.
+    /// Adds an error; NaN counts as infinite.
     pub fn see(&mut self, error: f64, detail: impl FnOnce() -> String) {
         let error = if error.is_nan() { f64::INFINITY } else { error };
         self.count += 1;
@@ -32,7 +32,7 @@ impl Worst {
     pub fn compare(&mut self, scale: f64, got: &[f64], want: &[f64], place: impl Fn() -> String) {
         assert_eq!(got.len(), want.len(), "{}: {}", self.what, place());
         for (i, (&got, &want)) in got.iter().zip(want).enumerate() {
-            // Nothing against nothing agrees, whatever the scale.
+            // Equal values agree, whatever the scale, also zero and zero.
             let error = if got == want { 0.0 } else { (got - want).abs() / scale };
             self.see(error, || format!("{}, component {i}: {got:e}, expected {want:e}, scale {scale:e}", place()));
         }
@@ -43,7 +43,7 @@ impl Worst {
         self.compare(scale, &scalars(got), &scalars(want), place);
     }
 
-    /// Prints the worst (shown with `--nocapture`) and fails where it is above the bound.
+    /// Prints the worst error (shown with `--nocapture`) and fails if it is above the bound.
     pub fn check(self) {
         let Self { what, bound, error, detail, count } = self;
         assert!(count > 0, "{what}: nothing was compared");
@@ -52,12 +52,12 @@ impl Worst {
     }
 }
 
-/// The components of vectors in a row.
+/// The components of all vectors, concatenated.
 pub fn scalars(v: &[DVec3]) -> Vec<f64> {
     v.iter().flat_map(|v| v.to_array()).collect()
 }
 
-/// The length of many vectors taken as one.
+/// The Euclidean norm over all vectors.
 pub fn norm(v: &[DVec3]) -> f64 {
     v.iter().map(|v| v.length_squared()).sum::<f64>().sqrt()
 }

@@ -1,8 +1,8 @@
-//! Time integration: what each method does to one oscillator, and how its error falls with the
-//! step on chains and cloth.
+//! Time integration: the update of one oscillator by each method, and the decrease of the error with the step
+//! on chains and cloth.
 //!
-//! Run: `cargo test -p muslin-tests --test integrate`; with `-- --nocapture` it prints measured
-//! beside expected. A failure names method, step, expected and measured.
+//! Run: `cargo test -p muslin-tests --test integrate`; with `-- --nocapture` it prints the measured values
+//! beside the expected ones. A failure names method, step, expected and measured value.
 
 mod manufactured;
 mod orders;

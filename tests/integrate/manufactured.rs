@@ -1,7 +1,7 @@
-//! Manufactured solutions: the cloth is led along a chosen smooth motion x*(X, t) by the nodal
-//! force M x*'' - f(x*, x*'), where f is written down a second time, as constraints whose
-//! gradients are central differences. RK4 over the core's forces must return to x* at fourth
-//! order; a force that is wrong anywhere along the motion leaves an error that does not fall.
+//! Manufactured solutions: the nodal force M x*'' - f(x*, x*') drives the cloth along a chosen smooth motion
+//! x*(X, t). Here f is an independent implementation, as constraints whose gradients are central differences.
+//! RK4 with the core's forces must reproduce x* at fourth order; a wrong force anywhere along the motion leaves
+//! an error that does not decrease.
 
 use glam::{DMat2, DVec2, DVec3};
 use harness::differences::{gradient, slope};
@@ -14,7 +14,7 @@ use muslin_core_f64::scene::BuiltScene;
 const BOUND: f64 = 0.05;
 /// s.
 const DURATION: f64 = 0.1;
-/// m and s: (step / edge)^6 of the differences is 1e-12.
+/// m and s: the relative error (step / edge)^6 of the differences is 1e-12.
 const DIFFERENCE: f64 = 2e-4;
 
 const WARP: f64 = 2.0;
@@ -28,13 +28,13 @@ const LINEAR: f64 = 0.5;
 const WIND: DVec3 = DVec3::new(2.0, 1.0, 3.0);
 const NORMAL: f64 = 0.6;
 const TANGENTIAL: f64 = 0.1;
-/// s, of every term that has one.
+/// s, for every term with damping.
 const DAMPING: f64 = 0.004;
 
-/// Vertices of the first sheet sewn to points of its edges.
+/// Vertices of the first sheet that are sewn to points of its edges.
 const STITCHES: [([u32; 3], f64); 2] = [([0, 13, 14], 0.3), ([3, 17, 16], 0.85)];
 
-/// Two sheets, so that both in-plane and both bending models are there.
+/// Two sheets, so that both in-plane models and both bending models occur.
 fn scene(damping: f64) -> BuiltScene {
     let sheet = r#"grid = { size = [0.3, 0.26], cells = [3, 3] }
         density = 0.2"#;
@@ -58,7 +58,7 @@ fn scene(damping: f64) -> BuiltScene {
         bend = {{ model = "spring", stiffness = {BEND_SPRING}, damping = {damping} }}"#,
         WIND.x, WIND.y, WIND.z
     ));
-    // A scene's pairs join vertices; seam files, which have weights, are the host's.
+    // The pairs of a scene join vertices; seams with weights come from files, which the host reads.
     let count = built.particles.positions.len();
     let seams = built.model.seams.as_mut().expect("the scene has seams");
     (seams.vertices, seams.weights) = STITCHES.into_iter().unzip();
@@ -68,7 +68,7 @@ fn scene(damping: f64) -> BuiltScene {
 
 type Value = dyn Fn(&[DVec3; 4]) -> f64;
 
-/// E = k/2 C^2 and R = kd/2 (dC/dt)^2 of up to four corners.
+/// Energy k/2 C^2 and dissipation kd/2 (dC/dt)^2 of up to four corners.
 struct Constraint {
     corners: [u32; 4],
     stiffness: f64,
@@ -87,7 +87,7 @@ impl Constraint {
     }
 }
 
-/// The rest shape as the twin sees it.
+/// The rest shape, from which the independent implementation derives its constraints.
 struct Sheets<'a> {
     rest: &'a [DVec3],
     triangles: &'a [[u32; 3]],
@@ -100,7 +100,7 @@ impl Sheets<'_> {
         (b - a).cross(c - a).length() / 2.0
     }
 
-    /// Edges with the far corners and areas of their triangles.
+    /// Edges, each with the opposite corners and the total area of its triangles.
     fn edges(&self) -> Vec<([u32; 2], Vec<u32>, f64)> {
         let count = self.rest.len() as u32;
         let edge = |a: u32, b: u32| {
@@ -113,7 +113,7 @@ impl Sheets<'_> {
     }
 
     fn constraint(&self, corners: &[u32], stiffness: f64, value: impl Fn(&[DVec3; 4]) -> f64 + 'static) -> Constraint {
-        // A corner that the value does not read has no gradient.
+        // The value does not depend on the repeated corner, so its gradient is zero.
         let corners = std::array::from_fn(|i| *corners.get(i).unwrap_or(&corners[0]));
         Constraint { corners, stiffness, damping: self.damping * stiffness, value: Box::new(value) }
     }
@@ -173,14 +173,14 @@ impl Sheets<'_> {
     }
 }
 
-/// Angle of the second triangle's height on the edge against the first's, straight on being 0.
+/// Angle of the second triangle's height on the edge against the first's; a flat hinge has 0.
 fn fold(x: &[DVec3; 4]) -> f64 {
     let along = (x[1] - x[0]).normalize();
     let [h1, h2] = [x[2] - x[0], x[3] - x[0]].map(|arm| arm.reject_from_normalized(along));
     along.dot(h1.cross(-h2)).atan2(-h1.dot(h2))
 }
 
-/// Everything that is not a constraint.
+/// Gravity, wind and drag.
 fn add_outer_forces(model: &Model<'_>, sheets: &Sheets<'_>, masses: &[f64], x: &[DVec3], v: &[DVec3], f: &mut [DVec3]) {
     for (f, &m) in f.iter_mut().zip(masses) {
         *f += model.gravity.map_or(DVec3::ZERO, |g| g * m);
@@ -202,7 +202,7 @@ fn add_outer_forces(model: &Model<'_>, sheets: &Sheets<'_>, masses: &[f64], x: &
     }
 }
 
-/// x*, its velocity and acceleration.
+/// x* and its first and second time derivative.
 fn motion(rest: DVec3, t: f64) -> [DVec3; 3] {
     const SIZE: DVec3 = DVec3::new(0.02, 0.04, 0.025);
     const RATE: DVec3 = DVec3::new(31.0, 24.0, 38.0);

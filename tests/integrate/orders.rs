@@ -1,9 +1,9 @@
-//! Orders of convergence: p = log2(e(h) / e(h/2)) over halvings, on small nonlinear cloth against a finer
-//! run of RK4. No contact. Chains and sheets with pins at rest are rows of `muslin validate`.
+//! Orders of convergence: p = log2(e(h) / e(h/2)) under repeated halving, on small nonlinear cloth against a
+//! finer run of RK4, without contact. `muslin validate` tests chains, and sheets with pins at rest.
 //!
-//! Implicit methods keep their order when Newton's method converges, and with one iteration
-//! (`newton = 1`) by any Jacobian: the projected one under compression, or with damping, whose df/dx
-//! is left out.
+//! Implicit methods keep their order when Newton's method converges. With one iteration (`newton = 1`) they
+//! keep it with either Jacobian: the exact one, and the projected one under compression or with damping, whose
+//! df/dx is omitted.
 
 use glam::DVec3;
 use harness::kit::double as kit;
@@ -15,11 +15,11 @@ use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
 
-/// How far a measured order may be from the method's.
+/// Largest permitted difference between the measured order and the method's.
 const BOUND: f64 = 0.05;
-/// s; a few oscillations of the stiffest mode.
+/// s; a few periods of the stiffest mode.
 const DURATION: f64 = 0.02;
-/// Newton's relative residual: far below every error that is measured.
+/// Newton's relative residual: far below every measured error.
 const NEWTON: f64 = 1e-10;
 
 fn order(method: Method) -> f64 {
@@ -43,7 +43,7 @@ fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).sum::<f64>().sqrt()
 }
 
-/// Checks the order `want` over some halvings from `coarsest` steps.
+/// Checks the order `want` over `halvings` halvings, starting at `coarsest` steps.
 fn check(what: &str, run: impl Fn(u32) -> Vec<DVec3>, truth: &[DVec3], coarsest: u32, halvings: u32, want: f64) {
     let errors: Vec<_> = (0..=halvings).map(|k| distance(&run(coarsest << k), truth)).collect();
     let orders: Vec<_> = errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect();
@@ -53,7 +53,7 @@ fn check(what: &str, run: impl Fn(u32) -> Vec<DVec3>, truth: &[DVec3], coarsest:
     assert!(orders.iter().all(|p| (p - want).abs() <= BOUND), "{measured}; expected {want} within {BOUND}");
 }
 
-/// A sheet pulled out of shape and moving, `size` times its rest size, held at two corners.
+/// A deformed, moving sheet, `size` times its rest size, held at two corners.
 fn cloth(material: &str, size: f64, pin: &str, air: &str) -> BuiltScene {
     let mut built = kit::build(&format!(
         r#"
@@ -100,28 +100,28 @@ fn all_methods(what: &str, built: &BuiltScene) {
     let truth = run(built, linearised(Method::Rk4), DURATION, 8192);
     for method in Method::ALL {
         let what = format!("{what}, {}", method.name());
-        // Where the next term of the error is small enough.
+        // The next term of the error is small enough from this number of steps on.
         let coarsest = [512, 128, 0, 128][order(method) as usize - 1];
         let run = |steps| run(built, converged(method, NEWTON), DURATION, steps);
         check(&what, run, &truth, coarsest, 4, order(method));
     }
 }
 
-/// The pins lead the motion between the ends of a step, too; wind has no potential.
+/// The pins also prescribe the motion at the stages inside a step; wind has no potential.
 #[test]
 fn turning_pins_in_the_wind() {
     all_methods("turning pins in the wind", &cloth(MEMBRANE, 1.0, TURNING, AIR));
 }
 
-/// Pins set out with a jump, and jump again at the end of a step, in the middle of the motion: damping
-/// feels the velocities of the ends of a step, each from its own side.
+/// The pins start with a velocity jump, and jump again at the end of a step in the middle of the motion.
+/// Damping depends on the velocities at both ends of a step, each taken from its own side.
 #[test]
 fn pins_that_jump_at_the_end_of_a_step() {
     const KEYS: &str = "motion = { keys = [[0.0, 0, 0, 0], [0.005, 0.01, 0, -0.005], [0.015, -0.01, 0.005, 0]] }";
-    // Stiff enough that what RK4 leaves is not rounding.
+    // Stiff enough that the error of RK4 is above rounding.
     let damped = SPRINGS.replace("0.0002", "0.002").replace("stiffness = 50.0", "stiffness = 100.0");
     let mut built = cloth(&damped, 1.0, KEYS, "");
-    // As scenes begin.
+    // The vertices start at rest, as in a scene.
     for &pin in &built.pins.vertices {
         built.particles.velocities[pin as usize] = DVec3::ZERO;
     }

@@ -1,5 +1,5 @@
-//! One mass on a spring, x'' = -w^2 x - 2 zeta w x' with w = 1, so that z = h: the spring's force
-//! is linear along its axis, and every method is held to its closed form at any amplitude.
+//! One mass on a spring, x'' = -w^2 x - 2 zeta w x' with w = 1, so that z = h. The spring's force is linear
+//! along its axis, so every method must follow its closed form at any amplitude.
 
 use glam::{DVec2, DVec3};
 use harness::net::{Net, XYZ, linearised};
@@ -9,9 +9,9 @@ use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::{Simulation, State};
 
-/// Of energies and amplitudes after one step; rounding is 1e-14.
+/// Bound on the error of energies and amplitudes after one step; rounding is 1e-14.
 const STEP: f64 = 1e-10;
-/// So long that no stage passes through the held end, as one of RK4 would at z = 1.9, zeta = 2.
+/// Long enough that no stage passes through the held end; RK4 at z = 1.9, zeta = 2 has the largest stages.
 const LENGTH: f64 = 4.0;
 const AMPLITUDE: f64 = 0.25;
 const SPANS: [f64; 6] = [0.01, 0.05, 0.1, 0.5, 1.0, 1.9];
@@ -26,7 +26,7 @@ const ONE_STEP: [Method; 6] = [
     Method::ImplicitMidpoint,
 ];
 
-/// Vertex 1 on a spring along x, held by vertex 0.
+/// Vertex 1 on a spring along x; vertex 0 is held.
 fn oscillator(method: Method, z: f64, zeta: f64) -> Simulation {
     let mut net = Net::chain(2, DVec3::X * LENGTH, 1.0, 1.0, 2.0 * zeta);
     net.held = vec![(0, XYZ)];
@@ -39,7 +39,7 @@ fn set(sim: &mut Simulation, state: DVec2) {
     v[1] = DVec3::X * state.y;
 }
 
-/// (displacement, velocity).
+/// Displacement and velocity.
 fn get(sim: &Simulation) -> DVec2 {
     DVec2::new(sim.positions()[1].x - LENGTH, sim.velocities()[1].x)
 }
@@ -52,7 +52,7 @@ fn energy(state: DVec2) -> f64 {
     0.5 * state.length_squared()
 }
 
-/// States round the circle.
+/// States on a circle in phase space.
 fn starts() -> impl Iterator<Item = DVec2> {
     (0..7).map(|i| DVec2::from_angle(0.9 * f64::from(i)) * AMPLITUDE)
 }
@@ -133,7 +133,7 @@ fn backward_euler_damps_by_its_closed_form() {
     for z in spans(Method::BackwardEuler) {
         for zeta in DAMPING_RATIOS.into_iter().filter(|&zeta| zeta < 1.0) {
             let mut sim = oscillator(Method::BackwardEuler, z, zeta);
-            // |v - conj(lambda) x|^2 with |lambda| = 1, Re lambda = -zeta: one mode's amplitude.
+            // |v - conj(lambda) x|^2 with |lambda| = 1, Re lambda = -zeta: the squared amplitude of one mode.
             let amplitude = |s: DVec2| s.length_squared() + 2.0 * zeta * s.x * s.y;
             for start in starts() {
                 set(&mut sim, start);
@@ -153,7 +153,7 @@ fn backward_euler_damps_by_its_closed_form() {
 fn bdf2_follows_its_characteristic_polynomial() {
     let mut worst = Worst::new("bdf2: amplification over 3 steps", STEP);
     for z in spans(Method::Bdf2) {
-        // The principal root; the other one halves at least.
+        // The principal root; the other root decays at least by half per step.
         let (a, turn) = (DVec2::new(1.5, -z), complex_root(DVec2::new(1.0, 2.0 * z)));
         let root = divide(DVec2::new(2.0, 0.0) + turn, a * 2.0);
         let mut sim = oscillator(Method::Bdf2, z, 0.0);
@@ -200,7 +200,7 @@ fn bdf2_starts_with_implicit_midpoint() {
     }
 }
 
-/// The table of energies kept per period 2 pi / w, to the digits that are published.
+/// The published table of energies after a period 2 pi / w, to the published digits.
 #[test]
 fn energy_kept_per_period_is_the_published_table() {
     let z = [0.01, 0.05, 0.1, 0.5, 1.0];
@@ -211,7 +211,7 @@ fn energy_kept_per_period_is_the_published_table() {
         (Method::ImplicitMidpoint, [1.0; 5], [1e-10; 5]),
     ];
     for (method, published, rounding) in table {
-        // Growth beyond 1 where that is what is published.
+        // Where the published value is the growth, it is the energy minus 1.
         let offset = if published[0] < 0.5 { 1.0 } else { 0.0 };
         for ((z, want), rounding) in z.into_iter().zip(published).zip(rounding) {
             let mut sim = oscillator(method, z, 0.0);
@@ -221,7 +221,7 @@ fn energy_kept_per_period_is_the_published_table() {
             for _ in 0..steps as u32 {
                 step(&mut sim);
             }
-            // Not a whole number of steps: every step has the same factor.
+            // A period is not a whole number of steps, but every step has the same factor.
             let kept = (energy(get(&sim)) / energy(DVec2::X * AMPLITUDE)).powf(period / steps) - offset;
             println!("{} z {z}: kept {kept:.6e} beyond {offset}, published {want:e}", method.name());
             assert!(

@@ -1,5 +1,5 @@
-//! Edges that hit or miss a triangle by a rounding: ends made to lie in its plane, on its sides
-//! and at its corners, then rounded; and numbers of every magnitude.
+//! Edges that hit or miss a triangle by a rounding error: endpoints constructed in its plane, on its sides and
+//! at its corners, then rounded; and numbers of every magnitude.
 
 harness::both_precisions! {
     use glam::DVec3;
@@ -9,7 +9,8 @@ harness::both_precisions! {
 
     use crate::oracle::{integers, meet};
 
-    /// Compares as many random cases with integers; `least` of each answer must be among them.
+    /// Compares `count` random cases with integer arithmetic; each of the two answers must occur at least
+    /// `least` times.
     #[track_caller]
     fn agrees(count: usize, least: usize, mut random: impl FnMut() -> [Vec3; 5]) {
         let mut met = 0;
@@ -30,13 +31,13 @@ harness::both_precisions! {
         vec3(point.to_array())
     }
 
-    /// A triangle far enough from the origin that its plane rounds.
+    /// A triangle far enough from the origin that its plane is not exact after rounding.
     fn triangle(rng: &mut Rng) -> [Vec3; 3] {
         let (centre, size) = (rng.cube(2.0), rng.magnitude(0.01, 1.0));
         [(); 3].map(|()| rounded(centre + rng.cube(size)))
     }
 
-    /// A point of the plane of a triangle, before rounding: often of a side's line, or a corner.
+    /// A point in the plane of a triangle, before rounding; often on the line of a side, or a corner.
     fn of_plane(rng: &mut Rng, triangle: [Vec3; 3]) -> DVec3 {
         let [a, b, c] = triangle.map(|point| DVec3::from(to_f64(point)));
         let outside = rng.between(-0.5, 1.5);
@@ -68,7 +69,7 @@ harness::both_precisions! {
         });
     }
 
-    /// All exactly in a plane of two axes, on its lines but for rounding.
+    /// All points lie exactly in an axis-aligned plane, and on the lines of the sides up to rounding.
     #[test]
     fn on_a_line_but_for_rounding() {
         let rng = &mut Rng::new(315);
@@ -85,7 +86,7 @@ harness::both_precisions! {
         });
     }
 
-    /// All exponents for which the predicates are exact; in f32 all that there are.
+    /// All exponents for which the predicates are exact; in f32 these are all exponents.
     #[test]
     fn of_every_magnitude() {
         let rng = &mut Rng::new(313);

@@ -1,5 +1,5 @@
-//! What crosses in real meshes: nothing in a dress, alone or on its body, but the two sides of its
-//! seams; something in the body; much in the cloth on a ball.
+//! Crossings in real meshes: a dress, alone or on its body, has crossings only between the two sides of its
+//! seams; the body has some; the cloth on a ball has many.
 
 harness::both_precisions! {
     use std::time::Instant;
@@ -11,7 +11,7 @@ harness::both_precisions! {
 
     use crate::surface::{Columns, surface};
 
-    /// Crossings and pairs of triangles.
+    /// Counts the crossings and the pairs of triangles that intersect.
     fn count(what: &str, columns: &Columns, positions: &[[f64; 3]]) -> [usize; 2] {
         let positions: Vec<Vec3> = positions.iter().map(|&x| vec3(x)).collect();
         let (surface, started) = (surface!(muslin, columns), Instant::now());

@@ -1,5 +1,6 @@
-//! What an audit looks at does not grow faster than the surface: boxes compared, by counts. Where all boxes
-//! that overlap an edge's along one axis were compared, ten times the triangles took thirty times the work.
+//! The work of an audit grows no faster than the surface: counts the boxes that are compared. An earlier
+//! version compared all boxes that overlap an edge's box along one axis; ten times the triangles took thirty
+//! times the work.
 
 harness::both_precisions! {
     use muslin::audit::tree::{Tree, nodes};
@@ -7,7 +8,7 @@ harness::both_precisions! {
     use muslin::real::{Vec3, vec3};
     use harness::crumpled;
 
-    /// Boxes that are compared with those of the triangles' sides, for each triangle of a crumpled sheet.
+    /// Number of boxes compared with the boxes of the triangles' sides, per triangle of a crumpled sheet.
     fn compared(cells: usize) -> f64 {
         let mesh = crumpled::sheet(cells);
         let positions: Vec<Vec3> = mesh.positions.iter().map(|x| vec3(x.to_array())).collect();

@@ -1,4 +1,4 @@
-//! Every way in which points of a small lattice can meet: most of them touch, lie in one plane or
+//! Every way in which an edge and a triangle on a small lattice can intersect: most touch, lie in one plane or
 //! on one line, or have no length or area.
 
 use std::sync::OnceLock;
@@ -9,27 +9,27 @@ use crate::oracle::meet;
 
 type Points<const N: usize> = [[i64; 3]; N];
 
-/// An edge and a triangle, and whether they meet.
+/// An edge and a triangle, and whether they intersect.
 type Case = (Points<2>, Points<3>, bool);
 
 fn case([p, q, a, b, c]: Points<5>) -> Case {
     ([p, q], [a, b, c], meet(&[p, q], &[a, b, c]))
 }
 
-/// All choices of five points from some.
+/// All ways to choose five of the points, with repetition.
 fn choices(points: &[[i64; 3]]) -> impl Iterator<Item = Points<5>> {
     let n = points.len();
     (0..n.pow(5)).map(move |code| std::array::from_fn(|k| points[code / n.pow(k as u32) % n]))
 }
 
-/// In a plane, all of 3 x 3 points: 59,049.
+/// All choices from 3 x 3 points of a plane: 59,049.
 fn planar() -> &'static [Case] {
     static CASES: OnceLock<Vec<Case>> = OnceLock::new();
     let points: Vec<_> = (0..9).map(|k| [k % 3, k / 3, 0]).collect();
     CASES.get_or_init(|| choices(&points).map(case).collect())
 }
 
-/// In space, all of 2 x 2 x 2 points, 32,768, and 40,000 random ones of 3 x 3 x 3.
+/// All choices from 2 x 2 x 2 points in space, 32,768, and 40,000 random choices from 3 x 3 x 3.
 fn spatial() -> &'static [Case] {
     static CASES: OnceLock<Vec<Case>> = OnceLock::new();
     let corners: Vec<_> = (0..8).map(|k| [k & 1, k >> 1 & 1, k >> 2]).collect();
@@ -37,7 +37,7 @@ fn spatial() -> &'static [Case] {
     CASES.get_or_init(|| choices(&corners).chain((0..40_000).map(|_| random(rng))).map(case).collect())
 }
 
-/// Pairs of triangles of 3 x 3 x 3 points, and whether they meet.
+/// Random pairs of triangles on 3 x 3 x 3 points, and whether they intersect.
 fn pairs() -> &'static [(Points<6>, bool)] {
     static CASES: OnceLock<Vec<(Points<6>, bool)>> = OnceLock::new();
     let rng = &mut Rng::new(302);
@@ -52,7 +52,7 @@ fn random<const N: usize>(rng: &mut Rng) -> Points<N> {
     std::array::from_fn(|_| std::array::from_fn(|_| rng.pick(&[0, 1, 2])))
 }
 
-/// Planes to lay the planar cases into.
+/// Planes into which the planar cases are mapped.
 const PLANES: [fn([i64; 3]) -> [i64; 3]; 6] = [
     |[x, y, _]| [x, y, 0],
     |[x, y, _]| [y, 7, x],
@@ -94,7 +94,7 @@ harness::both_precisions! {
         agrees(spatial(), 0.125, |[x, y, z]| [x - 1, y + 2, 5 - z]);
     }
 
-    /// From subnormal numbers to the largest; in f64 to the documented bounds.
+    /// Scales from subnormal numbers to the largest; in f64 up to the documented bounds.
     #[test]
     fn at_any_scale() {
         for exponent in if size_of::<Vec3>() == 12 { [-149, -140, 125] } else { [-232, -200, 230] } {

@@ -1,8 +1,8 @@
-//! What meets what, and the audit made of it: against exact integers, brute force and real
-//! garments, in both precisions.
+//! Intersections of edges and triangles, and the audit built on them, against exact integers, brute force and
+//! real garments, in both precisions.
 //!
-//! Run: `cargo test -p muslin-tests --test intersect`; with `-- --nocapture` it prints what the
-//! real meshes count. Garments need `shared/data` beside the checkout.
+//! Run: `cargo test -p muslin-tests --test intersect`; with `-- --nocapture` it prints the counts for the
+//! real meshes. The garments need `shared/data` beside the checkout.
 
 mod floats;
 mod garments;

@@ -1,6 +1,6 @@
-//! Whether the hulls of two sets of points meet, in integers. They do if the hull of all their
-//! differences contains 0; then so does that of at most four of these, none in the span of the
-//! others [Carathéodory 1911], whose weights are the solution of a linear system.
+//! Decides in integers whether the convex hulls of two sets of points intersect. They do if the hull of all
+//! differences contains 0. Then the hull of at most four of the differences contains 0 too, no one of them in
+//! the span of the others [Carathéodory 1911], and their weights are the solution of a linear system.
 
 use std::ops::{Mul, Sub};
 
@@ -42,7 +42,7 @@ fn surrounds_origin<T: Integer>(points: &[&[T; 3]]) -> bool {
     solvable && (0..n).all(|k| rows[k][n].clone() * rows[k][k].clone() >= zero)
 }
 
-/// Doubles as integers, all times one power of two.
+/// Converts doubles to integers: each is multiplied by the same power of two.
 pub fn integers<const N: usize>(points: &[[f64; 3]; N]) -> [[BigInt; 3]; N] {
     let least = points.as_flattened().iter().filter(|x| **x != 0.0).map(|&x| parts(x).1).min().unwrap_or(0);
     points.map(|point| {

@@ -1,5 +1,5 @@
-//! The audit of random soups equals brute force over all pairs: sewn, with passive triangles, with
-//! lone points and edges, on lattices where most things touch.
+//! The audit of random soups equals brute force over all pairs: with sewn vertices, passive triangles, isolated
+//! points and edges, and on lattices where most features touch.
 
 use harness::crumpled;
 use harness::rng::Rng;
@@ -7,7 +7,7 @@ use muslin_core::broad_phase::IS_FACE;
 
 use crate::surface::Columns;
 
-/// Triangles of random vertices, among them points and edges that are no faces.
+/// Triangles of random vertices, some of them degenerate: points and edges, which are not faces.
 fn soup(rng: &mut Rng, vertices: u32, triangles: usize) -> Columns {
     let mut vertex = |not: &[u32]| loop {
         let vertex = (rng.bits() % u64::from(vertices)) as u32;
@@ -31,13 +31,13 @@ fn soup(rng: &mut Rng, vertices: u32, triangles: usize) -> Columns {
     columns
 }
 
-/// Whether two vertices are one or sewn.
+/// Whether two vertices are equal or sewn together.
 fn joined(columns: &Columns, a: u32, b: u32) -> bool {
     let row = columns.offsets[a as usize] as usize..columns.offsets[a as usize + 1] as usize;
     a == b || columns.others[row].contains(&b)
 }
 
-/// The triangles that are faces and have an edge; a point has none.
+/// The faces that have the edge as a side; empty for a degenerate edge.
 fn owners(columns: &Columns, [a, b]: [u32; 2]) -> Vec<u32> {
     let has = |t: &u32| {
         let corners = columns.triangles[*t as usize];
@@ -46,7 +46,7 @@ fn owners(columns: &Columns, [a, b]: [u32; 2]) -> Vec<u32> {
     (0..columns.triangles.len() as u32).filter(has).collect()
 }
 
-/// The crossings and the pairs of triangles, by the definition.
+/// The crossings and the pairs of triangles, found by applying the definition to all pairs.
 fn brute_force(columns: &Columns, meet: impl Fn([u32; 2], [u32; 3]) -> bool) -> [Vec<[u32; 2]>; 2] {
     let [mut crossings, mut pairs] = [Vec::new(), Vec::new()];
     for (edge, &ends) in columns.edges.iter().enumerate() {
@@ -78,7 +78,7 @@ harness::both_precisions! {
     use super::{brute_force, crumpled, soup};
     use crate::surface::{Columns, surface};
 
-    /// Points in a box, or on a lattice in it.
+    /// Random points in a box, or on the lattice in it.
     fn points(rng: &mut Rng, count: u32, size: [f64; 3], lattice: bool) -> Vec<Vec3> {
         let mut coordinate = |k: usize| {
             let x = rng.between(0.0, size[k]);
@@ -87,7 +87,7 @@ harness::both_precisions! {
         (0..count).map(|_| vec3([0, 1, 2].map(&mut coordinate))).collect()
     }
 
-    /// Compares with brute force, on one thread and on several; returns how many crossings there are.
+    /// Compares the audit with brute force, on one thread and on several; returns the number of crossings.
     #[track_caller]
     fn equals_brute_force(what: &str, columns: &Columns, positions: &[Vec3]) -> usize {
         let at = |v: u32| positions[v as usize];
@@ -117,8 +117,8 @@ harness::both_precisions! {
         }
     }
 
-    /// A crumpled sheet as it is made, shaken until it passes through itself, on a lattice, in a plane, on a line
-    /// and with an edge drawn out a thousandfold.
+    /// A crumpled sheet in six shapes: as generated, shaken until it passes through itself, on a lattice, in a
+    /// plane, on a line, and with one vertex moved a thousand times farther out.
     #[test]
     fn sheets_equal_brute_force() {
         let (mesh, rng) = (crumpled::sheet(24), &mut Rng::new(323));
@@ -142,7 +142,7 @@ harness::both_precisions! {
         }
     }
 
-    /// Of triangles without neighbours, the pairs are exactly those that meet.
+    /// For triangles without neighbours, the pairs are exactly the triangles that intersect.
     #[test]
     fn pairs_are_the_triangles_that_meet() {
         let rng = &mut Rng::new(322);

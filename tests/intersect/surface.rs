@@ -1,24 +1,24 @@
-//! The columns of a surface, made the simple way.
+//! The columns of a surface, built in the simplest way.
 
 use std::collections::BTreeMap;
 
 use muslin_core::broad_phase::IS_FACE;
 
-/// What [`Surface`](muslin_core::broad_phase::Surface) borrows.
+/// The arrays that [`Surface`](muslin_core::broad_phase::Surface) borrows.
 #[derive(Debug, Default)]
 pub struct Columns {
     pub triangles: Vec<[u32; 3]>,
     pub triangle_edges: Vec<[u32; 3]>,
     pub owned: Vec<u8>,
     pub edges: Vec<[u32; 2]>,
-    /// Rows of sewn vertices; empty where nothing is sewn.
+    /// Row offsets of the sewn vertices; empty if nothing is sewn.
     pub offsets: Vec<u32>,
     pub others: Vec<u32>,
     pub first_passive: u32,
 }
 
 impl Columns {
-    /// Faces, none passive, nothing sewn.
+    /// All triangles are faces; none is passive, and nothing is sewn.
     pub fn new(triangles: &[[u32; 3]]) -> Self {
         let mut numbers = BTreeMap::new();
         let mut columns = Self { triangles: triangles.to_vec(), ..Self::default() };
@@ -37,7 +37,7 @@ impl Columns {
         columns
     }
 
-    /// With pairs of vertices sewn.
+    /// Adds pairs of sewn vertices.
     pub fn sewn(mut self, pairs: &[[u32; 2]], vertices: usize) -> Self {
         let mut rows = vec![Vec::new(); vertices];
         for &[a, b] in pairs {
@@ -54,7 +54,7 @@ impl Columns {
     }
 }
 
-/// The columns as a surface of a core.
+/// The columns as a surface of one of the two cores.
 macro_rules! surface {
     ($muslin:ident, $columns:expr) => {
         $muslin::broad_phase::Surface {

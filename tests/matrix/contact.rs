@@ -1,6 +1,6 @@
-//! The matrix with contact: what falls, is pressed, folded or hit. Whatever the method and the step,
-//! nothing passes through anything in a step that is taken, by the exact audit; explicit methods fail
-//! beyond their limit, implicit ones bear every step but for [`EXCEPTIONS`].
+//! The matrix with contact: cloth that falls, is pressed, is folded or is hit. With every method and step, the
+//! exact audit finds no crossing after a step that is taken; explicit methods fail beyond their limit, implicit
+//! methods are stable at every step except for [`EXCEPTIONS`].
 
 use glam::DVec3;
 use harness::kit::double as kit;
@@ -17,10 +17,10 @@ use super::{ANY, BY_LIMIT, EXPLICIT, IMPLICIT, RATIOS, STEPS, agree, roughen, sc
 
 struct Start {
     name: &'static str,
-    /// Cloths and colliders.
+    /// Text of the cloths and colliders.
     parts: &'static [&'static str],
     place: fn(&mut [DVec3], &mut Rng),
-    /// The largest speed that anything is given by something other than its weight, m/s.
+    /// The largest speed imposed by anything other than gravity, m/s.
     speed: f64,
 }
 
@@ -36,7 +36,7 @@ const HEAD: &str = r#"
     friction = 0.3
 "#;
 
-/// That of the matrix without contact.
+/// The material of the matrix without contact.
 const MATERIAL: &str = r#"
     density = 0.2
     stretch = { model = "membrane", stiffness = 100.0, damping = 1e-4 }
@@ -62,7 +62,7 @@ const STARTS: [Start; 4] = [
     Start { name: "fast capsule", parts: &[SHEET, FAST], place: roughen, speed: 5.0 },
 ];
 
-/// Over its middle, without a crossing.
+/// Folds the ribbon at its middle, without a crossing.
 fn fold(x: &mut [DVec3], rng: &mut Rng) {
     roughen(x, rng);
     for x in x.iter_mut().filter(|x| x.x > 0.0) {
@@ -70,8 +70,8 @@ fn fold(x: &mut [DVec3], rng: &mut Rng) {
     }
 }
 
-/// As [`super::EXCEPTIONS`]: by steps of 33 ms more than ten times the energy, or a step that cannot be
-/// taken. The capsule comes and goes within three such steps.
+/// Exceptions like [`super::EXCEPTIONS`]: at steps of 33 ms, more than ten times the energy, or a step that
+/// fails. The capsule arrives and leaves within three such steps.
 const EXCEPTIONS: [(&str, Method, u32, &str); 4] = [
     ("on a sphere", Method::Bdf2, 1, "++?"),
     ("folded ribbon", Method::Bdf2, 20, "+?x"),
@@ -90,15 +90,15 @@ impl Start {
         built
     }
 
-    /// Ten times what falling so long, and what hits it, can give it, J.
+    /// Ten times the energy from a fall of this duration and from the imposed speed, J.
     fn most_energy(&self, built: &BuiltScene) -> f64 {
         let speed = 9.81 * DURATION + 2.0 * self.speed;
         10.0 * 0.5 * built.particles.masses.iter().sum::<f64>() * speed * speed
     }
 }
 
-/// `+` where the energy stays within bounds to the end, `x` where it does not or a step cannot be taken,
-/// `!` where something passed through something.
+/// `+`: the energy stays within bounds to the end; `x`: it does not, or a step fails; `!`: a crossing was
+/// found.
 fn outcome(start: &Start, built: &BuiltScene, method: Method, newton: u32, step: f64) -> char {
     let mut sim = Simulation::from_columns(built.clone(), scheme(method, newton), step);
     assert_eq!(sim.crossings(&Serial), 0, "{}: a start without crossings", start.name);

@@ -1,8 +1,8 @@
-//! The pass/fail matrix: torture start x method x step, each outcome foretold; without contact here, with
-//! it in `matrix/contact.rs`.
+//! The pass/fail matrix: torture start x method x step, each with a predicted outcome; here without contact,
+//! with contact in `matrix/contact.rs`.
 //!
-//! What explicit methods bear is foretold by the fastest mode at the start; implicit ones are
-//! foretold to bear every step. Where that is not so, [`EXCEPTIONS`] says it and why.
+//! The fastest mode at the start predicts the stable steps of explicit methods; implicit methods are predicted
+//! to be stable at every step. [`EXCEPTIONS`] lists the deviations and their reasons.
 //!
 //! Run: `cargo test -p muslin-tests --test matrix -- --nocapture` prints the matrix.
 
@@ -18,7 +18,7 @@ use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::fastest_modes;
 
-/// A free sheet, evenly damped.
+/// A free sheet with uniform damping.
 const SHEET: &str = r#"
     name = "matrix"
     duration = 1.0
@@ -32,16 +32,16 @@ const SHEET: &str = r#"
 
 struct Start {
     name: &'static str,
-    /// Of the sheet's text.
+    /// Replaces the first text by the second in the sheet's text.
     change: [&'static str; 2],
     place: fn(&mut [DVec3], &mut Rng),
-    /// Of each mass.
+    /// Factor of each vertex's mass.
     mass: fn(usize) -> f64,
 }
 
 const AS_IT_IS: Start = Start { name: "", change: ["", ""], place: roughen, mass: |_| 1.0 };
 
-/// m; so that no direction is exactly without force.
+/// Perturbation in m, so that the force vanishes exactly in no direction.
 fn roughen(x: &mut [DVec3], rng: &mut Rng) {
     x.iter_mut().for_each(|x| *x += rng.cube(1e-4));
 }
@@ -93,11 +93,11 @@ impl Start {
 }
 
 const EXPLICIT: [Method; 4] = [Method::ExplicitEuler, Method::SymplecticEuler, Method::Midpoint, Method::Rk4];
-/// Of the limit at the start: within it and beyond.
+/// Steps relative to the limit at the start: below it and above it.
 const RATIOS: [f64; 2] = [0.5, 2.0];
 const BY_LIMIT: &str = "+x";
 
-/// With Newton iterations.
+/// Implicit methods, with their maximum number of Newton iterations.
 const IMPLICIT: [(Method, u32); 5] = [
     (Method::BackwardEuler, 1),
     (Method::ImplicitMidpoint, 1),
@@ -109,25 +109,25 @@ const IMPLICIT: [(Method, u32); 5] = [
 const STEPS: [f64; 3] = [1e-3, 1e-2, 1.0 / 30.0];
 const ANY: &str = "+++";
 
-/// Start, method, Newton iterations, and the outcome that is foretold instead: `?` depends on the seed.
+/// Start, method, Newton iterations, and the outcome predicted instead; with `?` it depends on the seed.
 const EXCEPTIONS: [(&str, Method, u32, &str); 29] = [
-    // Where no edge has a direction there is no force, and the fastest mode is never excited.
+    // Where no edge has a direction there is no force, so the fastest mode is never excited.
     ("a point", Method::ExplicitEuler, 1, "++"),
     ("a point", Method::SymplecticEuler, 1, "++"),
     ("a point", Method::Midpoint, 1, "++"),
     ("a point", Method::Rk4, 1, "++"),
-    // The fastest mode is across the line, which nothing leaves.
+    // The fastest mode is transverse to the line, and nothing leaves the line.
     ("a line", Method::ExplicitEuler, 1, "++"),
-    // It gains energy in slower modes that turn and wrinkle the sheet, which nothing damps.
+    // It gains energy in slower modes, undamped ones that rotate and wrinkle the sheet.
     ("random", Method::ExplicitEuler, 1, "xx"),
     ("half its size", Method::ExplicitEuler, 1, "?x"),
     ("stretched x10", Method::ExplicitEuler, 1, "xx"),
-    // Forces a hundred and a thousand times those of the rest size are not linear over any step.
+    // Forces a hundred or a thousand times larger than usual are not linear over any of the steps.
     ("stretched x100", Method::BackwardEuler, 1, "x++"),
     ("stretched x1000", Method::BackwardEuler, 1, "xx+"),
     ("stretched x1000", Method::Bdf2, 20, "xx+"),
-    // What one linear solve leaves of stiff modes BDF2 and implicit midpoint do not damp away: the
-    // projected matrix is stiffer than the sheet, and by the exact one more fails.
+    // BDF2 and implicit midpoint do not damp the error of one linear solve in stiff modes. The projected matrix
+    // is stiffer than the sheet; with the exact matrix more cases fail.
     ("random", Method::Bdf2, 1, "+??"),
     ("mirrored", Method::Bdf2, 1, "++?"),
     ("stretched x100", Method::Bdf2, 1, "xx+"),
@@ -148,20 +148,20 @@ const EXCEPTIONS: [(&str, Method, u32, &str); 29] = [
     ("slivers", Method::ImplicitMidpoint, 1, "xxx"),
 ];
 
-/// What is foretold of a method from a start.
+/// The outcome predicted for a method from a start.
 fn foretold(start: &str, method: Method, newton: u32) -> &'static str {
     let known = |&&(from, of, by, _): &&(&str, Method, u32, &str)| (from, of, by) == (start, method, newton);
     let exception = EXCEPTIONS.iter().find(known).map(|exception| exception.3);
     exception.unwrap_or(if method.is_implicit() { ANY } else { BY_LIMIT })
 }
 
-/// With so many Newton iterations at most.
+/// A scheme with at most `newton` Newton iterations.
 fn scheme(method: Method, newton: u32) -> Scheme {
     let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
     Scheme { method, newton, tolerance: 1e-6, preconditioner, jacobian }
 }
 
-/// Whether a free sheet, which can only lose energy, keeps within ten times what it has at the start.
+/// Whether the energy of a free sheet, which can only decrease, stays within ten times its initial value.
 fn bears(built: &BuiltScene, method: Method, newton: u32, step: f64) -> bool {
     let mut sim = Simulation::from_columns(built.clone(), scheme(method, newton), step);
     let start = sim.energy().total();
@@ -169,7 +169,7 @@ fn bears(built: &BuiltScene, method: Method, newton: u32, step: f64) -> bool {
     (0..steps).all(|_| sim.take_step().is_ok() && sim.energy().total() <= 10.0 * start)
 }
 
-/// `+` and `x` for each step.
+/// `+` (stable) or `x` for each step.
 fn outcome(built: &BuiltScene, method: Method, newton: u32, steps: &[f64]) -> String {
     steps.iter().map(|&step| if bears(built, method, newton, step) { '+' } else { 'x' }).collect()
 }
@@ -221,7 +221,7 @@ fn outcomes_of_seed_2_are_as_foretold() {
     check(2);
 }
 
-/// Mid-run, from 0.3 to 30 ms.
+/// The step changes during the run, from 0.3 to 30 ms.
 #[test]
 #[ignore = "slow"]
 fn backward_euler_bears_a_step_that_jumps_a_hundredfold() {
@@ -240,7 +240,7 @@ fn backward_euler_bears_a_step_that_jumps_a_hundredfold() {
     }
 }
 
-/// Symplectic Euler by half its limit, without damping: its energy neither grows nor drains away.
+/// Symplectic Euler at half its limit, without damping: its energy neither grows nor decays.
 #[test]
 #[ignore = "slow"]
 fn a_million_steps_keep_the_energy_within_bounds() {

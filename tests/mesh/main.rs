@@ -1,6 +1,6 @@
-//! Meshes and scenes: what the generators make, what is derived from triangles, which vertices a
-//! pin selects, and what every bad mesh or scene is told. In f64: meshes are built in double in
-//! both precisions, and only the finished columns are rounded.
+//! Meshes and scenes: the output of the generators, the quantities derived from triangles, the vertices that a
+//! pin selects, and the error for every bad mesh or scene. In f64: both precisions build meshes in double and
+//! round only the finished columns.
 //!
 //! Run: `cargo test -p muslin-tests --test mesh`.
 
@@ -14,7 +14,7 @@ mod topology;
 use harness::kit::double as kit;
 use muslin_core_f64::scene::BuiltScene;
 
-/// A scene with one cloth of 1 kg/m^2, built.
+/// Builds a scene with one cloth of 1 kg/m^2.
 fn cloth(lines: &str) -> BuiltScene {
     kit::build(&scene(lines))
 }

@@ -1,4 +1,4 @@
-//! Every way in which a mesh cannot be cloth, and what its owner is told.
+//! Every way in which a mesh is not a valid cloth, and its error message.
 
 use harness::kit::double as kit;
 use muslin_core_f64::error::{MeshError, SceneError};
@@ -23,7 +23,7 @@ fn built(lines: &str, meshes: &[(&str, TriMesh)]) -> Result<(), SceneError> {
     build(&kit::scene(&scene(lines)), &resources).map(|_| ())
 }
 
-/// A new variant breaks this match: give it a test here.
+/// A new variant breaks this match: add a test for it here.
 const fn has_a_test(error: MeshError) -> bool {
     use MeshError::*;
     match error {
@@ -33,7 +33,7 @@ const fn has_a_test(error: MeshError) -> bool {
     }
 }
 
-/// The square, spoilt, is refused with this error and these words.
+/// Checks that the square, after `spoil`, is refused with this error and this message.
 fn refused(spoil: impl FnOnce(&mut TriMesh), expected: MeshError, words: &str) {
     assert!(has_a_test(expected));
     let mut mesh = square();
@@ -91,7 +91,7 @@ fn repeated_vertex() {
 
 #[test]
 fn no_area() {
-    // Collinear, and thinner than rounding.
+    // Collinear, and thinner than the rounding error.
     for bad in [[0.5, 0.0, 0.5], [0.5 + 1e-11, 0.0, 0.5]] {
         refused(
             |m| m.positions[3] = bad,
@@ -99,7 +99,7 @@ fn no_area() {
             "triangle 1 has no area at rest (indices count from 0)",
         );
     }
-    // Four digits thinner than long are still a triangle.
+    // A triangle ten thousand times longer than thick is still valid.
     let mut sliver = square();
     sliver.positions[3] = [0.5 + 1e-4, 0.0, 0.5];
     assert_eq!(built("mesh = \"m\"", &[("m", sliver)]), Ok(()), "a sliver of aspect 1e4");
@@ -135,7 +135,7 @@ fn loose_vertex() {
     );
 }
 
-/// A fan about vertex 0.
+/// The mesh is a fan about vertex 0.
 #[test]
 fn hub() {
     let fan = |triangles: u32| {
@@ -188,7 +188,7 @@ fn bad_stitch() {
     }
 }
 
-/// Stitches come from any file, not only the mesh's own.
+/// Stitches may come from any file, not only from the mesh's own.
 #[test]
 fn bad_stitch_of_a_seam_file() {
     let lines = "mesh = \"m\"\nseam = [{ file = \"s\", stiffness = 1.0 }]";

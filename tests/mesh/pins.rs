@@ -1,4 +1,4 @@
-//! Which vertices a pin holds, along which axes and where.
+//! The vertices that a pin holds, its axes and its targets.
 
 use std::collections::BTreeSet;
 
@@ -39,7 +39,7 @@ fn edges_are_sides_before_placing() {
     assert_eq!(held("edge = \"front\""), [6, 7, 8], "+z");
 }
 
-/// Rows of the equilateral pattern have one vertex more every second time.
+/// In the equilateral pattern every second row has one vertex more.
 #[test]
 fn sides_of_shifted_rows_are_complete() {
     let grid = "grid = { size = [1.0, 1.0], cells = [3, 4] }";
@@ -91,7 +91,7 @@ fn pins_hold_where_the_sheet_is_placed() {
     assert_eq!(built.pins.motions, [AT_REST; 2], "without motion");
 }
 
-/// Keys before, between and after; the turn is about the centre of the selection and stops.
+/// Times before, between and after the keys; the pin turns about the centre of the selection and then stops.
 #[test]
 fn pins_follow_keys_and_turn() {
     let built = pinned(
@@ -123,7 +123,8 @@ fn pins_of_later_cloths_name_vertices_of_the_scene() {
     assert_eq!(built.cloths[1].vertices.end as usize, built.particles.positions.len());
 }
 
-/// Speeds are those of the side of a key that is asked for; keys in a line are no jump, nor is a curve.
+/// Velocities are one-sided at a key; there is no jump at keys on a straight line, nor where the velocity
+/// changes by less than a quarter.
 #[test]
 fn velocities_jump_at_keys_that_turn() {
     let built = pinned(

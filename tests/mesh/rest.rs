@@ -1,5 +1,5 @@
-//! The rest shape: triangles laid flat, lengths, angles and areas derived from it, from the mesh
-//! as it stands or from texture coordinates.
+//! The rest shape: triangles laid flat, and the lengths, angles and areas derived from them; from the mesh as
+//! it stands or from texture coordinates.
 
 use std::f64::consts::PI;
 
@@ -16,13 +16,13 @@ use super::{cloth, scene};
 
 const ROUNDING: f64 = 1e-14;
 
-/// dx/du and dx/dv of a triangle by its weights.
+/// dx/du and dx/dv of a triangle, computed from its weights.
 fn gradient(rest: &RestTriangle, x: [DVec3; 3]) -> [DVec3; 2] {
     let ([pj, pk, qj, qk], d1, d2) = (rest.weights(), x[1] - x[0], x[2] - x[0]);
     [d1 * pj + d2 * pk, d1 * qj + d2 * qk]
 }
 
-/// Either winding.
+/// Tests both windings.
 #[test]
 fn weights_of_a_rest_triangle_reproduce_the_identity() {
     let mut worst = Worst::new("gradient of the rest shape against the identity", 1e-13);
@@ -71,7 +71,7 @@ fn the_warp_runs_along_u_where_there_are_texture_coordinates() {
     worst.check();
 }
 
-/// Along z in triangles that face x: more than 0.8 of their normal's square is along it.
+/// The warp runs along z in triangles that face x: those with more than 0.8 of the squared normal along x.
 #[test]
 fn the_warp_runs_along_x_where_there_are_none() {
     let mut worst = Worst::new("direction of the warp against the projected axis", 1e-12);
@@ -131,7 +131,7 @@ fn every_generator_starts_without_strain() {
     worst.check();
 }
 
-/// Edges and heights between rows as the unrolled tube has them, not the tube itself.
+/// Edges and row heights equal those of the unrolled tube, not those of the tube itself.
 #[test]
 fn a_tube_cut_from_a_flat_pattern_has_the_pattern_s_lengths() {
     let (radius, row, around) = (0.2, 0.15, 9.0);
@@ -167,7 +167,7 @@ fn sizes_scale_the_mesh_or_its_pattern() {
     worst.check();
 }
 
-/// Two triangles whose common edge is longer in one of them, sewn with the mean.
+/// Two triangles whose common edge is longer in one of them; its rest length is the mean.
 #[test]
 fn an_edge_of_two_lengths_rests_at_their_mean() {
     let mesh = TriMesh {
@@ -177,7 +177,7 @@ fn an_edge_of_two_lengths_rests_at_their_mean() {
         uv_triangles: vec![[0, 1, 2], [3, 4, 5]],
         stitches: Vec::new(),
     };
-    // Side 0-1 is 1 in the first, 1.5 in the second.
+    // Edge 0-1 has length 1 in the first triangle and 1.5 in the second.
     let built = kit::build_with(&scene("mesh = \"m\"\nrest = \"uv\""), &[("m".into(), Content::Mesh(mesh))]);
     let shared = built.edges.iter().position(|&[a, b]| a.max(b) == 1).expect("the common edge");
     assert_eq!(built.rest_lengths[shared], 1.25, "of all {:?}", built.rest_lengths);
@@ -197,7 +197,7 @@ fn a_flat_span_is_the_distance_of_the_far_corners() {
     worst.check();
 }
 
-/// A mesh whose triangles are wound at random is the same sheet.
+/// A mesh whose triangles are wound at random has the same forces.
 #[test]
 fn winding_does_not_matter() {
     let (mut worst, rng) = (Worst::new("forces of a rewound tube", 1e-12), &mut Rng::new(107));
@@ -223,7 +223,7 @@ fn winding_does_not_matter() {
     worst.check();
 }
 
-/// About x, then y, then z, quarter turns exactly; then the offset.
+/// Rotates about x, then y, then z, by exact quarter turns; then translates.
 #[test]
 fn a_sheet_is_rotated_and_then_moved() {
     let sheet =

@@ -1,5 +1,5 @@
-//! Every way in which a scene cannot be built, and what its author is told: a good scene with
-//! one line exchanged.
+//! Every way in which a scene cannot be built, and its error message: each case is a valid scene with one line
+//! exchanged.
 
 use harness::kit::double as kit;
 use muslin_core_f64::error::SceneError;
@@ -45,7 +45,7 @@ const GOOD: &str = r#"
     tolerance = 1e-4
 "#;
 
-/// What the good scene says, what it says instead, and the message that follows.
+/// Text of the valid scene, the text that replaces it, and the message that follows.
 type Case = (&'static str, &'static str, &'static str);
 
 const NUMBERS: &[Case] = &[
@@ -143,7 +143,7 @@ const MESHES: &[Case] = &[
     ("pairs = [[0, 1]]", "file = \"f\"", "cloth 0: its mesh file was not loaded"),
     ("size = [1.0, 2.0]", "size = [1.0, 0.0]", "grid.size = 0: must be greater than zero and finite"),
     ("cells = [2, 3]", "cells = [0, 3]", "grid.cells: must be at least 1"),
-    // Told before anything of that size is allocated.
+    // Refused before memory of that size is allocated.
     ("cells = [2, 3]", "cells = [20000, 20000]", LARGE),
     (GRID, "tube = { radius = 1.0, height = 1.0, cells = [20001, 20000] }", LARGE),
     (
@@ -237,7 +237,7 @@ const AXES: &str = "cloth 0, pin 0: axes must be a combination of x, y and z, su
 const TURN: &str = "cloth 0, pin 0: motion.turn needs an axis with a direction and a finite rate";
 const KEYS: &str = "cloth 0, pin 0: the times of motion.keys must be finite and increase";
 
-/// A new variant breaks this match: give it a case above.
+/// A new variant breaks this match: add a case above.
 const fn has_a_case(error: &SceneError) -> bool {
     use SceneError::*;
     match error {
@@ -256,7 +256,7 @@ const fn has_a_case(error: &SceneError) -> bool {
         | NoNormal { .. }
         | MissingColliderFile { .. }
         | ColliderMotion { .. } => true,
-        // Below, and in `mesh_errors`.
+        // Tested below, and in `mesh_errors`.
         ColliderWithoutContact | ColliderMesh { .. } | CachePoints { .. } => true,
         NoCloth | Mesh { .. } => true,
     }
@@ -317,7 +317,7 @@ fn colliders_need_contact() {
     assert_eq!(build(&kit::scene(&bare), &[]).map(|_| ()), Err(SceneError::ColliderWithoutContact));
 }
 
-/// The files of mesh colliders: an invalid mesh, and a cache of another mesh.
+/// The files of mesh colliders: an invalid mesh, and a point cache that belongs to another mesh.
 #[test]
 fn collider_files_must_fit() {
     let plane = "shape = \"plane\"\n    point = [0.0, -2.0, 0.0]\n    normal = [0.0, 1.5, 0.0]";

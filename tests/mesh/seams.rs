@@ -7,8 +7,8 @@ use muslin_core_f64::scene::{BuiltScene, Content};
 
 use super::scene;
 
-/// Two cloths of four vertices, the second sewn by a pair and by a file with one stitch to a
-/// point of an edge.
+/// Two cloths of four vertices each. The second is sewn by a pair, and by a file with one stitch to a point of
+/// an edge.
 fn sewn() -> BuiltScene {
     let square = "grid = { size = [1.0, 1.0], cells = [1, 1], pattern = \"diagonal\" }";
     let seams = "seam = [{ pairs = [[0, 3]], stiffness = 10.0 }, { file = \"s\", stiffness = 20.0, damping = 0.5 }]";
@@ -21,7 +21,8 @@ fn sewn() -> BuiltScene {
 fn stitches_become_columns() {
     let built = sewn();
     let seams = built.model.view().seams.expect("seams");
-    // Shifted by the four vertices of the first cloth; a pair is a stitch to an edge without length.
+    // Vertex numbers are shifted by the four vertices of the first cloth; a pair is a stitch to an edge without
+    // length.
     assert_eq!(seams.vertices, [[4, 7, 7], [5, 6, 7]]);
     assert_eq!(seams.weights, [0.0, 0.25]);
     assert_eq!(seams.stiffness, [10.0, 20.0]);

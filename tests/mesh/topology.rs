@@ -1,4 +1,4 @@
-//! The generators' triangles: counted by brute force and against closed forms.
+//! The triangles of the generators, compared with brute force and closed forms.
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -12,7 +12,7 @@ use muslin_core_f64::scene::BuiltScene;
 
 use super::cloth;
 
-/// A sheet, and what it must be.
+/// A sheet and its expected properties.
 struct Generated {
     text: String,
     /// Vertices and triangles.
@@ -24,7 +24,7 @@ struct Generated {
     border: f64,
 }
 
-/// Every grid pattern with 1 to 5 cells each way.
+/// Every grid pattern with 1 to 5 cells in each direction.
 fn grids() -> Vec<Generated> {
     let cells = (1..=5).flat_map(|x| (1..=5).map(move |z| [x, z]));
     let patterns = ["diagonal", "alternating", "equilateral"];
@@ -32,7 +32,7 @@ fn grids() -> Vec<Generated> {
 }
 
 fn grid(cells @ [nx, nz]: [usize; 2], pattern: &str) -> Generated {
-    // Equilateral: every second row has a vertex more, every strip half a triangle more at each end.
+    // Equilateral: every second row has one vertex more, every strip has half a triangle more at each end.
     let counts = match pattern {
         "equilateral" => [(nx + 1) * (nz + 1) + nz.div_ceil(2), (2 * nx + 1) * nz],
         _ => [(nx + 1) * (nz + 1), 2 * nx * nz],
@@ -46,7 +46,7 @@ fn tubes() -> Vec<Generated> {
     let tube = |[around, along]: [usize; 2]| {
         let (radius, height) = (0.2, 0.6);
         let border = 2.0 * around as f64 * 2.0 * radius * (PI / around as f64).sin();
-        // Triangles stand on chords of a ring and end half a cell further on the next.
+        // Triangles stand on chords of a ring; their apex on the next ring is half a cell further round.
         let sagitta = radius * (1.0 - (PI / around as f64).cos());
         let slant = (height / along as f64).hypot(sagitta);
         Generated {
@@ -61,7 +61,7 @@ fn tubes() -> Vec<Generated> {
 }
 
 fn discs() -> Vec<Generated> {
-    // Rings of 6, 12, 18, .. vertices; areas and borders of their polygons.
+    // Rings have 6, 12, 18, ... vertices; areas and borders are those of their polygons.
     let corners = |n: usize, radius: f64| {
         let half = PI / n as f64;
         [n as f64 * radius * radius * half.sin() * half.cos(), 2.0 * n as f64 * radius * half.sin()]
@@ -151,7 +151,7 @@ fn every_interior_edge_is_a_hinge_between_its_triangles() {
     }
 }
 
-/// With winding and Euler's characteristic: no gap and no overlap.
+/// Together with the tests of winding and Euler characteristic: no gap and no overlap.
 #[test]
 fn generators_cover_their_area_within_their_border() {
     for (built, g) in all() {
@@ -205,8 +205,8 @@ fn the_equilateral_pattern_is_equilateral_but_for_its_ends() {
     let row = 0.75_f64.sqrt();
     let built = cloth(&format!("grid = {{ size = [6.0, {}], cells = [6, 4] }}", 4.0 * row));
     let count = |length: f64| built.rest_lengths.iter().filter(|l| (*l - length).abs() < 1e-14).count();
-    // Rows: 3 of 6, 2 of 5; slanted: 4 strips of 12; half edges at both ends of 2 rows; upright
-    // border edges, 2 a strip.
+    // Rows: 3 of 6 edges, 2 of 5; slanted: 4 strips of 12; half edges at both ends of 2 rows; border edges
+    // across the rows: 2 per strip.
     assert_eq!(
         [count(1.0), count(0.5), count(row)],
         [3 * 6 + 2 * 5 + 4 * 12, 4, 8],

@@ -1,6 +1,7 @@
-//! Does a mistake turn a test red? Each mutant of the [table], a small fault, is put into a copy of the project, and
-//! the suites that should find it are run: `cargo run -p muslin-tests --bin mutants [-- WORD]`, only those with the
-//! word in their description. It takes a minute and a half each, and no level of `check` runs it.
+//! Do the tests detect faults? Each mutant of the [table], a small fault, is put into a copy of the project,
+//! and the suites that should find it are run: `cargo run -p muslin-tests --bin mutants [-- WORD]`; with a
+//! word, only mutants with it in their description. Each takes a minute and a half, and no level of `check`
+//! runs this program.
 #![forbid(unsafe_code)]
 
 mod table;
@@ -12,17 +13,17 @@ use std::{env, fs};
 
 use table::{MUTANTS, Mutant};
 
-/// By which `check` says that what it should test does not compile.
+/// Text with which `check` reports that a suite does not compile.
 const UNBUILT: &str = "cannot be built";
 
-/// A copy of the project, and where it is built.
+/// A copy of the project, and its build folder.
 struct Copy {
     root: PathBuf,
     build: PathBuf,
 }
 
 impl Copy {
-    /// Of every file that git knows, as it is now.
+    /// Copies every file that git tracks, in its current state.
     fn new(root: &Path) -> Result<Self, String> {
         let folder = root.join("target/mutants");
         let copy = Self { root: folder.join("tree"), build: folder.join("build") };
@@ -30,7 +31,7 @@ impl Copy {
         let listed = listed.map_err(|error| format!("cannot start git: {error}"))?;
         for file in String::from_utf8_lossy(&listed.stdout).lines() {
             let (from, to) = (root.join(file), copy.root.join(file));
-            // What has not changed keeps its time, so that it is not built anew.
+            // Unchanged files keep their time, so that they are not rebuilt.
             if fs::read(&from).ok() != fs::read(&to).ok() {
                 let folder = to.parent().unwrap_or(&copy.root);
                 fs::create_dir_all(folder).and_then(|()| fs::copy(&from, &to)).map_err(|e| format!("{file}: {e}"))?;
@@ -39,12 +40,12 @@ impl Copy {
         Ok(copy)
     }
 
-    /// The first failure that `check` tells of a suite, if it fails.
+    /// The first failure that `check` reports for a suite; `None` if it passes.
     fn check(&self, suite: &str, options: &str) -> Result<Option<String>, String> {
         let mut cargo = Command::new(env!("CARGO"));
         cargo.args(["run", "--quiet", "-p", "muslin-tests", "--bin", "check", "--"]);
         cargo.args(options.split_whitespace()).args(["--only", suite]);
-        // Beside the copy there is no real input.
+        // The copy has no shared data beside it.
         cargo.env_remove("MUSLIN_REQUIRE_DATA").env("CARGO_TARGET_DIR", &self.build);
         let output = cargo.current_dir(&self.root).output();
         let output = output.map_err(|error| format!("cannot start cargo: {error}"))?;
@@ -57,7 +58,7 @@ impl Copy {
     }
 }
 
-/// The level that finds a mutant and the test that does; `None`, if it is missed.
+/// The level and the test that find a mutant; `None` if it is missed.
 fn hunt(
     copy: &Copy,
     passed: &mut BTreeSet<(String, String)>,
@@ -83,7 +84,7 @@ fn hunt(
     Ok(None)
 }
 
-/// Whether a suite passes without any mutant: only then does it tell of one.
+/// Checks that a suite passes without a mutant: only then does its failure show one.
 fn control(copy: &Copy, passed: &mut BTreeSet<(String, String)>, suite: &str, options: &str) -> Result<(), String> {
     if !passed.insert((suite.to_owned(), options.to_owned())) {
         return Ok(());
@@ -94,7 +95,7 @@ fn control(copy: &Copy, passed: &mut BTreeSet<(String, String)>, suite: &str, op
     }
 }
 
-/// How many mutants there were with a word in their description, and how many of them were missed.
+/// The number of mutants with a word in their description, and the number missed.
 fn all(word: &str) -> Result<[usize; 2], String> {
     let copy = Copy::new(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))?;
     let ([mut count, mut missed], mut passed) = ([0; 2], BTreeSet::new());

@@ -2,21 +2,21 @@
 
 /// A small fault.
 pub struct Mutant {
-    /// In words.
+    /// Description.
     pub what: &'static str,
-    /// Where it is put.
+    /// The file that is changed.
     pub file: &'static str,
-    /// What stands there, once.
+    /// The original text, which occurs once.
     pub old: &'static str,
-    /// What takes its place.
+    /// The text that replaces it.
     pub new: &'static str,
-    /// Suites that should find it every day.
+    /// Suites that should find it in the everyday level.
     pub everyday: &'static [&'static str],
-    /// Suites that find it with all their tests, where those do not.
+    /// Suites that find it with all their tests, if the everyday ones do not.
     pub all: &'static [&'static str],
 }
 
-/// In the order of the flow.
+/// In the order of the data flow.
 pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "Springs damp by one per cent too much",

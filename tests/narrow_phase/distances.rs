@@ -1,16 +1,16 @@
-//! Distances against brute force in f64, which shrinks an interval about the nearest parameter.
-//! All errors are relative to the largest coordinate.
+//! Distances against brute force in f64, which finds the closest parameter by ternary search. All errors are
+//! relative to the largest coordinate.
 
 use glam::DVec3;
 
 use harness::query::Pair;
 use harness::rng::Rng;
 
-/// Of each pair.
+/// Number of random cases of each pair.
 const COUNT: usize = 20_000;
 
-/// The distance, by the convex function of one parameter that is left when the nearest other is
-/// taken.
+/// The distance: minimises a convex function of one parameter, after minimising over the other parameter in
+/// closed form.
 pub fn brute_force(pair: Pair, x: &[DVec3; 4]) -> f64 {
     let [a, b, c, d] = x.map(|v| v - x[0]);
     match pair {
@@ -41,8 +41,8 @@ fn point_edge(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     (reach - s * edge).length()
 }
 
-/// Features of every proportion, a quarter nearly flat or parallel, half of them at any distance
-/// from `nearest` up.
+/// Features of every proportion; a quarter is nearly flat or parallel, and half are moved to a random distance
+/// of at least `nearest`.
 pub fn features(rng: &mut Rng, pair: Pair, nearest: f64) -> [DVec3; 4] {
     let mut x: [DVec3; 4] = std::array::from_fn(|_| rng.cube(1.0));
     let tilt = rng.direction() * rng.magnitude(1e-9, 1e-2);
@@ -73,7 +73,7 @@ pub fn features(rng: &mut Rng, pair: Pair, nearest: f64) -> [DVec3; 4] {
     x
 }
 
-/// Shapes without extent, and those that divide a determinant by nothing.
+/// Shapes without extent, and shapes for which a determinant vanishes.
 fn degenerate(pair: Pair) -> Vec<[DVec3; 4]> {
     let [o, x, y] = [DVec3::ZERO, DVec3::X, DVec3::Y];
     let tables: &[[DVec3; 3]] = match pair {
@@ -90,7 +90,7 @@ fn degenerate(pair: Pair) -> Vec<[DVec3; 4]> {
             [o, x, 0.5 * x + 1e-4 * y],
             [o, x, y],
         ],
-        // The first edge starts at the vertex and ends at the first of these.
+        // The first edge starts at the vertex and ends at the first of these points.
         Pair::EdgeEdge => &[
             [o, o, o],
             [x, o, o],
@@ -120,7 +120,7 @@ harness::both_precisions! {
     use harness::rng::Rng;
     use harness::worst::Worst;
 
-    /// Thirteen roundings of 2^-24; in f64 brute force is no better than that of its own squares.
+    /// Thirteen roundings of 2^-24; in f64, brute force is limited by the rounding of its own squares.
     const BOUND: f64 = kit::bound(8e-7, 4e-15);
 
     fn agree(what: &str, pair: Pair, all: impl Iterator<Item = [DVec3; 4]>) {
@@ -150,7 +150,7 @@ harness::both_precisions! {
         }
     }
 
-    /// Finite weights in [0, 1] that sum to 1.
+    /// The weights are finite, lie in [0, 1] and sum to 1.
     #[test]
     fn weights_are_weights() {
         use muslin::geometry::{edge_edge, point_triangle};

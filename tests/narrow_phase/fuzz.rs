@@ -1,4 +1,4 @@
-//! Exact contacts, scaled by any factor of 1e-3 to 1e3 and so rounded: all are found, none late.
+//! Exact contacts, scaled by any factor from 1e-3 to 1e3 and thereby rounded: all are found, none late.
 
 use std::thread;
 
@@ -6,7 +6,7 @@ use crate::lattice;
 use harness::query::PAIRS;
 use harness::rng::Rng;
 
-/// What many contacts took.
+/// Statistics of many contacts.
 #[derive(Clone, Copy, Debug, Default)]
 struct Took {
     contacts: u64,
@@ -30,10 +30,10 @@ impl Took {
     }
 }
 
-/// In CI, of each precision.
+/// Number of contacts for each precision in CI.
 const COUNT: u64 = 20_000;
 
-/// At length, of each precision.
+/// Number of contacts for each precision in the long form.
 const LONG: u64 = 10_000_000;
 
 fn report(name: &str, took: Took) {
@@ -44,7 +44,7 @@ fn report(name: &str, took: Took) {
     assert_eq!((took.missed, took.late), (0, 0), "missed and late contacts are printed above");
 }
 
-/// The seeds shared among the threads of this machine.
+/// Distributes the contacts over the threads of this machine; each thread has its own seed.
 fn in_threads(count: u64, part: impl Fn(u64, u64) -> Took + Sync) -> Took {
     let threads = thread::available_parallelism().map_or(1, |n| n.get() as u64);
     thread::scope(|scope| {
@@ -62,7 +62,7 @@ harness::both_precisions! {
         fuzz_scaled(seed, count, 1e-3)
     }
 
-    /// Relative to the first vertex, rounding moves a contact by no more than a tenth of the reserve.
+    /// Relative to the first vertex, rounding moves a contact by at most a tenth of the reserve.
     fn fuzz_scaled(seed: u64, count: u64, least: f64) -> Took {
         let (rng, mut took) = (&mut Rng::new(seed), Took::default());
         for i in 0..count {
@@ -92,7 +92,7 @@ harness::both_precisions! {
         report("fuzz", fuzz(401, COUNT));
     }
 
-    /// Down to where squares of areas vanish and those of distances do not.
+    /// Scales down to where squares of areas underflow and squares of distances do not.
     #[test]
     fn contacts_however_small() {
         report("small", fuzz_scaled(402, COUNT, kit::bound(1e-13, 1e-140)));

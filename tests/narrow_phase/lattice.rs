@@ -1,20 +1,20 @@
-//! Features that touch, without any rounding: contacts made of small integers, so that start, end
-//! and the contact between them are exact in f32.
+//! Features that touch, without any rounding: contacts made of small integers, so that start, end and the
+//! contact are exact in f32.
 
 use glam::DVec3;
 
 use harness::query::{Pair, Query};
 use harness::rng::Rng;
 
-/// Lattice steps to a unit of length.
+/// Lattice steps per unit of length.
 const UNIT: f64 = 16384.0;
 
-/// Contacts of every kind: inside and on the border of the features, between slivers, edges that
-/// are parallel and features without extent, head-on, grazing and at rest.
+/// Contacts of every kind: inside the features and on their borders, between slivers, parallel edges and
+/// features without extent; head-on, grazing and at rest.
 pub struct Contact {
-    /// Features of about a unit of length that touch.
+    /// Features of about unit length that touch.
     pub query: Query,
-    /// When, though they may have touched before.
+    /// A time of contact; the features may touch earlier too.
     pub time: f64,
 }
 
@@ -29,7 +29,7 @@ pub fn contact(rng: &mut Rng, pair: Pair) -> Contact {
     Contact { query: Query { pair, start: at(-eighths), end: at(8.0 - eighths) }, time: eighths / 8.0 }
 }
 
-/// A translation so long that the sum is still exact in f32.
+/// A long translation whose sum with the positions is still exact in f32.
 pub fn far(rng: &mut Rng) -> DVec3 {
     let reach = [0, 1 << 12, 1 << 16, 1 << 21][below(rng, 4) as usize];
     vector(rng, reach, 1) / UNIT
@@ -74,8 +74,7 @@ fn edge_edge(rng: &mut Rng) -> ([DVec3; 4], [DVec3; 4]) {
     ([a0, a1, b0, b0 + b], [v_0, v_1, v_b0, v_b0 + turn])
 }
 
-/// How the touching points move relative to one another: freely, or along the features and a
-/// little or nothing off them.
+/// Relative motion of the touching points: free, or along the features with little or no motion off them.
 fn relative(rng: &mut Rng, along: DVec3) -> DVec3 {
     match below(rng, 4) {
         0 => along,
@@ -84,7 +83,7 @@ fn relative(rng: &mut Rng, along: DVec3) -> DVec3 {
     }
 }
 
-/// Of three vertices: free, alike, small or none.
+/// Motions of three vertices: random, equal, small or zero.
 fn motions(rng: &mut Rng) -> [DVec3; 3] {
     let common = vector(rng, 128, 64);
     match below(rng, 4) {
@@ -104,12 +103,12 @@ fn vector(rng: &mut Rng, half: i64, step: i64) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|_| ((below(rng, 2 * half + 1) - half) * step) as f64))
 }
 
-/// Whole multiples of 64.
+/// Truncates to multiples of 64.
 fn coarse(v: DVec3) -> DVec3 {
     (v / 64.0).trunc() * 64.0
 }
 
-/// A whole number below the bound.
+/// A random integer in `0..bound`.
 fn pick(rng: &mut Rng, bound: i64) -> f64 {
     below(rng, bound) as f64
 }

@@ -1,13 +1,13 @@
-//! Which of the features within the thickness are a contact: over a fold of two triangles a point
-//! touches a face wherever it is above one, and their common edge only where that stands out.
+//! Selects the contacts among the features within the thickness: above a fold of two triangles, a point touches
+//! each face that it is above, and the common edge only if the edge is convex.
 //!
 //! Run: `cargo test -p muslin-tests --test narrow_phase local_minimum`.
 
 use glam::DVec3;
 use harness::both_precisions;
 
-/// Two triangles over the edge from vertex 0 to vertex 1, whose far corners lie so high; vertex 4 is
-/// a point, vertices 5 and 6 an edge.
+/// Two triangles that share the edge from vertex 0 to vertex 1, with their far corners at `height`; vertex 4 is
+/// a point, vertices 5 and 6 are an edge.
 fn fold(height: f64, point: DVec3, edge: [DVec3; 2]) -> [DVec3; 7] {
     let far = |z: f64| DVec3::new(0.5, height, z);
     [DVec3::ZERO, DVec3::X, far(1.0), far(-1.0), point, edge[0], edge[1]]
@@ -30,7 +30,7 @@ both_precisions! {
         is_local_minimum::<P>(&surface.view(), &x, &contact)
     }
 
-    /// The point with either triangle.
+    /// Whether the point is in contact with each of the two triangles.
     fn by_face(height: f64, point: DVec3) -> [bool; 2] {
         [[4, 0, 1, 2], [4, 1, 0, 3]].map(|vertices| counts::<VertexTriangle>(&fold(height, point, ASIDE), vertices))
     }

@@ -1,8 +1,8 @@
-//! Narrow phase: distances against brute force, times of impact against exact truth.
+//! Narrow phase: distances against brute force, times of impact against exact answers.
 //!
-//! Run: `cargo test -p muslin-tests --test narrow_phase`; with `-- --nocapture` it prints
-//! counts of queries, hits, false hits and distances. The long fuzzes: `-- --ignored --nocapture long_form`,
-//! or one of them: `never_missed::long_form`.
+//! Run: `cargo test -p muslin-tests --test narrow_phase`; with `-- --nocapture` it prints counts of queries,
+//! hits, false hits and distances. The long fuzz tests: `-- --ignored --nocapture long_form`, or one of them:
+//! `never_missed::long_form`.
 
 mod distances;
 mod fuzz;

@@ -1,6 +1,6 @@
-//! Hits head-on, by the stages as `detect` and the step call them: none is missed.
+//! Head-on hits, with the stages as `detect` and the step call them: none is missed.
 
-/// Of each kind, in CI and at length.
+/// Number of cases of each kind, in CI and in the long form.
 const COUNT: [u64; 2] = [1_000, 60_000];
 
 harness::both_precisions! {
@@ -25,7 +25,7 @@ harness::both_precisions! {
 
     const BITS: i32 = kit::bound(24.0, 53.0) as i32;
 
-    /// Both features as triangles that repeat what they lack.
+    /// Both features as triangles; a point or an edge repeats its last vertex.
     fn surface(pair: Pair) -> SurfaceColumns {
         let triangles = match pair {
             Pair::VertexTriangle => [[0, 0, 0], [1, 2, 3]],
@@ -34,17 +34,17 @@ harness::both_precisions! {
         SurfaceColumns::build(4, &triangles, &[])
     }
 
-    /// How the motion of a pair is tested.
+    /// A way to test the motion of a pair.
     trait Path {
         const NAME: &str;
-        /// Whether it knows of radii.
+        /// Whether it supports radii.
         const ROUND: bool;
         fn new(pair: Pair) -> Self;
-        /// Whether the features, of which the first has a radius, are reported to meet.
+        /// Whether the features, of which the first has a radius, are reported to collide.
         fn meets(&mut self, rng: &mut Rng, query: &Query, radius: f64) -> bool;
     }
 
-    /// As `detect --stage ccd` does.
+    /// The calls of `detect --stage ccd`.
     struct Detect(Pair, SurfaceColumns);
 
     impl Path for Detect {
@@ -78,7 +78,7 @@ harness::both_precisions! {
         }
     }
 
-    /// As a step does: boxes around the motion, candidates, distances, times.
+    /// The calls of a step: boxes around the motion, candidates, distances, times.
     struct Step(ContactColumns, ContactScratchColumns);
 
     impl Path for Step {
@@ -165,7 +165,7 @@ harness::both_precisions! {
         fuzz::<Step>(503, COUNT[0]);
     }
 
-    /// A pairing that counts how often a time of impact is asked for.
+    /// A pairing that counts the calls of `time_of_impact`.
     struct Counted<P>(P);
 
     thread_local! {
@@ -198,8 +198,8 @@ harness::both_precisions! {
         }
     }
 
-    /// Candidates of a crumpled sheet with edges of 1 cm that moves by so much: how many there are, how many are
-    /// advanced and how many meet.
+    /// Moves a crumpled sheet with edges of 1 cm by up to `speed`, m. Returns the number of candidates, of
+    /// those advanced, and of those that collide.
     fn advanced<P: Pairing>(pick: fn(&Found) -> &[[u32; 2]], speed: f64) -> [usize; 3] {
         let (mesh, rng) = (crumpled::sheet(40), &mut Rng::new(508));
         let start: Vec<_> = mesh.positions.iter().map(|x| vec3((x * 0.01).to_array())).collect();
@@ -226,7 +226,8 @@ harness::both_precisions! {
     /// Pairs of a vertex and a triangle, and of edges.
     type Found = (Vec<[u32; 2]>, Vec<[u32; 2]>);
 
-    /// Without the reserve two fewer of all these are advanced, and as many meet.
+    /// Without the reserve for rounding, only two fewer of all these candidates are advanced, and the same
+    /// number collide.
     #[test]
     fn few_more_are_advanced() {
         let all = [

@@ -1,6 +1,6 @@
-//! Times of contact by bisection of (t, u, v) boxes, in f64 [Wang 2021]: the difference of two
-//! feature points is multilinear, so that a box can hold a contact only if the box around its
-//! eight corner values, widened by rounding, comes within the separation of the origin.
+//! Times of contact by bisection of (t, u, v) boxes, in f64 [Wang 2021]. The difference of two feature points
+//! is multilinear, so a box can contain a contact only if the bounding box of its eight corner values, widened
+//! by the rounding, comes within the separation of the origin.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -9,21 +9,21 @@ use glam::DVec3;
 
 use harness::query::{Pair, Query};
 
-/// Boxes looked at before giving up.
+/// Number of boxes examined before giving up.
 const MOST_BOXES: usize = 100_000;
 
-/// When features come within a separation.
+/// The first time at which features come within a separation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Contact {
-    /// They stay farther apart.
+    /// The features stay farther apart.
     Never,
-    /// At this time or later, if at all.
+    /// A contact at this time or later, if any.
     NotBefore(f64),
-    /// It would take too many boxes to tell.
+    /// The decision would take too many boxes.
     Unknown,
 }
 
-/// Boxes whose differences vary by less than `width` are not divided but taken for contact.
+/// Boxes whose differences vary by less than `width` are not divided further but count as contacts.
 pub fn first_contact(query: &Query, separation: f64, width: f64) -> Contact {
     let local = query.local();
     let reserve = 1e-15 * local.size() + separation;
@@ -44,7 +44,7 @@ pub fn first_contact(query: &Query, separation: f64, width: f64) -> Contact {
             (lower[axis][1], upper[axis][0]) = (middle, middle);
             [lower, upper]
         });
-        // The halves that vary least.
+        // Choose the division whose halves vary least.
         let extent = |part: &[[f64; 2]; 3]| {
             let (low, high) = differences(&local, part);
             (high - low).element_sum()
@@ -59,7 +59,7 @@ pub fn first_contact(query: &Query, separation: f64, width: f64) -> Contact {
     Contact::Unknown
 }
 
-/// The corners of the box around the differences of feature points.
+/// Lower and upper corner of the bounding box of the differences of feature points.
 fn differences(query: &Query, part: &[[f64; 2]; 3]) -> (DVec3, DVec3) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for t in part[0] {
@@ -77,7 +77,7 @@ fn differences(query: &Query, part: &[[f64; 2]; 3]) -> (DVec3, DVec3) {
     (low, high)
 }
 
-/// By start, then by width: earlier boxes first.
+/// Orders boxes by start, then by width: earlier boxes first.
 #[derive(PartialEq)]
 struct Ordered([[f64; 2]; 3]);
 

@@ -1,5 +1,5 @@
-//! Times of impact: never late, never needlessly early, and the same however the question is put.
-//! True contacts are exact in both precisions, see [`lattice`](crate::lattice).
+//! Times of impact: never late, never needlessly early, and independent of the order and frame of the query.
+//! The contacts are exact in both precisions, see [`lattice`](crate::lattice).
 
 use glam::DVec3;
 
@@ -17,7 +17,7 @@ fn contacts(seed: u64, count: usize) -> impl Iterator<Item = lattice::Contact> {
     })
 }
 
-/// Random motions, of which about a third touch.
+/// Random motions; about a third of them touch.
 fn motions(seed: u64, count: usize) -> impl Iterator<Item = Query> {
     let mut rng = Rng::new(seed);
     (0..count).map(move |i| {
@@ -28,7 +28,7 @@ fn motions(seed: u64, count: usize) -> impl Iterator<Item = Query> {
     })
 }
 
-/// Where a motion comes closest to contact among samples, and how close.
+/// The smallest distance during a motion, sampled up to the time `until`.
 fn least_distance(query: &Query, until: f64, distance: impl Fn(&[DVec3; 4]) -> f64) -> f64 {
     (0..=64).map(|i| distance(&query.at(until * f64::from(i) / 64.0))).fold(f64::INFINITY, f64::min)
 }
@@ -50,7 +50,7 @@ harness::both_precisions! {
 
     const COUNT: usize = 20_000;
 
-    /// Raised to the reserve.
+    /// Distance within which a hit counts as close: separation plus tolerance, which is at least the reserve.
     fn reach(query: &Query, separation: f64, tolerance: f64) -> f64 {
         separation + tolerance.max(kit::reserve(query))
     }
@@ -76,7 +76,7 @@ harness::both_precisions! {
         assert!(mean < 32.0, "{mean:.2} distances each: slower than it was");
     }
 
-    /// Up to the time there is proof by another method that nothing touches.
+    /// Bisection, an independent method, proves that nothing touches before the reported time.
     #[test]
     fn nothing_touches_before() {
         let (mut proved, mut unknown) = (0, 0);
@@ -96,7 +96,8 @@ harness::both_precisions! {
         assert!(unknown * 20 <= proved, "{unknown} not proved, {proved} proved");
     }
 
-    /// Random motions with a separation: a miss stays away, a hit is where it is close.
+    /// Random motions with a separation: without a hit the features stay apart, with a hit they are close at
+    /// its time.
     #[test]
     fn separation_is_kept() {
         let (mut hits, mut capped, rng) = (0, 0, &mut Rng::new(303));
@@ -123,7 +124,7 @@ harness::both_precisions! {
         assert!(capped * 100 <= hits, "{capped} of {hits} hits are where nothing is close");
     }
 
-    /// Random motions without separation against the exact decision.
+    /// Random motions without separation, compared with the exact decision.
     #[test]
     fn random_contacts_are_found() {
         let (mut touching, mut hits) = (0, 0);
@@ -138,7 +139,7 @@ harness::both_precisions! {
         assert!(hits <= touching + COUNT / 200, "{hits} hits, {touching} touch");
     }
 
-    /// The lattice really makes contacts.
+    /// The lattice's contacts are real contacts.
     #[test]
     fn made_contacts_are_contacts() {
         for contact in contacts(306, 1000) {
@@ -164,7 +165,7 @@ harness::both_precisions! {
         }
     }
 
-    /// Differences of positions are exact, and so is a power of two: the time has the same bits.
+    /// Differences of positions are exact, and so is scaling by a power of two: the time has the same bits.
     #[test]
     fn place_and_scale_change_nothing() {
         let (rng, tolerance) = (&mut Rng::new(308), 2f64.powi(-12));
@@ -192,7 +193,7 @@ harness::both_precisions! {
         }
     }
 
-    /// The vertex comes down on the triangle by less than its move is rounded by.
+    /// The vertex approaches the triangle by less than the rounding of its displacement.
     #[test]
     fn nothing_is_missed_that_moves_far_together() {
         let surface = SurfaceColumns::build(4, &[[1, 2, 3]], &[]);

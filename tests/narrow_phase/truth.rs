@@ -1,8 +1,8 @@
-//! Queries with exact truth [Wang 2021], as they are and rounded to f32: every contact is found.
+//! Queries with exact answers [Wang 2021], unchanged and rounded to f32: every contact is found.
 //!
-//! All their coordinates are doubles. The exact decision is first held against the published
-//! truth, then decides for the rounded copies. False hits are counted: what comes closer than the
-//! rounding reserve without touching is one.
+//! All coordinates are exact as doubles. The exact decision is first compared with the published answers; then
+//! it decides the rounded copies. False hits are counted: features that come closer than the rounding reserve
+//! without touching.
 
 use harness::exact;
 use harness::truth::{Known, queries};
@@ -18,8 +18,8 @@ harness::both_precisions! {
     use harness::exact;
     use harness::truth::{FAMILIES, Known, queries};
 
-    /// With a tolerance of a micrometre, of 2,324 queries. Nearly all are separated by less than
-    /// that; rounded to f32, many of those touch.
+    /// Of 2,324 queries, with a tolerance of a micrometre. Nearly all features that do not touch are less than
+    /// that apart; rounded to f32, many of them touch.
     const MOST_FALSE_HITS: usize = kit::bound(180.0, 415.0) as usize;
 
     #[test]
@@ -52,7 +52,7 @@ harness::both_precisions! {
         assert!(all_false <= MOST_FALSE_HITS, "{all_false} false hits");
     }
 
-    /// What rounding the coordinates moves is below the reserve.
+    /// Rounding the coordinates moves the features by less than the reserve.
     #[test]
     fn no_published_contact_is_missed() {
         for Known { family, query, touches } in queries() {

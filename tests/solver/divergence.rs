@@ -1,4 +1,4 @@
-//! A step that is not finite says when, where and by what, and leaves the last finite state.
+//! A step that is not finite reports the step, the particle and the term, and keeps the last finite state.
 
 use glam::DVec3;
 use harness::kit::double as kit;
@@ -11,7 +11,7 @@ use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::{Simulation, Substep};
 use muslin_core_f64::step::Prediction;
 
-/// Sheets in gravity and air with one term too stiff for the step.
+/// Sheets in gravity and air; one term is too stiff for the step.
 const STIFF: [(Term, &str); 4] = [
     (Term::StretchSpring, r#"stretch = { model = "spring", stiffness = 20000.0 }"#),
     (Term::Membrane, r#"stretch = { model = "membrane", stiffness = 20000.0 }"#),
@@ -54,7 +54,7 @@ fn divergence_names_step_particle_and_term_and_keeps_the_state() {
         println!("{error}");
         assert_eq!(error.step, steps + 1, "{error}");
         assert_eq!(error.term, Some(term), "{error}");
-        // The particle is the first whose candidate is not finite; asked again, the same.
+        // The particle is the first whose candidate is not finite; a second prediction reports the same one.
         assert_eq!(sim.predict(Substep::WHOLE, &Serial), Prediction::NotFinite { particle: error.particle }, "{error}");
         assert_eq!(sim.state().steps, steps);
         assert_eq!([sim.positions(), sim.velocities()].concat(), before, "{error}: the state has changed");
@@ -73,7 +73,7 @@ fn a_number_that_is_none_is_reported_where_it_is() {
         let mut sim = Simulation::from_columns(built, linearised(method), 1e-4);
         let error = sim.take_step().expect_err("a velocity is NaN");
         assert_eq!(error.step, 1, "{}: {error}", method.name());
-        // In one stage without damping no other vertex feels the velocity.
+        // In one stage without damping, no other vertex depends on the velocity.
         if matches!(method, Method::ExplicitEuler | Method::SymplecticEuler) {
             assert_eq!(error.particle, 9, "{}: {error}", method.name());
         }

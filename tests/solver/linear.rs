@@ -1,7 +1,7 @@
-//! The constrained solve against dense LU of the same system, assembled from the core's forces,
-//! matrix, masses and pins: a backward Euler or implicit midpoint stage of length g from (x, v),
-//! linearised at (x + g w, w), is `(M + S) y = M v + g f(x + g w, w) + S w` with
-//! `S = -(g^2 Kx + g Kv)` there and the held axes of y given.
+//! The constrained solve against dense LU of the same system, which is assembled from the core's forces,
+//! matrix, masses and pins. A backward Euler or implicit midpoint stage of length g from (x, v), linearised at
+//! (x + g w, w), is `(M + S) y = M v + g f(x + g w, w) + S w` with `S = -(g^2 Kx + g Kv)` at that state and the
+//! held axes of y given.
 
 use glam::DVec3;
 use harness::kit::double as kit;
@@ -16,10 +16,10 @@ use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::Tangent;
 use nalgebra::DMatrix;
 
-/// Relative to the fastest vertex; the solver is asked for 1e-14.
+/// Relative to the fastest vertex; the solver's tolerance is 1e-14.
 const BOUND: f64 = 1e-10;
-/// A large step, so that the matrix is far from the masses; for the exact Jacobian one at which
-/// the compressed parts leave it definite, s.
+/// Step lengths, s. A large step, so that the matrix differs much from the masses; for the exact Jacobian, a
+/// step at which the matrix stays definite despite the compressed elements.
 const STEPS: [(Jacobian, f64); 2] = [(Jacobian::Projected, 0.02), (Jacobian::Exact, 0.001)];
 
 const SHEETS: [(&str, &str); 3] = [
@@ -89,7 +89,7 @@ fn simulation(cells: u32, sheet: &str, pins: &str, scheme: Scheme, step: f64) ->
     Simulation::from_columns(built, scheme, step)
 }
 
-/// The rate at which each pin moves, m/s, with its axes.
+/// The mean velocity of each pin over the step, m/s, with its vertex and axes.
 fn rates(sim: &Simulation) -> Vec<(usize, DVec3, u8)> {
     let (pins, step) = (sim.pins(), sim.step_length());
     let rate = |pin: usize, vertex: u32| {
@@ -103,8 +103,8 @@ fn rates(sim: &Simulation) -> Vec<(usize, DVec3, u8)> {
     pins.vertices.iter().enumerate().map(|(pin, &vertex)| rate(pin, vertex)).collect()
 }
 
-/// The velocities by which forces are gone ahead of: as they are, where pins do not say otherwise,
-/// or so much of them that nothing is deformed by more than half.
+/// The velocities w at which the stage is linearised: the current velocities, with the pins' rates on held
+/// axes, scaled down so that the strain over the stage is at most one half.
 fn ahead(sim: &Simulation, stage: f64) -> Vec<DVec3> {
     let mut v = sim.velocities().to_vec();
     for (vertex, rate, axes) in rates(sim) {
@@ -114,7 +114,7 @@ fn ahead(sim: &Simulation, stage: f64) -> Vec<DVec3> {
     v.iter().map(|&v| v * part).collect()
 }
 
-/// The stage's velocities by LU, each coordinate in its own row.
+/// The stage's velocities by LU; each coordinate is one row.
 fn dense(sim: &Simulation, stage: f64) -> Vec<DVec3> {
     let (x, v, masses) = (sim.positions(), sim.velocities(), &sim.scene().particles.masses);
     let size = 3 * x.len();
@@ -134,7 +134,7 @@ fn dense(sim: &Simulation, stage: f64) -> Vec<DVec3> {
     tangent.multiply(0.0, &ahead, &mut column);
     let force = |i: usize| v[i] * masses[i] + f[i] * stage + column[i];
     let mut right = DMatrix::<f64>::from_fn(size, 1, |i, _| force(i / 3)[i % 3]);
-    // A held axis moves by its whole way at a steady rate.
+    // A held axis covers its prescribed displacement at a constant rate.
     for (vertex, rate, axes) in rates(sim) {
         for axis in (0..3).filter(|axis| axes >> axis & 1 == 1) {
             let row = 3 * vertex + axis;
@@ -158,7 +158,7 @@ fn check(what: String, mut sim: Simulation) {
         let (x, v) = (sim.positions()[i], sim.velocities()[i]);
         let (x1, v1) = (x0[i] + y * h, if midpoint { y * 2.0 - v0[i] } else { y });
         worst.compare(scale * h, &x.to_array(), &x1.to_array(), || format!("position {i}"));
-        // The velocity of a held axis is prescribed instead.
+        // The velocity of a held axis is prescribed, so it is not compared.
         if !sim.pins().vertices.contains(&(i as u32)) {
             worst.compare(scale, &v.to_array(), &v1.to_array(), || format!("velocity {i}"));
         }
@@ -181,7 +181,7 @@ fn constrained_solve_is_the_dense_one() {
     }
 }
 
-/// A sheet of several of the preconditioner's patches.
+/// A sheet that spans several patches of the preconditioner.
 #[test]
 fn constrained_solve_of_a_larger_sheet_is_the_dense_one() {
     let ((sheet, material), (pins, pin)) = (SHEETS[1], PINS[3]);

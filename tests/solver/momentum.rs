@@ -1,5 +1,5 @@
-//! Free cloth without contact keeps its momentum: explicit methods to rounding over 10,000 steps
-//! in both precisions, implicit ones to what the linear solve leaves.
+//! Free cloth without contact conserves its momentum: explicit methods to rounding over 10,000 steps in both
+//! precisions, implicit methods to the residual of the linear solve.
 
 use glam::DVec3;
 use harness::both_precisions;
@@ -19,7 +19,7 @@ both_precisions! {
     /// Drift over 10,000 steps, relative to the sum of all |momenta|.
     const DRIFT: f64 = kit::bound(1e-5, 1e-12);
 
-    /// Every internal force, damped so that explicit Euler is stable too, thrown and spinning.
+    /// Two sheets with every internal force, thrown and spinning; damped so that explicit Euler is stable too.
     pub fn thrown(method: Method, newton: u32, tolerance: f64, step: f64) -> Simulation {
         let mut built = kit::build(r#"
             name = "thrown"
@@ -48,7 +48,7 @@ both_precisions! {
         Simulation::from_columns(built, scheme, step as Real)
     }
 
-    /// Linear and angular momentum, and the sums of their parts' lengths.
+    /// Linear and angular momentum, each with the sum of its parts' magnitudes.
     fn momenta(sim: &Simulation) -> [(DVec3, f64); 2] {
         let mut sums = [(DVec3::ZERO, 0.0); 2];
         for ((&x, &v), &m) in sim.positions().iter().zip(sim.velocities()).zip(&sim.scene().particles.masses) {
@@ -60,7 +60,7 @@ both_precisions! {
         sums
     }
 
-    /// Checks linear, and where `angular` also angular momentum, against the start.
+    /// Compares the linear momentum, and if `angular` also the angular momentum, with the start.
     pub fn check(mut sim: Simulation, steps: u32, angular: bool, bound: f64) {
         let start = momenta(&sim);
         for _ in 0..steps {
@@ -89,7 +89,7 @@ both_precisions! {
 
     #[test]
     fn implicit_methods_keep_momentum_to_the_tolerance_of_their_solve() {
-        // The drift of each step is at most the residual's sum: tolerance times the change asked.
+        // The drift of each step is at most the sum of the residual: tolerance times the requested change.
         for method in [Method::BackwardEuler, Method::ImplicitMidpoint, Method::Bdf2] {
             let tolerance = kit::bound(1e-6, 1e-13);
             check(thrown(method, 1, tolerance, 5e-3), 200, false, DRIFT);
@@ -97,8 +97,8 @@ both_precisions! {
     }
 }
 
-/// M (v1 - v0) = h f(x0) - S v1 - r, where forces and the columns of S sum to zero: what momentum
-/// a step of backward Euler gains is minus the sum of the residual r that the solve leaves.
+/// M (v1 - v0) = h f(x0) - S v1 - r, where forces and the columns of S sum to zero. So the momentum that a step
+/// of backward Euler gains is minus the sum of the residual r of the solve.
 #[test]
 fn momentum_gained_is_the_sum_of_the_residual() {
     for (tolerance, bound) in [(1e-2, 1.0), (1e-5, 1e-4), (1e-14, 1e-12)] {
@@ -127,7 +127,7 @@ fn momentum_gained_is_the_sum_of_the_residual() {
     }
 }
 
-/// Converged implicit midpoint keeps quadratic invariants: angular momentum, too.
+/// Converged implicit midpoint conserves quadratic invariants, also angular momentum.
 #[test]
 fn implicit_midpoint_keeps_angular_momentum() {
     double::check(double::thrown(Method::ImplicitMidpoint, 100, 1e-12, 2e-3), 200, true, 1e-10);

@@ -1,5 +1,5 @@
-//! Newton's method on the implicit stage: every iteration decreases the objective, the end has no
-//! residual, and the one-step variant differs from it as theory says.
+//! Newton's method on the implicit stage: every iteration decreases the objective, the converged step has no
+//! residual, and the one-step variant differs from it by the predicted order.
 
 use glam::DVec3;
 use harness::kit::double as kit;
@@ -25,7 +25,8 @@ const DAMPED: &str = r#"
     bend = { model = "hinge", rigidity = 1e-3, damping = 0.01 }"#;
 const AIR: &str = "drag = { linear = 0.4, wind = { velocity = [1.0, 2.0, 3.0], normal = 0.6, tangential = 0.1 } }";
 
-/// A crumpled, moving sheet, `size` times its rest size, held at two corners that draw together.
+/// A crumpled, moving sheet, `size` times its rest size; one corner follows keys, the opposite one is held
+/// along x and y.
 fn crumpled(material: &str, air: &str, size: f64, noise: f64) -> BuiltScene {
     let mut built = kit::build(&format!(
         r#"
@@ -55,14 +56,15 @@ fn crumpled(material: &str, air: &str, size: f64, noise: f64) -> BuiltScene {
     built
 }
 
-/// One step.
+/// Takes one step.
 fn step(built: &BuiltScene, scheme: Scheme, h: f64) -> Simulation {
     let mut sim = Simulation::from_columns(built.clone(), scheme, h);
     sim.take_step().expect("finite");
     sim
 }
 
-/// The velocity of the stage: that which moved each axis, also where a held one is given another.
+/// The stage's velocity: displacement divided by the step, also for held axes, whose final velocity is
+/// prescribed.
 fn stage(built: &BuiltScene, sim: &Simulation) -> Vec<DVec3> {
     let moved = sim.positions().iter().zip(&built.particles.positions);
     moved.map(|(x1, x0)| (*x1 - *x0) / sim.step_length()).collect()
@@ -81,7 +83,7 @@ fn every_iteration_decreases_the_objective() {
         for h in [0.005, 0.02, 0.1] {
             let built = crumpled(material, "", 0.9, 0.02);
             let (mut before, mut seen) = (f64::INFINITY, 0);
-            // A step that may take k iterations stops at the k-th iterate.
+            // A step with at most k iterations stops at the k-th iterate.
             for newton in 2..=20 {
                 let sim = step(&built, Scheme { newton, ..converged(Method::BackwardEuler, 1e-10) }, h);
                 let (now, work) = (objective(&built, &sim), sim.statistics());
@@ -112,10 +114,10 @@ fn residual(built: &BuiltScene, sim: &Simulation) -> f64 {
 fn converged_step_leaves_no_residual() {
     let sheets = [("membrane", MEMBRANE, ""), ("springs", SPRINGS, ""), ("damped, in the wind", DAMPED, AIR)];
     for (what, material, air) in sheets {
-        // At the largest step a hundred iterations do not reach the last.
+        // At the largest step, a hundred iterations do not reach the strictest tolerances.
         for (h, tolerances) in [(0.005, [1e-3, 1e-6, 1e-9]), (0.02, [1e-3, 1e-6, 1e-9]), (0.1, [1e-3, 1e-4, 1e-5])] {
             let built = crumpled(material, air, 0.9, 0.02);
-            // A step that asks for nothing ends where Newton's method begins.
+            // A step with an enormous tolerance ends at Newton's initial guess.
             let start = residual(&built, &step(&built, converged(Method::BackwardEuler, 1e9), h));
             let mass: f64 = built.particles.masses.iter().sum();
             let scale = start.max(9.81 * h * mass.sqrt());
@@ -135,9 +137,9 @@ fn converged_step_leaves_no_residual() {
     }
 }
 
-/// One Newton step adds what the forces ask for beyond the velocities, which is O(h). It leaves out
-/// h f'' (h h)^2 / 2 with the exact Jacobian; where the projected one differs, or with damping, whose
-/// df/dx is left out, h^2 times that h.
+/// One Newton step adds the change due to the forces, which is O(h). With the exact Jacobian its error is h f''
+/// (h h)^2 / 2. Where the projected Jacobian differs, or with damping, whose df/dx is omitted, the error is h^2
+/// times that change.
 #[test]
 fn one_newton_step_differs_from_the_converged_one_as_theory_says() {
     for (what, material, size, jacobian, h, order) in [
@@ -162,8 +164,8 @@ fn one_newton_step_differs_from_the_converged_one_as_theory_says() {
     }
 }
 
-/// Largest stretch in a second of a sheet let go level from two corners, and whether it ever had
-/// more energy than at first.
+/// Largest stretch during one second of a sheet that is released level at two pinned corners, and whether its
+/// energy ever exceeded the initial energy.
 fn released(newton: u32, h: f64) -> (f64, bool) {
     let built = kit::build(
         r#"
@@ -189,8 +191,8 @@ fn released(newton: u32, h: f64) -> (f64, bool) {
     (stretch, grew)
 }
 
-/// Its weight stretches the sheet by 1 to 2 %. One linear solve does as well while nothing turns by
-/// much in a step; by 0.1 s see `known_issues.rs`.
+/// The weight stretches the sheet by 1 to 2 %. One linear solve is as good while rotations per step are small;
+/// for a step of 0.1 s see `known_issues.rs`.
 #[test]
 fn newtons_method_keeps_large_steps_from_stretching() {
     for (h, one_solve) in [(1.0 / 30.0, Some(1.02)), (0.1, None)] {

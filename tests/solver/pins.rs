@@ -1,5 +1,5 @@
-//! Held axes: exactly on their prescribed path after every step of every method, in position and
-//! velocity, while the other axes are free.
+//! Held axes: exactly on their prescribed path after every step of every method, in position and velocity,
+//! while the other axes are free.
 
 use glam::{DMat3, DVec3};
 use harness::kit::double as kit;
@@ -11,10 +11,10 @@ use muslin_core_f64::simulation::Simulation;
 
 const STEP: f64 = 0.001;
 const STEPS: u32 = 120;
-/// Turn about the centre of the selection.
+/// Axis of the turn about the centre of the selection.
 const AXIS: DVec3 = DVec3::new(1.0, 2.0, 0.5);
 const RATE: f64 = 4.0;
-/// No step ends on a key or on the end of the turn, where the velocity jumps.
+/// No step ends at a key or at the end of the turn, where the velocity jumps.
 const UNTIL: f64 = 0.0675;
 const KEYS: [(f64, DVec3); 3] =
     [(0.0215, DVec3::ZERO), (0.0535, DVec3::new(0.01, -0.03, 0.02)), (0.0915, DVec3::new(-0.02, 0.0, 0.02))];
@@ -57,7 +57,7 @@ fn keyed(t: f64) -> (DVec3, DVec3) {
     }
 }
 
-/// Where a turning point is, and its velocity.
+/// Position and velocity of a turning point.
 fn turned(at: DVec3, centre: DVec3, t: f64) -> (DVec3, DVec3) {
     let axis = AXIS.normalize();
     let arm = DMat3::from_axis_angle(axis, RATE * t.min(UNTIL)) * (at - centre);
@@ -96,7 +96,7 @@ fn held_axes_follow_their_path_exactly() {
             }
         }
         worst.check();
-        // Exactly: a vertex at rest has not moved by a bit.
+        // Exactly: the position of a vertex at rest is unchanged to the last bit.
         assert_eq!(sim.positions()[0], start[0], "{}: a held vertex", scheme.method.name());
         for (vertex, axis) in [(4, 1), (9, 0), (9, 2), (14, 0), (14, 2)] {
             let moved = (sim.positions()[vertex] - start[vertex])[axis];
@@ -109,7 +109,8 @@ fn held_axes_follow_their_path_exactly() {
     }
 }
 
-/// Takes so many steps, after each of which a vertex is to be where it is led, by the part of them taken.
+/// Takes `steps` steps; after each one the vertex must be at `place`, a function of the fraction of the steps
+/// taken.
 fn follow(sim: &mut Simulation, vertex: u32, steps: u32, place: impl Fn(f64) -> DVec3) {
     for n in 1..=steps {
         sim.take_step().unwrap();
@@ -122,7 +123,7 @@ fn follow(sim: &mut Simulation, vertex: u32, steps: u32, place: impl Fn(f64) -> 
 fn a_hand_leads_exactly_and_lets_go() {
     for scheme in Method::ALL.map(linearised) {
         let mut sim = sheet(scheme);
-        // Free, and one that the scene holds.
+        // A free vertex, and one that the scene holds.
         for vertex in [12, 0] {
             let grip = sim.positions()[vertex as usize];
             let target = grip + DVec3::new(0.02, 0.01, -0.03);

@@ -1,6 +1,6 @@
-//! What the two-level preconditioner is for, in counts: far fewer iterations than its blocks
-//! alone; its blocks, which are positive definite even where the matrix is not; and Newton's method
-//! in single precision stops where rounding stops it.
+//! Effects of the two-level preconditioner, as counts: far fewer iterations than with its blocks alone; blocks
+//! that are positive definite even if the matrix is not; and Newton's method in single precision stops at the
+//! rounding limit.
 
 use glam::{Mat3, Quat};
 use harness::rng::Rng;
@@ -16,7 +16,7 @@ use nalgebra::Matrix3;
 
 const STEPS: u32 = 12;
 
-/// IntegratorStatistics of the first steps of a built-in scene, changed a little.
+/// Statistics of the first steps of a built-in scene, after `change`.
 fn work(name: &str, change: impl Fn(&mut SceneDesc)) -> IntegratorStatistics {
     let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("the scene is built in").1;
     let mut scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
@@ -62,7 +62,7 @@ fn newton_in_single_precision_stops_at_rounding() {
 #[test]
 fn inverse_blocks_are_positive_definite_even_of_indefinite_ones() {
     let mut rng = Rng::new(5);
-    // Every combination of signs of the three eigenvalues, many times.
+    // Every combination of signs of the three eigenvalues, a hundred times.
     let symmetric: Vec<(u32, Mat3)> = (0..800)
         .map(|k| {
             let eigenvalue = |axis: u32| (1.0 + axis as f32) * if k >> axis & 1 == 1 { -1.0 } else { 1.0 };

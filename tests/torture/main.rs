@@ -1,6 +1,6 @@
-//! The torture set with contact on: crumpled, flattened, stretched, folded, wrung, funnelled, heavy
-//! on light, stiff on soft, slivers, fast capsules. From seeded starts without crossings, the exact
-//! audit finds none after any step, and no vertex is inside a collider.
+//! The torture set with contact on: crumpled, flattened, stretched, folded, wrung, funnelled, heavy on light,
+//! stiff on soft, slivers, fast capsules. From seeded starts without crossings, the exact audit finds no
+//! crossing after any step, and no vertex is inside a collider.
 //!
 //! Run: `cargo test -p muslin-tests --test torture`. The long form prints a table:
 //! `cargo test -p muslin-tests --test torture -- --ignored --nocapture long_form`.
@@ -10,7 +10,7 @@ mod numbers;
 use harness::both_precisions;
 use harness::torture::{SCENES, Scene};
 
-/// Seeds in CI and in the long form.
+/// Number of seeds in CI and in the long form.
 const SEEDS: [u64; 2] = [10, 100];
 
 both_precisions! {
@@ -21,7 +21,7 @@ both_precisions! {
     use muslin::real::{to_f64, vec3};
     use harness::rng::Rng;
 
-    /// What the runs of a scene came to.
+    /// Results of the runs of a scene.
     #[derive(Debug, Default)]
     pub struct Row {
         pub runs: u64,
@@ -29,9 +29,9 @@ both_precisions! {
         pub failsafe: u64,
         pub stretch: f64,
         pub crossings: usize,
-        /// Into a collider that has a volume, m: the crossings count no round ones.
+        /// Depth inside a collider with a volume, m: crossings do not cover round colliders.
         pub depth: f64,
-        /// The first seed and step with a crossing, or that diverged.
+        /// The first seed and step with a crossing, or the first run that diverged.
         pub first: Option<String>,
     }
 

@@ -1,4 +1,4 @@
-//! Whether it comes free, what it leaves alone, and that the scene then runs.
+//! Whether tangled states come free, what untangling leaves alone, and that the scene runs afterwards.
 
 use harness::both_precisions;
 
@@ -39,7 +39,7 @@ both_precisions! {
         untangled
     }
 
-    /// The least distance of two features that share no vertex, less the radii, m.
+    /// Smallest distance between two features that share no vertex, minus the radii, m.
     fn least_distance(sim: &Simulation) -> Real {
         let model = sim.contact().expect("the scene has contact").view();
         let mut columns = ContactScratchColumns::build(&model, 100_000);
@@ -60,7 +60,7 @@ both_precisions! {
             assert!(untangled.before > 0 || untangled.inside[0] > 0, "{name} is no tangle");
             assert_eq!((untangled.after, untangled.inside[1]), (0, 0), "{name}");
             assert!(f64::from(untangled.moved) <= *most, "{name}: {untangled:?}");
-            // In single precision a distance is off by some roundings of the coordinates.
+            // In single precision a distance is off by several roundings of the coordinates.
             let least = least_distance(&sim);
             assert!(least >= 0.1 * 0.002 - 1e-7, "{name}: features are {least} m apart");
             for step in 1..=20 {
@@ -87,7 +87,7 @@ both_precisions! {
         assert!(free >= 19, "{free} of 20 come free");
     }
 
-    /// Held everywhere by the borders, two sheets cannot part.
+    /// Two sheets that are pinned along their borders cannot separate.
     #[test]
     fn what_is_held_stays() {
         let held = |edges: [&str; 2]| {
@@ -127,7 +127,7 @@ both_precisions! {
     fn what_is_free_is_left_alone() {
         let near = tangles::two("position = [0.003, 0.00001, 0.002]");
         let texts = [near];
-        // Nothing to do, and what the scene lets pass through itself.
+        // First a scene without crossings, then crossings in a scene that allows cloth to pass through itself.
         let through = tangles::two("position = [0.003, 0.07, 0.002]\nrotation = [0, 8, 70]");
         let through = through.replace("[contact]", "[contact]\nself = false");
         for text in texts.into_iter().chain([through]) {

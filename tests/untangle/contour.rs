@@ -1,5 +1,5 @@
-//! G against finite differences of the contour's length, for two wavy sheets that move against one
-//! another as wholes; and that it leads out.
+//! G against finite differences of the contour's length, for two wavy sheets that move rigidly against one
+//! another; the sign shows that a step along G shortens the contour.
 
 use harness::both_precisions;
 
@@ -16,7 +16,7 @@ both_precisions! {
 
     use crate::tangles;
 
-    /// Every crossing with the triangles on its edge.
+    /// Every crossing, with the triangles that have its edge.
     fn crossings(model: &ContactModel<'_>, places: &[Vec3]) -> Vec<(Crossing, Vec<u32>)> {
         let surface = &model.surface;
         let found = audit::crossings(surface, places, &Serial).into_iter().map(|[edge, triangle]| {
@@ -28,7 +28,7 @@ both_precisions! {
         found.collect()
     }
 
-    /// Sum of the segments in which two triangles meet, m: each ends at two crossings.
+    /// Total length of the segments along which two triangles intersect, m: each segment ends at two crossings.
     fn length(model: &ContactModel<'_>, places: &[Vec3]) -> f64 {
         let mut segments: BTreeMap<[u32; 2], Vec<DVec3>> = BTreeMap::new();
         for (crossing, sides) in crossings(model, places) {
@@ -78,7 +78,7 @@ both_precisions! {
             errors += measured.distance(-0.5 * sum);
             sizes += measured.length();
         }
-        // In single precision the crossings of edges that are nearly in a plane are noise.
+        // In single precision the crossings of edges that lie nearly in a triangle's plane are noise.
         let error = errors / sizes;
         println!("{}: G is off by {error:.1e} of its size", muslin::real::NAME);
         assert!(error < kit::bound(0.1, 1e-7), "G is off by {error} of its size");

@@ -1,7 +1,7 @@
-//! Start states with crossings, and what untangling makes of them: in both precisions.
+//! Start states with crossings, and the results of untangling them: in both precisions.
 //!
-//! Run: `cargo test -p muslin-tests --test untangle`; with `-- --nocapture` it prints what
-//! each case took.
+//! Run: `cargo test -p muslin-tests --test untangle`; with `-- --nocapture` it prints the statistics of
+//! each case.
 
 #![expect(clippy::useless_conversion, reason = "conversions to double, of doubles")]
 

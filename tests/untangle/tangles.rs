@@ -1,19 +1,19 @@
-//! Tangled start states: a scene's text, and what is done to its vertices.
+//! Tangled start states: the text of a scene, and a function that moves its vertices.
 
 use glam::DVec3;
 use harness::rng::Rng;
 
-/// m.
+/// Side of a square sheet, m.
 pub const SIDE: f64 = 0.2;
 
-/// A scene of some cloths and colliders.
+/// A scene with the given cloths and colliders.
 pub fn scene(parts: &[&str]) -> String {
     let head = "name = \"tangled\"\nduration = 0.5\nframe_rate = 50\n[contact]\nthickness = 0.002\nfriction = 0.3\n\
                 [integrator]\nstep = 0.005\n";
     format!("{head}{}", parts.concat())
 }
 
-/// A square sheet, cells of 1/60 m, with more keys.
+/// A square sheet with cells of 1/60 m and additional keys.
 pub fn sheet(keys: &str) -> String {
     format!(
         "[[cloth]]\ngrid = {{ size = [{SIDE}, {SIDE}], cells = [12, 14] }}\ndensity = 0.2\n\
@@ -22,24 +22,24 @@ pub fn sheet(keys: &str) -> String {
     )
 }
 
-/// Two sheets, the second placed by some keys.
+/// Two sheets; `keys` place the second.
 pub fn two(keys: &str) -> String {
     scene(&[&sheet(""), &sheet(keys)])
 }
 
-/// A tangled start.
+/// A tangled start state.
 pub struct Tangle {
     pub name: &'static str,
     pub text: fn() -> String,
     /// Moves the vertices, m.
     pub start: fn(&mut [DVec3]),
-    /// The farthest that a vertex may be moved, m: a fifth above what was measured or so.
+    /// The farthest that a vertex may be moved, m: about a fifth above the measured value.
     pub most: f64,
 }
 
 fn as_built(_: &mut [DVec3]) {}
 
-/// A smooth bump, 1 in the middle and 0 from a radius on.
+/// A smooth bump: 1 in the middle, 0 beyond the radius.
 fn bump(x: DVec3, radius: f64) -> f64 {
     let r = x.x.hypot(x.z) / radius;
     if r < 1.0 { (1.0 - r * r).powi(2) } else { 0.0 }
@@ -61,7 +61,7 @@ pub const TANGLES: &[Tangle] = &[
     Tangle {
         name: "folded through",
         text: || scene(&[&sheet("")]),
-        // The last third comes round over the sheet and dips through it.
+        // The right half bends back over the sheet and dips through it.
         start: |x| {
             for x in x {
                 let past = x.x;
@@ -111,7 +111,7 @@ pub const TANGLES: &[Tangle] = &[
         most: 0.014,
     },
     Tangle {
-        // Through the middle of a triangle: no edge of the sheet is cut.
+        // The spike passes through the middle of a triangle: it cuts no edge of the sheet.
         name: "spike",
         text: || {
             let block = "[[collider]]\nshape = \"box\"\ncenter = [0.03, -0.0766, 0.03]\nhalf = [0.05, 0.05, 0.05]\n\
@@ -171,7 +171,7 @@ pub const TANGLES: &[Tangle] = &[
     },
 ];
 
-/// A sheet in random waves, folded in the middle so that the layers pass through one another, by a
+/// Deforms a sheet by random waves and folds it in the middle, so that the layers pass through one another by a
 /// few millimetres to a centimetre.
 pub fn crumple(x: &mut [DVec3], rng: &mut Rng) {
     let waves: Vec<_> = (0..6)
