@@ -91,7 +91,10 @@ impl fmt::Display for MeshError {
                 write!(f, "the start state has {found} vertices, the mesh has {expected}")
             }
             Self::BadStitch { stitch } => {
-                write!(f, "stitch {stitch} names a vertex that does not exist, or its weight is not between 0 and 1")
+                write!(
+                    f,
+                    "stitch {stitch} names a vertex that does not exist, sews a vertex to itself, or has a weight that is not between 0 and 1"
+                )
             }
         }
     }
@@ -204,7 +207,7 @@ impl fmt::Display for SceneError {
                 )
             }
             Self::EmptySeam { cloth, seam } => {
-                write!(f, "cloth {cloth}, seam {seam}: sews nothing; give pairs, or a file with stitch lines")
+                write!(f, "cloth {cloth}, seam {seam}: joins no vertices; give pairs, or a file with stitch lines")
             }
             Self::NotFinite { key } => write!(f, "{key}: must be a finite number"),
             Self::TooFewCells { key, least } => write!(f, "{key}: must be at least {least}"),
@@ -220,7 +223,7 @@ impl fmt::Display for SceneError {
                 write!(f, "cloth {cloth}, pin {pin}: give exactly one of corners, vertices, box, nearest or edge")
             }
             Self::PinOutOfRange { cloth, pin, index } => {
-                write!(f, "cloth {cloth}, pin {pin}: there is no corner or vertex {index} to hold")
+                write!(f, "cloth {cloth}, pin {pin}: there is no corner or vertex {index}")
             }
             Self::PinAxes { cloth, pin } => {
                 write!(f, "cloth {cloth}, pin {pin}: axes must be a combination of x, y and z, such as \"xz\"")
@@ -252,8 +255,7 @@ impl fmt::Display for SceneError {
             Self::ColliderMotion { collider } => {
                 write!(
                     f,
-                    "collider {collider}: its motion needs finite numbers, times that increase, and a turn only with \
-                     an axis and not for a plane"
+                    "collider {collider}: its motion needs finite numbers, times that increase, and an axis for a turn; a plane cannot turn"
                 )
             }
         }

@@ -1,10 +1,12 @@
-//! One step in phases, the only place that knows their order:
+//! The phases of one step, in order:
 //!
-//! [`predict`] (forces, integrate) -> [`sweep`] (boxes around the motion) -> [`detect`] (candidates
-//! and their distances) -> [`respond`] (contacts, impacts), and [`new_crossing`] where surfaces
-//! [touch](crate::response::Outcome::Touches) -> [`settle`] -> [`commit`], or nothing at all: a candidate
-//! state that is not committed leaves the state as it was. Without contact the phases between the first
-//! and the last are left out.
+//! [`predict`] (forces, integration) -> [`sweep`] (boxes around the motion) -> [`detect`] (candidates
+//! and their distances) -> [`press`] and [`couple`] (penalty contacts, implicit methods only) ->
+//! [`respond`] (contacts, impacts) -> [`settle`] -> [`new_crossing`], if surfaces
+//! [touch](crate::response::Outcome::Touches) -> [`commit`].
+//!
+//! A candidate state that is not committed does not change the state. Without contact a step consists
+//! of the first and the last phase.
 
 use crate::audit;
 use crate::broad_phase::{self, Candidates, Counts};
@@ -24,20 +26,20 @@ use crate::stage::Stage;
 
 pub use crate::response::{press, respond};
 
-/// What became of a prediction.
+/// Result of [`predict`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prediction {
-    /// All candidates are finite.
+    /// The candidate state is finite.
     Fine,
-    /// The first particle whose candidate is NaN or infinite.
+    /// The candidate state of a particle is NaN or infinite.
     NotFinite {
-        /// Its index.
+        /// Index of the first particle that is not finite.
         particle: u32,
     },
 }
 
-/// Writes the candidate state to `scratch`. Before the first step [`Pins::set_out`] gives pins the
-/// velocities that they start with.
+/// Writes the candidate state to `scratch`. Call [`Pins::set_out`] before the first step, to set the
+/// initial velocities of pins.
 ///
 /// [`Pins::set_out`]: crate::integrate::pins::Pins::set_out
 pub fn predict<D: Dispatch>(
@@ -53,21 +55,21 @@ pub fn predict<D: Dispatch>(
     }
 }
 
-/// When and how wide to sweep.
+/// Parameters of [`sweep`].
 #[derive(Clone, Copy, Debug)]
 pub struct Sweep {
     /// Start of the step, s.
     pub time: Sum,
     /// Length of the step, s.
     pub step: Real,
-    /// m around the motion that the response may use.
+    /// Width around the motion within which the response may move vertices, m.
     pub margin: Real,
-    /// Whether to keep the boxes there are, and only widen them.
+    /// Whether to keep the stored positions and boxes, and only widen the boxes.
     pub widen: bool,
 }
 
-/// Writes where everything is at both ends of the step, and the boxes around: half the thickness,
-/// the radius and the margin wider than the motion.
+/// Writes the positions of all vertices at both ends of the step, and boxes around their motion, wider
+/// on each side by half the thickness, the radius and the margin.
 pub fn sweep(
     model: &ContactModel<'_>,
     sweep: Sweep,
@@ -87,14 +89,16 @@ pub fn sweep(
     }
     for (v, around) in contact.boxes.iter_mut().enumerate() {
         let (start, end) = (contact.start[v], contact.end[v]);
-        // A hair wider, so that its own rounding loses nothing; that of the corners keeps their order, however far off.
+        // The factor makes up for the rounding of the width. The corners are rounded monotonically, so boxes that
+        // overlap before rounding also overlap after it, at any distance from the origin.
         let wide = (0.5 * model.thickness + model.radii[v] + sweep.margin) * (1.0 + 4.0 * Real::EPSILON);
         let swept = Aabb { min: start.min(end) - wide, max: start.max(end) + wide };
         *around = around.union(&swept);
     }
 }
 
-/// [`detect`], or where the host has another place for it, awaited there.
+/// Finds the candidates and their distances: awaits [`Dispatch::detect`], or calls [`detect`] if the host
+/// does not provide it.
 pub async fn await_candidates<D: Dispatch>(
     model: &ContactModel<'_>,
     contact: &mut ContactScratch<'_>,
@@ -106,8 +110,8 @@ pub async fn await_candidates<D: Dispatch>(
     counts
 }
 
-/// Finds the candidates and their distances. Counts above the room there is: nothing was found,
-/// come again with more.
+/// Finds the candidates and their distances. If the returned counts exceed the capacity, the result is
+/// incomplete: the caller must grow the columns and call again.
 pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
     dispatch.enter(Stage::BroadPhase);
     let mut out =
@@ -130,8 +134,8 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
     counts
 }
 
-/// Solves the contacts that push together with the cloth; for implicit methods only, and before the
-/// response.
+/// Solves the first `holds` penalty contacts together with the cloth. Only for implicit methods, before
+/// the response.
 pub fn couple<D: Dispatch>(
     context: &StepInput<'_, D>,
     model: &ContactModel<'_>,
@@ -146,14 +150,14 @@ pub fn couple<D: Dispatch>(
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
 }
 
-/// An edge and a triangle that pass through one another at the end of the step and did not at its start:
-/// then the step must not be taken.
+/// Returns an edge and a triangle that cross at the end of the step but not at its start. If there is a
+/// pair like this, the step must be rejected.
 pub fn new_crossing(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Option<[u32; 2]> {
     audit::new_crossing(&model.surface, contact.start, contact.end, &mut contact.room)
 }
 
-/// Takes over what the response corrected: positions, and the velocities by as much, less what only
-/// parted surfaces or rounded. Returns whether anything was.
+/// Copies the positions that the response corrected. The velocities change by the correction over `step`,
+/// without the part that only separates surfaces or rounds. Returns whether any vertex was corrected.
 pub fn settle(step: Real, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_>) -> bool {
     let mut any = false;
     for (v, next) in scratch.next_positions.iter_mut().enumerate() {
@@ -166,8 +170,8 @@ pub fn settle(step: Real, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_
     any
 }
 
-/// Makes the candidate the state by exchanging columns; where a history is kept (BDF2), the old
-/// state becomes it.
+/// Makes the candidate the state by exchanging columns. For a method with history (BDF2) the old state
+/// becomes the history.
 pub fn commit<'a>(particles: &mut Particles<'a>, scratch: &mut Scratch<'a>) {
     core::mem::swap(&mut particles.positions, &mut scratch.next_positions);
     core::mem::swap(&mut particles.velocities, &mut scratch.next_velocities);

@@ -50,16 +50,18 @@ pub enum CheckpointError {
     #[error("cannot read checkpoint: {0}")]
     Read(#[from] std::io::Error),
     /// Not a checkpoint.
-    #[error("this is no checkpoint of muslin")]
+    #[error("this is not a checkpoint of muslin")]
     Foreign,
     /// Written by another version.
-    #[error("this checkpoint has format {found}, this version reads {VERSION}; run the scene anew")]
+    #[error(
+        "this checkpoint has format {found}, this version of muslin reads format {VERSION}; run the scene from its start"
+    )]
     Version {
         /// Format of the file.
         found: u32,
     },
     /// Truncated or altered.
-    #[error("this checkpoint is damaged (its checksum does not fit); use an older one or run the scene anew")]
+    #[error("this checkpoint is damaged (its checksum is wrong); use an older one or run the scene from its start")]
     Damaged,
 }
 
@@ -91,7 +93,7 @@ pub fn resume(
     let failed = |why: String| Failure::Usage(format!("{}: {why}", path.display()));
     let found = read(path).map_err(|error| failed(error.to_string()))?;
     if found.precision != precision {
-        return Err(failed("was made in the other precision; add --precision as in the first run".into()));
+        return Err(failed("has the other precision; give the --precision of the first run".into()));
     }
     if found.scene != scene_crc || !engine.restore(&found.snapshot) {
         return Err(failed("belongs to another scene; resume with the scene and the --set of the first run".into()));

@@ -17,13 +17,13 @@ pub const INSTALL: &str = "install the driver of your graphics card, or a softwa
 /// Opens the fastest adapter.
 pub fn open() -> Result<Gpu, Failure> {
     pollster::block_on(Gpu::open(Ask::Most))
-        .map_err(|why| Failure::NoDevice(format!("--backend gpu: {why}; {INSTALL}, or say --backend cpu")))
+        .map_err(|why| Failure::NoDevice(format!("--backend gpu: {why}; {INSTALL}, or use --backend cpu")))
 }
 
 /// Converts an error of the device into a failure of the command, with advice.
 pub fn failed(why: DetectionError) -> Failure {
     let advice = match why {
-        DetectionError::TooLarge(_) => "take a lesser --thickness, or say --backend cpu",
+        DetectionError::TooLarge(_) => "take a smaller --thickness, or use --backend cpu",
         _ => "say --backend cpu",
     };
     Failure::NoDevice(format!("--backend gpu: {why}; {advice}"))
@@ -94,12 +94,12 @@ impl StepDetector {
             }
             // The device stays in use: a later step may have fewer candidates, which fit.
             Err(why @ DetectionError::TooLarge(_)) => {
-                print_note(&format!("warning: --backend gpu: {why}; the processor detects once"));
+                print_note(&format!("warning: --backend gpu: {why}; the processor finds the candidates of this step"));
                 *self.own() = Some(own);
                 None
             }
             Err(why) => {
-                print_note(&format!("warning: --backend gpu: {why}; the processor goes on"));
+                print_note(&format!("warning: --backend gpu: {why}; the processor finds all further candidates"));
                 None
             }
         }

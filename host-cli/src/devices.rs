@@ -63,7 +63,7 @@ impl Devices {
         for a in &self.adapters {
             lines.push(format!("gpu  {} ({}, {}; {})", a.name, a.kind, a.backend, a.driver));
             lines.push(format!(
-                "     buffers of {} MiB, {} a stage; groups of {}, with {} KiB; {} timestamps",
+                "     buffers of {} MiB, {} per shader; workgroups of {}, with {} KiB; {} timestamps",
                 a.largest_buffer_bytes >> 20,
                 a.storage_buffers_per_stage,
                 a.workgroup_invocations,

@@ -37,7 +37,7 @@ const FLOWN_APART: f64 = 10.0;
 /// `stretch` is the largest ratio now, `first` the largest ratio in the first frame.
 pub fn flown_apart(stretch: f64, first: f64) -> Option<String> {
     (stretch > FLOWN_APART * first.max(1.0)).then(|| match stretch {
-        endless if endless.is_infinite() => "the length of an edge is beyond every number".to_owned(),
+        endless if endless.is_infinite() => "the length of an edge is not a finite number".to_owned(),
         few if few < 1e4 => format!("an edge is {few:.0} times as long as at rest"),
         many => format!("an edge is {many:.1e} times as long as at rest"),
     })

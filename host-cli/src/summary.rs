@@ -147,8 +147,8 @@ impl Summary {
         let [x, y, z] = self.size_m;
         let mut text = format!(
             "{}: {} vertices, {} triangles, {x:.2} x {y:.2} x {z:.2} m, {:.3} kg, {} pinned\n\
-             {:.3} s in {} steps of {:.4} ms by {} in {}: {:.2} s of wall time, {per_step:.3} ms a step\n\
-             stretch {} at most in any frame, {} at the end, {} there in the mean\n\
+             {:.3} s in {} steps of {:.4} ms by {} in {}: {:.2} s of wall time, {per_step:.3} ms per step\n\
+             stretch {} at most in any frame, {} at the end, {} on average at the end\n\
              work {} force evaluations, {} Newton iterations, {} CG iterations\n\
              state {}",
             self.scene,
@@ -179,7 +179,7 @@ impl Summary {
         let stretch = (self.stretch.max_of_all_frames > TOO_LONG).then(|| {
             format!(
                 "cloth does not stretch by {}: take a smaller integrator.step, or check density (kg/m^2), stiffness \
-                 (N/m), the mesh's size (m) and how far pins and colliders draw it",
+                 (N/m), the mesh's size (m) and how far pins and colliders pull it",
                 percent(self.stretch.max_of_all_frames)
             )
         });
@@ -197,7 +197,7 @@ impl Summary {
             return format!("\n{name} found the candidates");
         };
         let sum: f64 = times.map(|time| time.ms).sum();
-        format!("\n{name}: {sum:.3} ms a step by its clock, most in {}: {:.3}", longest.stage, longest.ms)
+        format!("\n{name}: {sum:.3} ms per step by its own clock, most of it in {}: {:.3}", longest.stage, longest.ms)
     }
 
     /// The results of contact and of the audit; empty without contact and audit.
@@ -212,10 +212,10 @@ impl Summary {
                 _ => format!(", {:.0} candidates for each", candidates as f64 / proximity as f64),
             };
             text += &format!(
-                "\ncontact {:.0} candidates and {:.0} contacts a step{per_contact}\n\
-                 ms a step: {predict:.3} forces and solve, {broad_phase:.3} broad phase, {narrow_phase:.3} narrow phase, \
+                "\ncontact {:.0} candidates and {:.0} contacts per step{per_contact}\n\
+                 ms per step: {predict:.3} forces and solve, {broad_phase:.3} broad phase, {narrow_phase:.3} narrow phase, \
                  {response:.3} response\n\
-                 impacts {impacts} in all, {zones} zones, {} steps rejected, {failsafe} held back",
+                 impacts {impacts} in total, {zones} impact zones, {} steps rejected, {failsafe} motions limited",
                 a_step(candidates),
                 a_step(proximity),
                 self.rejected_steps,
@@ -223,7 +223,7 @@ impl Summary {
             text += &self.gpu_line();
         }
         if let Some(depth) = self.penetration_m {
-            text += &format!("\npenetration {:.3} mm into colliders at most", 1e3 * depth);
+            text += &format!("\npenetration of colliders {:.3} mm at most", 1e3 * depth);
         }
         if let Some(count) = self.intersections {
             let worst = self.intersections_frame.map(|frame| format!(", in frame {frame}")).unwrap_or_default();

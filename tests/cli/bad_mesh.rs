@@ -95,7 +95,7 @@ fn files_of_another_kind() {
         ("a.obj", solid, ["this is an STL file", "Wavefront OBJ (.obj)"]),
         ("a.obj", fbx, ["this is an FBX file", "Wavefront OBJ (.obj)"]),
         ("a.obj", b"\x01\x02\0\x03", ["this is a binary file", "Wavefront OBJ (.obj)"]),
-        ("a.obj", page, ["no line `v x y z`", "no Wavefront OBJ"]),
+        ("a.obj", page, ["no line `v x y z`", "not a Wavefront OBJ"]),
         ("a.ply", fbx, ["this is an FBX file, though it ends in .ply", "Stanford PLY (.ply)"]),
         ("a.ply", &stl, ["this is an STL file", "Stanford PLY (.ply)"]),
         ("a.ply", TRIANGLE.as_bytes(), ["line 1: `v 0 0 0`", "not a PLY header line"]),

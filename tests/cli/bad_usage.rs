@@ -56,8 +56,8 @@ fn overrides() {
     refuses("gravity=[0,0]", &["array of length 3"]);
     refuses("duration=\"x\"", &["expected a number"]);
     refuses("integrator=3", &["expected a section"]);
-    refuses("integrator.step.x=3", &["x is inside a value that is no section"]);
-    refuses("cloth.1.density=3", &["there is no number 1", "the last is 0"]);
+    refuses("integrator.step.x=3", &["x is inside a value that is not a section"]);
+    refuses("cloth.1.density=3", &["there is no index 1", "from 0 to 0"]);
     refuses("cloth.grid.cells=[-1,4]", &["`-1`"]);
     refuses("contact.thicknes=0.01", &["`thicknes`", "did you mean `thickness`?"]);
     refuses("contact.friction=0.3", &["missing field `thickness`"]);

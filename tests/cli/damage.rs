@@ -28,9 +28,9 @@ fn truncated_or_altered() {
         refuses(&bad, "damaged");
     }
     refuses(&[&good[..], &[0]].concat(), "damaged");
-    refuses(b"", "no checkpoint of muslin");
-    refuses(&good[..5], "no checkpoint of muslin");
-    refuses(TINY.as_bytes(), "no checkpoint of muslin");
+    refuses(b"", "not a checkpoint of muslin");
+    refuses(&good[..5], "not a checkpoint of muslin");
+    refuses(TINY.as_bytes(), "not a checkpoint of muslin");
     refuses(&[&good[..8], &[99, 0, 0, 0], &good[12..]].concat(), "format 99");
 }
 

@@ -135,7 +135,7 @@ fn the_other_methods_are_refused() {
     let place = Place::new();
     place.write("soup.obj", soup(3));
     let refused = place.muslin("detect soup.obj --thickness 0 --backend gpu --method brute").expect(2);
-    assert!(refused.stderr.contains("grid only"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("only has the grid"), "{}", refused.stderr);
 }
 
 /// Drivers are named in the environment.

@@ -74,9 +74,9 @@ fn duration_and_precision() {
 fn says_when_time_does_not_divide_as_asked() {
     let place = Place::new();
     let notes = |words: &str| place.muslin(&format!("run tiny.toml --out out --preview none {words}")).expect(0).stderr;
-    assert!(notes("--set integrator.step=0.03").contains("taking 2 of 25.0000 ms"));
-    assert!(notes("--set integrator.step=0.3").contains("longer than a frame: taking one of 50.0000 ms"));
-    assert!(notes("--duration 0.12").contains("taking 3 of them, 0.1500 s"));
+    assert!(notes("--set integrator.step=0.03").contains("taking 2 steps of 25.0000 ms"));
+    assert!(notes("--set integrator.step=0.3").contains("longer than a frame: taking one step of 50.0000 ms"));
+    assert!(notes("--duration 0.12").contains("taking 3 frames, 0.1500 s"));
     assert!(!notes("--set integrator.step=0.0084").contains("taking"), "a hair less is not worth a note");
     assert!(!notes("").contains("taking"));
     assert_eq!(notes("--quiet --duration 0.12"), "");

@@ -112,7 +112,7 @@ fn a_scene_without_a_name_is_called_by_its_file() {
 #[test]
 fn frames_need_not_be_written() {
     let place = Place::new();
-    place.refuses("tiny.toml --export pc2,none", &["--export: none stands alone"]);
+    place.refuses("tiny.toml --export pc2,none", &["--export: none excludes"]);
     let with = place.muslin("run tiny.toml --out with --json").expect(0).json();
     let run = |words: &str| place.muslin(&format!("run tiny.toml --out out --json --export none {words}")).expect(0);
     let without = run("");

@@ -13,7 +13,10 @@ fn json_is_one_document_and_notes_are_elsewhere() {
     let place = Place::new();
     let outcome = place.muslin(&format!("{RUN} --json --set integrator.step=0.03")).expect(0);
     assert_eq!(outcome.json()["verdict"], "ok");
-    assert!(outcome.stderr.contains("taking 2 of") && outcome.stderr.contains("wrote out/cloth.pc2"), "{outcome:?}");
+    assert!(
+        outcome.stderr.contains("taking 2 steps of") && outcome.stderr.contains("wrote out/cloth.pc2"),
+        "{outcome:?}"
+    );
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn keys_that_are_not_known() {
     refuses_with(
         "\"cloth.stretch.",
         "\"cloth.1.stretch.",
-        &["line 9: cloth.1.stretch.stiffness = 200.0: ", "no number 1"],
+        &["line 9: cloth.1.stretch.stiffness = 200.0: ", "no index 1"],
     );
     refuses_with("[grid]", "[grid]\nintegrator..method = [1]", &["line 8, column 12"]);
     refuses_with("scene = \"tiny.toml\"", "", &["missing field `scene`"]);

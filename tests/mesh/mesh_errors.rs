@@ -182,7 +182,7 @@ const BAD_STITCHES: [Stitch; 5] = [
 
 #[test]
 fn bad_stitch() {
-    let words = "stitch 1 names a vertex that does not exist, or its weight is not between 0 and 1";
+    let words = "stitch 1 names a vertex that does not exist, sews a vertex to itself, or has a weight that is not between 0 and 1";
     for bad in BAD_STITCHES {
         refused(|m| m.stitches.push(bad), MeshError::BadStitch { stitch: 1 }, words);
     }

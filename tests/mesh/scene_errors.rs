@@ -92,11 +92,11 @@ const NUMBERS: &[Case] = &[
         "1e-3, damping = -1.0",
         "cloth.bend.damping = -1: must not be negative, and must be finite",
     ),
-    ("pairs = [[0, 1]]", "pairs = []", "cloth 0, seam 0: sews nothing; give pairs, or a file with stitch lines"),
+    ("pairs = [[0, 1]]", "pairs = []", "cloth 0, seam 0: joins no vertices; give pairs, or a file with stitch lines"),
     (
         "pairs = [[0, 1]]",
         "pairs = [[3, 3]]",
-        "cloth 0: stitch 0 names a vertex that does not exist, or its weight is not between 0 and 1",
+        "cloth 0: stitch 0 names a vertex that does not exist, sews a vertex to itself, or has a weight that is not between 0 and 1",
     ),
     ("stiffness = 10.0", "stiffness = 0.0", "cloth.seam.stiffness = 0: must be greater than zero and finite"),
     (
@@ -185,8 +185,8 @@ const PINS: &[Case] = &[
     ("corners = [0]", "nearest = [nan, 0, 0]", "cloth.pin.select: must be a finite number"),
     ("corners = [0]", "", ONE_SELECTION),
     ("corners = [0]", "corners = [0], vertices = [1]", ONE_SELECTION),
-    ("corners = [0]", "corners = [4]", "cloth 0, pin 0: there is no corner or vertex 4 to hold"),
-    ("corners = [0]", "vertices = [0, 99]", "cloth 0, pin 0: there is no corner or vertex 99 to hold"),
+    ("corners = [0]", "corners = [4]", "cloth 0, pin 0: there is no corner or vertex 4"),
+    ("corners = [0]", "vertices = [0, 99]", "cloth 0, pin 0: there is no corner or vertex 99"),
     ("axes = \"xyz\"", "axes = \"xw\"", AXES),
     ("axes = \"xyz\"", "axes = \"xx\"", AXES),
     ("axes = \"xyz\"", "axes = \"\"", AXES),
@@ -220,7 +220,7 @@ const COLLIDERS: &[Case] = &[
     (
         "[2.0, 0, 1, 0]",
         "[-2.0, 0, 1, 0]",
-        "collider 0: its motion needs finite numbers, times that increase, and a turn only with an axis and not for a plane",
+        "collider 0: its motion needs finite numbers, times that increase, and an axis for a turn; a plane cannot turn",
     ),
     (
         "shape = \"plane\"\n    point = [0.0, -2.0, 0.0]\n    normal = [0.0, 1.5, 0.0]",
@@ -229,8 +229,8 @@ const COLLIDERS: &[Case] = &[
     ),
 ];
 
-const MOVES: &str = "collider 1: its motion needs finite numbers, times that increase, and a turn only with an axis and \
-                     not for a plane";
+const MOVES: &str = "collider 1: its motion needs finite numbers, times that increase, and an axis for a turn; \
+                     a plane cannot turn";
 
 const ONE_SELECTION: &str = "cloth 0, pin 0: give exactly one of corners, vertices, box, nearest or edge";
 const AXES: &str = "cloth 0, pin 0: axes must be a combination of x, y and z, such as \"xz\"";

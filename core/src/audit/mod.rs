@@ -1,16 +1,16 @@
-//! Whether anything passes through anything: an exact answer that shares no code with collision
-//! detection beyond the [`Surface`] that both are asked about.
+//! Finds all intersections of a surface exactly. This audit shares no code with collision detection except the
+//! [`Surface`] that both examine.
 //!
-//! A *crossing* is an edge and a triangle that are no neighbours and [meet](edge_meets_triangle).
-//! Neighbours have a vertex in common or two that are sewn together. Wherever two triangles pass
-//! through one another, the line that they share ends on an edge of one or the other, so crossings
-//! find all of it but what the two sides of a seam do to one another and a fold laid flat onto its
-//! own hinge. Only faces and their edges count, and none passive against passive; without
-//! [`Surface::own_contact`] none of the cloth against itself. Positions must be finite.
+//! A *crossing* is an edge and a triangle that are not neighbours and that [meet](edge_meets_triangle). Neighbours
+//! share a vertex or have two vertices that are sewn together. If two triangles pass through each other, their
+//! common line ends on an edge of one of them. So the crossings reveal every intersection except those between the
+//! two sides of a seam and a fold that lies flat on its own hinge. Only faces and their edges are tested. Passive
+//! features are not tested against each other, and without [`Surface::own_contact`] the cloth is not tested against
+//! itself. Positions must be finite.
 //!
-//! Edges that are near one another ask a [`tree`] of the triangles' boxes which of them overlap their own, and
-//! only those are tested exactly. Where all of n triangles overlap it takes n^2 exact tests. All is found in a
-//! [`Room`] that is sized once.
+//! Edges that are near each other query a [`tree`] of the triangles' boxes together, and only the pairs whose boxes
+//! overlap are tested exactly. If all n triangles overlap, this takes on the order of n^2 exact tests. All work
+//! happens in a [`Room`] that is allocated once.
 
 pub mod tree;
 
@@ -20,30 +20,30 @@ use crate::geometry::intersect::edge_meets_triangle;
 use crate::real::Vec3;
 use tree::{Boxed, Tree};
 
-/// Edges that ask together.
+/// Number of edges that query a tree together.
 const GROUP: usize = 8;
 
-/// Room for the trees of a surface and for its edges.
+/// Work columns for the trees of a surface and for its edges.
 #[derive(Debug)]
 pub struct Room<'a> {
-    /// As many as there are triangles.
+    /// One slot per triangle.
     pub boxes: &'a mut [Boxed],
-    /// Twice the [`nodes`](tree::nodes) of a tree over all triangles.
+    /// Twice the number of [`nodes`](tree::nodes) of a tree over all triangles.
     pub bounds: &'a mut [Aabb],
-    /// As many as there are edges.
+    /// One slot per edge.
     pub edges: &'a mut [u32],
-    /// As many as there are edges.
+    /// One slot per edge.
     pub taken: &'a mut [bool],
 }
 
-/// Edges of faces, near ones together, and the trees of the triangles that they may cross.
+/// Edges of faces, with near edges next to each other, and the trees of the triangles that they may cross.
 struct Question<'a> {
     edges: &'a [u32],
     trees: [Option<Tree<'a>>; 2],
 }
 
-/// The least crossing, `[edge, triangle]`, that there is `after` a motion and was not `before`. However many
-/// come free meanwhile.
+/// The smallest crossing, `[edge, triangle]`, that exists in the positions `after` a motion but not in the
+/// positions `before`. Crossings that disappear do not matter.
 pub fn new_crossing(surface: &Surface<'_>, before: &[Vec3], after: &[Vec3], room: &mut Room<'_>) -> Option<[u32; 2]> {
     let mut least: Option<[u32; 2]> = None;
     for Question { edges, trees } in questions(surface, after, room) {
@@ -58,7 +58,7 @@ pub fn new_crossing(surface: &Surface<'_>, before: &[Vec3], after: &[Vec3], room
     least
 }
 
-/// All edges of faces that may cross something, in two parts: the cloth's, and the passive ones.
+/// All edges of faces that may cross a triangle, in two parts: the edges of the cloth and the passive edges.
 #[inline(never)]
 fn questions<'a>(surface: &Surface<'_>, positions: &[Vec3], room: &'a mut Room<'_>) -> [Question<'a>; 2] {
     let (mut cloth, mut total) = (0, 0);
@@ -73,7 +73,7 @@ fn questions<'a>(surface: &Surface<'_>, positions: &[Vec3], room: &'a mut Room<'
     room.taken.fill(false);
     let mut count = 0;
     let [mut moving, mut held] = [0; 2];
-    // An edge of both is the cloth's.
+    // An edge of both parts counts as an edge of the cloth.
     for (tree, end) in [(&cloth, &mut moving), (&passive, &mut held)] {
         for edge in tree.numbers().flat_map(|face| surface.triangle_edges[face as usize]) {
             if !core::mem::replace(&mut room.taken[edge as usize], true) {
@@ -88,8 +88,8 @@ fn questions<'a>(surface: &Surface<'_>, positions: &[Vec3], room: &'a mut Room<'
     [Question { edges: moving, trees: [own, Some(passive)] }, Question { edges: held, trees: [Some(cloth), None] }]
 }
 
-/// Calls `found` with all crossings, `[edge, triangle]`, of some edges, at most a group, with the triangles of trees.
-/// Compiled once, whoever asks: it is long.
+/// Calls `found` with all crossings, `[edge, triangle]`, of at most [`GROUP`] edges with the triangles of the
+/// trees. It is long, so it is compiled only once for all callers.
 #[inline(never)]
 fn visit(
     surface: &Surface<'_>,
@@ -114,7 +114,7 @@ fn visit(
     }
 }
 
-/// Whether an edge and a triangle are no neighbours and meet.
+/// Whether an edge and a triangle are not neighbours and meet.
 #[inline(never)]
 fn crosses(surface: &Surface<'_>, positions: &[Vec3], [edge, triangle]: [u32; 2]) -> bool {
     let (ends, corners) = (surface.edges[edge as usize], surface.triangles[triangle as usize]);
@@ -137,7 +137,7 @@ fn around(points: &[Vec3]) -> Aabb {
     points.iter().fold(Aabb::EMPTY, |all, &point| all.union(&Aabb { min: point, max: point }))
 }
 
-/// What needs an allocator.
+/// The functions that need an allocator.
 #[cfg(feature = "alloc")]
 pub use owned::{RoomColumns, count, crossings, triangle_pairs};
 
@@ -159,7 +159,7 @@ mod owned {
     }
 
     impl RoomColumns {
-        /// Room for a surface.
+        /// Allocates the columns for a surface.
         pub fn build(surface: &Surface<'_>) -> Self {
             let (triangles, edges) = (surface.triangles.len(), surface.edges.len());
             Self {
@@ -170,13 +170,13 @@ mod owned {
             }
         }
 
-        /// The borrowed view.
+        /// Borrows the columns.
         pub fn view(&mut self) -> Room<'_> {
             let Self { boxes, bounds, edges, taken } = self;
             Room { boxes, bounds, edges, taken }
         }
 
-        /// Bytes held.
+        /// Size of the columns in bytes.
         pub fn bytes(&self) -> usize {
             let (trees, edges) = (size_of_val(&self.boxes[..]) + size_of_val(&self.bounds[..]), self.edges.len());
             trees + edges * (size_of::<u32>() + size_of::<bool>())
@@ -189,7 +189,7 @@ mod owned {
         counts.into_iter().map(|count| count as usize).sum()
     }
 
-    /// The crossings, `[edge, triangle]` in rising order.
+    /// The crossings, `[edge, triangle]`, in ascending order.
     pub fn crossings(surface: &Surface<'_>, positions: &[Vec3], dispatch: &impl Dispatch) -> Vec<[u32; 2]> {
         let found = of_groups(surface, positions, dispatch, |found: &mut Vec<_>, crossing| found.push(crossing));
         let mut found = found.concat();
@@ -197,7 +197,8 @@ mod owned {
         found
     }
 
-    /// For each group of edges `add` of all their crossings, in no particular order.
+    /// Calls `add` with all crossings of each group of edges, in no particular order, and returns one result per
+    /// group.
     fn of_groups<T: Clone + Default + Send>(
         surface: &Surface<'_>,
         positions: &[Vec3],
@@ -218,8 +219,8 @@ mod owned {
         out
     }
 
-    /// The pairs of triangles that some crossings make, the lesser first, in rising order: each
-    /// triangle that a crossing edge is of, with the one that the edge crosses.
+    /// The pairs of triangles of some crossings, the smaller index first, in ascending order. Each triangle that
+    /// has a crossing edge is paired with the triangle that the edge crosses.
     pub fn triangle_pairs(surface: &Surface<'_>, crossings: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let mut sides: Vec<[u32; 2]> = faces(surface)
             .flat_map(|triangle| surface.triangle_edges[triangle as usize].map(|edge| [edge, triangle]))

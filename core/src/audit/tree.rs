@@ -1,45 +1,47 @@
-//! Which boxes of many overlap a box: a tree, built without any of the stages of detection.
+//! A tree of boxes that finds all boxes overlapping a given box. It uses no stage of collision detection.
 //!
-//! A node is a run of the boxes, ordered so that its children are the halves of the run: it is cut at
-//! the median of the centres along the axis on which it is widest. n boxes are ordered in about n log n;
-//! a box that overlaps few is found them in log n, however the boxes are spread and whatever their sizes.
+//! Each node covers a range of the boxes, which are ordered so that the children of the node are the two halves of
+//! the range. The range is cut at the median of the centres, along the axis on which the node is widest. Ordering n
+//! boxes takes about n log n steps. A query that finds few boxes takes about log n steps, for all distributions and
+//! sizes of the boxes.
 
 use crate::geometry::aabb::Aabb;
 
-/// Most boxes of a node without children.
+/// The greatest number of boxes of a node without children.
 const LEAF: usize = 4;
 
-/// A feature's number and its box.
+/// The index of a feature, and its box.
 pub type Boxed = (u32, Aabb);
 
 /// A tree over boxes.
 #[derive(Clone, Copy, Debug)]
 pub struct Tree<'a> {
     boxes: &'a [Boxed],
-    /// Around the boxes of each node. The root is 1, the children of k are 2 k and 2 k + 1.
+    /// Box around the boxes of each node. The root is node 1, and the children of node k are 2 k and 2 k + 1.
     bounds: &'a [Aabb],
 }
 
-/// How many bounds a tree over so many boxes has.
+/// Number of bounds that a tree over `boxes` boxes needs.
 pub const fn nodes(boxes: usize) -> usize {
     2 * boxes.div_ceil(LEAF).next_power_of_two()
 }
 
 impl<'a> Tree<'a> {
-    /// A tree over some boxes, which it orders; `bounds` has room for all [`nodes`].
+    /// Builds a tree over boxes, which are reordered. `bounds` must have at least [`nodes`] slots.
     pub fn build(boxes: &'a mut [Boxed], bounds: &'a mut [Aabb]) -> Self {
         let bounds = &mut bounds[..nodes(boxes.len())];
         order(boxes, 1, bounds);
         Self { boxes, bounds }
     }
 
-    /// The numbers, those of near boxes near one another.
+    /// The indices of the features, in the order of the tree: boxes that are near each other are mostly close in
+    /// this order.
     pub fn numbers(&self) -> impl Iterator<Item = u32> + use<'a> {
         self.boxes.iter().map(|&(number, _)| number)
     }
 
-    /// Calls `found` with every box that overlaps one, in no particular order; returns how many boxes were
-    /// compared with it.
+    /// Calls `found` with every box that overlaps `one`, in no particular order. Returns the number of boxes that
+    /// were compared with `one`.
     pub fn overlapping(&self, one: &Aabb, found: &mut impl FnMut(&Boxed)) -> usize {
         self.visit(1, self.boxes, one, found)
     }
@@ -57,7 +59,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// Orders the boxes of a node and of those below it, and bounds them.
+/// Orders the boxes of a node and of its descendants, and writes their bounds.
 fn order(boxes: &mut [Boxed], node: usize, bounds: &mut [Aabb]) {
     let all = boxes.iter().fold(Aabb::EMPTY, |all, (_, one)| all.union(one));
     bounds[node] = all;
@@ -71,8 +73,8 @@ fn order(boxes: &mut [Boxed], node: usize, bounds: &mut [Aabb]) {
     }
 }
 
-/// Puts those boxes before `middle` whose centres are the least along an axis [Hoare 1961]. Shorter than the standard
-/// library's, which browsers would have to load.
+/// Moves the boxes with the smallest centres along an axis to the positions before `middle` [Hoare 1961]. This is
+/// shorter than the selection in the standard library, which browsers would have to download.
 fn split(boxes: &mut [Boxed], middle: usize, axis: usize) {
     let centre = |(_, one): &Boxed| 0.5 * one.min[axis] + 0.5 * one.max[axis];
     let (mut first, mut end) = (0, boxes.len());
@@ -89,7 +91,7 @@ fn split(boxes: &mut [Boxed], middle: usize, axis: usize) {
                 (low, high) = (low + 1, high - 1);
             }
         }
-        // Centres before `high` are not above the pivot, those from `low` on not below it.
+        // Centres before `high` are not above the pivot, and centres from `low` on are not below it.
         if middle < high {
             end = high;
         } else if middle >= low {

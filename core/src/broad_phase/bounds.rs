@@ -5,24 +5,24 @@ use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3};
 
-/// Overlaps nothing, not even a box without bounds.
+/// The box that overlaps nothing, not even an unbounded box.
 pub const NOWHERE: Aabb = Aabb { min: Vec3::splat(Real::NAN), max: Vec3::splat(Real::NAN) };
 
-/// Whether a box has no NaN and its corners in order.
+/// Whether a box has no NaN, and no low corner above its high corner.
 #[inline]
 pub fn is_valid(b: &Aabb) -> bool {
     b.min.cmple(b.max).all()
 }
 
-/// The box around boxes; [`NOWHERE`] if one of them is not valid.
+/// The smallest box around all `boxes`, or [`NOWHERE`] if one of them is not valid.
 #[inline]
 pub fn around<const K: usize>(boxes: [&Aabb; K]) -> Aabb {
     let union = boxes[1..].iter().fold(*boxes[0], |union, b| union.union(b));
     if boxes.into_iter().all(is_valid) { union } else { NOWHERE }
 }
 
-/// Writes the box of every triangle, and [`Surface::owned`]. Where vertices are not valid the box
-/// is around the others, and what they are part of is not owned.
+/// Writes the box of every triangle, and its bits of [`Surface::owned`]. If some vertices have invalid boxes, the
+/// box surrounds the other vertices, and the features with an invalid vertex are not owned.
 pub fn write_bounds(
     boxes: &[Aabb],
     surface: &Surface<'_>,

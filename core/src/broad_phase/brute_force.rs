@@ -1,4 +1,4 @@
-//! Every pair of features, compared: knows neither cells nor ownership. To test with.
+//! The candidates by comparison of all pairs of features, without cells or ownership; for tests.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -7,7 +7,7 @@ use super::bounds::around;
 use super::{Candidates, Counts, IS_FACE, Surface};
 use crate::geometry::aabb::Aabb;
 
-/// Writes the candidates.
+/// Writes the candidates, and returns their numbers.
 pub fn candidates(boxes: &[Aabb], surface: &Surface<'_>, out: &mut Candidates<'_>) -> Counts {
     let mut counts = Counts::default();
     let part_of = parts(boxes.len(), surface);
@@ -50,7 +50,7 @@ enum Membership {
     Passive,
 }
 
-/// What each vertex belongs to.
+/// The part of the surface that each vertex belongs to.
 fn parts(vertices: usize, surface: &Surface<'_>) -> Vec<Membership> {
     let mut parts = vec![Membership::None; vertices];
     for (triangle, corners) in (0..).zip(surface.triangles) {

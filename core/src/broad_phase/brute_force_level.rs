@@ -1,13 +1,13 @@
-//! The last level: each of its triangles against all others, without cells.
+//! The last level of the grid: each of its triangles is tested against all others, without cells.
 
 use super::Surface;
 use super::levels::NO_LEVEL;
 use crate::geometry::aabb::Aabb;
 
-/// Pairs that are handed on together.
+/// Number of pairs that are passed to `add` at once.
 const BATCH: usize = 256;
 
-/// Calls `add` with all pairs of overlapping boxes of which one is of the last level.
+/// Calls `add` with all pairs of overlapping boxes in which at least one triangle is on the last level, `level`.
 pub fn for_each_brute_force_pair(
     triangle_boxes: &[Aabb],
     levels: &[u8],

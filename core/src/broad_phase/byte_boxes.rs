@@ -1,8 +1,9 @@
-//! The boxes of a triangle and its features in bytes: sixteen compare at once.
+//! The boxes of a triangle and its features in bytes, so that sixteen pairs of boxes are compared at once.
 //!
-//! Coordinates are rounded outward to units, at most 60 across a triangle, and taken modulo 256.
-//! Boxes that overlap span less than 128 units, so their differences `max - min` are not negative
-//! modulo 256 either. Boxes that do not may seem to: what passes must be compared exactly.
+//! Both corners are rounded down to coarser units, at most 60 across a triangle, and are taken modulo 256. Two
+//! overlapping boxes span less than 128 of these units in total, so their differences `max - min` are not negative
+//! modulo 256 either. Boxes that do not overlap may also pass this test, so the pairs that pass must be compared
+//! exactly.
 
 use bytemuck::{Pod, Zeroable};
 use wide::i8x16;
@@ -10,27 +11,28 @@ use wide::i8x16;
 use super::quantized_boxes::QuantizedBox;
 use crate::dispatch::Dispatch;
 
-/// Boxes by coordinate, the three minima before the three maxima. In each: bytes of the edges 0,
-/// 1, 2 and of the triangle, then of the vertices 0, 1, 2.
+/// The boxes by coordinate: the three minima, then the three maxima. Each has one byte for each of the edges 0, 1,
+/// 2 and the triangle, then for each of the vertices 0, 1, 2.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ByteBoxes(pub [[u32; 2]; 6]);
 
-/// Sixteen coordinates of one kind, for each of the six.
+/// Sixteen values of each of the six coordinates.
 pub type ByteLanes = [i8x16; 6];
 
-/// The byte of the triangle in the first word.
+/// Bit at which the byte of the triangle starts in the first word.
 const WHOLE: u32 = 24;
 
 impl ByteBoxes {
-    /// The box of the triangle.
+    /// Coordinate `k` of the box of the triangle.
     #[inline(always)]
     pub fn whole(&self, k: usize) -> i8 {
         (self.0[k][0] >> WHOLE) as i8
     }
 
-    /// Lane `4 r + c` for rows `r`: edge `r` against edges `c`, then vertex `r` against the triangle;
-    /// in the last row the triangle against vertices `c`.
+    /// The boxes as the first operand of [`may_overlap`]. For r < 3, lane `4 r + c` compares edge `r` with edge
+    /// `c`, and lane `4 r + 3` compares vertex `r` with the triangle. Lane `12 + c` compares the triangle with
+    /// vertex `c`.
     #[inline(always)]
     pub fn rows(&self) -> ByteLanes {
         core::array::from_fn(|k| {
@@ -41,7 +43,7 @@ impl ByteBoxes {
         })
     }
 
-    /// The other side of [`rows`](Self::rows).
+    /// The boxes as the second operand of [`may_overlap`], in the lanes of [`rows`](Self::rows).
     #[inline(always)]
     pub fn columns(&self) -> ByteLanes {
         core::array::from_fn(|k| {
@@ -51,7 +53,7 @@ impl ByteBoxes {
     }
 }
 
-/// A bit for each lane whose boxes may overlap.
+/// Returns one bit per lane, set if its two boxes may overlap.
 #[inline(always)]
 pub fn may_overlap(a: &ByteLanes, b: &ByteLanes) -> u32 {
     let below = (a[3] - b[0]) | (a[4] - b[1]) | (a[5] - b[2]);
@@ -59,8 +61,8 @@ pub fn may_overlap(a: &ByteLanes, b: &ByteLanes) -> u32 {
     !(below | above).to_bitmask() & 0xffff
 }
 
-/// Writes the boxes of every triangle up to a level. Those of features with an empty vertex are
-/// without meaning.
+/// Writes the boxes of every triangle on levels up to `level`. The boxes of features with an empty vertex are
+/// meaningless.
 pub fn write_byte_boxes(
     quantized_boxes: &[QuantizedBox],
     triangles: &[[u32; 3]],
@@ -83,7 +85,7 @@ pub fn write_byte_boxes(
     });
 }
 
-/// From units of which 2^10 span a triangle to bytes' units of which 60 do.
+/// Converts quantized units, up to 2^10 across a triangle, to byte units, up to 60 across a triangle.
 #[inline(always)]
 fn word(units: [i32; 4]) -> u32 {
     u32::from_le_bytes(units.map(|x| ((x * 15) >> 8) as u8))

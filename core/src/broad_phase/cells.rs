@@ -1,8 +1,7 @@
-//! The home cell of every sphere, and the control bits that say which cells it touches.
+//! The home cell of every sphere, and the control bits that encode which cells the sphere touches.
 //!
-//! Cells wrap around with an even period of at least four, so that keys stay short. Cells that
-//! become one are too far apart for a box to overlap anything from both, so this loses and
-//! repeats nothing.
+//! Cell indices wrap around with an even period of at least four, so that keys stay short. Cells with the same key
+//! are too far apart for one box to overlap objects of both, so wrapping neither loses nor repeats a pair.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -10,31 +9,30 @@ use super::control_bits::HOME_SHIFT;
 use super::spheres::Sphere;
 use crate::dispatch::Dispatch;
 
-/// In [`Home::control`]: shifted by an axis, phantoms are at the greater side.
+/// Bit in [`Home::control`]: shifted left by an axis, the phantom cells lie on the greater side of the home cell.
 pub const UPWARD: u32 = 1 << (HOME_SHIFT + 3);
 
-/// Where an object is.
+/// The home cell and the control bits of an object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Home {
-    /// The key of its cell.
+    /// The key of its home cell.
     pub key: u32,
     /// [Control bits](super::control_bits), then [`UPWARD`]; zero for an absent object.
     pub control: u32,
 }
 
-/// The size of the cells and the fields of their keys.
+/// The size of the cells and the layout of their keys.
 #[derive(Clone, Copy, Debug)]
 pub struct CellGrid {
     /// Edge of a cell in half units.
     pub size: i32,
-    /// Bits of a key for each axis.
+    /// Number of bits of the key for each axis.
     pub bits: [u32; 3],
 }
 
 impl CellGrid {
-    /// For spheres: cells of at least `2 R + sqrt(2) R` and keys of about as many values as there are
-    /// objects.
+    /// The grid for spheres: cells measure at least `2 R + sqrt(2) R`, and there are about as many keys as objects.
     pub fn new(spheres: &[Sphere]) -> Self {
         let (mut count, mut diagonal_squared, mut last) = (0u32, 0, [0; 3]);
         for sphere in spheres.iter().filter(|&s| *s != Sphere::ABSENT) {
@@ -55,18 +53,18 @@ impl CellGrid {
         Self { size, bits }
     }
 
-    /// Bits of a key.
+    /// Number of bits of a key.
     pub fn key_bits(&self) -> u32 {
         self.bits[0] + self.bits[1] + self.bits[2]
     }
 
-    /// Where each axis starts in a key.
+    /// Bit at which each axis starts in a key.
     #[inline]
     pub fn shifts(&self) -> [u32; 3] {
         [0, self.bits[0], self.bits[0] + self.bits[1]]
     }
 
-    /// The type of a cell.
+    /// The type of a cell: the parities of its indices, one bit per axis.
     #[inline]
     pub fn cell_type(&self, key: u32) -> u32 {
         let [x, y, z] = self.shifts().map(|shift| key >> shift & 1);
@@ -74,12 +72,12 @@ impl CellGrid {
     }
 }
 
-/// The least integer whose square is not less.
+/// The smallest integer whose square is at least `n`.
 fn root_above(n: u32) -> u32 {
     n.isqrt() + u32::from(n.isqrt() * n.isqrt() < n)
 }
 
-/// Writes where every sphere has its home and its phantoms.
+/// Writes the home cell and the control bits of every sphere.
 pub fn write_cells(spheres: &[Sphere], grid: &CellGrid, homes: &mut [Home], dispatch: &impl Dispatch) {
     dispatch.run(homes, |start, part| {
         for (sphere, home) in spheres[start..].iter().zip(part) {

@@ -1,17 +1,16 @@
-//! One entry for each cell that an object touches, copied when all control bits are known.
+//! The entries of the grid: one for each cell that an object touches, written once all control bits are known.
 //!
-//! Homes come before phantoms, and the level's own objects before smaller ones; the sort is
-//! stable, so every cell lists them in this order: own homes, smaller homes, own phantoms, smaller
-//! phantoms.
+//! Home entries come before phantom entries, and the level's own objects before smaller ones. The sort is stable,
+//! so every cell lists its entries in this order: own homes, smaller homes, own phantoms, smaller phantoms.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::cells::{CellGrid, Home, UPWARD};
 use super::control_bits;
 
-/// In [`Entry::object`]: the cell is the object's home.
+/// Flag in [`Entry::object`]: the cell is the object's home cell.
 pub const IS_HOME: u32 = 1 << 31;
-/// In [`Entry::object`]: the object belongs to the level, and is not a smaller one.
+/// Flag in [`Entry::object`]: the object is on this level, not on a level of smaller ones.
 pub const IS_OWN: u32 = 1 << 30;
 
 /// An object in a cell.
@@ -20,19 +19,19 @@ pub const IS_OWN: u32 = 1 << 30;
 pub struct Entry {
     /// The key of the cell.
     pub key: u32,
-    /// The object, [`IS_HOME`] and [`IS_OWN`].
+    /// The index of the object, with the flags [`IS_HOME`] and [`IS_OWN`].
     pub object: u32,
 }
 
 impl Entry {
-    /// Which object.
+    /// The index of the object.
     #[inline]
     pub fn id(&self) -> u32 {
         self.object & !(IS_HOME | IS_OWN)
     }
 }
 
-/// Writes the entries of all objects, at most eight each, and returns how many.
+/// Writes the entries of all objects, at most eight per object, and returns their number.
 pub fn write_entries(homes: &[Home], levels: &[u8], level: u8, grid: &CellGrid, entries: &mut [Entry]) -> usize {
     let (shifts, mut end) = (grid.shifts(), 0);
     let fields: [u32; 3] = core::array::from_fn(|k| ((1 << grid.bits[k]) - 1) << shifts[k]);

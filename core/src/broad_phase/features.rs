@@ -1,16 +1,16 @@
-//! Pairs of triangles -> the pairs of features that the two stand for, whose boxes overlap
-//! [Curtis 2008].
+//! Expands pairs of triangles into the candidates: pairs of owned features whose boxes overlap [Curtis 2008].
 //!
-//! The triangles may share vertices: what is dropped are pairs of features that do, or that are
-//! sewn together. So pairs of neighbours must come here too. The fifteen pairs of features are
-//! bits of a word, laid out as in [`ByteBoxes::rows`], from which tables strike out those that the
-//! triangles do not stand for and those that share a vertex.
+//! The two triangles may share vertices; pairs of adjacent triangles must be passed too. Only pairs of features
+//! that share a vertex or are sewn together are dropped. A pair of triangles has fifteen pairs of features, which
+//! are bits of a word in the layout of [`ByteBoxes::rows`]. Lookup tables remove the features that a triangle does
+//! not own and the pairs that share a vertex.
 
 use super::byte_boxes::{ByteBoxes, may_overlap};
 use super::{Candidates, Counts, IS_FACE, OWNS_EDGE, OWNS_VERTEX, Surface};
 use crate::geometry::aabb::Aabb;
 
-/// Adds the candidates of pairs of triangles. Without byte boxes all features are compared exactly.
+/// Adds the candidates of pairs of triangles. Without byte boxes, the exact boxes of all pairs of features are
+/// compared.
 pub fn add_features(
     boxes: &[Aabb],
     surface: &Surface<'_>,
@@ -21,7 +21,7 @@ pub fn add_features(
     out: &mut Candidates<'_>,
     counts: &mut Counts,
 ) {
-    // Many pairs in a row have the same first triangle.
+    // Consecutive pairs often have the same first triangle.
     let (mut rows, mut rows_of) = (ByteBoxes::default().rows(), usize::MAX);
     for &[a, b] in pairs {
         let (a, b) = (a as usize, b as usize);
@@ -69,7 +69,7 @@ fn edges_are_sewn(surface: &Surface<'_>, &[a, b, c, d]: &[u32; 4]) -> bool {
     !surface.sewn.offsets.is_empty() && (joins(a, c) || joins(a, d) || joins(b, c) || joins(b, d))
 }
 
-/// Bit `3 i + j`: corner `i` of one triangle is corner `j` of the other.
+/// Bit `3 i + j` is set if corner `i` of one triangle is corner `j` of the other.
 #[inline(always)]
 fn equal_corners(p: &[u32; 3], q: &[u32; 3]) -> usize {
     let mut equal = 0;
@@ -81,10 +81,10 @@ fn equal_corners(p: &[u32; 3], q: &[u32; 3]) -> usize {
     equal
 }
 
-/// The bits of a triangle's features in the rows, by what it owns.
+/// The bits of the features of the first triangle, which are the rows, indexed by its `owned` bits.
 const ROWS: [u16; 128] = by_ownership(true);
 
-/// The bits of a triangle's features in the columns.
+/// The bits of the features of the second triangle, which are the columns, indexed by its `owned` bits.
 const COLUMNS: [u16; 128] = by_ownership(false);
 
 const fn by_ownership(in_rows: bool) -> [u16; 128] {
@@ -111,7 +111,7 @@ const fn by_ownership(in_rows: bool) -> [u16; 128] {
     table
 }
 
-/// The bits of features that share no vertex, by [`equal_corners`].
+/// The bits of the pairs of features that share no vertex, indexed by the result of [`equal_corners`].
 const APART: [u16; 512] = {
     let mut table = [0; 512];
     let mut equal = 0;

@@ -1,4 +1,4 @@
-//! The broad phase: bounds, then for each level of sizes spheres, cells, entries, sort and pairs.
+//! The broad phase: computes bounds, then spheres, cells, entries, their sort and pairs for each level of sizes.
 
 use super::bounds::write_bounds;
 use super::brute_force_level::for_each_brute_force_pair;
@@ -15,31 +15,32 @@ use super::{Candidates, Counts, Surface};
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 
-/// Work columns, borrowed: one slot a triangle where not said otherwise.
+/// Borrowed work columns, with one slot per triangle unless stated otherwise.
 #[derive(Debug)]
 pub struct Grid<'a> {
-    /// Boxes.
+    /// Boxes of the triangles.
     pub triangle_boxes: &'a mut [Aabb],
-    /// Features that each stands for.
+    /// Features that each triangle owns.
     pub owned: &'a mut [u8],
-    /// Levels of sizes.
+    /// Level of each triangle.
     pub levels: &'a mut [u8],
-    /// Boxes in a level's units, one a vertex.
+    /// Quantized boxes in units of the current level, one per vertex.
     pub quantized_boxes: &'a mut [QuantizedBox],
-    /// Spheres around the boxes in a level's units.
+    /// Spheres around the boxes, in units of the current level.
     pub spheres: &'a mut [Sphere],
-    /// Boxes of triangles and their features in bytes, in a level's units.
+    /// Boxes of the triangles and their features in bytes, in units of the current level.
     pub byte_boxes: &'a mut [ByteBoxes],
-    /// Home cells and control bits in a level's cells.
+    /// Home cells and control bits in the grid of the current level.
     pub homes: &'a mut [Home],
-    /// Eight a triangle.
+    /// Entries, eight slots per triangle.
     pub entries: &'a mut [Entry],
-    /// Eight a triangle, to sort into.
+    /// Second buffer for the sort, eight slots per triangle.
     pub spare: &'a mut [Entry],
 }
 
-/// Writes the candidates of a surface from one box a vertex, swept and inflated as the caller
-/// needs. Grows nothing: a count above its capacity says how much room was needed.
+/// Writes the candidates of a surface and returns their numbers. `boxes` has one box per vertex, which the caller
+/// has swept and inflated as needed. Nothing is reallocated: a count above its capacity is the capacity that was
+/// needed.
 pub fn candidates(
     boxes: &[Aabb],
     surface: &Surface<'_>,
@@ -90,7 +91,7 @@ pub struct GridColumns {
 
 #[cfg(feature = "alloc")]
 impl GridColumns {
-    /// Columns for a surface of so many vertices and triangles, whatever its shape.
+    /// Allocates columns that suffice for every surface with `vertices` vertices and `triangles` triangles.
     pub fn build(vertices: usize, triangles: usize) -> Self {
         use alloc::vec;
         Self {
@@ -106,7 +107,7 @@ impl GridColumns {
         }
     }
 
-    /// The borrowed view that [`candidates`] works in.
+    /// Borrows the columns for [`candidates`].
     pub fn view(&mut self) -> Grid<'_> {
         Grid {
             triangle_boxes: &mut self.triangle_boxes,
@@ -121,7 +122,7 @@ impl GridColumns {
         }
     }
 
-    /// Bytes held.
+    /// Size of the columns in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.triangle_boxes[..])
             + size_of_val(&self.owned[..])

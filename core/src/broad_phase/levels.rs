@@ -1,44 +1,45 @@
-//! Triangles by size, so that a few large ones do not inflate every cell: each level has cells of
-//! its own, in which its triangles meet one another and all smaller ones.
+//! Assigns triangles to the levels of the hierarchical grid by size, so that a few large triangles do not enlarge
+//! every cell. Each level has its own cells, in which its triangles are compared with one another and with all
+//! smaller triangles.
 //!
-//! A level starts at the sixteenth quantile of what is left and reaches to four times that size.
-//! TrafficSizes are greatest extents in quarters of an octave. The last few, and boxes without bounds,
-//! are a level of one cell.
+//! The size of a triangle is the greatest extent of its box, counted in bins of four per octave. A level starts at
+//! the 1/16 quantile of the remaining sizes and reaches to four times that size. The last few triangles, and those
+//! with unbounded boxes, form a last level without cells.
 
 use crate::geometry::aabb::Aabb;
 use crate::real::{Vec3, to_f32};
 
-/// In the column of levels: a box that overlaps nothing.
+/// In the column of levels: the box overlaps nothing.
 pub const NO_LEVEL: u8 = u8::MAX;
 
-/// Levels with cells; triangles beyond them are in one cell.
+/// The greatest number of levels with cells. Larger triangles are on the last level, without cells.
 pub const MOST: usize = 8;
 
-/// So many triangles are better compared with all others than sorted into cells with them.
+/// If no more triangles than this remain, comparing them with all others is faster than sorting into cells.
 const FEW: u32 = 32;
 
-/// Quarters of an octave from the smallest to the largest of a level.
+/// Number of size bins in a level from its quantile on: 8 bins are a factor of four.
 const REACH: usize = 8;
 
 const BINS: usize = 1024;
 
-/// Infinite, or beyond f32.
+/// The first bin of extents that are infinite or too large for f32.
 const UNBOUNDED: usize = 255 << 2;
 
-/// How the triangles were divided.
+/// The division of the triangles into levels.
 #[derive(Clone, Copy, Debug)]
 pub struct Levels {
-    /// Levels with cells.
+    /// Number of levels with cells.
     pub graded: u8,
-    /// Triangles of the level of one cell, which is level `graded`.
+    /// Number of triangles on the last level, which has no cells and has the index `graded`.
     pub single: u32,
     /// The greatest extent in each level.
     pub extents: [f32; MOST],
-    /// Around all boxes in levels with cells.
+    /// Box around all bounded boxes.
     pub scene: Aabb,
 }
 
-/// Writes the level of every triangle.
+/// Writes the level of every triangle to `levels`, and returns the division.
 pub fn assign(triangle_boxes: &[Aabb], levels: &mut [u8]) -> Levels {
     let mut histogram = [0u32; BINS];
     let mut scene = Aabb::EMPTY;
@@ -65,7 +66,7 @@ pub fn assign(triangle_boxes: &[Aabb], levels: &mut [u8]) -> Levels {
     Levels { graded, single, extents, scene }
 }
 
-/// The level of each bin, how many levels there are with cells, and how many triangles without.
+/// Returns the level of each bin, the number of levels with cells, and the number of triangles on the last level.
 fn divide(histogram: &[u32; BINS]) -> ([u8; BINS], u8, u32) {
     let mut table = [0; BINS];
     let (mut left, mut next, mut level) = (histogram.iter().sum::<u32>(), 0, 0);
@@ -87,7 +88,7 @@ fn divide(histogram: &[u32; BINS]) -> ([u8; BINS], u8, u32) {
     (table, level, left)
 }
 
-/// `None` for a box that overlaps nothing.
+/// The greatest extent of a box, or `None` if the box overlaps nothing.
 #[inline]
 fn extent(b: &Aabb) -> Option<f32> {
     let size: Vec3 = b.max - b.min;

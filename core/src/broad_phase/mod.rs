@@ -1,11 +1,13 @@
-//! Boxes in, pairs out: which features can touch at all. Knows nothing of cloth.
+//! The broad phase finds the pairs of features that may touch, from their bounding boxes alone. It does not depend
+//! on the physics of cloth.
 //!
-//! A *candidate* is a pair of features, a vertex and a triangle or two edges, that share no
-//! vertex, are not sewn together, and whose boxes overlap: exactly this set, by every method.
+//! A *candidate* is a pair of features, either a vertex and a triangle or two edges, that share no vertex, are not
+//! sewn together, and have overlapping boxes. Every method returns exactly this set.
 //!
-//! The [`grid`] goes from boxes to candidates in the order of the modules; [`reference_cell`] and
-//! [`brute_force`] do the same by simpler rules and are what it is tested against. Where a box has
-//! a NaN, or a corner on the wrong side, it overlaps nothing, nor does what it is part of.
+//! The [`grid`] computes the candidates from the boxes; its steps are the modules below, in order.
+//! [`reference_cell`] and [`brute_force`] compute the same set by simpler rules, and the tests compare the grid
+//! with them. A box that has a NaN, or a low corner above its high corner, overlaps nothing, and neither does any
+//! feature with a vertex that has such a box.
 
 pub mod bounds;
 pub mod levels;
@@ -40,39 +42,39 @@ pub use grid::{Grid, candidates};
 
 use crate::mesh::Incidence;
 
-/// In [`Surface::owned`]: bit k, the triangle stands for its vertex k.
+/// Bit in [`Surface::owned`]: shifted left by k, the triangle owns its vertex k.
 pub const OWNS_VERTEX: u8 = 1;
-/// In [`Surface::owned`]: shifted by k, the triangle stands for its edge k.
+/// Bit in [`Surface::owned`]: shifted left by k, the triangle owns its edge k.
 pub const OWNS_EDGE: u8 = 1 << 3;
-/// In [`Surface::owned`]: the triangle is a face that vertices can touch. Colliders that are
-/// points or lines with a radius come as triangles with repeated vertices and without this bit.
+/// Bit in [`Surface::owned`]: the triangle is a face that vertices can touch. Colliders that are points or lines
+/// with a radius are stored as triangles with repeated vertices and without this bit.
 pub const IS_FACE: u8 = 1 << 6;
 
-/// What can touch: triangles, and the vertices and edges that each stands for.
+/// The triangles that can touch, and the vertices and edges that each of them owns.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
     /// Vertices of each triangle.
     pub triangles: &'a [[u32; 3]],
     /// Edges of each triangle: k joins vertices k and k + 1.
     pub triangle_edges: &'a [[u32; 3]],
-    /// Which features each triangle stands for, so that every feature pair comes from exactly one
-    /// pair of triangles (R-triangles) [Curtis 2008].
+    /// The features that each triangle owns. Each feature has one owner, so every pair of features comes from
+    /// exactly one pair of triangles (R-triangles) [Curtis 2008].
     pub owned: &'a [u8],
     /// Ends of each edge.
     pub edges: &'a [[u32; 2]],
-    /// Which corners of triangles meet at each vertex: slot `3 t + k` is corner k of triangle t.
+    /// The triangle corners at each vertex: slot `3 t + k` is corner k of triangle t.
     pub incidence: Incidence<'a>,
-    /// What is sewn to what.
+    /// The pairs of vertices that are sewn together.
     pub sewn: Sewn<'a>,
-    /// Triangles from here on are passive: they never pair with one another. They share no vertex
-    /// with those before.
+    /// Index of the first passive triangle. Passive triangles never pair with one another, and they share no vertex
+    /// with the triangles before them.
     pub first_passive: u32,
-    /// Whether the triangles before pair with one another.
+    /// Whether the triangles before `first_passive` pair with one another.
     pub own_contact: bool,
 }
 
 impl Surface<'_> {
-    /// Whether features of two triangles may touch at all.
+    /// Whether features of the two triangles are allowed to pair.
     #[inline]
     pub fn may_pair(&self, a: u32, b: u32) -> bool {
         match [a, b].map(|triangle| triangle >= self.first_passive) {
@@ -83,12 +85,12 @@ impl Surface<'_> {
     }
 }
 
-/// The vertices that each vertex is sewn to, as rows. Without rows nothing is sewn.
+/// The vertices that each vertex is sewn to, one row per vertex. If `offsets` is empty, nothing is sewn.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sewn<'a> {
-    /// Start of each vertex's row; one more than there are vertices, or empty.
+    /// Start of each vertex's row, followed by the end of the last row; or empty.
     pub offsets: &'a [u32],
-    /// The vertices sewn to it.
+    /// The vertices of all rows.
     pub others: &'a [u32],
 }
 
@@ -106,8 +108,8 @@ impl Sewn<'_> {
     }
 }
 
-/// The candidates: `[vertex, triangle]` and `[edge, edge]`, the lesser edge first. A slice's
-/// length is its capacity.
+/// The candidates: `[vertex, triangle]` and `[edge, edge]`, the smaller edge index first. The length of each slice
+/// is its capacity.
 #[derive(Debug, Default)]
 pub struct Candidates<'a> {
     /// Pairs of a vertex and a triangle.
@@ -116,8 +118,8 @@ pub struct Candidates<'a> {
     pub edge_edge: &'a mut [[u32; 2]],
 }
 
-/// How many candidates there are. Where a count is above its capacity, only as many as fit were
-/// written and the caller must come again with more room.
+/// The numbers of candidates. If a count exceeds its capacity, only the candidates that fit were written, and the
+/// caller must repeat the call with larger slices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Pairs of a vertex and a triangle.
@@ -127,7 +129,7 @@ pub struct Counts {
 }
 
 impl Candidates<'_> {
-    /// Counts a vertex and a triangle, and writes them where there is room.
+    /// Counts a pair of a vertex and a triangle, and writes it if it fits.
     #[inline(always)]
     pub fn add_vertex_triangle(&mut self, counts: &mut Counts, vertex: u32, triangle: u32) {
         if let Some(slot) = self.vertex_triangle.get_mut(counts.vertex_triangle) {
@@ -136,7 +138,7 @@ impl Candidates<'_> {
         counts.vertex_triangle += 1;
     }
 
-    /// Counts two edges, and writes them where there is room.
+    /// Counts a pair of edges, and writes it if it fits.
     #[inline(always)]
     pub fn add_edge_edge(&mut self, counts: &mut Counts, a: u32, b: u32) {
         if let Some(slot) = self.edge_edge.get_mut(counts.edge_edge) {

@@ -1,9 +1,10 @@
-//! Pairs of objects whose boxes may overlap. Those whose boxes do come exactly once, from one of
-//! their common cells; a few others come, once or more often, and have no candidates.
+//! Finds the pairs of objects whose boxes may overlap. A pair whose boxes do overlap is found exactly once, in one
+//! of the common cells. A few other pairs are found too, some of them more than once, but they yield no candidates.
 //!
-//! In a cell, own homes meet everything after them, smaller homes only own phantoms. The spheres
-//! of overlapping boxes overlap, so the box test stands for the sphere test that the uniqueness
-//! rests on; and for the comparison of cells, since cells that wrapped onto one are far apart.
+//! In each cell, the home entries of the level's own objects are compared with all entries after them, and the home
+//! entries of smaller objects only with the phantom entries of own objects. Spheres of overlapping boxes overlap,
+//! so the box test can replace the sphere test in the proof that each pair is tested once. It also replaces a
+//! comparison of the unwrapped cells, because cells that wrap to the same key are far apart.
 
 use wide::i8x16;
 
@@ -13,17 +14,17 @@ use super::cells::{CellGrid, Home};
 use super::control_bits::skips;
 use super::entries::{Entry, IS_HOME, IS_OWN};
 
-/// Entries that are compared with one another entry at once: bits of a word.
+/// Number of entries that are compared with one other entry at once: the bits of a word.
 const BLOCK: usize = 64;
 const WIDTH: usize = 16;
 
-/// Pairs that are handed on together.
+/// Pairs are passed to `add` once at least this many have been found.
 const BATCH: usize = 256;
 
-/// Boxes of a block by coordinate.
+/// The boxes of a block of entries, by coordinate.
 type Columns = [[[i8; WIDTH]; BLOCK / WIDTH]; 6];
 
-/// Calls `add` with all pairs that may touch, many at a time.
+/// Calls `add` with all pairs that may touch, many pairs per call.
 pub fn for_each_pair(
     entries: &[Entry],
     homes: &[Home],
@@ -82,7 +83,7 @@ fn gather(block: &[Entry], byte_boxes: &[ByteBoxes], columns: &mut Columns) {
     }
 }
 
-/// A bit for each of the first `count` boxes that may overlap; the bits beyond mean nothing.
+/// Returns one bit for each of the first `count` boxes, set if it may overlap `b`. The bits beyond are meaningless.
 #[inline(always)]
 fn overlaps(b: &ByteBoxes, columns: &Columns, count: usize) -> u64 {
     let one = core::array::from_fn(|k| i8x16::splat(b.whole(k)));

@@ -1,7 +1,7 @@
-//! The boxes of vertices rounded outward to integers.
+//! The boxes of vertices, quantized: both corners are rounded down to integers.
 //!
-//! Rounding is monotone: boxes that overlap still do in integers. The scale is a power of two, so
-//! that an integer does not depend on how a compiler orders `(x - origin) scale`.
+//! Rounding is monotone, so boxes that overlap still overlap afterwards. The scale is a power of two, so that the
+//! integers do not depend on how a compiler orders `(x - origin) scale`.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -10,18 +10,18 @@ use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3, to_f32};
 
-/// Units across the largest box of a level: 2^9 to 2^10.
+/// The largest box of a level measures from 2^9 to 2^10 units, or less if the scene is too large for that.
 const FINE: i32 = 9;
 
-/// Coordinates stay below 2^27, so that sums and small multiples are an i32.
+/// Coordinates stay below 2^27, so that their sums and small multiples fit an i32.
 const RANGE: i32 = 26;
 
-/// From metres to units.
+/// The map from metres to integer units.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantization {
     /// The corner that becomes zero, m.
     pub origin: Vec3,
-    /// Units a metre, a power of two.
+    /// Units per metre, a power of two.
     pub scale: Real,
 }
 
@@ -31,10 +31,10 @@ pub struct Quantization {
 pub struct QuantizedBox(pub [i32; 6]);
 
 impl QuantizedBox {
-    /// Contains nothing; small enough to be multiplied.
+    /// The box that contains nothing. Its coordinates are small enough to be multiplied.
     pub const EMPTY: Self = Self([1 << (RANGE + 1), 1 << (RANGE + 1), 1 << (RANGE + 1), 0, 0, 0]);
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[inline(always)]
     pub fn union(&self, other: &Self) -> Self {
         let outer = |k: usize| if k < 3 { self.0[k].min(other.0[k]) } else { self.0[k].max(other.0[k]) };
@@ -43,7 +43,7 @@ impl QuantizedBox {
 }
 
 impl Quantization {
-    /// For boxes of up to `extent` in a scene; both at most the greatest f32.
+    /// The map for boxes with extents up to `extent` in a scene. Both sizes must not exceed the greatest f32.
     pub fn new(scene: &Aabb, extent: f32) -> Self {
         let size = scene.max - scene.min;
         let whole = to_f32(size.x.max(size.y).max(size.z));
@@ -59,12 +59,12 @@ impl Quantization {
     }
 }
 
-/// Of the power of two at or below a positive number; low for zero.
+/// The exponent of the greatest power of two that does not exceed `x >= 0`; -127 for zero.
 fn exponent(x: f32) -> i32 {
     (x.to_bits() >> 23) as i32 - 127
 }
 
-/// Writes the box of every vertex in units; empty where it is not valid.
+/// Writes the quantized box of every vertex, or [`QuantizedBox::EMPTY`] if the box is not valid.
 pub fn write_quantized_boxes(
     boxes: &[Aabb],
     quantization: &Quantization,

@@ -1,6 +1,7 @@
-//! Boxes in all cells that they touch; of its common cells a pair is tested in the one whose
-//! indices are the greater of the two boxes' lowest. Complete and free of repeats for cells of any
-//! size. To test with: it shares with the [grid](super::grid) only the expansion into features.
+//! The candidates by a simpler grid, for tests. Every box is stored in all cells that it touches. A pair is tested
+//! only in the cell whose index along each axis is the greater of the two boxes' lowest indices. This finds every
+//! pair exactly once, for cells of any size. Only the bounds and the expansion into features are shared with the
+//! [grid](super::grid).
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -12,10 +13,10 @@ use crate::dispatch::Serial;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3};
 
-/// Cells along each axis.
+/// Number of cells along each axis.
 const ACROSS: Real = 32.0;
 
-/// Writes the candidates.
+/// Writes the candidates, and returns their numbers.
 pub fn candidates(boxes: &[Aabb], surface: &Surface<'_>, out: &mut Candidates<'_>) -> Counts {
     let mut triangle_boxes = vec![Aabb::EMPTY; surface.triangles.len()];
     let mut owned = vec![0; surface.triangles.len()];

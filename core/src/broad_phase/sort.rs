@@ -1,11 +1,11 @@
-//! Stable radix sort by cell.
+//! Stable radix sort of the entries by cell key.
 
 use super::entries::Entry;
 
-/// Bits of a key that one pass sorts by, at most.
+/// The greatest number of key bits that one pass sorts by.
 const DIGIT: u32 = 11;
 
-/// Sorts by the lowest `bits` of the keys, and returns whether the result is in `spare`.
+/// Sorts by the lowest `bits` bits of the keys, and returns whether the result is in `spare`.
 pub fn sort(entries: &mut [Entry], spare: &mut [Entry], bits: u32) -> bool {
     let passes = bits.div_ceil(DIGIT);
     let (mut from, mut to) = (entries, spare);

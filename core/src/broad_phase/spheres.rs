@@ -1,4 +1,4 @@
-//! The spheres around triangles' boxes in units. Boxes that overlap have spheres that do.
+//! Spheres around the quantized boxes of triangles, in units. If two boxes overlap, their spheres overlap too.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -11,16 +11,16 @@ use crate::dispatch::Dispatch;
 pub struct Sphere {
     /// Twice the centre, units.
     pub center: [i32; 3],
-    /// Square of twice the radius: of the box's diagonal, units^2.
+    /// Square of twice the radius, which is the diagonal of the box, units^2.
     pub diagonal_squared: u32,
 }
 
 impl Sphere {
-    /// Of a triangle that does not take part.
+    /// Marks a triangle that does not take part in this level.
     pub const ABSENT: Self = Self { center: [-1; 3], diagonal_squared: 0 };
 }
 
-/// Writes the sphere of every triangle up to a level.
+/// Writes the spheres of all triangles on levels up to `level`, and [`Sphere::ABSENT`] for the others.
 pub fn write_spheres(
     quantized_boxes: &[QuantizedBox],
     triangles: &[[u32; 3]],

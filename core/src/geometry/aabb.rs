@@ -1,25 +1,25 @@
-//! Axis-aligned boxes. Minimum, maximum and comparison never round, so that every method, on
-//! every machine, decides alike which boxes overlap.
+//! Axis-aligned boxes. Minimum, maximum and comparison never round, so all methods on all machines agree on which
+//! boxes overlap.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::real::{Real, Vec3};
 
-/// A box; the empty one has its corners swapped at infinity.
+/// A box. The empty box has its corners swapped at infinity.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Aabb {
-    /// Least corner, m.
+    /// Low corner, m.
     pub min: Vec3,
-    /// Greatest corner, m.
+    /// High corner, m.
     pub max: Vec3,
 }
 
 impl Aabb {
-    /// Contains nothing.
+    /// The box that contains nothing.
     pub const EMPTY: Self = Self { min: Vec3::splat(Real::INFINITY), max: Vec3::splat(Real::NEG_INFINITY) };
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[inline]
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }

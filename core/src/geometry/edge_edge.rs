@@ -1,19 +1,19 @@
 //! The nearest points of two edges: `min |r + s a - t b|`, r = a0 - b0, over s and t in [0, 1]
 //! [Ericson 2005, section 5.1.9].
 //!
-//! He solves for s by the determinant `a.a b.b - (a.b)^2`, which in f32 is noise below an angle of
-//! a thousandth. Taking the parts perpendicular to b keeps the distance right to a few roundings
+//! Ericson solves for s with the determinant `a.a b.b - (a.b)^2`, which in f32 is noise at angles below 1e-3. With
+//! the components a' and r' of a and r perpendicular to b, the error of the distance stays within a few roundings
 //! of the coordinates at every angle:
 //! ```text
-//! s = clamp(-r' . a' / a' . a'),  t = (r + s a) . b / b . b;  t outside: clamp t, s = (t b - r) . a / a . a
+//! s = clamp(-r' . a' / a' . a'),  t = (r + s a) . b / b . b;  if t is outside: clamp t, s = (t b - r) . a / a . a
 //! ```
-//! Where a' is flat the edges are parallel, every s is as good, and s = 0.
+//! If a' is too short, the edges are parallel and s = 0.
 
 use super::{FLAT, point_edge};
 use crate::real::{Real, Vec3};
 
-/// Where on each edge, from 0 at its first end to 1 at its second. Of parallel edges that
-/// overlap, one of many nearest pairs.
+/// The parameters of the nearest points, from 0 at the first end of each edge to 1 at its second end. For parallel
+/// edges that overlap, this is one of many nearest pairs.
 #[inline]
 pub fn closest_parameters(a0: Vec3, a1: Vec3, b0: Vec3, b1: Vec3) -> [Real; 2] {
     let (a, b, r) = (a1 - a0, b1 - b0, a0 - b0);

@@ -1,20 +1,20 @@
-//! Whether edges and triangles meet, without error, for audits.
+//! Exact tests whether edges and triangles intersect, for audits.
 //!
-//! Both are closed sets of points: they *meet* if they share any point, so that touching at a
-//! corner and lying in one plane on one another count, and "nothing meets" means a distance above
-//! zero everywhere. Edges without length and triangles without area are the points and lines that
-//! they are. An edge p q meets a triangle a b c, with s the sign of a tetrahedron's volume, if
+//! Both are closed sets of points, which *meet* if they share any point. Sets that touch at a corner, or that are
+//! coplanar and overlap, do meet; sets that do not meet have a positive distance. Edges without length and
+//! triangles without area are treated as the points and lines that they are. With s the sign of the volume of a
+//! tetrahedron, an edge p q meets a triangle a b c in one of two cases:
 //!
-//! * s(abcp) and s(abcq) are not one sign and not both 0, and s(pqab), s(pqbc), s(pqca) are not of
-//!   both signs: the line passes through the triangle and the plane cuts the edge;
-//! * s(abcp) = s(abcq) = 0, and p is inside, or the edge meets a side.
+//! * s(abcp) and s(abcq) differ, and s(pqab), s(pqbc), s(pqca) do not include both signs: the line passes through
+//!   the triangle and the plane cuts the edge;
+//! * s(abcp) = s(abcq) = 0, and p is inside the triangle or the edge meets a side.
 //!
-//! Most pairs do not meet, and two tests in plain numbers say so first: both ends are on one side by more than
-//! rounding, or a line keeps both apart in one shadow. The second is for points in a plane, whose exact volume
-//! takes the longest.
+//! Most pairs do not meet, and two cheaper tests exclude most of these first: both ends are on the same side of the
+//! plane by more than the rounding error, or a line separates the edge and the triangle in one projection. The
+//! second test serves coplanar points, for which the exact volume is most expensive.
 //!
-//! Signs come from adaptive predicates [Shewchuk 1997], exact while no product under- or
-//! overflows: in f32 for all finite coordinates, in f64 for 0 and sizes from 1e-70 to 1e70.
+//! Signs come from adaptive predicates [Shewchuk 1997], which are exact unless a product under- or overflows: in
+//! f32 for all finite coordinates, in f64 for coordinates that are 0 or have sizes from 1e-70 to 1e70.
 
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
@@ -22,7 +22,7 @@ use crate::real::{Vec3, to_f64};
 
 type Point = [f64; 3];
 
-/// The coordinates of a point's shadow along each axis.
+/// The projections along each axis: the two coordinates that remain.
 const SHADOWS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
 /// Whether an edge and a triangle share a point.
@@ -39,8 +39,9 @@ pub fn edge_meets_triangle(edge: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
     }
 }
 
-/// Sign of the volume of a triangle with a point; 0 where rounding may decide. Its error is at most 8 units of
-/// rounding of the sum of the products' sizes [Shewchuk 1997]; 32 are allowed.
+/// Sign of the volume of a triangle and a point in ordinary arithmetic; 0 if the rounding error may decide. The
+/// error is at most 8 unit roundoffs times the sum of the magnitudes of the products [Shewchuk 1997]; 32 are
+/// allowed.
 #[inline]
 fn plain_volume([a, b, c]: [Point; 3], d: Point) -> i8 {
     let [a, b, c] = [a, b, c].map(|p| [p[0] - d[0], p[1] - d[1], p[2] - d[2]]);
@@ -53,14 +54,14 @@ fn plain_volume([a, b, c]: [Point; 3], d: Point) -> i8 {
     if volume.abs() > 16.0 * f64::EPSILON * size { sign(volume) } else { 0 }
 }
 
-/// The shadow in which a triangle is largest, but for rounding.
+/// The projection in which a triangle has the largest area, up to rounding.
 fn largest_shadow([a, b, c]: [Point; 3]) -> [usize; 2] {
     let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
     let size = |[x, y]: [usize; 2]| (u[x] * v[y] - u[y] * v[x]).abs();
     SHADOWS.into_iter().fold(SHADOWS[0], |most, shadow| if size(shadow) > size(most) { shadow } else { most })
 }
 
-/// Whether a line along a side of the triangle, or along the edge, has one of the two shadows strictly on either side.
+/// Whether, in a projection, a line along a side of the triangle or along the edge strictly separates the two.
 fn kept_apart(shadow: [usize; 2], [p, q]: [Point; 2], triangle: [Point; 3]) -> bool {
     let [a, b, c] = triangle;
     let inside = area(shadow, a, b, c);
@@ -70,26 +71,26 @@ fn kept_apart(shadow: [usize; 2], [p, q]: [Point; 2], triangle: [Point; 3]) -> b
         || [[1; 3], [-1; 3]].contains(&beside())
 }
 
-/// Whether two triangles share a point: then an edge of one meets the other.
+/// Whether two triangles share a point. If they do, an edge of one of them meets the other.
 pub fn triangles_meet(one: [Vec3; 3], other: [Vec3; 3]) -> bool {
     let meets = |a, b| sides(a).iter().any(|&edge| edge_meets_triangle(edge, b));
     meets(one, other) || meets(other, one)
 }
 
-/// Sign of the volume of a tetrahedron; 0 if the points lie in a plane.
+/// Sign of the volume of a tetrahedron; 0 if the points are coplanar.
 fn volume(a: Point, b: Point, c: Point, d: Point) -> i8 {
     let [a, b, c, d] = [a, b, c, d].map(|[x, y, z]| Coord3D { x, y, z });
     sign(orient3d(a, b, c, d))
 }
 
-/// Sign of the area of a triangle's shadow; 0 if that lies on a line.
+/// Sign of the area of a projected triangle; 0 if its points are collinear.
 fn area([x, y]: [usize; 2], a: Point, b: Point, c: Point) -> i8 {
     let [a, b, c] = [a, b, c].map(|p| Coord { x: p[x], y: p[y] });
     sign(orient2d(a, b, c))
 }
 
-/// Whether a point of a triangle's plane is strictly inside. One shadow with area decides, and
-/// the others agree or have none.
+/// Whether a point in the plane of a triangle is strictly inside it. One projection with a nonzero area decides
+/// this; the others agree or have no area.
 fn covers(triangle: [Point; 3], point: Point) -> bool {
     SHADOWS.iter().any(|&shadow| {
         let turns = sides(triangle).map(|[a, b]| area(shadow, a, b, point));
@@ -97,8 +98,8 @@ fn covers(triangle: [Point; 3], point: Point) -> bool {
     })
 }
 
-/// Whether two edges share a point. Of four points in a plane some shadow keeps all that is on
-/// one another apart from what is not; where the edges meet, they do so in every shadow.
+/// Whether two edges share a point. Edges that meet do so in every projection. Coplanar edges that do not meet are
+/// apart in at least one projection.
 fn edges_meet([p, q]: [Point; 2], [a, b]: [Point; 2]) -> bool {
     let overlap = |k: usize| p[k].max(q[k]) >= a[k].min(b[k]) && a[k].max(b[k]) >= p[k].min(q[k]);
     let meet_in = |&shadow: &[usize; 2]| {

@@ -1,5 +1,5 @@
-//! Boxes, distances and exact crossings of points, edges and triangles. Pure geometry: nothing
-//! here knows of cloth, time steps or contact.
+//! Boxes, distances and exact intersection tests of points, edges and triangles. This module is pure geometry: it
+//! does not depend on cloth, time steps or contact.
 
 pub mod aabb;
 pub mod edge_edge;
@@ -9,6 +9,6 @@ pub mod point_triangle;
 
 use crate::real::Real;
 
-/// A thing whose height is below this fraction of its length is as good as flat: taking it for
-/// flat moves no nearest point by more than the coordinates' own rounding.
+/// A triangle counts as flat, and two edges as parallel, if the height is below this fraction of the length. This
+/// moves no nearest point by more than the rounding error of the coordinates.
 const FLAT: Real = 4.0 * Real::EPSILON;

@@ -1,18 +1,18 @@
-//! The point of a triangle nearest to a point: `min |p - w0 t0 - w1 t1 - w2 t2|` over weights that
-//! are not negative and sum to 1 [Ericson 2005, section 5.1.5].
+//! The point of a triangle nearest to a given point: `min |p - w0 t0 - w1 t1 - w2 t2|` over nonnegative weights
+//! with sum 1 [Ericson 2005, section 5.1.5].
 //!
-//! The regions are his seven; the weights come from the edge e = t1 - t0 and the height h above it
-//! instead of his Gram determinants, which lose a sliver's height twice over in f32:
+//! The seven regions are Ericson's. The weights are computed from the edge e = t1 - t0 and the height h above it,
+//! because his Gram determinants lose twice as many digits of a sliver's height in f32:
 //! ```text
 //! p - t0 = s e + rise,  t2 - t0 = s' e + h,  rise and h perpendicular to e
 //! w2 = rise . h / h . h,  w1 = s - w2 s',  w0 = 1 - w1 - w2
 //! ```
-//! so that the distance is wrong by a few roundings of the coordinates, whatever the shape.
+//! The error of the distance is a few roundings of the coordinates for every shape of the triangle.
 
 use super::{FLAT, point_edge};
 use crate::real::{Real, Vec3};
 
-/// Weights of the three corners. A triangle without area counts as its edges.
+/// Weights of the three corners. A triangle without area is treated as its three edges.
 #[inline]
 pub fn closest_weights(p: Vec3, t0: Vec3, t1: Vec3, t2: Vec3) -> [Real; 3] {
     let (edge, side, reach) = (t1 - t0, t2 - t0, p - t0);
@@ -33,7 +33,8 @@ pub fn closest_weights(p: Vec3, t0: Vec3, t1: Vec3, t2: Vec3) -> [Real; 3] {
     }
 }
 
-/// The nearest point on those of the edges that the point sees; k joins corners k and k + 1.
+/// The nearest point on the edges marked in `seen`, which are those that face the point; edge k joins corners k and
+/// k + 1.
 #[inline]
 fn on_edges(p: Vec3, corners: [Vec3; 3], seen: [bool; 3]) -> [Real; 3] {
     let (mut weights, mut nearest) = ([1.0, 0.0, 0.0], Real::INFINITY);

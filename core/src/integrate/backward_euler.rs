@@ -1,5 +1,5 @@
 //! Backward Euler, M (v1 - v0) = h f(x1, v1), x1 = x0 + h v1 [Baraff 1998; eqs. 3.20-3.25].
-//! First order; a mode keeps 1 / (1 + (h omega)^2) of its energy each step.
+//! First order. An undamped mode keeps the fraction 1 / (1 + (h omega)^2) of its energy each step.
 
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput};
@@ -7,7 +7,7 @@ use crate::dispatch::Dispatch;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
-/// One step into `s.next_positions`, `s.next_velocities`.
+/// Writes the state after one step to `s.next_positions` and `s.next_velocities`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     x: &[Vec3],

@@ -1,6 +1,6 @@
-//! BDF2, M (v1 - vh) = g f(x1, v1), x1 = xh + g v1 with g = 2h/3 and xh = (4 x0 - x-1)/3, vh
-//! likewise [Choi 2002]: a backward Euler stage from an extrapolated state. Second order,
-//! dissipative; needs a constant step. Without a history the first step is implicit midpoint.
+//! BDF2, M (v1 - vh) = g f(x1, v1), x1 = xh + g v1 with g = 2h/3, xh = (4 x0 - x-1)/3 and
+//! vh = (4 v0 - v-1)/3 [Choi 2002]: a backward Euler stage from an extrapolated state. Second order,
+//! dissipative. The step must be constant. A step without history uses implicit midpoint.
 
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput, implicit_midpoint};
@@ -8,8 +8,8 @@ use crate::dispatch::Dispatch;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
-/// One step into `s.next_positions`, `s.next_velocities`; reads `s.previous_positions`,
-/// `s.previous_velocities` where `s.has_history`.
+/// Writes the state after one step to `s.next_positions` and `s.next_velocities`. Reads
+/// `s.previous_positions` and `s.previous_velocities` if `s.has_history` is set.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     x: &[Vec3],

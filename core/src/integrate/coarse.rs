@@ -1,10 +1,10 @@
-//! The coarse half of the two-level preconditioner `D^-1 + P (P^T A P)^-1 P^T`: the sheet is cut
+//! The coarse level of the two-level preconditioner `D^-1 + P (P^T A P)^-1 P^T`: the sheet is cut
 //! into patches that each move affinely, and the small system of their motions is solved exactly
-//! [Nicolaides 1987; with richer patches, Tamstorf 2015]. D^-1 alone passes news only from
-//! neighbour to neighbour; a patch carries them across the sheet in one iteration.
+//! [Nicolaides 1987; with richer patches, Tamstorf 2015]. D^-1 alone spreads a change by one vertex
+//! per iteration; the coarse level spreads it across the whole sheet in one iteration.
 //!
-//! The small matrix keeps the envelope of its lower triangle; its numbers are double in both
-//! precisions, because the stiffness inside a patch cancels in it.
+//! The small matrix is stored as the envelope of its lower triangle. Its values are double in both
+//! precisions, because the stiffness inside a patch cancels when they are summed.
 
 use super::conjugate_gradient::System;
 use super::coupling::Hold;
@@ -13,7 +13,7 @@ use crate::real::{Real, Sum, SumLanes, Vec3, to_f64};
 /// Motions of a patch: three axes times (1, u, v) in its own coordinates.
 pub const MODES: usize = 9;
 
-/// A pivot below this part of its diagonal belongs to a motion that others already span.
+/// A pivot below this fraction of its diagonal entry marks a motion that the others already span.
 const LEAST_PIVOT: Sum = 1e-10;
 
 /// The patches, borrowed.
@@ -25,27 +25,27 @@ pub struct Patches<'a> {
     pub coordinates: &'a [[Real; 2]],
     /// Held axes of each vertex, as in [`Pins`](super::pins::Pins).
     pub held: &'a [u8],
-    /// For each row of the small matrix its first column.
+    /// First column of each row of the small matrix.
     pub first_columns: &'a [u32],
-    /// For each row where its values start, from the first column to the diagonal; one more than
-    /// there are rows.
+    /// Start of each row's values, which run from its first column to the diagonal; one entry more
+    /// than there are rows.
     pub offsets: &'a [u32],
 }
 
 /// The factor of the small matrix and a vector to solve in, borrowed.
 #[derive(Debug, Default)]
 pub struct CoarseFactor<'a> {
-    /// The rows.
+    /// Values of all rows.
     pub values: &'a mut [Sum],
-    /// While the matrix is summed, each patch's own block; half of it, the other half mirrored.
+    /// The diagonal block B of each patch while the matrix is summed, stored as X with B = X + X^T.
     pub own: &'a mut [Dense],
     /// 1 / diagonal; zero for motions that are left out.
     pub inverse_diagonal: &'a mut [Sum],
-    /// One entry a row.
+    /// Right side and solution: one entry per row.
     pub vector: &'a mut [Sum],
 }
 
-/// A block of two patches' motions, by `[row][column]`.
+/// A block that couples the motions of two patches, indexed `[row][column]`.
 pub type Dense = [[Sum; MODES]; MODES];
 
 impl Patches<'_> {
@@ -55,19 +55,20 @@ impl Patches<'_> {
         [1.0, u.into(), v.into()]
     }
 
-    /// Whether the small matrix has room for what couples two patches, the first numbered higher.
+    /// Whether the envelope contains the block of two patches; `high` is the larger number.
     fn are_coupled(&self, high: usize, low: usize) -> bool {
         self.first_columns[high * MODES] as usize <= low * MODES
     }
 
-    /// Positions of a row's values, from its first column to the diagonal.
+    /// Range of a row's values, from its first column to the diagonal.
     #[inline]
     fn row(&self, row: usize) -> core::ops::Range<usize> {
         self.offsets[row] as usize..self.offsets[row + 1] as usize
     }
 }
 
-/// Writes the small matrix `P^T (M + S' + holds) P` and factorises it.
+/// Writes the small matrix `P^T (M + S' + holds) P`, where `holds` are the penalty contacts, and
+/// factorises it.
 pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, factor: &mut CoarseFactor<'_>) {
     factor.values.fill(0.0);
     factor.own.fill([[0.0; MODES]; MODES]);
@@ -89,8 +90,8 @@ pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, factor: &mut Coa
     factorise(patches, factor);
 }
 
-/// Adds a vertex's row of the system: columns that belong to one patch are first summed by their
-/// shapes, then spread over the shapes of the row.
+/// Adds a vertex's row of the system. Consecutive columns of one patch are first summed, weighted
+/// by their shape functions; the sum is then spread over the shape functions of the row.
 fn add_row(patches: &Patches<'_>, system: &System<'_>, vertex: usize, factor: &mut CoarseFactor<'_>) {
     let matrix = system.matrix;
     let row = matrix.offsets[vertex] as usize..matrix.offsets[vertex + 1] as usize;
@@ -105,8 +106,8 @@ fn add_row(patches: &Patches<'_>, system: &System<'_>, vertex: usize, factor: &m
     }
 }
 
-/// `sums[axis][by, s] += entry[axis][by] shape[s]`; half of the diagonal block, which has no
-/// mirror image.
+/// `sums[axis][by, s] += entry[axis][by] shape[s]`; only half of the diagonal block, because
+/// [`CoarseFactor::own`] is added with its transpose.
 #[inline]
 fn add_block(patches: &Patches<'_>, system: &System<'_>, vertex: usize, at: usize, sums: &mut [[Sum; MODES]; 3]) {
     let column = system.matrix.columns[at] as usize;
@@ -125,7 +126,7 @@ fn add_block(patches: &Patches<'_>, system: &System<'_>, vertex: usize, at: usiz
 }
 
 /// Adds `shape[t] sums[axis]` to the rows (axis, t) of the vertex's patch and the columns of the
-/// other, or its mirror image where that is what the lower triangle holds.
+/// other patch, or the transpose if the other patch has the larger number.
 fn spread(patches: &Patches<'_>, vertex: usize, other: usize, sums: &[[Sum; MODES]; 3], factor: &mut CoarseFactor<'_>) {
     let (patch, shape) = (patches.labels[vertex] as usize, patches.shape(vertex));
     for axis in (0..3).filter(|axis| patches.held[vertex] >> axis & 1 == 0) {
@@ -153,9 +154,9 @@ fn spread(patches: &Patches<'_>, vertex: usize, other: usize, sums: &[[Sum; MODE
     }
 }
 
-/// Adds a contact that the system holds. Where two of its patches have no place together in the
-/// envelope it is held to each by itself, stiffer by their number: a bound from above (by Cauchy's
-/// inequality), so that the small system never answers too softly.
+/// Adds a penalty contact. If the envelope has no block for two of its patches, only the diagonal
+/// block of each patch is added, times the number of patches: an upper bound (by Cauchy's
+/// inequality), so that the small system is never too soft.
 fn add_hold(patches: &Patches<'_>, hold: &Hold, factor: &mut CoarseFactor<'_>) {
     let (shares, count) = shares(patches, hold);
     let shares = &shares[..count];
@@ -182,14 +183,14 @@ fn add_hold(patches: &Patches<'_>, hold: &Hold, factor: &mut CoarseFactor<'_>) {
     }
 }
 
-/// How far each motion of a patch moves a contact.
+/// Displacement of a contact per unit of each motion of a patch.
 #[derive(Clone, Copy, Default)]
 struct Share {
     patch: usize,
     moves: [Sum; MODES],
 }
 
-/// The shares of a contact's patches, and how many they are.
+/// The shares of a contact's patches, and their number.
 fn shares(patches: &Patches<'_>, hold: &Hold) -> ([Share; 4], usize) {
     let mut shares = [Share::default(); 4];
     let mut count = 0;
@@ -206,11 +207,12 @@ fn shares(patches: &Patches<'_>, hold: &Hold) -> ([Share; 4], usize) {
     (shares, count)
 }
 
-/// Rows that are factorised side by side: they have the same first column, being of one patch.
+/// Number of rows that are factorised together. They belong to one patch and so have the same
+/// first column.
 const TOGETHER: usize = 3;
 const _: () = assert!(MODES.is_multiple_of(TOGETHER));
 
-/// Cholesky's factor within the envelope, a few rows at a time.
+/// Cholesky factorisation within the envelope, [`TOGETHER`] rows at a time.
 fn factorise(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     for row in (0..patches.first_columns.len()).step_by(TOGETHER) {
         let (above, from_here) = factor.values.split_at_mut(patches.offsets[row] as usize);
@@ -243,8 +245,8 @@ fn factorise(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     }
 }
 
-/// Adds `P (P^T A P)^-1 P^T r` to `z`. Held axes of `r` are clear; those of `z` are left to the
-/// caller to clear.
+/// Adds `P (P^T A P)^-1 P^T r` to `z`. Held axes of `r` must be zero; the caller clears the held
+/// axes of `z`.
 pub fn add_correction(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>, r: &[Vec3], z: &mut [Vec3]) {
     restrict(patches, r, factor.vector);
     solve(patches, factor);
@@ -288,7 +290,7 @@ fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     }
 }
 
-/// Inner product in four interleaved sums. Called from four places: copies there are no faster, and longer.
+/// Inner product in four interleaved sums. Not inlined: copies in its callers are longer and no faster.
 #[inline(never)]
 fn dot(a: &[Sum], b: &[Sum]) -> Sum {
     let (a, b) = (a.as_chunks::<4>(), b.as_chunks::<4>());
@@ -299,8 +301,8 @@ fn dot(a: &[Sum], b: &[Sum]) -> Sum {
     total(sums, a.1, b.1)
 }
 
-/// Inner products of three rows with another, read once. Written out, not as loops over the three: these are
-/// not unrolled where code must be small.
+/// Inner products of three rows with `other`, which is read once. Written out, because loops over the three
+/// rows are not unrolled in builds optimised for size.
 fn dots([a, b, c]: [&[Sum]; TOGETHER], other: &[Sum]) -> [Sum; TOGETHER] {
     let [a, b, c] = [a, b, c].map(|row| row.as_chunks::<4>());
     let (fours, rest) = other.as_chunks::<4>();
@@ -314,7 +316,7 @@ fn dots([a, b, c]: [&[Sum]; TOGETHER], other: &[Sum]) -> [Sum; TOGETHER] {
     [total(x, a.1, rest), total(y, b.1, rest), total(z, c.1, rest)]
 }
 
-/// Of four sums and what was left over.
+/// Adds up the four interleaved sums and the products of the remaining entries.
 #[inline]
 fn total(sums: SumLanes, a: &[Sum], b: &[Sum]) -> Sum {
     let [x, y, z, w] = sums.to_array();

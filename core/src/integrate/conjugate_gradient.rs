@@ -1,6 +1,6 @@
 //! Preconditioned conjugate gradients on the pre-filtered system `(S A S + I - S) y = S b`
-//! [Tamstorf 2015], A = M + S': held axes never enter. Stops on the preconditioned residual, on
-//! negative curvature (truncated Newton) or on the limit of iterations.
+//! [Tamstorf 2015], A = M + S'; the filter S removes the held axes. A solve stops on the
+//! preconditioned residual, on negative curvature (truncated Newton) or on the limit of iterations.
 
 use super::IntegratorStatistics;
 use super::coarse::{self, CoarseFactor, Patches};
@@ -10,42 +10,42 @@ use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
 
-/// Iterations after which a solve is given up and counted as unconverged.
+/// Limit of iterations. A solve that reaches it is counted as unconverged.
 const MOST_ITERATIONS: u32 = 20_000;
 
-/// Vertices whose inner products are summed in one part; fixed, so that the bits do not depend
-/// on the threads.
+/// Number of vertices in each partial sum of an inner product. It is fixed, so that results do not
+/// depend on the number of threads, bit for bit.
 pub const PART: usize = 1024;
 
-/// `M + S'` with held axes.
+/// The system matrix `M + S'` with the held axes and the penalty contacts.
 pub struct System<'a> {
     /// S'.
     pub matrix: &'a BlockMatrix<'a>,
-    /// kg.
+    /// Masses, kg.
     pub masses: &'a [Real],
     /// The held axes.
     pub pins: &'a Pins<'a>,
-    /// Contacts that push.
+    /// Penalty contacts.
     pub holds: &'a [Hold],
 }
 
-/// What the residual is multiplied with before a step.
+/// The preconditioner, ready to be applied to a residual.
 pub struct FactoredPreconditioner<'a, 'b> {
     /// Inverse of each diagonal block.
     pub inverse_diagonal: &'a [Mat3],
-    /// Patches and the factor of their small system, where there are two levels.
+    /// The patches and the factor of their small system; `None` for block Jacobi.
     pub coarse: Option<(Patches<'a>, &'a mut CoarseFactor<'b>)>,
 }
 
-/// The columns that a solve works in.
+/// The columns that a solve reads and writes.
 pub struct Vectors<'a> {
-    /// y, written.
+    /// y. Input: the starting value of a warm start.
     pub solution: &'a mut [Vec3],
-    /// b with held axes cleared; consumed.
+    /// b with held axes cleared; overwritten.
     pub residual: &'a mut [Vec3],
     /// Search direction.
     pub direction: &'a mut [Vec3],
-    /// A times the direction.
+    /// S A times the search direction.
     pub product: &'a mut [Vec3],
     /// The preconditioned residual.
     pub preconditioned: &'a mut [Vec3],
@@ -53,23 +53,23 @@ pub struct Vectors<'a> {
     pub partials: &'a mut [Sum],
 }
 
-/// Where a solve begins and ends.
+/// Starting value and stopping criterion of a solve.
 #[derive(Clone, Copy, Debug)]
 pub struct StoppingCriterion {
-    /// The preconditioned residual of the solution beside that of zero.
+    /// Norm of the preconditioned residual at which to stop, relative to its norm for y = 0.
     pub reduction: Sum,
-    /// Whether to begin from the solution that there is; else from zero.
+    /// Whether to start from the stored solution; else from zero.
     pub warm_start: bool,
 }
 
 impl StoppingCriterion {
-    /// From zero.
+    /// Starts from zero and stops at this relative residual.
     pub fn reduced_by(reduction: Sum) -> Self {
         Self { reduction, warm_start: false }
     }
 }
 
-/// Writes the inverse of each diagonal block, held axes decoupled.
+/// Writes the inverse of each diagonal block, with held axes decoupled.
 pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatch: &impl Dispatch) {
     let matrix = system.matrix;
     dispatch.run(&mut *inverse, |start, part| {
@@ -81,7 +81,8 @@ pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatc
     system.pins.filter_diagonal(inverse);
     dispatch.run(inverse, |_, part| {
         for block in part {
-            // An indefinite block (exact Jacobian) is replaced by its trace.
+            // A block that is not positive definite (exact Jacobian) is replaced by the mean of its
+            // absolute diagonal.
             *block = if is_positive_definite(block) {
                 block.inverse()
             } else {
@@ -91,13 +92,13 @@ pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatc
     });
 }
 
-/// By the leading minors [Sylvester].
+/// Tests the leading minors [Sylvester].
 fn is_positive_definite(block: &Mat3) -> bool {
     let minor = block.x_axis.x * block.y_axis.y - block.x_axis.y * block.y_axis.x;
     block.x_axis.x > 0.0 && minor > 0.0 && block.determinant() > 0.0
 }
 
-/// Solves for `vectors.solution`.
+/// Solves the system and writes `vectors.solution`; NaN if the residual is not finite.
 pub fn solve(
     system: &System<'_>,
     preconditioner: &mut FactoredPreconditioner<'_, '_>,
@@ -119,7 +120,7 @@ pub fn solve(
     } else {
         None
     };
-    // A guess that is worse than none is dropped.
+    // A warm start that is worse than starting from zero is dropped.
     if let Some(better) = guessed.filter(|&guessed| guessed < rho) {
         rho = better;
         residual.copy_from_slice(product);
@@ -168,12 +169,12 @@ pub fn solve(
         statistics.negative_curvature += 1;
     }
     if !(rho.is_finite() && target.is_finite()) {
-        // Never a step without its forces: what is not a number is found after the step.
+        // A solve that fails writes NaN, so that the check after the step rejects it.
         solution.fill(Vec3::NAN);
     }
 }
 
-/// `out = S A p` for a `p` with held axes clear.
+/// `out = S A p`. The held axes of `p` must be zero.
 fn apply(system: &System<'_>, p: &[Vec3], out: &mut [Vec3], dispatch: &impl Dispatch) {
     matrix::multiply(system.matrix, system.masses, 1.0, p, out, dispatch);
     coupling::add_product(system.holds, p, out);
@@ -199,8 +200,8 @@ fn precondition(
     }
 }
 
-/// Inner product in parts of fixed size: within a part in the crate's precision, over the parts
-/// in double.
+/// Inner product. Sums within parts of [`PART`] vertices in the crate's precision, and over the
+/// parts in double precision.
 pub fn dot(a: &[Vec3], b: &[Vec3], partials: &mut [Sum], dispatch: &impl Dispatch) -> Sum {
     dispatch.run(&mut *partials, |start, part| {
         for (k, partial) in (start..).zip(part) {

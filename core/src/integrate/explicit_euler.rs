@@ -1,12 +1,12 @@
-//! Explicit Euler, v1 = v0 + h a(x0, v0), x1 = x0 + h v0 [eqs. 3.12, 3.13]. First order; without
-//! damping every mode grows by 1 + (h omega)^2 in energy each step.
+//! Explicit Euler, v1 = v0 + h a(x0, v0), x1 = x0 + h v0 [eqs. 3.12, 3.13]. First order. Without
+//! damping the energy of every mode grows by the factor 1 + (h omega)^2 each step.
 
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
-/// One step into `s.next_positions`, `s.next_velocities`.
+/// Writes the state after one step to `s.next_positions` and `s.next_velocities`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     x: &[Vec3],

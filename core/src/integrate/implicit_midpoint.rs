@@ -1,6 +1,6 @@
 //! Implicit midpoint, M (vm - v0) = h/2 f(xm, vm), xm = x0 + h/2 vm, then v1 = 2 vm - v0,
-//! x1 = x0 + h vm: a backward Euler stage to the middle of the step, extrapolated. Second order,
-//! keeps the energy of a linear system exactly.
+//! x1 = x0 + h vm: a backward Euler stage to the middle of the step, then extrapolated to its end.
+//! Second order. Conserves the energy of a linear system exactly.
 
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput};
@@ -8,7 +8,7 @@ use crate::dispatch::Dispatch;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
-/// One step into `s.next_positions`, `s.next_velocities`.
+/// Writes the state after one step to `s.next_positions` and `s.next_velocities`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     x: &[Vec3],
@@ -18,7 +18,7 @@ pub fn advance<D: Dispatch>(
 ) {
     let stage = ImplicitStage { length: 0.5 * c.step, positions: x, velocities: v };
     s.next_velocities.copy_from_slice(v);
-    // The mean velocity that brings a pin to its place at the end of the step.
+    // The mean velocity that moves a pin to its prescribed position at the end of the step.
     c.pins.prescribe(c.time_after(1.0), x, c.step, s.next_velocities);
     newton::solve(c, &stage, s, statistics);
     let h = c.step;

@@ -1,6 +1,6 @@
 //! Midpoint Runge-Kutta, vm = v0 + h/2 a0, xm = x0 + h/2 v0, v1 = v0 + h a(xm, vm),
-//! x1 = x0 + h vm [eqs. 3.16-3.19]. Second order; without damping a mode grows by
-//! 1 + (h omega)^4 / 4 in energy each step.
+//! x1 = x0 + h vm [eqs. 3.16-3.19]. Second order. Without damping the energy of a mode grows by
+//! the factor 1 + (h omega)^4 / 4 each step.
 
 use super::pins::JumpSide;
 use super::{IntegratorStatistics, StepInput};
@@ -8,7 +8,7 @@ use crate::dispatch::Dispatch;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
-/// One step into `s.next_positions`, `s.next_velocities`.
+/// Writes the state after one step to `s.next_positions` and `s.next_velocities`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     x: &[Vec3],

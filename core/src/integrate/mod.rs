@@ -1,7 +1,7 @@
-//! Time integration: forces -> candidate positions and velocities.
+//! Time integration: computes the candidate positions and velocities at the end of a step.
 //!
-//! Every method writes the candidates to [`Scratch`] and leaves the state alone; the step
-//! decides whether they become the state.
+//! Every method writes the candidate state to [`Scratch`] and does not change the state. The step
+//! decides whether the candidate becomes the state.
 
 pub mod backward_euler;
 pub mod bdf2;
@@ -31,9 +31,9 @@ use pins::{JumpSide, Pins};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Method {
-    /// First order, never stable without damping.
+    /// First order, unstable at every step without damping.
     ExplicitEuler,
-    /// First order, keeps energy bounded below its critical step.
+    /// First order; the energy stays bounded below the critical step.
     SymplecticEuler,
     /// Second order Runge-Kutta.
     Midpoint,
@@ -42,7 +42,7 @@ pub enum Method {
     /// First order, dissipative, stable for large steps.
     #[default]
     BackwardEuler,
-    /// Second order, keeps energy.
+    /// Second order, conserves the energy of linear systems.
     ImplicitMidpoint,
     /// Second order, dissipative, two-step.
     Bdf2,
@@ -60,7 +60,7 @@ impl Method {
         Self::Bdf2,
     ];
 
-    /// As scenes spell it.
+    /// Name in scene files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::ExplicitEuler => "explicit-euler",
@@ -73,39 +73,39 @@ impl Method {
         }
     }
 
-    /// Whether it solves for its velocities.
+    /// Whether the method solves a system for the velocities.
     pub const fn is_implicit(self) -> bool {
         matches!(self, Self::BackwardEuler | Self::ImplicitMidpoint | Self::Bdf2)
     }
 }
 
-/// What conjugate gradients are preconditioned with.
+/// The preconditioner of conjugate gradients.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Preconditioner {
     /// The inverse of each 3x3 diagonal block.
     BlockJacobi,
-    /// The same, and exact for the affine motions of patches ([`coarse`]).
+    /// Block Jacobi plus an exact solve for the affine motions of patches ([`coarse`]).
     #[default]
     TwoLevel,
 }
 
-/// How a scene is integrated.
+/// The integration method with its settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Scheme {
     /// The method.
     pub method: Method,
-    /// Newton iterations per step; 1: one linear solve without line search.
+    /// Largest number of Newton iterations per step; 1: one linear solve without line search.
     pub newton: u32,
     /// Relative residual at which conjugate gradients and Newton stop.
     pub tolerance: Real,
     /// The preconditioner.
     pub preconditioner: Preconditioner,
-    /// The Jacobian.
+    /// The Jacobian of the forces.
     pub jacobian: Jacobian,
 }
 
-/// IntegratorStatistics done, in counts that do not depend on the machine.
+/// Counts of the integrator's work, independent of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct IntegratorStatistics {
     /// Evaluations of all forces.
@@ -116,24 +116,24 @@ pub struct IntegratorStatistics {
     pub newton_iterations: u64,
     /// Products of the system matrix with a vector.
     pub matrix_products: u64,
-    /// Solves ended by a direction of negative curvature.
+    /// Linear solves that ended at a direction of negative curvature.
     pub negative_curvature: u64,
-    /// Solves, of the linear system or by Newton's method, ended by their limit of iterations.
+    /// Solves, linear or by Newton's method, that reached their limit of iterations.
     pub unconverged: u64,
-    /// Newton searches that found no decrease.
+    /// Line searches that found no decrease.
     pub stalled_searches: u64,
 }
 
-/// What every method is handed: what acts on the particles, and when.
+/// Input of every method: the forces, pins and masses of the particles, and the time step.
 #[derive(Clone, Copy)]
 pub struct StepInput<'a, D> {
     /// The forces.
     pub model: &'a Model<'a>,
-    /// The held vertices.
+    /// The pinned vertices.
     pub pins: &'a Pins<'a>,
-    /// kg.
+    /// Masses, kg.
     pub masses: &'a [Real],
-    /// 1/kg.
+    /// Inverse masses, 1/kg.
     pub inverse_masses: &'a [Real],
     /// Start of the step, s.
     pub time: Sum,
@@ -141,14 +141,15 @@ pub struct StepInput<'a, D> {
     pub step: Real,
     /// The method and its settings.
     pub scheme: &'a Scheme,
-    /// Whether the velocities say where the step extrapolates: not after contact, which stops and turns them.
+    /// Whether the single linear solve may linearise the forces at positions extrapolated by the velocities.
+    /// False after contact, which changes the velocities abruptly.
     pub extrapolates: bool,
     /// Runs the kernels.
     pub dispatch: &'a D,
 }
 
 impl<D: Dispatch> StepInput<'_, D> {
-    /// Forces at a state, into `f`.
+    /// Writes the forces at the state (`x`, `v`) to `f` and counts the evaluation.
     pub fn forces(
         &self,
         x: &[Vec3],
@@ -161,13 +162,13 @@ impl<D: Dispatch> StepInput<'_, D> {
         forces::evaluate(self.model, self.masses, x, v, scratch, f, self.dispatch);
     }
 
-    /// The time a fraction of the step after its start, s.
+    /// The time at a fraction of the step, s.
     pub fn time_after(&self, fraction: Sum) -> Sum {
         self.time + fraction * Sum::from(self.step)
     }
 }
 
-/// Advances `x`, `v` by one step into `scratch.next_positions` and `scratch.next_velocities`.
+/// Advances `x`, `v` by one step and writes `scratch.next_positions` and `scratch.next_velocities`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     x: &[Vec3],

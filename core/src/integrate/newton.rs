@@ -1,19 +1,20 @@
-//! The implicit stage that all implicit methods share: find v with
+//! The implicit stage that all implicit methods share. It solves this equation for v:
 //! `M (v - vh) = g f(xh + g v, v)`.
 //!
-//! One iteration is one linear solve: forces linearised where the velocities vh lead, so that the
-//! solve only adds what those forces ask for beyond them. That keeps the order of the method by any
-//! Jacobian, projected or without the damping's dependence on positions [Steihaug 1979], and does not
-//! stretch what turns; linearised where the step starts [Baraff 1998, eq. 3.25], as is usual, it would
-//! be of first order. Where vh would deform elements by much in the step, only a part of the way is
-//! gone before, and after contact none of it: that leaves the classical one.
+//! With one iteration the stage is one linear solve. The forces are linearised at the extrapolated
+//! state (xh + g vh, vh), so that the solve only adds a correction to vh. This keeps the order of
+//! the method for any Jacobian, be it projected or without the dependence of damping on positions
+//! [Steihaug 1979], and does not stretch rotating elements. The usual linearisation at the start of
+//! the step [Baraff 1998, eq. 3.25] would reduce the order to one. If vh deforms elements strongly
+//! within the step, the forces are linearised at a fraction of the extrapolation; after contact the
+//! fraction is zero, which is the usual linearisation.
 //!
-//! More iterations are Newton's method from the inertial guess, each along a descent direction of
+//! More iterations are Newton's method from vh, each along a descent direction of
 //!
 //! `G(v) = |v - vh|^2_M / 2 + E(xh + g v) + g R(v)`
 //!
-//! where E is the potential and R the dissipation, frozen during a line search. Without
-//! dissipation G is one function and every accepted iteration decreases it.
+//! where E is the potential and R the dissipation, which is frozen during a line search. Without
+//! dissipation G is the same function in all iterations, and every accepted one decreases it.
 
 use super::conjugate_gradient::{self, StoppingCriterion, System};
 use super::coupling::Hold;
@@ -36,21 +37,22 @@ pub struct ImplicitStage<'a> {
     pub velocities: &'a [Vec3],
 }
 
-/// The most by which an element may be deformed before forces are linearised, of its rest length:
-/// much farther on they are not those of the way there.
+/// Largest strain that the extrapolation may cause before the forces are linearised. Forces at much
+/// larger strains do not represent the forces during the step.
 const MOST_STRAIN: Real = 0.5;
 
-/// Least relative residual that conjugate gradients are asked for inside Newton's method: a
-/// better direction would not be a better step.
+/// Smallest relative residual that conjugate gradients must reach inside Newton's method: a more
+/// accurate direction would not give a better step.
 const INNER_TOLERANCE: Real = 1e-3;
 
-/// Fraction of the predicted decrease that a line search asks for [Armijo].
+/// Fraction of the predicted decrease that a line search requires [Armijo].
 const SUFFICIENT_DECREASE: Sum = 1e-4;
 
-/// Halvings before a line search gives up.
+/// Number of step lengths that a line search tries, each half the previous one.
 const MOST_HALVINGS: u32 = 24;
 
-/// Solves the stage for `s.next_velocities`, which holds the guess, with pins already led.
+/// Solves the stage for `s.next_velocities`. On entry they are the guess, with the prescribed
+/// velocities of pins already set.
 pub fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,
     stage: &ImplicitStage<'_>,
@@ -110,7 +112,7 @@ fn newton_iterations<D: Dispatch>(
         if iteration == 0 {
             target = Sum::from(c.scheme.tolerance) * norm.max(weight);
         }
-        // Where rounding may be all that is left, go on only while it still helps.
+        // Once the residual may be only rounding, continue only while each iteration halves it.
         let exhausted = norm <= rounding && norm > 0.5 * previous;
         if norm <= target || exhausted {
             return;
@@ -122,7 +124,7 @@ fn newton_iterations<D: Dispatch>(
         write_matrix(c, stage, s);
         rounding = rounding_norm(c, stage, s);
         statistics.newton_iterations += 1;
-        // Conjugate gradients consume the residual, which is minus the slope of the objective.
+        // Keep the residual, minus the gradient of the objective: conjugate gradients overwrite it.
         s.base_residual.copy_from_slice(s.residual);
         let reduction = c.scheme.tolerance.max(INNER_TOLERANCE).into();
         solve_linear(c, &[], StoppingCriterion::reduced_by(reduction), s, statistics);
@@ -164,7 +166,7 @@ fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, 
     });
 }
 
-/// Solves `(M + S' + holds) y = s.residual` for `s.solution`.
+/// Solves `(M + S' + holds) y = s.residual` for `s.solution`; `holds` are the penalty contacts.
 pub(super) fn solve_linear<D: Dispatch>(
     c: &StepInput<'_, D>,
     holds: &[Hold],
@@ -194,20 +196,20 @@ pub(super) fn solve_linear<D: Dispatch>(
     c.dispatch.enter(stage::Stage::Integrate);
 }
 
-/// Norm of the impulse that gravity gives in the stage, sqrt(sum m |g h|^2): a residual small
-/// beside it is small, even where a sheet at rest leaves nothing else to compare with.
+/// Norm of the impulse of gravity in the stage of length h, sqrt(sum m |g h|^2). Residuals are
+/// compared with it, because for a sheet at rest the residual itself gives no scale.
 fn weight_impulse<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>) -> Sum {
     let gravity = c.model.gravity.unwrap_or(Vec3::ZERO) * stage.length;
     let mass: Sum = c.masses.iter().map(|&m| Sum::from(m)).sum();
     libm::sqrt(mass * dot_sum(gravity, gravity))
 }
 
-/// sqrt(sum |r|^2 / m): the mass-weighted change of velocity that the residual asks for.
+/// sqrt(sum |r|^2 / m): the mass-weighted norm of the velocity change r / m.
 fn residual_norm<D: Dispatch>(c: &StepInput<'_, D>, residual: &[Vec3]) -> Sum {
     libm::sqrt(residual.iter().zip(c.inverse_masses).map(|(&r, &w)| dot_sum(r, r) * Sum::from(w)).sum())
 }
 
-/// Bound on what rounding the positions leaves in the residual, g K |x| epsilon.
+/// Bound on the part of the residual that is due to rounding of the positions, g K |x| epsilon.
 fn rounding_norm<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &Scratch<'_>) -> Sum {
     let at_vertex = |vertex: usize| {
         let diagonal = matrix::to_mat3(&s.matrix.blocks[s.matrix.offsets[vertex] as usize]);
@@ -251,7 +253,8 @@ fn write_stage_positions<D: Dispatch>(
     });
 }
 
-/// Halves the step along `s.solution` until the objective falls; `slope` is its derivative.
+/// Halves the step along `s.solution` until the objective decreases enough. `slope` is the derivative
+/// of the objective at the start. Returns the scale of the step, or `None` if no step decreases it.
 fn search<D: Dispatch>(
     c: &StepInput<'_, D>,
     stage: &ImplicitStage<'_>,
@@ -261,7 +264,7 @@ fn search<D: Dispatch>(
 ) -> Option<Real> {
     let (linear, quadratic) = dissipation(c, s, statistics);
     let start = objective(c, stage, 0.0, s);
-    // Below the rounding of the objective a decrease can no longer be seen.
+    // A decrease smaller than the rounding of the objective cannot be detected.
     let rounding = 8.0 * Sum::from(Real::EPSILON) * start.abs();
     let mut scale = 1.0;
     for _ in 0..MOST_HALVINGS {
@@ -289,8 +292,8 @@ pub fn objective<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s
     inertia + forces::energy(c.model, c.masses, s.stage_positions).total()
 }
 
-/// Slope and curvature along `s.solution` of the frozen dissipation R, whose gradient is minus
-/// the force without potential.
+/// Slope and curvature of the frozen dissipation R along `s.solution`. The gradient of R is minus
+/// the force that has no potential.
 fn dissipation<D: Dispatch>(
     c: &StepInput<'_, D>,
     s: &mut Scratch<'_>,

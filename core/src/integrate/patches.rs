@@ -1,6 +1,6 @@
-//! Cutting a sheet into patches of about [`PATCH`] vertices: halves of halves along their longer
-//! side in the mesh as it was read, then numbered outward from one end so that the small matrix
-//! keeps a narrow envelope.
+//! Cuts a sheet into patches of about `PATCH` vertices. The material is halved repeatedly across
+//! its longest side. The patches are then numbered outward from one end, so that the small matrix
+//! has a narrow envelope.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,10 +13,10 @@ use crate::forces::sparsity::SparsityPattern;
 use crate::integrate::pins::Pins;
 use crate::real::Real;
 
-/// Vertices of a patch: fewer make the solver's iterations fewer and the small system larger.
+/// Vertices per patch. Smaller patches need fewer solver iterations but make the small system larger.
 const PATCH: usize = 64;
 
-/// Most patches of a scene: the small system costs more than they save beyond that.
+/// Largest number of patches in a scene. With more, the small system costs more than it saves.
 const MOST_PATCHES: usize = 128;
 
 /// The owned columns of [`Patches`].
@@ -30,7 +30,7 @@ pub struct PatchColumns {
 }
 
 impl PatchColumns {
-    /// Patches of vertices with material coordinates, each cloth (a range of vertices) by itself.
+    /// Builds the patches from material coordinates. Each cloth (a range of vertices) is cut separately.
     #[cfg_attr(small, optimize(size))]
     pub fn build(material: &[DVec3], cloths: &[Range<u32>], pattern: &SparsityPattern, pins: &Pins<'_>) -> Self {
         let size = PATCH.max(material.len().div_ceil(MOST_PATCHES));
@@ -53,11 +53,11 @@ impl PatchColumns {
         built
     }
 
-    /// Takes over which axes are held.
+    /// Copies the held axes of all pins.
     pub fn hold(&mut self, pins: &Pins<'_>) {
         self.held.fill(0);
         for (&vertex, &axes) in pins.vertices.iter().zip(pins.axes) {
-            // Without patches there is no vertex.
+            // Without patches the column is empty.
             if let Some(held) = self.held.get_mut(vertex as usize) {
                 *held |= axes;
             }
@@ -75,24 +75,24 @@ impl PatchColumns {
         }
     }
 
-    /// Rows of the small matrix, and values in its envelope.
+    /// Number of rows of the small matrix, and of values in its envelope.
     pub fn sizes(&self) -> [usize; 2] {
         [self.first_columns.len(), self.offsets.last().map_or(0, |&end| end as usize)]
     }
 
-    /// Bytes held.
+    /// Size of the columns, bytes.
     pub fn bytes(&self) -> usize {
         self.held.len() + size_of_val(&self.labels[..]) + size_of_val(&self.coordinates[..]) + 8 * self.offsets.len()
     }
 
-    /// Coordinates along the patch's longest direction and across it, scaled to about -1 to 1.
+    /// Writes coordinates along the patch's longest direction and across it, scaled to about -1 to 1.
     fn set_coordinates(&mut self, material: &[DVec3], patch: &[u32]) {
         let centre = patch.iter().map(|&v| material[v as usize]).sum::<DVec3>() / patch.len() as f64;
         let farthest = |project: &dyn Fn(DVec3) -> DVec3| {
             let arms = patch.iter().map(|&v| project(material[v as usize] - centre));
             arms.fold(DVec3::ZERO, |far, arm| if arm.length_squared() > far.length_squared() { arm } else { far })
         };
-        // Directions divided by the squared extent: a product with an arm is a scaled coordinate.
+        // A vector divided by its squared length: its dot product with an arm is a scaled coordinate.
         let scaled = |far: DVec3| far * (1.0 / far.length_squared().max(f64::MIN_POSITIVE));
         let along = scaled(farthest(&|arm| arm));
         let unit = along.normalize_or_zero();
@@ -121,7 +121,7 @@ impl PatchColumns {
     }
 }
 
-/// Splits vertices at the median of their longer side until a part has at most `size`.
+/// Splits vertices at the median along their longest side until each part has at most `size`.
 fn halve(material: &[DVec3], mut part: Vec<u32>, size: usize, patches: &mut Vec<Vec<u32>>) {
     if part.len() <= size {
         if !part.is_empty() {
@@ -141,8 +141,7 @@ fn halve(material: &[DVec3], mut part: Vec<u32>, size: usize, patches: &mut Vec<
     halve(material, upper, size, patches);
 }
 
-/// Patches in the order in which a walk over neighbours reaches them from one that is far from
-/// the rest [Cuthill 1969].
+/// Orders patches breadth first, starting at a patch far from the others [Cuthill 1969].
 fn outward(patches: Vec<Vec<u32>>, pattern: &SparsityPattern) -> Vec<Vec<u32>> {
     let label = labels(&patches, patches.iter().map(Vec::len).sum());
     let mut neighbours = vec![Vec::new(); patches.len()];
@@ -161,7 +160,7 @@ fn outward(patches: Vec<Vec<u32>>, pattern: &SparsityPattern) -> Vec<Vec<u32>> {
     let mut reached = vec![false; patches.len()];
     for start in 0..patches.len() as u32 {
         if !reached[start as usize] {
-            // The last patch that a walk from anywhere reaches is far from where it began.
+            // The patch that a walk reaches last is far from its start.
             let far = walk(start, &neighbours, &mut reached.clone()).last().copied().unwrap_or(start);
             order.extend(walk(far, &neighbours, &mut reached));
         }
@@ -170,7 +169,7 @@ fn outward(patches: Vec<Vec<u32>>, pattern: &SparsityPattern) -> Vec<Vec<u32>> {
     order.iter().filter_map(|&patch| slots[patch as usize].take()).collect()
 }
 
-/// Breadth first, over what is not reached yet.
+/// Visits the patches that are not reached yet breadth first and returns them in that order.
 fn walk(start: u32, neighbours: &[Vec<u32>], reached: &mut [bool]) -> Vec<u32> {
     let mut order = vec![start];
     reached[start as usize] = true;

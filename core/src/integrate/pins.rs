@@ -1,26 +1,26 @@
-//! Pins: vertices whose chosen axes follow a prescribed motion, whatever the forces. Explicit
-//! stages are overwritten; implicit solves are filtered [Baraff 1998, Tamstorf 2015].
+//! Pins: vertices whose held axes follow a prescribed motion, whatever the forces. Pins overwrite
+//! the stages of explicit methods and filter implicit solves [Baraff 1998, Tamstorf 2015].
 
 pub use crate::motion::{JumpSide, Key, Motion, Turn};
 use crate::real::{Mat3, Real, Sum, Vec3};
 
-/// A change of velocity at a key is a jump from this part of the larger speed on. A smaller change
-/// approximates a curve, and a two-step method may use the step before it.
+/// A velocity change at a key larger than this fraction of the larger speed is a jump. A smaller
+/// change approximates a curve, and a two-step method may use the step before it.
 const JUMP: Real = 0.25;
 
-/// In [`Pins::motions`]: the pin rests.
+/// Value in [`Pins::motions`] of a pin that does not move.
 pub const AT_REST: u32 = u32::MAX;
 
-/// Held vertices, borrowed.
+/// Pinned vertices, borrowed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pins<'a> {
     /// The vertices.
     pub vertices: &'a [u32],
-    /// Bits 0, 1, 2: whether x, y, z are held.
+    /// Held axes of each pin: bits 0, 1, 2 for x, y, z.
     pub axes: &'a [u8],
-    /// Where each is held at time 0 before any motion, m.
+    /// Position of each pin before any motion, m.
     pub anchors: &'a [Vec3],
-    /// Index into `table`, or [`AT_REST`].
+    /// Index of each pin's motion in `table`, or [`AT_REST`].
     pub motions: &'a [u32],
     /// The motions.
     pub table: &'a [Motion],
@@ -29,7 +29,7 @@ pub struct Pins<'a> {
 }
 
 impl Pins<'_> {
-    /// Where a pin is at a time, m, and how fast it moves on a side of it, m/s.
+    /// Prescribed position of a pin at `time`, m, and its velocity on the given side of that time, m/s.
     pub fn target(&self, pin: usize, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
         let anchor = self.anchors[pin];
         match self.table.get(self.motions[pin] as usize) {
@@ -38,7 +38,7 @@ impl Pins<'_> {
         }
     }
 
-    /// Whether a pin's velocity jumps at a time, by more than a quarter of the larger speed.
+    /// Whether the velocity of any pin jumps at `time`, by more than a quarter of the larger speed.
     pub fn jump(&self, time: Sum) -> bool {
         (0..self.vertices.len()).any(|pin| {
             let [before, after] = [JumpSide::Before, JumpSide::After].map(|side| self.target(pin, time, side).1);
@@ -47,7 +47,7 @@ impl Pins<'_> {
         })
     }
 
-    /// Gives the held axes the velocities with which they leave a time.
+    /// Sets the velocities of the held axes to their prescribed values just after `time`.
     pub fn set_out(&self, time: Sum, v: &mut [Vec3]) {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
             let (_, velocity) = self.target(pin, time, JumpSide::After);
@@ -57,8 +57,8 @@ impl Pins<'_> {
         }
     }
 
-    /// Puts the held axes where they belong at a time, moving as they do on a side of it: before it
-    /// in a stage of the step that ends there, after it in a state that the next one starts from.
+    /// Sets the positions and velocities of the held axes to their prescribed values at `time`. `side`
+    /// is `Before` in a stage, `After` in a state that the next step starts from.
     pub fn impose(&self, time: Sum, side: JumpSide, x: &mut [Vec3], v: &mut [Vec3]) {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
             let (position, velocity) = self.target(pin, time, side);
@@ -69,7 +69,7 @@ impl Pins<'_> {
         }
     }
 
-    /// Sets the held axes of `v` so that `base + length v` is where they belong at a time.
+    /// Sets the held axes of `v` so that `base + length v` is the prescribed position at `time`.
     pub fn prescribe(&self, time: Sum, base: &[Vec3], length: Real, v: &mut [Vec3]) {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
             let (position, _) = self.target(pin, time, JumpSide::Before);
@@ -89,7 +89,7 @@ impl Pins<'_> {
         }
     }
 
-    /// Writes the inverse masses by which contact moves vertices: 0 along held axes, 1/kg.
+    /// Writes the inverse mass along each axis for contact, 1/kg; 0 along held axes.
     pub fn write_mobility(&self, inverse_masses: &[Real], mobility: &mut [Vec3]) {
         for (mobility, &inverse_mass) in mobility.iter_mut().zip(inverse_masses) {
             *mobility = Vec3::splat(inverse_mass);
@@ -97,7 +97,7 @@ impl Pins<'_> {
         self.filter(mobility);
     }
 
-    /// Replaces the held axes of diagonal blocks by the identity, `S A S + I - S`.
+    /// Replaces the held axes of the diagonal blocks by the identity, `S A S + I - S`.
     pub fn filter_diagonal(&self, blocks: &mut [Mat3]) {
         for (&vertex, &axes) in self.vertices.iter().zip(self.axes) {
             filter_block(&mut blocks[vertex as usize], axes);
@@ -126,11 +126,11 @@ fn held(axes: u8) -> impl Iterator<Item = usize> {
 pub struct PinColumns {
     /// The vertices.
     pub vertices: alloc::vec::Vec<u32>,
-    /// Held axes.
+    /// Held axes of each pin.
     pub axes: alloc::vec::Vec<u8>,
-    /// Where each is held, m.
+    /// Position of each pin before any motion, m.
     pub anchors: alloc::vec::Vec<Vec3>,
-    /// Index into `table`.
+    /// Index of each pin's motion in `table`, or [`AT_REST`].
     pub motions: alloc::vec::Vec<u32>,
     /// The motions.
     pub table: alloc::vec::Vec<Motion>,
@@ -152,8 +152,8 @@ impl PinColumns {
         }
     }
 
-    /// Holds all axes of a vertex, whatever held it, and extrapolates it evenly from one place to another, m, from
-    /// one time to another, s.
+    /// Pins all axes of a vertex and moves it at constant velocity from one position to another, m, between two
+    /// times, s. Replaces earlier pins of the vertex.
     pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], [from, to]: [Vec3; 2]) {
         self.release(vertex);
         let motion = self.spare_motion();
@@ -166,7 +166,7 @@ impl PinColumns {
         self.motions.push(motion);
     }
 
-    /// Lets go of a vertex; whether anything held it.
+    /// Removes all pins of a vertex. Returns whether there were any.
     pub fn release(&mut self, vertex: u32) -> bool {
         let before = self.vertices.len();
         while let Some(pin) = self.vertices.iter().position(|&held| held == vertex) {
@@ -178,7 +178,8 @@ impl PinColumns {
         self.vertices.len() < before
     }
 
-    /// A motion between two keys that no pin has, so that hands that come and go need no more room.
+    /// Returns a motion with two keys that no pin uses, or adds a new one. Reuse bounds the memory of repeated
+    /// calls to `move_to` and `release`.
     fn spare_motion(&mut self) -> u32 {
         let is_free = |&motion: &u32| {
             let Motion { keys, turn } = self.table[motion as usize];

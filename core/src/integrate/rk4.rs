@@ -7,11 +7,11 @@ use crate::dispatch::Dispatch;
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
 
-/// Where each further stage lies in the step, and the weight of the slope found there.
+/// For the second to fourth stage: the fraction of the step, and the weight of the slope there.
 const STAGES: [(Real, Real); 3] = [(0.5, 2.0), (0.5, 2.0), (1.0, 1.0)];
 
-/// One step into `s.next_positions`, `s.next_velocities`; the stages are kept in
-/// `s.stage_positions`, `s.stage_velocities`.
+/// Writes the state after one step to `s.next_positions` and `s.next_velocities`. The current stage
+/// is stored in `s.stage_positions` and `s.stage_velocities`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     x: &[Vec3],
@@ -32,7 +32,7 @@ pub fn advance<D: Dispatch>(
         let (h, f) = (fraction * c.step, &*s.forces);
         c.dispatch.run((&mut *s.stage_positions, &mut *s.stage_velocities), |start, (xs, vs)| {
             for (i, (xs, vs)) in (start..).zip(xs.iter_mut().zip(vs)) {
-                // The slope of the stage before: its velocity, and its forces.
+                // The slope of the previous stage: its velocity here, its forces in `f`.
                 let slope = if stage == 0 { v[i] } else { *vs };
                 *xs = x[i] + slope * h;
                 *vs = v[i] + f[i] * (h * w[i]);

@@ -1,4 +1,4 @@
-//! The longest steps of explicit methods, from the stability of one oscillator
+//! Longest stable steps of the explicit methods, from the stability of one oscillator
 //! `x'' = -stiffness x - damping x'` [Hairer 1996, IV.2].
 
 use super::Method;
@@ -7,23 +7,23 @@ use crate::real::Sum;
 /// A mode of a linearised scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
-    /// The square of its frequency, 1/s^2.
+    /// Square of the angular frequency, 1/s^2.
     pub stiffness: Sum,
-    /// 1/s.
+    /// Damping rate, 1/s.
     pub damping: Sum,
 }
 
-/// By how much a step may amplify and still be rounding.
+/// Amplification per step, beyond 1, that still counts as rounding.
 const ROUNDING: Sum = 1e-14;
 
-/// Beyond this many times the inverse of an eigenvalue none of the methods is stable.
+/// The search ends at this multiple of 1 / |eigenvalue|: no explicit method is stable beyond it.
 const FARTHEST: u32 = 4;
 
-/// Parts into which the way there is divided in search of the limit.
+/// Number of equal intervals, up to [`FARTHEST`], that are searched for the limit.
 const PARTS: u32 = 4096;
 
 impl Mode {
-    /// The longest stable step, s: 0 where every step amplifies, none where no step does.
+    /// The longest stable step, s: 0 if every step amplifies the mode, `None` if no step does.
     pub fn longest_step(&self, method: Method) -> Option<Sum> {
         let [real, imaginary] = self.eigenvalue();
         let size = libm::hypot(real, imaginary);
@@ -51,12 +51,12 @@ impl Mode {
         Some(low / size)
     }
 
-    /// With the damping of the old velocity; undamped `2 / omega`.
+    /// The limit of symplectic Euler with damping of the old velocity, s; undamped `2 / omega`.
     fn longest_symplectic_step(&self) -> Sum {
         4.0 / (self.damping + libm::sqrt(self.damping * self.damping + 4.0 * self.stiffness))
     }
 
-    /// Real and imaginary part of the eigenvalue that is farthest from 0, 1/s.
+    /// Real and imaginary part of the eigenvalue of largest modulus, 1/s.
     fn eigenvalue(&self) -> [Sum; 2] {
         let half = 0.5 * self.damping;
         let square = half * half - self.stiffness;
@@ -65,7 +65,7 @@ impl Mode {
     }
 }
 
-/// Modulus of the exponential's series up to the power `degree` at `z`.
+/// Modulus at `z = real + i imaginary` of the Taylor polynomial of exp up to the power `degree`.
 fn amplification(degree: u32, [real, imaginary]: [Sum; 2]) -> Sum {
     let [mut a, mut b] = [1.0, 0.0];
     for power in (1..=degree).rev() {
@@ -75,7 +75,7 @@ fn amplification(degree: u32, [real, imaginary]: [Sum; 2]) -> Sum {
     libm::hypot(a, b)
 }
 
-/// The longest step that is stable in each of some modes, s; none where every step is.
+/// The longest step that is stable for all `modes`, s; `None` if every step is.
 pub fn longest_step(modes: &[Mode], method: Method) -> Option<Sum> {
     modes.iter().filter_map(|mode| mode.longest_step(method)).min_by(Sum::total_cmp)
 }

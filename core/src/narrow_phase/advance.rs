@@ -1,45 +1,44 @@
-//! Conservative advancement: two convex features move on for as long as they cannot meet, again
-//! and again, until the step is over or they are close [Mirtich 1996, Li 2021].
+//! Conservative advancement: two convex features are repeatedly moved forward in time as long as they cannot
+//! collide, until the step ends or they are close [Mirtich 1996, Li 2021].
 //!
-//! At distance d, with i over the vertices of the first and j over those of the second feature and
-//! `x_ij = x_i - x_j`, the features cannot come within the target distance before the latest of
+//! Let d be the distance at time t, let i run over the vertices of the first feature and j over the vertices of the
+//! second, and let `x_ij = x_i - x_j`. The features cannot come within the target distance before the later of
 //! ```text
-//! t + (d - target) / max |v_ij|                   the farthest that any pair moves
-//! t + (1 - t) (g(t) - target) / (g(t) - g(1))     g = min n . x_ij, the slab between them
+//! t + (d - target) / max |v_ij|                   from the largest relative velocity of a pair of vertices
+//! t + (1 - t) (g(t) - target) / (g(t) - g(1))     g = min n . x_ij, the thickness of the slab between them
 //! ```
-//! where g, a minimum of linear functions, is above its chord. Any unit vector n will do. That
-//! between the nearest points lets most pairs go at once, but its direction is noise where d is
-//! near rounding; that perpendicular to the features is not.
+//! The function g is a minimum of linear functions, so it lies above its chord. This holds for any unit vector n.
+//! The direction between the nearest points excludes most pairs at once, but it is noise if d is near the rounding
+//! error; the direction perpendicular to both features is not.
 //!
-//! All is computed relative to the first vertex. Distances are then wrong by less than
-//! [`ROUNDING`] times the largest coordinate, which is kept in reserve.
+//! All positions are relative to the first vertex. The error of a distance is then less than [`ROUNDING`] times the
+//! largest coordinate, which is kept as a reserve.
 
 use crate::real::{Real, Vec3, sqrt};
 
-/// Reserve against rounding, in units of the largest coordinate relative to the first vertex.
+/// Reserve for rounding errors, in units of the largest coordinate relative to the first vertex.
 pub const ROUNDING: Real = 32.0 * Real::EPSILON;
 
-/// Advances before a query counts as a hit at the time it has reached.
+/// After this many advances, the query returns the time reached as a hit.
 pub const MOST_ADVANCES: u32 = 128;
 
-/// A hit is declared at this fraction of the start's gap, where that is less than the tolerance:
-/// features that start close may still move.
+/// A hit is declared at this fraction of the initial gap if that is less than the tolerance, so that features that
+/// start close can still move.
 const CLOSE: Real = 0.1;
 
-/// How far of the way to a hit's distance an advance goes down.
+/// Each advance aims at this fraction of the gap at which a hit is declared.
 const TARGET: Real = 0.9;
 
-/// Sums of squares below have lost digits to underflow.
+/// Sums of squares below this have lost digits to underflow.
 const LEAST_SQUARED: Real = Real::MIN_POSITIVE / Real::EPSILON;
 
-/// The time in [0, 1] at which two features come within `separation + tolerance`, m, the first
-/// being the first `FIRST` of the four vertices; `apart` gives the vector between the nearest
-/// points.
+/// The time in [0, 1] at which two features come within `separation + tolerance`, m. The first feature consists of
+/// the first `FIRST` of the four vertices; `apart` returns the vector between the nearest points.
 ///
-/// `None` says that they stay farther apart than `separation`. A time is never late: until then
-/// they were farther apart than `separation`, except that it is 0 where they start within it. A
-/// tolerance below [`ROUNDING`] is raised to it. What is not finite, or too large to square, is hit
-/// at once.
+/// `None` means that the features stay farther apart than `separation`. A time is never late: until then, the
+/// features were farther apart than `separation`. The time is 0 if they start within `separation`. A tolerance
+/// below [`ROUNDING`] times the largest coordinate is raised to that value. Positions that are not finite, or too
+/// large to square, count as a hit at time 0.
 #[inline]
 pub fn advance<const FIRST: usize>(
     start: &[Vec3; 4],
@@ -83,8 +82,8 @@ pub fn advance<const FIRST: usize>(
     Some(time)
 }
 
-/// The largest coordinate of vertices relative to the first; infinite where one is not finite or lengths
-/// could overflow.
+/// The largest coordinate of vertices relative to the first; infinite if a coordinate is not finite or if squared
+/// lengths could overflow.
 #[inline]
 pub fn largest<const N: usize>(local: [&[Vec3; 4]; N]) -> Real {
     let (mut size, mut sum) = (Vec3::ZERO, Vec3::ZERO);
@@ -98,8 +97,8 @@ pub fn largest<const N: usize>(local: [&[Vec3; 4]; N]) -> Real {
     if sum.is_finite() && (64.0 * size * size).is_finite() { size } else { Real::INFINITY }
 }
 
-/// When the slab between the features that is perpendicular to a direction is as thin as the
-/// target, at the earliest: 1 if never, `time` if it already is or the direction is too short to tell.
+/// The earliest time at which the slab between the features, perpendicular to `direction`, is as thin as `target`.
+/// Returns 1 if this never happens, and `time` if the slab is already that thin or the direction is too short.
 #[inline]
 fn closing<const FIRST: usize>(direction: Vec3, now: &[Vec3; 4], end: &[Vec3; 4], time: Real, target: Real) -> Real {
     let squared = direction.length_squared();
@@ -117,7 +116,7 @@ fn closing<const FIRST: usize>(direction: Vec3, now: &[Vec3; 4], end: &[Vec3; 4]
     }
 }
 
-/// The thickness of the slab times the length of the direction.
+/// The thickness of the slab between the features, times the length of `direction`.
 #[inline]
 fn slab<const FIRST: usize>(direction: Vec3, x: &[Vec3; 4]) -> Real {
     let heights = x.map(|x| direction.dot(x));
@@ -125,14 +124,14 @@ fn slab<const FIRST: usize>(direction: Vec3, x: &[Vec3; 4]) -> Real {
     first.iter().fold(Real::INFINITY, |a, &b| a.min(b)) - second.iter().fold(Real::NEG_INFINITY, |a, &b| a.max(b))
 }
 
-/// Perpendicular to the triangle, or to both edges, towards the first feature.
+/// A vector perpendicular to the triangle or to both edges that points towards the first feature.
 #[inline]
 fn upright<const FIRST: usize>(&[a, b, c, d]: &[Vec3; 4], between: Vec3) -> Vec3 {
     let upright = if FIRST == 1 { (c - b).cross(d - b) } else { (b - a).cross(d - c) };
     if upright.dot(between) < 0.0 { -upright } else { upright }
 }
 
-/// The farthest that a vertex of one feature moves relative to one of the other.
+/// The largest displacement of a vertex of one feature relative to a vertex of the other.
 #[inline]
 fn fastest<const FIRST: usize>(start: &[Vec3; 4], end: &[Vec3; 4]) -> Real {
     let motion: [Vec3; 4] = core::array::from_fn(|i| end[i] - start[i]);

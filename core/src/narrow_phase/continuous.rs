@@ -1,18 +1,19 @@
-//! When the features of each candidate meet in the course of a step.
+//! Computes when the features of each candidate collide during a step.
 //!
-//! They cannot where the way that they come nearer is less than what is between them: `way < distance -
-//! separation`. All of it is rounded. With u = EPSILON / 2 and S the largest coordinate relative to the
-//! first vertex, the right side is too large by less than 48 u S:
+//! Features cannot collide if their approach is less than the distance between them:
+//! `approach < distance - separation`. All of these are rounded. With u = EPSILON / 2 and S the largest coordinate
+//! relative to the first vertex, the computed right side is too large by less than 48 u S:
 //! ```text
 //!  4  coordinates relative to the first vertex
-//! 24  weights that are not quite the nearest: 17 across the features; along them 42, which add to a
-//!     distance of more than the reserve, 128, as squares: 42^2 / 256
-//!  7  the vector between, by these weights
+//! 24  weights that are not exactly nearest: 17 across the features, and 42 along them, which enter a
+//!     distance above the reserve of 128 only as squares: 42^2 / 256
+//!  7  the vector between the points with these weights
 //!  5  its length
-//!  7  the radii, what is less by them and by the separation, and the sum on the left
+//!  7  the radii, the subtraction of the radii and of the separation, and the sum on the left side
 //! ```
-//! and by less than 70 u S where a device measured, whose divisions may be wrong by 5 u and roots by 9 u.
-//! A lower bound by boxes is better than any. The way has a reserve of its own.
+//! The error is less than 70 u S if a GPU computed the distances, because its divisions may be wrong by 5 u and its
+//! square roots by 9 u. A lower bound from bounding boxes has a smaller error than either. The approach has its own
+//! reserve.
 
 use super::advance::{ROUNDING, largest};
 use super::{Pairing, gather};
@@ -20,47 +21,47 @@ use crate::broad_phase::Surface;
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3};
 
-/// In `times`: not in this step.
+/// Value in `times`: the features do not collide in this step.
 pub const NEVER: Real = 2.0;
 
-/// Features nearer than this part of the separation touch: rounding hides what they do.
+/// Features nearer than this fraction of the separation count as touching, because rounding hides their motion.
 pub const TOUCH: Real = 1e-3;
 
-/// In `times`: the features touch already, as far as rounding tells.
+/// Value in `times`: the features already touch at the start, within rounding errors.
 pub const TOUCHING: Real = 3.0;
 
-/// Reserve against rounding of distances, in units of the largest coordinate relative to the first vertex:
-/// 128 u.
+/// Reserve for rounding errors of distances, 128 u, in units of the largest coordinate relative to the first vertex.
 const RESERVE: Real = 2.0 * ROUNDING;
 
-/// The motion of all vertices, and which of them moved since they were last tested.
+/// The motion of all vertices, and the round in which each of them last moved.
 #[derive(Clone, Copy)]
 pub struct LinearMotion<'a> {
-    /// m.
+    /// Positions at the start of the step, m.
     pub start: &'a [Vec3],
-    /// m.
+    /// Positions at the end of the step, m.
     pub end: &'a [Vec3],
-    /// From start to end, m.
+    /// Displacements from start to end, m.
     pub moves: &'a [Vec3],
-    /// m around each vertex.
+    /// Radius of each vertex, m.
     pub radii: &'a [Real],
-    /// The round in which each was last moved.
+    /// The round in which each vertex was last moved.
     pub rounds: &'a [u32],
-    /// Only candidates with a vertex moved in this round are tested; 0: all.
+    /// Only candidates with a vertex that moved in this round are tested; with 0, all are tested.
     pub round: u32,
 }
 
-/// Not less than the way that the features come towards one another, m, however far they move together:
-/// each move is rounded, by less than 2 sqrt(3) u of the largest for two of them.
+/// An upper bound of the distance by which the features approach each other, m. It includes the rounding error of
+/// two displacements, which is less than 2 sqrt(3) u times the largest, so it is valid even if both features share
+/// a large motion.
 #[inline]
 fn farthest<P: Pairing>(moves: &[Vec3; 4]) -> Real {
     let largest = moves.iter().fold(Vec3::ZERO, |most, x| most.max(x.abs())).max_element();
     P::approach(moves) * (1.0 + 1e-5) + 4.0 * Real::EPSILON * largest
 }
 
-/// Writes when each candidate's features come within `separation` of one another, or within half
-/// of their distance where they are already nearer. For features that touch at the start there
-/// is no such time: an exact test of the end has to follow.
+/// Writes the time at which the features of each candidate come within `separation` of each other, or within half
+/// of their initial distance if that is less. Features that touch at the start have no time of impact: an exact
+/// test of the end positions must follow.
 pub fn times<P: Pairing>(
     candidates: &[[u32; 2]],
     distances: &[Real],
@@ -86,14 +87,14 @@ pub fn times<P: Pairing>(
             let separation = separation.min(0.5 * distance);
             let start = gather(vertices, motion.start);
             let reserve = RESERVE * largest([&start.map(|x| x - start[0])]);
-            // Nearly all candidates cannot have come near enough.
+            // Most candidates do not move far enough to collide.
             if farthest::<P>(&gather(vertices, motion.moves)) + reserve < distance - separation {
                 continue;
             }
             let end = gather(vertices, motion.end);
             let radius = P::radius(gather(vertices, motion.radii));
             if let Some(at) = P::time_of_impact(&start, &end, separation + radius, 0.5 * separation) {
-                // At once, although apart: rounding hides what they do.
+                // The time is 0 although the features are apart, because rounding hides their motion.
                 *time = if at > 0.0 { at } else { TOUCHING };
             }
         }

@@ -4,7 +4,7 @@ use super::Nearest;
 use crate::geometry::edge_edge::closest_parameters;
 use crate::real::{Real, Vec3};
 
-/// Nearest points; `x` holds the ends of the first edge, then of the second.
+/// The nearest points; `x` has the ends of the first edge, then the ends of the second.
 #[inline]
 pub fn nearest(x: &[Vec3; 4]) -> Nearest {
     let [a, b, c] = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
@@ -12,12 +12,12 @@ pub fn nearest(x: &[Vec3; 4]) -> Nearest {
     Nearest { weights: [1.0 - s, s, t - 1.0, -t], between: a * s - (b + (c - b) * t) }
 }
 
-/// A direction for features that touch: across both edges.
+/// A unit normal for edges at distance zero: perpendicular to both.
 pub fn direction(x: &[Vec3; 4]) -> Option<Vec3> {
     (x[1] - x[0]).cross(x[3] - x[2]).try_normalize()
 }
 
-/// Largest distance that a point of one feature can move against the other, m.
+/// An upper bound of the distance that a point of one edge moves relative to the other edge, m.
 #[inline]
 pub fn approach(moves: &[Vec3; 4]) -> Real {
     let along = |a: usize, b: usize| (moves[a] - moves[b]).length_squared();

@@ -1,20 +1,20 @@
-//! Whether two features are where their surfaces come nearest to one another. Within the thickness
-//! there are others beside them, and the line between those leans: a contact along it would hold
-//! back what slides, by an edge across a flat face as by a step [Johnson 2003].
+//! Tests whether a contact is at a local minimum of the distance between its two surfaces. Within the thickness
+//! there are also pairs of features beside the nearest pair, and their normals are inclined. Contacts along these
+//! normals would resist sliding: an edge inside a flat face would act like a step [Johnson 2003].
 
 use super::{Contact, Pairing};
 use crate::broad_phase::Surface;
 use crate::real::{Real, Vec3, sqrt};
 
-/// Sine of the angle by which a neighbour may rise above a feature: more than rounding, and too
-/// little to be felt.
+/// Sine of the angle by which a neighbour may rise above a feature: larger than rounding errors, but too small to
+/// be noticed.
 const RISE: Real = 1e-2;
 
-/// Sine of the angle between a line and a plane that it counts as lying in.
+/// Sine of the largest angle between a line and a plane at which the line counts as lying in the plane.
 const ALONG: Real = 0.1;
 
-/// Whether no neighbour of the features that meet is nearer to the other surface. Before a face
-/// any vertex will do: the line between is the face's own normal.
+/// Whether no neighbour of the two features of a contact is nearer to the other surface. A contact with the
+/// interior of a face always passes, because its normal is the normal of the face.
 pub fn is_local_minimum<P: Pairing>(surface: &Surface<'_>, x: &[Vec3], contact: &Contact) -> bool {
     let Contact { vertices, weights, normal, .. } = contact;
     let [first, second] =
@@ -30,7 +30,7 @@ struct Feature<'a> {
 }
 
 impl Feature<'_> {
-    /// Of how many of its vertices the point that meets is.
+    /// Number of vertices that have a nonzero weight in the nearest point.
     fn touched(self) -> usize {
         self.weights.iter().filter(|&&weight| weight != 0.0).count()
     }
@@ -40,10 +40,10 @@ impl Feature<'_> {
     }
 }
 
-/// Whether none of the triangles around what touches of a feature, an edge or a vertex, rises
-/// along `out`. Two kinds do not count, since no contact of theirs would stand for this one: those at
-/// the `other` feature, which are its neighbours, and those that lie along the line, which is a sheet
-/// pressed together in its own plane.
+/// Whether no triangle around the touched part of `feature`, an edge or a vertex, rises along `out`. Two kinds of
+/// triangles are ignored, because no contact of theirs would replace this one: triangles with a vertex of the
+/// `other` feature, which are its neighbours, and triangles that lie along `out`, as in a sheet that is compressed
+/// in its own plane.
 fn is_lowest(surface: &Surface<'_>, x: &[Vec3], feature: Feature<'_>, other: Feature<'_>, out: Vec3) -> bool {
     let Some(foot) = feature.vertices.iter().copied().find(|&v| feature.touches(v)) else { return true };
     let foot_at = x[foot as usize];

@@ -1,4 +1,5 @@
-//! Candidates in, contacts out: where two features meet, how near, and when.
+//! The narrow phase computes contacts from candidates: the nearest points of two features, their distance, and the
+//! time of impact.
 
 pub mod advance;
 pub mod contacts;
@@ -15,17 +16,18 @@ use bytemuck::{Pod, Zeroable};
 use crate::broad_phase::Surface;
 use crate::real::{Real, Vec3};
 
-/// Where two features meet.
+/// A contact: the nearest points of two features, with their weights, normal and gap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Contact {
     /// The vertices of both features: vertex and triangle, or two edges.
     pub vertices: [u32; 4],
-    /// Of the points that meet: positive on the first feature, negative on the second, together 0.
+    /// Weights of the vertices in the nearest points: positive on the first feature, negative on the second, with
+    /// sum 0.
     pub weights: [Real; 4],
     /// Unit vector from the second feature to the first.
     pub normal: Vec3,
-    /// n . sum W x at the start of the step, less the radii of the features, m.
+    /// `n . sum W x` at the start of the step, minus the radii of the features, m.
     pub gap: Real,
 }
 
@@ -34,28 +36,28 @@ pub struct Contact {
 pub struct Nearest {
     /// Positive on the first feature, negative on the second.
     pub weights: [Real; 4],
-    /// m.
+    /// The vector from the point on the second feature to the point on the first, m.
     pub between: Vec3,
 }
 
-/// What differs between a vertex with a triangle and an edge with an edge.
+/// The operations that differ between vertex-triangle pairs and edge-edge pairs.
 pub trait Pairing: Sync {
-    /// How many vertices the first feature has.
+    /// Number of vertices of the first feature.
     const FIRST: usize;
     /// The vertices of a candidate, first feature first.
     fn vertices(surface: &Surface<'_>, candidate: [u32; 2]) -> [u32; 4];
     /// The nearest points of the two features.
     fn nearest(x: &[Vec3; 4]) -> Nearest;
-    /// A direction for features that touch, where there is one.
+    /// A unit normal for features at distance zero, or `None` if the features are degenerate.
     fn direction(x: &[Vec3; 4]) -> Option<Vec3>;
-    /// Largest distance that a point of one feature moves against the other, m.
+    /// An upper bound of the distance that a point of one feature moves relative to the other feature, m.
     fn approach(moves: &[Vec3; 4]) -> Real;
-    /// When the features first come within a separation, moving straight from `start` to `end`:
-    /// never late, 0..1.
+    /// The time in [0, 1] at which the features first come within `separation` while they move linearly from
+    /// `start` to `end`. It is never late.
     fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real>;
-    /// The radii of both features together, m.
+    /// The sum of the radii of both features, m.
     fn radius(radii: [Real; 4]) -> Real;
-    /// Least distance of the two features by their boxes, m.
+    /// A lower bound of the distance between the two features, from their bounding boxes, m.
     fn box_distance(x: &[Vec3; 4]) -> Real;
 }
 
@@ -129,14 +131,14 @@ impl Pairing for EdgeEdge {
     }
 }
 
-/// Four entries of a column.
+/// Four entries of a column, one for each vertex.
 #[inline]
 pub fn gather<T: Copy>(vertices: [u32; 4], column: &[T]) -> [T; 4] {
     vertices.map(|v| column[v as usize])
 }
 
-/// The contact of two features that meet as `x` stands, measured from `start`. None where no
-/// direction parts them.
+/// The contact of two features with nearest points at the positions `x` and a gap measured at the positions
+/// `start`. `None` if the distance is zero and the features are too degenerate to have a normal.
 pub fn contact<P: Pairing>(vertices: [u32; 4], x: &[Vec3; 4], start: &[Vec3; 4], radius: Real) -> Option<Contact> {
     let Nearest { weights, between } = P::nearest(x);
     let normal = match between.try_normalize() {
@@ -144,7 +146,7 @@ pub fn contact<P: Pairing>(vertices: [u32; 4], x: &[Vec3; 4], start: &[Vec3; 4],
         None => P::direction(x)?,
     };
     let apart = |k: usize| (start[k] - start[3]) * weights[k];
-    // Weights add up to nothing: differences keep the digits.
+    // The weights have sum 0, so relative positions give the same sum with less cancellation.
     let gap = normal.dot(apart(0) + apart(1) + apart(2)) - radius;
     Some(Contact { vertices, weights, normal, gap })
 }

@@ -1,12 +1,12 @@
-//! How far apart the features of each candidate are at the start of a step [Ericson 2005].
+//! The distances between the features of each candidate at the start of a step [Ericson 2005].
 
 use super::{Pairing, gather};
 use crate::broad_phase::Surface;
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3, sqrt};
 
-/// Writes each candidate's distance less the radii; where boxes already lie further apart than
-/// `reach`, that of the boxes.
+/// Writes the distance of each candidate minus the radii. If the lower bound from the bounding boxes already
+/// exceeds `reach`, writes this bound instead.
 pub fn distances<P: Pairing>(
     candidates: &[[u32; 2]],
     surface: &Surface<'_>,

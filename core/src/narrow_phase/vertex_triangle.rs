@@ -4,7 +4,7 @@ use super::Nearest;
 use crate::geometry::point_triangle::closest_weights;
 use crate::real::{Real, Vec3};
 
-/// Nearest points; `x` holds the vertex, then the triangle.
+/// The nearest points; `x` has the vertex, then the vertices of the triangle.
 #[inline]
 pub fn nearest(x: &[Vec3; 4]) -> Nearest {
     let [a, b, c] = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
@@ -12,12 +12,12 @@ pub fn nearest(x: &[Vec3; 4]) -> Nearest {
     Nearest { weights: [1.0, -w[0], -w[1], -w[2]], between: -(a * w[0] + b * w[1] + c * w[2]) }
 }
 
-/// A direction for features that touch: the triangle's normal.
+/// A unit normal for a vertex at distance zero: the normal of the triangle.
 pub fn direction(x: &[Vec3; 4]) -> Option<Vec3> {
     (x[2] - x[1]).cross(x[3] - x[1]).try_normalize()
 }
 
-/// Largest distance that a point of one feature can move against the other, m.
+/// An upper bound of the distance that the vertex moves relative to a point of the triangle, m.
 #[inline]
 pub fn approach(moves: &[Vec3; 4]) -> Real {
     let along = |k: usize| (moves[0] - moves[k]).length_squared();

@@ -1,4 +1,4 @@
-//! A step that cannot be taken whole is taken in halves, and those in halves again.
+//! Substeps: a step that fails is divided into halves, and each half again if it fails.
 
 use alloc::vec::Vec;
 
@@ -6,10 +6,10 @@ use super::{Simulation, State, StepError, Substep};
 use crate::dispatch::Dispatch;
 use crate::real::{Sum, Vec3};
 
-/// How often a step is halved before what still meets is held back.
+/// Largest number of halvings. In the shortest substeps vertices that still collide are held back.
 const MOST_HALVINGS: u32 = 6;
 
-/// The state before a step that is taken in halves: as in [`State`], in columns sized once.
+/// Copy of the [`State`] before a step that is taken in halves. The columns are allocated once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
     columns: [Vec<Vec3>; 4],
@@ -18,20 +18,19 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// For columns of these lengths.
+    /// Allocates columns with the lengths of the given ones.
     pub fn build(positions: &[Vec3], previous: &[Vec3]) -> Self {
         Self { columns: [positions, positions, previous, previous].map(<[Vec3]>::to_vec), ..Self::default() }
     }
 
-    /// Bytes held.
+    /// Size of the columns, bytes.
     pub fn bytes(&self) -> usize {
         self.columns.iter().map(|column| size_of_val(&column[..])).sum()
     }
 }
 
 impl Simulation {
-    /// Takes a step in halves, as short as they must be; where that does not help the state is put
-    /// back.
+    /// Takes a step in substeps, each halved as often as necessary. Restores the state if that fails.
     pub(super) async fn step_in_halves<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         self.keep();
         let taken = self.halves(dispatch).await;

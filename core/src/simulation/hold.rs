@@ -1,13 +1,13 @@
-//! Vertices that a host takes hold of, extrapolates and lets go: a hand in the cloth.
+//! Dragging: the host pins a vertex, moves it and releases it.
 
 use super::Simulation;
 use crate::real::{Sum, Vec3};
 use crate::scene::BuiltScene;
 
 impl Simulation {
-    /// Moves a vertex, held or free, evenly to a place, m, within `seconds`, or at once for 0. There it is held.
-    /// Returns false and changes nothing if the vertex does not exist, the place or the time is not finite, or
-    /// the time is negative.
+    /// Moves a vertex, pinned or free, at constant velocity to `place`, m, within `seconds`, or at once for 0. It
+    /// stays pinned there. Returns false and changes nothing if the vertex does not exist, the place or the time
+    /// is not finite, or the time is negative.
     pub fn move_to(&mut self, vertex: u32, place: Vec3, seconds: Sum) -> bool {
         let Some(&from) = self.positions().get(vertex as usize) else { return false };
         if !place.is_finite() || !(0.0..Sum::INFINITY).contains(&seconds) {
@@ -16,13 +16,13 @@ impl Simulation {
         let now = self.time();
         self.built.pins.move_to(vertex, [now, now + seconds], [from, place]);
         self.take_over_pins();
-        // A method of two steps cannot look back over what a hand does.
+        // A two-step method cannot use the state from before the new motion.
         self.scratch.has_history = false;
         self.built.pins.view().set_out(now, &mut self.built.particles.velocities);
         true
     }
 
-    /// Lets go of a vertex, whatever held it; false where nothing does.
+    /// Removes all pins of a vertex; false if there are none.
     pub fn release(&mut self, vertex: u32) -> bool {
         let released = self.built.pins.release(vertex);
         self.take_over_pins();
@@ -30,7 +30,7 @@ impl Simulation {
         released
     }
 
-    /// Tells contact and the preconditioner which axes are held.
+    /// Copies the held axes to contact and the preconditioner.
     fn take_over_pins(&mut self) {
         let BuiltScene { particles, pins, contact, .. } = &mut self.built;
         let pins = &pins.view();

@@ -1,4 +1,4 @@
-//! A scene in motion with all of its columns owned: what a host with an allocator holds.
+//! The simulation of a scene. It owns all columns and needs an allocator.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -31,23 +31,23 @@ pub use refusal::{Cause, StepError};
 use contact::Obstacle;
 use halving::Kept;
 
-/// Room for so many candidates of each kind a vertex, to begin with.
+/// Initial capacity: candidates of each kind per vertex.
 const PAIRS_PER_VERTEX: usize = 32;
 
-/// A simulation that a host steps.
+/// A simulation that the host advances step by step.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     built: BuiltScene,
     scratch: ScratchColumns,
     contact: Option<ContactScratchColumns>,
-    /// Where a step began that is taken in halves.
+    /// The state at the start of a step that is taken in substeps.
     kept: Kept,
     tally: Tally,
-    /// Whether the response changed the candidate state.
+    /// Whether the contact response changed the candidate state.
     touched: bool,
-    /// Whether it changed the state.
+    /// Whether the contact response changed the current state.
     after_contact: bool,
-    /// Candidates found in this step, over all attempts.
+    /// Number of candidates found in this step, over all attempts.
     looked_at: u64,
     scheme: Scheme,
     step: Real,
@@ -55,12 +55,12 @@ pub struct Simulation {
     statistics: IntegratorStatistics,
 }
 
-/// A part of a step: a step that cannot be made free of intersections is taken in halves.
+/// A part of a step. A step that cannot be made free of intersections is divided into halves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Substep {
-    /// Where in the step it starts, 0..1.
+    /// Start, as a fraction of the step, 0..1.
     pub from: Sum,
-    /// How much of the step it is, 0..1.
+    /// Length, as a fraction of the step, 0..1.
     pub length: Sum,
 }
 
@@ -69,26 +69,26 @@ impl Substep {
     pub const WHOLE: Self = Self { from: 0.0, length: 1.0 };
 }
 
-/// The part of a simulation that a checkpoint keeps, borrowed.
+/// The state that a checkpoint stores, borrowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<'a> {
-    /// Steps taken.
+    /// Number of steps taken.
     pub steps: u64,
-    /// m.
+    /// Positions, m.
     pub positions: &'a [Vec3],
-    /// m/s.
+    /// Velocities, m/s.
     pub velocities: &'a [Vec3],
-    /// BDF2: the state one step before, empty elsewhere and before the first step.
+    /// Positions and velocities one step before, for BDF2; empty if there is no history.
     pub previous: [&'a [Vec3]; 2],
-    /// Whether contact changed it, so that a method that rings starts afresh.
+    /// Whether contact changed this state. If so, the next step of implicit midpoint uses backward Euler.
     pub after_contact: bool,
 }
 
 impl Simulation {
-    /// Builds a scene; see [`scene::build`] for what can be wrong with it.
+    /// Builds a scene. [`scene::build`] documents the errors.
     ///
-    /// The step is the largest that fits a whole number of times into a frame and is not larger
-    /// than the scene's ([`SceneDesc::timing`]).
+    /// The step is the longest that divides a frame into whole steps and is not longer than the step
+    /// of the scene ([`SceneDesc::timing`]).
     pub fn new(desc: &SceneDesc, resources: &[Resource]) -> Result<Self, SceneError> {
         let built = scene::build(desc, resources)?;
         let scheme = Scheme {
@@ -101,14 +101,14 @@ impl Simulation {
         Ok(Self::from_columns(built, scheme, desc.timing().step as Real))
     }
 
-    /// A simulation over columns made elsewhere. Pins move from the start.
+    /// Makes a simulation of a scene that is already built. Pins start with their prescribed velocities.
     pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
         built.pins.view().set_out(0.0, &mut built.particles.velocities);
         let scratch = ScratchColumns::build(&built, &scheme);
         let room = PAIRS_PER_VERTEX * built.particles.positions.len();
         let contact = built.contact.as_ref().map(|contact| ContactScratchColumns::build(&contact.view(), room));
         let kept = contact.as_ref().map(|_| Kept::build(&built.particles.positions, &scratch.previous_positions));
-        // Only the solver's patches are cut by it.
+        // Material coordinates are needed only to cut the patches of the solver.
         built.material = Default::default();
         let (statistics, tally) = (IntegratorStatistics::default(), Tally::default());
         Self {
@@ -127,16 +127,16 @@ impl Simulation {
         }
     }
 
-    /// Takes one step, in halves where surfaces would meet. A step that cannot be taken leaves the
-    /// state as it was. Waits for candidates that are found in another place, which must not need this
-    /// thread for it: see [`await_step`](Self::await_step).
+    /// Takes one step, divided into substeps if surfaces would collide. A step that fails does not change
+    /// the state. Blocks while candidates are found elsewhere, for example on a GPU; that work must not need
+    /// this thread. [`await_step`](Self::await_step) does not block.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         block_on(self.await_step(dispatch))
     }
 
-    /// The same for a host that must not block: awaits candidates that are found in another place
-    /// ([`Dispatch::detect`]). A future that is dropped before it is done may leave the state within the
-    /// step: [`restore`](Self::restore) what [`state`](Self::state) was before.
+    /// Takes one step like [`step`](Self::step), but awaits candidates that are found elsewhere
+    /// ([`Dispatch::detect`]). A future that is dropped before it completes may leave the state of a substep:
+    /// [`restore`](Self::restore) the [`state`](Self::state) from before the step.
     pub async fn await_step<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         let counted = (self.statistics, self.tally);
         self.looked_at = 0;
@@ -146,14 +146,14 @@ impl Simulation {
         };
         match taken {
             Ok(()) => self.steps += 1,
-            // It will be taken again.
+            // The host takes this step again, so its work is not counted.
             Err(StepError { cause: Cause::Stopped, .. }) => (self.statistics, self.tally) = counted,
             Err(_) => {}
         }
         taken
     }
 
-    /// Takes a part of a step.
+    /// Takes a part of a step. `hold` allows the last resort of the response, which holds vertices back.
     async fn try_part<D: Dispatch>(&mut self, part: Substep, hold: bool, dispatch: &D) -> Result<(), StepError> {
         if let Prediction::NotFinite { particle } = self.predict(part, dispatch) {
             return Err(self.diverged(Cause::NotFinite, particle, dispatch));
@@ -162,7 +162,7 @@ impl Simulation {
             if let Err(Obstacle { cause, particle }) = self.resolve(part, hold, dispatch).await {
                 return Err(self.diverged(cause, particle, dispatch));
             }
-            // The response compares, and comparisons with what is not a number say nothing.
+            // The response decides by comparisons, which do not detect NaN.
             let (x, v) = (&self.scratch.next_positions, &self.scratch.next_velocities);
             if let Some(particle) = diagnostics::first_non_finite(x, v) {
                 return Err(self.diverged(Cause::NotFinite, particle, dispatch));
@@ -174,9 +174,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// The scheme of a part of a step. BDF2 cannot look back over an impulse, a step of another
-    /// length or a pin's jump of velocity, and the implicit midpoint rings with what an impulse
-    /// leaves in stiff cloth, the louder in every step: such a part is backward Euler.
+    /// The scheme of a part of a step, backward Euler in two cases. BDF2 needs a previous step of equal length
+    /// without an impulse or a velocity jump of a pin in between. Implicit midpoint after contact would amplify
+    /// the oscillation of stiff cloth that an impulse excites.
     fn scheme_of(&self, part: Substep) -> Scheme {
         let cut = part != Substep::WHOLE || self.steps > 0 && !self.scratch.has_history;
         let method = match self.scheme.method {
@@ -187,10 +187,10 @@ impl Simulation {
         Scheme { method, ..self.scheme }
     }
 
-    /// The first phase of a step: writes the candidate state.
+    /// First phase of a step: writes the candidate state.
     pub fn predict(&mut self, part: Substep, dispatch: &impl Dispatch) -> Prediction {
         let time = self.time_at(part.from);
-        // Only a method that looks back asks for jumps.
+        // Jumps of pins matter only to a method with history.
         if part != Substep::WHOLE || self.scratch.has_history && self.pins().jump(time) {
             self.scratch.has_history = false;
         }
@@ -217,8 +217,8 @@ impl Simulation {
         step::predict(&context, &particles, &mut scratch.view(), statistics)
     }
 
-    /// The last phase of a step: the candidate becomes the state. As [`step::commit`], over owned
-    /// columns.
+    /// Last phase of a step: the candidate becomes the state. Does the same as [`step::commit`], with
+    /// owned columns.
     pub fn commit(&mut self) {
         let (particles, scratch) = (&mut self.built.particles, &mut self.scratch);
         core::mem::swap(&mut particles.positions, &mut scratch.next_positions);
@@ -258,22 +258,22 @@ impl Simulation {
         self.time() + fraction * Sum::from(self.step)
     }
 
-    /// Counts of contact so far.
+    /// Counts of the contact response since the start.
     pub fn tally(&self) -> Tally {
         self.tally
     }
 
-    /// What can touch; absent: nothing.
+    /// The columns for contact; `None` in a scene without contact.
     pub fn contact(&self) -> Option<&ContactColumns> {
         self.built.contact.as_ref()
     }
 
-    /// Where the vertices of the cloths and then of the colliders are now, m.
+    /// Current positions of the vertices of the cloths, then of the colliders, m.
     fn places(&self) -> Vec<Vec3> {
         self.positions().iter().copied().chain(self.collider_positions()).collect()
     }
 
-    /// Where the vertices of the colliders are now, m.
+    /// Current positions of the vertices of the colliders, m.
     pub fn collider_positions(&self) -> Vec<Vec3> {
         let colliders = self.built.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default();
         let mut places = vec![Vec3::ZERO; colliders.anchors.len()];
@@ -281,8 +281,8 @@ impl Simulation {
         places
     }
 
-    /// Pairs of an edge and a triangle, of cloths and colliders, that pass through one another now,
-    /// by the exact test; a scene without contact is asked about its cloths.
+    /// Number of current crossings (pairs of edge and triangle) of cloths and colliders, by the exact test.
+    /// In a scene without contact it counts the crossings of the cloths.
     pub fn crossings(&self, dispatch: &impl Dispatch) -> usize {
         let positions = self.places();
         match &self.built.contact {
@@ -294,7 +294,7 @@ impl Simulation {
         }
     }
 
-    /// The deepest that a vertex lies in a collider now, m; none without colliders.
+    /// Current greatest depth of a cloth vertex inside a collider, m; `None` without colliders.
     pub fn penetration(&self) -> Option<Real> {
         let contact = self.built.contact.as_ref().filter(|contact| !contact.colliders.bodies.is_empty())?;
         let (colliders, places) = (contact.colliders.view(), self.collider_positions());
@@ -306,32 +306,32 @@ impl Simulation {
         self.step
     }
 
-    /// IntegratorStatistics done so far.
+    /// Counts of the integrator's work since the start.
     pub fn statistics(&self) -> IntegratorStatistics {
         self.statistics
     }
 
-    /// The scheme.
+    /// The integration scheme.
     pub fn scheme(&self) -> &Scheme {
         &self.scheme
     }
 
-    /// The columns that the scene was built into, with the particles as they are now.
+    /// The columns of the scene, with the current state of the particles.
     pub fn scene(&self) -> &BuiltScene {
         &self.built
     }
 
-    /// Bytes that its statistics streamed so far, counted ([`traffic::total_bytes`]).
+    /// Memory traffic of the counted work since the start, bytes ([`traffic::total_bytes`]).
     pub fn streamed_bytes(&self) -> u64 {
         traffic::total_bytes(&self.statistics, &self.model(), self.sizes())
     }
 
-    /// What traffic depends on ([`traffic::bytes`]).
+    /// The sizes that memory traffic depends on ([`traffic::bytes`]).
     pub fn sizes(&self) -> TrafficSizes {
         self.scratch.sizes()
     }
 
-    /// Bytes held in columns.
+    /// Size of all columns, bytes.
     pub fn bytes(&self) -> usize {
         let contact = self.contact.as_ref().map_or(0, ContactScratchColumns::bytes);
         self.built.bytes() + self.scratch.bytes() + contact + self.kept.bytes()
@@ -347,45 +347,45 @@ impl Simulation {
         &self.built.particles.velocities
     }
 
-    /// Positions and velocities, to set. What was before is forgotten: a two-step method's history, and
-    /// that contact changed the state.
+    /// Mutable positions and velocities. Clears the history of a two-step method and the mark that contact
+    /// changed the state.
     pub fn state_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
         self.forget_the_past();
         (&mut self.built.particles.positions, &mut self.built.particles.velocities)
     }
 
-    /// A state that is written anew does not follow from the one before it.
+    /// Clears all data about previous steps, because the new state does not follow from them.
     fn forget_the_past(&mut self) {
         self.scratch.has_history = false;
         self.after_contact = false;
     }
 
-    /// The listed terms.
+    /// The forces.
     pub fn model(&self) -> Model<'_> {
         self.built.model.view()
     }
 
-    /// The held vertices.
+    /// The pinned vertices.
     pub fn pins(&self) -> Pins<'_> {
         self.built.pins.view()
     }
 
-    /// Energies now, J.
+    /// Current energies, J.
     pub fn energy(&self) -> Energy {
         diagnostics::energy(&self.model(), &self.built.particles.masses, self.positions(), self.velocities())
     }
 
-    /// Linear momentum now, kg m/s.
+    /// Current linear momentum, kg m/s.
     pub fn momentum(&self) -> [Sum; 3] {
         diagnostics::momentum(&self.built.particles.masses, self.velocities())
     }
 
-    /// Stretch of all edges now.
+    /// Current stretch of all edges.
     pub fn stretch(&self) -> Stretch {
         diagnostics::stretch(&self.built.edges, &self.built.rest_lengths, self.positions())
     }
 
-    /// What a checkpoint keeps.
+    /// The state that a checkpoint stores.
     pub fn state(&self) -> State<'_> {
         let known = if self.scratch.has_history { self.scratch.previous_positions.len() } else { 0 };
         State {
@@ -397,8 +397,8 @@ impl Simulation {
         }
     }
 
-    /// Goes on from a checkpoint of the same scene; false, and nothing done, where the lengths
-    /// do not fit.
+    /// Restores a checkpoint of the same scene. Returns false and changes nothing if the lengths of the
+    /// columns differ.
     pub fn restore(&mut self, state: &State<'_>, statistics: IntegratorStatistics, tally: Tally) -> bool {
         let count = self.positions().len();
         let history = state.previous[0].len();

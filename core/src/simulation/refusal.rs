@@ -1,40 +1,40 @@
-//! Why a step is not taken.
+//! Errors of a step.
 
 use crate::stage::Term;
 
-/// A step that was not taken. The state is that before it.
+/// A step that failed. The state is the same as before the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepError {
     /// The step that failed, counted from 1.
     pub step: u64,
-    /// The first particle that is not finite, that meets something, or the one that moves farthest.
+    /// By cause: the first particle that is not finite, the one that moves farthest, or one that collides.
     pub particle: u32,
-    /// The term that pulled hardest on it.
+    /// The term with the largest force on the particle.
     pub term: Option<Term>,
-    /// What went wrong.
+    /// The cause.
     pub cause: Cause,
 }
 
-/// Why a step cannot be taken.
+/// Cause of the failure of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// Its result is not a number.
+    /// The result is NaN or infinite.
     NotFinite,
-    /// So much moves so far, or is so thick, that contact cannot follow, however short it is taken.
+    /// Too many candidates, or corrections larger than the widest boxes allow, even in the shortest substep.
     TooMuch,
-    /// Surfaces would pass through one another, however short it is taken.
+    /// Surfaces would pass through one another even in the shortest substep.
     Contact {
-        /// Index of the collider that the particle meets; else it meets cloth.
+        /// Index of the collider that the particle collides with; `None`: it collides with cloth.
         collider: Option<u32>,
-        /// Whether the particle is pinned, so that nothing can keep it away.
+        /// Whether the particle is pinned, so that contact cannot move it.
         pinned: bool,
     },
-    /// The host gave it up ([`Dispatch::stopped`](crate::dispatch::Dispatch::stopped)).
+    /// The host cancelled the step ([`Dispatch::stopped`](crate::dispatch::Dispatch::stopped)).
     Stopped,
 }
 
 impl StepError {
-    /// Whether a shorter step may be taken where this one was not.
+    /// Whether a shorter step may succeed.
     pub(super) fn may_help(&self) -> bool {
         matches!(self.cause, Cause::Contact { .. } | Cause::TooMuch)
     }
@@ -47,7 +47,7 @@ impl core::fmt::Display for StepError {
         match self.cause {
             Cause::NotFinite => write!(f, "diverged in step {step} at particle {particle}, pulled hardest by {term}"),
             Cause::TooMuch => {
-                write!(f, "more comes together in step {step} than contact can follow: ")?;
+                write!(f, "step {step} has more contacts than can be resolved: ")?;
                 write!(f, "particle {particle} moves farthest, pulled hardest by {term}")
             }
             Cause::Contact { collider, pinned } => {

@@ -1,14 +1,14 @@
-//! The contour in which surfaces pass through one another, and how its length changes: G, from
-//! each edge that passes through a triangle [Volino 2006].
+//! Contours, the lines in which surfaces pass through one another, and the change of their length. The gradient G
+//! of the length is computed for each edge that passes through a triangle [Volino 2006].
 //!
-//! With E the direction of the edge, N the normal of the triangle, and R_i, for each triangle i on
-//! the edge, the direction in which the contour runs from the edge into triangle i,
+//! Let E be the direction of the edge, N the normal of the triangle, and R_i, for each triangle i on the edge, the
+//! direction in which the contour runs from the edge into triangle i. Then
 //! ```text
 //! G = sum_i R_i - 2 (E . R_i) / (E . N) N
 //! ```
-//! Where the edge moves by d against the triangle, the crossing moves along both planes, and the
-//! contour becomes longer by -1/2 sum G . d over the crossings, to first order and where surfaces
-//! move as wholes. So edges move along G, and triangles against it.
+//! If the edge moves by d relative to the triangle, the crossing moves along both planes, and the contour becomes
+//! longer by -1/2 sum G . d over the crossings, to first order and for surfaces that move as wholes. So edges move
+//! along G, and triangles against it.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -16,7 +16,7 @@ use alloc::vec::Vec;
 use super::topology::{NONE, Pieces, Topology};
 use crate::real::{Real, Vec3};
 
-/// Least |E . N|: below it the edge lies in the triangle's plane and says little of where to go.
+/// Smallest |E . N|. Below it, the edge lies in the plane of the triangle and gives no direction.
 const FLAT: Real = 1e-3;
 
 /// An edge that passes through a triangle.
@@ -24,18 +24,19 @@ const FLAT: Real = 1e-3;
 pub struct Crossing {
     /// The edge and the triangle.
     pub features: [u32; 2],
-    /// Ends of the edge, corners of the triangle.
+    /// The ends of the edge, then the corners of the triangle.
     pub vertices: [u32; 5],
-    /// Of the place of the crossing: on the edge, and on the triangle.
+    /// Weights of these vertices in the place of the crossing: on the edge, and on the triangle.
     pub weights: [Real; 5],
-    /// Where, m.
+    /// Position of the crossing, m.
     pub place: Vec3,
-    /// Unit normal of the triangle; 0 where it has no area.
+    /// Unit normal of the triangle; 0 if it has no area.
     pub normal: Vec3,
 }
 
 impl Crossing {
-    /// From an edge and a triangle that meet. Where they lie in one plane, it is in their middle.
+    /// The crossing of an edge and a triangle that meet. If they are coplanar, its place is the midpoint of
+    /// the edge.
     pub fn new(features: [u32; 2], edge: [u32; 2], triangle: [u32; 3], places: &[Vec3]) -> Self {
         let [p, q] = edge.map(|v| places[v as usize]);
         let [a, b, c] = triangle.map(|v| places[v as usize]);
@@ -54,8 +55,8 @@ impl Crossing {
     }
 }
 
-/// G of an edge and a triangle; `opposite` are the third corners of the triangles on the edge. 0
-/// where they lie in one plane.
+/// G of an edge and a triangle; `opposite` has the third corners of the triangles on the edge. G is 0 if the edge
+/// lies in the plane of the triangle.
 pub fn gradient(edge: [Vec3; 2], normal: Vec3, opposite: &[Vec3]) -> Vec3 {
     let Some(along) = (edge[1] - edge[0]).try_normalize() else { return Vec3::ZERO };
     let slope = along.dot(normal);
@@ -66,19 +67,19 @@ pub fn gradient(edge: [Vec3; 2], normal: Vec3, opposite: &[Vec3]) -> Vec3 {
     runs.map(|run| run - normal * (2.0 * along.dot(run) / slope)).sum()
 }
 
-/// The direction of the line in which a triangle with this edge and side meets a plane, from the
-/// edge into the triangle.
+/// The direction of the line in which a triangle intersects a plane, from its edge into the triangle. `along` is
+/// the direction of the edge and `side` another side of the triangle.
 fn into(along: Vec3, side: Vec3, normal: Vec3) -> Option<Vec3> {
     let line = along.cross(side).cross(normal).try_normalize()?;
     let inward = side - along * side.dot(along);
     Some(if line.dot(inward) < 0.0 { -line } else { line })
 }
 
-/// The contours, their crossings with the strand that each one's edge is of. A contour lies in two
-/// strands of triangles that pass through one another; it goes on from one pair of them to the next
-/// through the crossing that is of both.
+/// The contours. Each is a list of its crossings, as pairs of the strand that contains the crossing's edge and the
+/// index of the crossing. A contour lies in two strands of triangles that pass through each other. It continues
+/// from one pair of triangles to the next through the crossing that both pairs share.
 pub fn trace(topology: &Topology, crossings: &[Crossing]) -> Vec<Vec<(u32, u32)>> {
-    // Pair of triangles, crossing, and whether the edge's triangle is the greater of the pair.
+    // Pair of triangles, crossing, and whether the triangle of the edge has the greater index of the pair.
     let mut ends: Vec<([u32; 2], u32, u32)> = Vec::new();
     for (k, crossing) in (0..).zip(crossings) {
         let [edge, crossed] = crossing.features;

@@ -1,9 +1,9 @@
-//! Flaps: where a contour cuts a sheet, the part on one side goes back through what cut it, as a
-//! whole, and draws the sheet around after it. Motion falls to zero over several times its length, so
-//! that a sheet is pressed together a little and is not folded.
+//! Flaps: if a contour cuts a sheet, the part on one side of the contour moves back as a whole through the surface
+//! that cuts it off, and draws the surrounding sheet along. The motion decreases to zero over several times its
+//! length, so that the sheet is compressed a little and does not fold.
 //!
-//! A contour that ends within the sheet is thought to go on where the parts on both sides of it, as
-//! they grow along the sheet, meet.
+//! A contour that ends within the sheet is continued along the line where the parts that grow from its two sides
+//! meet.
 
 use alloc::collections::VecDeque;
 use alloc::vec;
@@ -14,48 +14,48 @@ use super::topology::Topology;
 use super::{Moves, Scene};
 use crate::real::{Real, Vec3, sqrt};
 
-/// Over how many times its length the motion of a whole falls to zero around it: a sheet is pressed
-/// together by an eighth at most.
+/// The motion of a whole flap decreases to zero over this multiple of its length, so the sheet around it is
+/// compressed by at most an eighth.
 pub const FALLOFF: Real = 8.0;
 
-/// The same where each vertex goes as far as it lies deep.
+/// The same factor for a flap whose vertices move by their own depths.
 const SHALLOW_FALLOFF: Real = 2.0;
 
-/// Least length of the mean of the unit normals where a flap is cut: below it there is no one way
+/// Smallest length of the mean of the unit normals along a contour. Below it, the normals give no common direction
 /// out.
 const ALIGNED: Real = 0.3;
 
-/// Length over extent below which a flap is shallow.
+/// Ratio of length to extent below which a flap is shallow.
 const SHALLOW: Real = 0.5;
 
-/// One in so many vertices may be on both sides of a contour.
+/// A sheet counts as torn if more than one in this many vertices lies on both sides of the contour.
 const TORN: usize = 6;
 
-/// From how many places along a contour depths are measured, at most.
+/// The greatest number of places along a contour from which depths are measured.
 const SAMPLES: usize = 64;
 
-/// A part of a sheet and the way back.
+/// A part of a sheet, and its motion back.
 #[derive(Clone, Debug)]
 pub struct Flap {
-    /// Its vertices and how far below what cut it each lies, m.
+    /// The vertices of the flap, and the depth of each below the surface that cuts the flap off, m.
     pub members: Vec<(u32, Real)>,
-    /// The way back, a unit vector.
+    /// The direction of the motion back, a unit vector.
     pub out: Vec3,
-    /// How far the deepest has to go, m.
+    /// The distance that the deepest vertex has to move, m.
     pub length: Real,
-    /// How far the flap reaches from the contour, m.
+    /// The greatest distance of a vertex of the flap from the contour, m.
     pub extent: Real,
-    /// Whether some of it is held.
+    /// Whether some vertices of the flap cannot move.
     pub held: bool,
 }
 
 impl Flap {
-    /// Whether it is so flat that each vertex may go as far as it lies deep.
+    /// Whether the flap is so flat that each vertex may move by its own depth.
     pub fn is_shallow(&self) -> bool {
         self.length < SHALLOW * self.extent
     }
 
-    /// Asks it to go back, as a whole or each vertex as far as it lies deep.
+    /// Requests the motion back, either of the flap as a whole or of each vertex by its own depth.
     pub fn back(&self, scene: &Scene<'_>, topology: &Topology, whole: bool, places: &[Vec3], moves: &mut Moves) {
         let length = |depth: Real| if whole { self.length } else { depth.max(0.0) + scene.gap };
         let members: Vec<_> = self.members.iter().map(|&(v, depth)| (v, self.out * length(depth))).collect();
@@ -64,8 +64,9 @@ impl Flap {
     }
 }
 
-/// The flaps on both sides of a strand of a contour that can move, through crossings whose edges
-/// are of that strand; growth ends at the edges that are `cut`, in rising order.
+/// Adds the flaps on both sides of a strand of a contour that have vertices that can move. `strand` has the
+/// crossings whose edges belong to the strand. Flaps do not grow across the edges in `cut`, which are in ascending
+/// order.
 pub fn beside(
     scene: &Scene<'_>,
     topology: &Topology,
@@ -92,7 +93,7 @@ pub fn beside(
     }
 }
 
-/// Whether many vertices are on both sides: of a sheet that a corner pokes through no part is cut.
+/// Whether many vertices lie on both sides of the strand. A corner that pokes through a sheet cuts no part off it.
 fn torn(sides: &[[u32; 2]]) -> bool {
     let mut seen: Vec<(u32, usize)> = sides.iter().flat_map(|&[below, above]| [(below, 0), (above, 1)]).collect();
     seen.sort_unstable();
@@ -101,7 +102,7 @@ fn torn(sides: &[[u32; 2]]) -> bool {
     TORN * both > seen.len()
 }
 
-/// The vertices below and above a strand, nearer along the sheet to one than to the other.
+/// The vertices below and above a strand. Each belongs to the side that is nearer in edges along the sheet.
 fn grow(scene: &Scene<'_>, topology: &Topology, sides: &[[u32; 2]], cut: &[u32]) -> [Vec<u32>; 2] {
     let surface = &scene.model.surface;
     let (mut of, mut queue) = (vec![2u8; scene.model.mobility.len()], VecDeque::new());
@@ -129,8 +130,9 @@ fn grow(scene: &Scene<'_>, topology: &Topology, sides: &[[u32; 2]], cut: &[u32])
     members
 }
 
-/// How far along the mean normal a part has to go. Where the normals differ by an angle from their
-/// mean, the surface bulges over the part by about the tangent of it.
+/// The motion of a part back along the mean normal, or `None` if the normals have no common direction. If they
+/// deviate from their mean by an angle, the surface bulges over the part by about its extent times the tangent of
+/// the angle.
 fn way_back(
     scene: &Scene<'_>,
     strand: &[&Crossing],
@@ -161,7 +163,8 @@ fn way_back(
     Some(Flap { members, out, length: deepest + bulge + scene.gap, extent: sqrt(extent), held })
 }
 
-/// Asks some vertices to move and, less and less, those around them on the sheet.
+/// Requests the motion of some vertices, and a motion that decreases with distance of the vertices around them on
+/// the sheet.
 pub fn draw(
     scene: &Scene<'_>,
     topology: &Topology,
@@ -170,7 +173,7 @@ pub fn draw(
     places: &[Vec3],
     moves: &mut Moves,
 ) {
-    // Part of the motion of a member, and which.
+    // For each vertex, its fraction of the motion of a member, and the index of this member.
     let mut parts: Vec<(Real, u32)> = vec![(0.0, 0); places.len()];
     let (mut queue, mut reached) = (VecDeque::new(), Vec::new());
     for (k, &(v, _)) in (0..).zip(members) {

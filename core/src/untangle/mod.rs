@@ -1,18 +1,18 @@
-//! Start states in which cloth passes through cloth or colliders, made free of crossings: continuous
-//! detection keeps apart what is apart, and so keeps tangled what is tangled.
+//! Removes crossings from start states in which cloth passes through itself or through colliders. Continuous
+//! collision detection cannot do this: it keeps separate parts separate, and tangled parts tangled.
 //!
-//! In rounds, until the exact [`audit`] finds no crossing:
+//! The method works in rounds until the exact [`audit`] finds no crossing:
 //!
-//! 1. [`solids`]: what lies within spheres, capsules, boxes and below planes is moved out of them.
-//! 2. The crossings are joined to [`contour`]s. Where these cut a [`flap`] off a sheet, it goes
-//!    back through what cut it off [after Baraff 2003].
-//! 3. Where they cut nothing off, or that does not help, edges and triangles [`slide`] so that the
-//!    contour gets shorter until it vanishes [Volino 2006].
+//! 1. [`solids`]: cloth inside spheres, capsules and boxes and below planes is moved out of them.
+//! 2. The crossings are joined to [`contour`]s. If a contour cuts a [`flap`] off a sheet, the flap moves back
+//!    through the surface that cuts it off [after Baraff 2003].
+//! 3. If a contour cuts no flap off, or if moving the flap does not help, edges and triangles [`slide`] so that the
+//!    contour becomes shorter until it vanishes [Volino 2006].
 //!
-//! Every vertex moves by the mean of what is asked of it; a held axis does not move. The state with
-//! the fewest crossings counts. Of 200 sheets folded through themselves (`tests/untangle`) 200 come
-//! free in f64 and 197 in f32: by flaps alone 183, by slides alone 126, and 51 where every crossing
-//! slides for itself.
+//! Every vertex moves by the weighted mean of its requested displacements; a pinned axis does not move. The result is
+//! the state with the fewest crossings. Of 200 sheets folded through themselves (`tests/untangle`), 200 are freed
+//! of all crossings in f64 and 197 in f32. Flaps alone free 183, slides alone 126, and slides in which every
+//! crossing follows its own gradient 51.
 
 pub mod contour;
 pub mod flap;
@@ -30,42 +30,43 @@ use crate::real::{Real, Vec3, sqrt};
 use contour::Crossing;
 use topology::Topology;
 
-/// Most rounds.
+/// The greatest number of rounds.
 const MOST_ROUNDS: u32 = 200;
-/// Rounds without progress after which it is given up.
+/// Number of rounds without progress after which the method stops.
 const PATIENCE: u32 = 64;
-/// Rounds without progress after which another way is tried.
+/// Number of rounds without progress after which the next way is tried.
 const TRIES: u32 = 8;
 
-/// Length of an edge over what it was, or is in its mesh, beyond which a state does not count: cloth
-/// that is held is not drawn out around what it passes through.
+/// A state is rejected if an edge is longer than this multiple of both its initial and its material length, so that
+/// cloth with pinned vertices is not stretched around the surface that it passes through.
 const MOST_STRETCH: Real = 2.0;
 
-/// What untangling came to.
+/// The result of untangling.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Untangled {
-    /// Crossings at first, of what can touch.
+    /// Number of crossings at the start, among the features that can touch.
     pub before: usize,
-    /// Crossings left.
+    /// Number of crossings that are left.
     pub after: usize,
-    /// Vertices inside colliders, before and after.
+    /// Number of movable cloth vertices inside colliders, before and after.
     pub inside: [usize; 2],
-    /// Rounds taken.
+    /// The round that reached the returned state; 0 if no round improved the start.
     pub rounds: u32,
-    /// The farthest that a vertex was moved, m.
+    /// The greatest distance that a vertex was moved, m.
     pub moved: Real,
 }
 
-/// What all parts need to know.
+/// The data that all parts of the method share.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
-    /// What can touch.
+    /// The surface that can touch, the colliders, the thickness and the mobilities.
     pub model: &'a ContactModel<'a>,
-    /// How far apart surfaces are put, m.
+    /// Distance at which surfaces are placed apart, m.
     pub gap: Real,
 }
 
-/// What is asked of each vertex in a round: a weighted sum of displacements, m, and of weights.
+/// The displacements requested of each vertex in a round: the weighted sum of displacements, m, and the sum of
+/// weights.
 #[derive(Clone, Debug)]
 pub struct Moves {
     sums: Vec<Vec3>,
@@ -77,7 +78,7 @@ impl Moves {
         Self { sums: vec![Vec3::ZERO; vertices], weights: vec![0.0; vertices] }
     }
 
-    /// Asks a vertex to move.
+    /// Requests a displacement of a vertex.
     pub fn add(&mut self, vertex: u32, by: Vec3, weight: Real) {
         self.sums[vertex as usize] += by * weight;
         self.weights[vertex as usize] += weight;
@@ -87,7 +88,7 @@ impl Moves {
         self.weights.iter().all(|&weight| weight == 0.0)
     }
 
-    /// Moves all that may.
+    /// Moves all vertices along their free axes.
     fn apply(&self, mobility: &[Vec3], places: &mut [Vec3]) {
         for (v, x) in places.iter_mut().enumerate() {
             if self.weights[v] > 0.0 {
@@ -98,8 +99,8 @@ impl Moves {
     }
 }
 
-/// Parts what passes through one another; `places` has the vertices of the cloth and then of the
-/// colliders, m, of which only those move that can.
+/// Separates surfaces that pass through one another. `places` has the vertices of the cloth and then of the
+/// colliders, m; only vertices with a mobility are moved. Positions that are not finite are left unchanged.
 pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl Dispatch) -> Untangled {
     if !places.iter().all(|x| x.is_finite()) {
         return Untangled::default();
@@ -150,7 +151,7 @@ pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl D
     result
 }
 
-/// Whether an edge of the cloth is far longer than before and in its mesh.
+/// Whether an edge of the cloth is far longer than it was at the start and far longer than it is in the material.
 fn is_torn(model: &ContactModel<'_>, start: &[Vec3], places: &[Vec3]) -> bool {
     let cloth = model.surface.edges.iter().map(|edge| edge.map(|v| v as usize));
     let squared = |column: &[Vec3], [a, b]: [usize; 2]| (column[b] - column[a]).length_squared();
@@ -160,7 +161,7 @@ fn is_torn(model: &ContactModel<'_>, start: &[Vec3], places: &[Vec3]) -> bool {
     })
 }
 
-/// Crossings of what can touch.
+/// The crossings among the features that can touch.
 fn find(model: &ContactModel<'_>, places: &[Vec3], dispatch: &impl Dispatch) -> Vec<Crossing> {
     let surface = &model.surface;
     let crossing = |features: [u32; 2]| {
@@ -170,8 +171,8 @@ fn find(model: &ContactModel<'_>, places: &[Vec3], dispatch: &impl Dispatch) -> 
     audit::crossings(surface, places, dispatch).into_iter().map(crossing).collect()
 }
 
-/// Asks for what parts the contours. Each `attempt` goes about it in another way, in turn: flaps as
-/// they are best moved, slides, flaps moved the other way, the second best flaps.
+/// Requests the displacements that separate the contours. Successive values of `attempt` try four ways in turn: the
+/// best flaps, slides, the best flaps moved the other way (as a whole or by depth), and the second best flaps.
 fn part(
     scene: &Scene<'_>,
     topology: &Topology,

@@ -1,6 +1,6 @@
-//! Contours get shorter: edges slide along [G](super::contour), triangles against it. Summed over a
-//! contour and its direction given to all of it, so that it moves as a whole; where the sum says
-//! little, as where two sheets pass squarely through one another, each crossing follows its own.
+//! Shortens contours: edges slide along the gradient [G](super::contour), triangles against it. G is summed over a
+//! contour and its direction applied to all crossings, so that the contour moves as a whole. If the sum has no
+//! clear direction, as when two sheets pass squarely through each other, each crossing follows its own G.
 
 use alloc::vec::Vec;
 
@@ -9,12 +9,12 @@ use super::topology::{NONE, Topology};
 use super::{Moves, Scene};
 use crate::real::{Real, Vec3, sqrt};
 
-/// Part of the lesser of an edge's and a triangle's size that a crossing slides in a round.
+/// A crossing slides in a round by this fraction of the shorter of its edge and the first side of its triangle.
 const SLIDE: Real = 0.25;
-/// Least part of the sum of sizes of G that its sum over a contour has to have.
+/// Smallest ratio of the size of the summed G to the sum of the sizes of G at which the sum has a clear direction.
 const DIRECTED: Real = 0.2;
 
-/// Asks a contour's edges and triangles to move so that it gets shorter.
+/// Requests displacements of the edges and triangles of a contour that shorten it.
 pub fn slide(
     scene: &Scene<'_>,
     topology: &Topology,
@@ -34,7 +34,8 @@ pub fn slide(
         gradient(ends.map(|v| places[v as usize]), crossing.normal, &opposite)
     };
     let gradients: Vec<Vec3> = contour.iter().map(|&(_, k)| gradient_of(&crossings[k as usize])).collect();
-    // The edges of one strand move as the triangles of the other.
+    // The strands move in opposite directions. Each has the edges of its own crossings, which move along G, and the
+    // triangles of the other strand's crossings, which move against G.
     let sign = |strand: u32| if strand == contour[0].0 { 1.0 } else { -1.0 };
     let sum: Vec3 = contour.iter().zip(&gradients).map(|(&(strand, _), &g)| g * sign(strand)).sum();
     let size: Real = gradients.iter().map(|g| sqrt(g.length_squared())).sum();
@@ -52,7 +53,8 @@ pub fn slide(
     }
 }
 
-/// Asks an edge to move against a triangle where they cross, each by its part of the mobility.
+/// Requests a motion of an edge relative to a triangle at their crossing, divided in proportion to their
+/// mobilities.
 fn apart(scene: &Scene<'_>, crossing: &Crossing, by: Vec3, moves: &mut Moves) {
     let mobile = |k: usize| scene.model.mobility[crossing.vertices[k] as usize].max_element() * crossing.weights[k];
     let (edge, triangle) = (mobile(0) + mobile(1), mobile(2) + mobile(3) + mobile(4));

@@ -1,6 +1,6 @@
-//! What lies inside a collider leaves it. Planes, spheres and capsules press the space in and around
-//! them outward, by maps that keep the order of layers; of a box a piece of cloth leaves through the
-//! side that is nearest for all of it.
+//! Moves cloth out of colliders. Planes, spheres and capsules displace the space inside and around them outward, by
+//! maps that preserve the order of layers. A piece of cloth leaves a box as a whole, in the direction that is
+//! shortest for the whole piece.
 
 use alloc::vec::Vec;
 
@@ -11,20 +11,20 @@ use crate::colliders::{Body, Form};
 use crate::contact::ContactModel;
 use crate::real::{Real, Vec3, sqrt};
 
-/// Space within so many times the depth above a surface gives way.
+/// The space above a surface is displaced up to this multiple of the greatest depth.
 const ROOM: Real = 6.0;
 
-/// Where the depth of an edge in a box is measured, from 0 to 1.
+/// Places on an edge, from 0 to 1, at which its depth in a box is measured.
 const SAMPLES: [Real; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// How many vertices of the cloth, that can move, lie in colliders.
+/// Number of cloth vertices that can move and lie inside colliders.
 pub fn inside(model: &ContactModel<'_>, places: &[Vec3]) -> usize {
     let (cloth, solids) = places.split_at(model.cloth());
     let free = cloth.iter().zip(model.mobility).filter(|(_, mobility)| **mobility != Vec3::ZERO);
     free.filter(|&(&x, _)| model.colliders.depth(solids, x) > 0.0).count()
 }
 
-/// Asks what lies inside to leave.
+/// Requests the displacements that move cloth out of colliders.
 pub fn leave(scene: &Scene<'_>, topology: &Topology, places: &[Vec3], moves: &mut Moves) {
     let (cloth, solids) = places.split_at(scene.model.cloth());
     for body in scene.model.colliders.bodies {
@@ -37,7 +37,7 @@ pub fn leave(scene: &Scene<'_>, topology: &Topology, places: &[Vec3], moves: &mu
     }
 }
 
-/// Height above a surface and the way up.
+/// Height above the surface of a plane, sphere or capsule, and the direction up.
 fn above(body: &Body, corners: &[Vec3], x: Vec3) -> (Real, Vec3) {
     match body.form {
         Form::Plane(normal) => (normal.dot(x - corners[0]), normal),
@@ -52,7 +52,8 @@ fn above(body: &Body, corners: &[Vec3], x: Vec3) -> (Real, Vec3) {
     }
 }
 
-/// Maps heights from the deepest, -d, to [`ROOM`] d onto those from the gap up.
+/// Displaces cloth upward: with the greatest depth d and `top = ROOM d + gap`, maps the heights from -d to top
+/// linearly onto the heights from the gap to top.
 fn press(scene: &Scene<'_>, body: &Body, corners: &[Vec3], cloth: &[Vec3], moves: &mut Moves) {
     let free = |v: usize| scene.model.mobility[v] != Vec3::ZERO;
     let heights = cloth.iter().enumerate().filter(|(v, _)| free(*v)).map(|(_, &x)| above(body, corners, x).0);
@@ -70,8 +71,8 @@ fn press(scene: &Scene<'_>, body: &Body, corners: &[Vec3], cloth: &[Vec3], moves
     }
 }
 
-/// Each piece of cloth that has edges inside goes out the way that is shortest for the deepest of
-/// them.
+/// Moves each piece of cloth that has edges in a box out of it, in the direction that is shortest for the deepest
+/// point of the piece.
 fn leave_box(scene: &Scene<'_>, topology: &Topology, corners: &[Vec3], places: &[Vec3], moves: &mut Moves) {
     let surface = &scene.model.surface;
     let cloth = |edge: &&u32| surface.edges[**edge as usize][0] < scene.model.cloth() as u32;
@@ -102,7 +103,7 @@ fn leave_box(scene: &Scene<'_>, topology: &Topology, corners: &[Vec3], places: &
     }
 }
 
-/// The part of an edge in a box.
+/// The part of an edge that lies in a box.
 fn clip(corners: &[Vec3], [p, q]: [Vec3; 2]) -> Option<[Vec3; 2]> {
     let (mut from, mut to): (Real, Real) = (0.0, 1.0);
     for axis in [1, 2, 4] {
@@ -121,7 +122,7 @@ fn clip(corners: &[Vec3], [p, q]: [Vec3; 2]) -> Option<[Vec3; 2]> {
     (from < to).then(|| [p + (q - p) * from, p + (q - p) * to])
 }
 
-/// Across the sides, the edges and the corners of a box, outward.
+/// The directions out of a box across its sides, edges and corners.
 fn directions(corners: &[Vec3]) -> impl Iterator<Item = Vec3> {
     let axes = [1, 2, 4].map(|k| (corners[k] - corners[0]).try_normalize().unwrap_or(Vec3::ZERO));
     let sign = |code: usize| [-1.0, 0.0, 1.0][code % 3];
@@ -129,7 +130,7 @@ fn directions(corners: &[Vec3]) -> impl Iterator<Item = Vec3> {
     all.filter_map(|out| out.try_normalize())
 }
 
-/// How far a point in a box has to go in a direction to leave it, m.
+/// The distance that a point in a box has to move in a direction to leave the box, m.
 fn exit(corners: &[Vec3], x: Vec3, out: Vec3) -> Real {
     let along = |axis: usize| {
         let edge = corners[1 << axis] - corners[0];

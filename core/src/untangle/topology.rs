@@ -1,4 +1,4 @@
-//! What is beside what in the faces of a surface, and pieces of it.
+//! The faces around edges and vertices of a surface, and a union-find structure for its connected pieces.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use crate::broad_phase::{IS_FACE, Surface};
 use crate::mesh::IncidenceColumns;
 
-/// No triangle.
+/// Marks the absence of a triangle.
 pub const NONE: u32 = u32::MAX;
 
 /// The faces around edges and vertices.
@@ -14,14 +14,14 @@ pub const NONE: u32 = u32::MAX;
 pub struct Topology {
     /// The edges of faces.
     pub edges: Vec<u32>,
-    /// The first two triangles on each edge.
+    /// The first two faces on each edge, or [`NONE`].
     pub sides: Vec<[u32; 2]>,
-    /// The edges at each vertex: slots of [`Surface::edges`].
+    /// The edges at each vertex: slot `2 e + k` is end k of edge e of [`Surface::edges`].
     pub at: IncidenceColumns,
 }
 
 impl Topology {
-    /// Of all faces.
+    /// Builds the topology of all faces.
     pub fn build(surface: &Surface<'_>, vertices: usize) -> Self {
         let mut sides = vec![[NONE; 2]; surface.edges.len()];
         for (triangle, edges) in (0..).zip(surface.triangle_edges) {
@@ -38,24 +38,24 @@ impl Topology {
         Self { edges, sides, at: IncidenceColumns::build(vertices, surface.edges) }
     }
 
-    /// The other ends of the edges at a vertex.
+    /// The vertices at the other ends of the edges at a vertex.
     pub fn neighbours<'a>(&'a self, surface: &'a Surface<'_>, vertex: u32) -> impl Iterator<Item = u32> + 'a {
         let slots = self.at.view().at(vertex as usize);
         slots.iter().map(|&slot| surface.edges[slot as usize / 2][1 - slot as usize % 2])
     }
 }
 
-/// Union-find; the least member of a piece stands for it.
+/// Union-find. The smallest member of a piece is its representative.
 #[derive(Debug)]
 pub struct Pieces(Vec<u32>);
 
 impl Pieces {
-    /// Each for itself.
+    /// Starts with one piece per member.
     pub fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
     }
 
-    /// What stands for the piece.
+    /// The representative of a member's piece.
     pub fn root(&mut self, member: u32) -> u32 {
         let (all, mut v) = (&mut self.0, member);
         while all[v as usize] != v {
@@ -71,7 +71,7 @@ impl Pieces {
         self.0[a.max(b) as usize] = a.min(b);
     }
 
-    /// What stands for each member's piece.
+    /// The representative of each member's piece.
     pub fn roots(mut self) -> Vec<u32> {
         (0..self.0.len() as u32).map(|member| self.root(member)).collect()
     }

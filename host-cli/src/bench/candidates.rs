@@ -78,7 +78,7 @@ fn row(cells: usize, thickness: f32, pool: &Pool) -> Row {
 /// The rows as a table for a person.
 pub fn table(rows: &[Row]) -> String {
     let mut text = format!(
-        "\ncrumpled sheets: candidates of the broad phase alone\n{:>10}{:>11}{:>11}{:>16}{:>12}{:>14}{:>9}\n",
+        "\ncrumpled sheets: candidates by the broad phase only\n{:>10}{:>11}{:>11}{:>16}{:>12}{:>14}{:>9}\n",
         "triangles", "thickness", "ms", "vertex-triangle", "edge-edge", "candidates/s", "growth"
     );
     for row in rows {

@@ -82,7 +82,7 @@ impl Report {
 impl SceneReport {
     fn table(&self) -> String {
         let mut text = format!(
-            "\n{}: {} particles, {}, {:.0} bytes a particle held\n\
+            "\n{}: {} particles, {}, {:.0} bytes per particle\n\
              {:.3} ms per step over the first {:.2} s ({} steps), {:.2} ms per frame, {:.1} CG iterations per step, \
              largest stretch {:.2} %\n",
             self.scene,
@@ -112,7 +112,7 @@ impl ContactReport {
     fn lines(&self) -> String {
         let ratio = self.candidates_per_contact.map_or("no contacts".into(), |ratio| format!("{ratio:.1} to 1"));
         format!(
-            "{:.0} candidates a step ({:.3e}/s), {:.0} contacts ({:.3e}/s), {ratio}; \
+            "{:.0} candidates per step ({:.3e}/s), {:.0} contacts ({:.3e}/s), {ratio}; \
              {} impacts, {} zones, {} steps rejected\n",
             self.candidates_per_step,
             self.candidates_per_s,

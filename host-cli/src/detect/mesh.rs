@@ -34,7 +34,10 @@ impl Subject {
             Some(path) => {
                 let (next, places) = load(path)?;
                 same_triangles(&mesh, &next).map_err(|why| {
-                    Failure::Usage(format!("{}: {why}; --next is the same mesh, moved", path.display()))
+                    Failure::Usage(format!(
+                        "{}: {why}; --next must be the same mesh with other positions",
+                        path.display()
+                    ))
                 })?;
                 Some(places)
             }

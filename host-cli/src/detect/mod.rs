@@ -22,10 +22,12 @@ use stages::{Found, Touch};
 /// Detects and prints a table or JSON.
 pub fn detect(arguments: &DetectArguments) -> Result<(), Failure> {
     if arguments.backend == Backend::Gpu && arguments.method != Method::Grid {
-        return Err(Failure::Usage("--method: the GPU has the grid only; say --backend cpu for the others".into()));
+        return Err(Failure::Usage(
+            "--method: the GPU only has the grid; use --backend cpu for the other methods".into(),
+        ));
     }
     if arguments.stage == DetectStage::Ccd && arguments.next.is_none() {
-        return Err(Failure::Usage("--stage ccd is about a motion: say --next MESH, where it leads".into()));
+        return Err(Failure::Usage("--stage ccd needs a motion: give the mesh at its end by --next MESH".into()));
     }
     let subject = Subject::load(arguments)?;
     if let Some(note) = mesh_io::loose_note(&arguments.mesh.display(), subject.loose_vertices) {

@@ -149,7 +149,7 @@ impl Report {
         if all.ccd.is_some() {
             text += &match self.first_impact {
                 Some(time) => format!("first impact at {time:.6} of the motion\n"),
-                None => "nothing meets in the course of the motion\n".into(),
+                None => "no impact during the motion\n".into(),
             };
         }
         if let Some(count) = self.intersections {

@@ -32,7 +32,7 @@ pub enum ExportError {
     #[error(transparent)]
     Write(#[from] WriteError),
     /// A frame does not fit the triangles.
-    #[error("a frame of {found} vertices was handed over, but the triangles have {expected}; hand over the whole mesh")]
+    #[error("a frame has {found} vertices, but the triangles need {expected}; pass the whole mesh")]
     Points {
         /// Vertices that the triangles name.
         expected: usize,
@@ -184,7 +184,7 @@ mod tests {
     fn refuses_a_frame_of_another_mesh() {
         let dir = tempfile::tempdir().unwrap();
         let message = export(dir.path(), Format::Obj, 0, 0).frame(&quad(0.0)[..3]).unwrap_err().to_string();
-        assert!(message.contains("3 vertices") && message.contains("have 4"));
+        assert!(message.contains("3 vertices") && message.contains("need 4"));
     }
 
     #[test]

@@ -20,7 +20,7 @@ pub enum ObjError {
         problem: Problem,
     },
     /// The file has statements, but no mesh.
-    #[error("it has no line `v x y z` and no line `f a b c`; it is no Wavefront OBJ file, or one without a mesh")]
+    #[error("it has no line `v x y z` and no line `f a b c`; it is not a Wavefront OBJ file, or it has no mesh")]
     NoMesh,
 }
 

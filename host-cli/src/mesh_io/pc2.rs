@@ -16,10 +16,10 @@ const POINT_BYTES: u128 = 12;
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum Pc2Error {
     /// The magic bytes are wrong.
-    #[error("it does not begin with POINTCACHE2; it is no PC2 point cache")]
+    #[error("it does not begin with POINTCACHE2; it is not a PC2 point cache")]
     Magic,
     /// The file ends within the header.
-    #[error("it has {0} bytes, not even a header; it is cut short, get a whole copy")]
+    #[error("it has {0} bytes, not even a header; it is truncated; get a complete copy")]
     Header(usize),
     /// Only version 1 exists.
     #[error("its version is {0}; only version 1 is known")]
@@ -33,7 +33,9 @@ pub enum Pc2Error {
         samples: i32,
     },
     /// The start or the rate is not finite, or the rate is not positive.
-    #[error("it starts at {start} with a sample every {rate} frames; that is no time")]
+    #[error(
+        "it starts at {start} with a sample every {rate} frames; the rate must be positive and both must be finite"
+    )]
     Time {
         /// Time of the first sample, in frames.
         start: f32,
@@ -41,7 +43,7 @@ pub enum Pc2Error {
         rate: f32,
     },
     /// The file is shorter or longer than its header says.
-    #[error("it has {found} bytes, but {samples} samples of {points} points make {expected}; get a whole copy")]
+    #[error("it has {found} bytes, but {samples} samples of {points} points make {expected}; get a complete copy")]
     Size {
         /// Points of each sample in the header.
         points: i32,

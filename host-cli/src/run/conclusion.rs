@@ -15,16 +15,20 @@ impl Course {
         let untangled = self.record.start.untangled.unwrap_or(0);
         let start = self.record.start.crossings.filter(|&count| count > untangled);
         let advice = match (start, &scene.desc.contact) {
-            (Some(start), None) => format!("the scene starts with {start} intersections: part them before the start"),
+            (Some(start), None) => {
+                format!("the scene starts with {start} intersections: separate the surfaces in the start state")
+            }
             (Some(start), Some(_)) => {
                 let left = start - untangled;
-                format!("of {start} intersections at the start {left} could not be untangled: part them before")
+                format!(
+                    "of {start} intersections at the start {left} could not be untangled: separate these surfaces in the start state"
+                )
             }
             (None, None) => "the scene has no [contact]".into(),
             (None, Some(_)) => "take a smaller integrator.step or a larger contact.thickness".into(),
         };
         let seconds = frame as f64 / scene.desc.frame_rate;
-        Some(format!("intersecting: {count} in frame {frame}, at {seconds:.3} s, the worst; {advice}"))
+        Some(format!("intersecting: {count} intersections in the worst frame, {frame}, at {seconds:.3} s; {advice}"))
     }
 
     /// The summary of the run.

@@ -50,7 +50,7 @@ struct Files<'a> {
 /// Runs a scene.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     if arguments.export.len() > 1 && arguments.export.contains(&Format::None) {
-        return Err(Failure::Usage("--export: none stands alone, as it writes no frames".into()));
+        return Err(Failure::Usage("--export: none excludes all other formats".into()));
     }
     let scene = scene_file::asked(&arguments.of)?;
     let pool = pool(arguments, &scene)?;
@@ -95,10 +95,10 @@ fn pool(arguments: &RunArguments, scene: &SceneFile) -> Result<Pool, Failure> {
     match arguments.backend {
         Backend::Cpu => Ok(pool),
         Backend::Gpu if arguments.precision == Precision::F64 => Err(Failure::Usage(
-            "--backend gpu: graphics processors detect in single precision; say --precision f32".into(),
+            "--backend gpu: graphics processors work in single precision; use --precision f32".into(),
         )),
         Backend::Gpu if scene.desc.contact.is_none() => Err(Failure::Usage(format!(
-            "--backend gpu: nothing touches in {}, and the GPU only finds what does; say --backend cpu",
+            "--backend gpu: {} has no contact, and the GPU only finds contacts; use --backend cpu",
             scene.desc.name
         ))),
         Backend::Gpu => Ok(pool.with_detector(StepDetector::open()?)),
@@ -130,14 +130,20 @@ fn say_what_changed(arguments: &RunArguments, scene: &SceneFile, timing: &Timing
     let (asked, duration, rate) = (scene.desc.integrator.step, scene.desc.duration, scene.desc.frame_rate);
     let (n, step) = (timing.steps_per_frame, 1e3 * timing.step);
     if asked > 1.001 / rate {
-        print_note(&format!("step {} ms is longer than a frame: taking one of {step:.4} ms a frame", 1e3 * asked));
+        print_note(&format!(
+            "step {} ms is longer than a frame: taking one step of {step:.4} ms per frame",
+            1e3 * asked
+        ));
     } else if timing.step < 0.9 * asked {
-        print_note(&format!("step {} ms does not divide a frame: taking {n} of {step:.4} ms", 1e3 * asked));
+        print_note(&format!(
+            "step {} ms does not divide a frame: taking {n} steps of {step:.4} ms per frame",
+            1e3 * asked
+        ));
     }
     let taken = timing.frames as f64 / rate;
     if (taken - duration).abs() > 1e-6 * duration {
         print_note(&format!(
-            "duration {duration} s is no whole number of frames: taking {} of them, {taken:.4} s",
+            "duration {duration} s is not a whole number of frames: taking {} frames, {taken:.4} s",
             timing.frames
         ));
     }
@@ -200,7 +206,7 @@ impl<'a> Files<'a> {
             let path = self.write_checkpoint(course)?;
             self.exporter.suspend()?;
             let message = format!(
-                "interrupted at step {}; go on with the same command and --resume {}",
+                "interrupted at step {}; to continue, add --resume {} to the same command",
                 course.steps,
                 path.display()
             );

@@ -48,8 +48,7 @@ fn weigh_masses(modes: &[Mode; 2], step: f64) {
     let times = step * step * modes[0].stiffness;
     if times > MASSES_LOST {
         print_note(&format!(
-            "step^2 x stiffness is {times:.0e} times the mass that it moves: single precision loses such masses, and \
-             the cloth does not fall as it should; say --precision f64, or take a shorter step or a softer cloth"
+            "step^2 x stiffness is {times:.0e} times the mass of a vertex: single precision rounds such masses away, and the cloth does not fall as it should; use --precision f64, a shorter step or a softer cloth"
         ));
     }
 }
@@ -60,7 +59,7 @@ fn weigh_limit(modes: &[Mode; 2], step: f64, method: Method) {
     let (name, hertz) = (method.name(), modes[0].stiffness.sqrt() / TAU);
     if longest == 0.0 {
         print_note(&format!(
-            "{name} gains energy in every step where nothing damps; say --set integrator.method=symplectic-euler, or \
+            "{name} gains energy in every step without damping; use --set integrator.method=symplectic-euler, or \
              give the cloth damping"
         ));
         return;
@@ -70,8 +69,7 @@ fn weigh_limit(modes: &[Mode; 2], step: f64, method: Method) {
     let digit = 10f64.powf(safe.log10().floor() - 1.0);
     let safe = (safe / digit).floor() * digit;
     print_note(&format!(
-        "step {} is longer than {name} bears at the start of this scene, {} (its fastest mode: {hertz:.0} Hz), and cloth \
-         that is drawn bears less: it will fly apart; say --set integrator.step={safe:.1e}, or \
+        "step {} is longer than the limit of {name} at the start of this scene, {} (the fastest mode has {hertz:.0} Hz), and stretched cloth lowers the limit: the cloth will fly apart; use --set integrator.step={safe:.1e}, or \
          --set integrator.method=backward-euler",
         time(step),
         time(longest)
@@ -94,11 +92,13 @@ pub fn weigh_meshes(scene: &SceneFile) {
 pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {
     let Some(contact) = &scene.contact else { return };
     let (thickness, edge) = (contact.thickness, engine.mean_edge());
-    let beside = format!("contact.thickness = {thickness:?} m beside edges of {edge:.1e} m in the mean");
+    let beside = format!("contact.thickness = {thickness:?} m with edges of {edge:.1e} m on average");
     if thickness > THICKNESS[1] * edge {
-        print_note(&format!("{beside}: each vertex has many neighbours to keep away from, and steps are slow"));
+        print_note(&format!(
+            "{beside}: each vertex has many neighbours within the thickness, so steps are slow or fail; take a thickness well below the edges"
+        ));
     } else if thickness < THICKNESS[0] * edge {
-        print_note(&format!("{beside}: so thin a sheet is hard to keep apart, and steps are rejected"));
+        print_note(&format!("{beside}: such a thin layer is hard to keep apart, so steps are rejected"));
     }
 }
 
@@ -122,14 +122,14 @@ fn words(found: &Untangled) -> String {
     };
     let left = match (after, inside[1]) {
         (0, 0) => format!("untangled in {rounds} round{}", if rounds == 1 { "" } else { "s" }),
-        (0, inside) => format!("{inside} vertices left inside (held by pins or colliders)"),
-        (after, _) => format!("{after} left (held by pins or colliders)"),
+        (0, inside) => format!("{inside} vertices left inside (fixed by pins or colliders)"),
+        (after, _) => format!("{after} left (fixed by pins or colliders)"),
     };
     let moved_far = moved > FAR;
     let moved = match rounds {
         0 => "nothing was moved".into(),
         _ => format!("vertices moved by up to {:.1} mm", 1e3 * moved),
     };
-    let advice = if moved_far { "; look at frame 0, and part them yourself if it is not what you meant" } else { "" };
+    let advice = if moved_far { "; look at frame 0, and separate the surfaces yourself if it is wrong" } else { "" };
     format!("{what} at the start: {left}, {moved}{advice}")
 }

@@ -67,14 +67,14 @@ pub fn set(value: &mut Value, path: &[&str], new: &Value) -> Result<(), String> 
     match value {
         Value::Table(table) => set(table.entry(*first).or_insert_with(|| Value::Table(Table::new())), rest, new),
         Value::Array(items) => match (first.parse::<usize>(), items.len()) {
-            (_, 0) => Err(format!("there is nothing that could have {first}: the array is empty")),
+            (_, 0) => Err(format!("the array is empty, so no entry can have {first}")),
             (Ok(index), count) => match items.get_mut(index) {
                 Some(item) => set(item, rest, new),
-                None => Err(format!("there is no number {index}; the last is {}, counted from 0", count - 1)),
+                None => Err(format!("there is no index {index}; indices go from 0 to {}", count - 1)),
             },
             (Err(_), _) => items.iter_mut().try_for_each(|item| set(item, path, new)),
         },
-        _ => Err(format!("{first} is inside a value that is no section")),
+        _ => Err(format!("{first} is inside a value that is not a section")),
     }
 }
 

@@ -74,7 +74,7 @@ pub fn folder(arguments: &SceneArguments, scene: &SceneFile) -> Result<PathBuf, 
     match (&arguments.out, name.components().collect::<Vec<_>>().as_slice()) {
         (Some(out), _) => Ok(out.into()),
         (None, [Component::Normal(_)]) => Ok(Path::new("out").join(name)),
-        _ => Err(Failure::Usage(format!("the scene's name {name:?} is no name for a folder; say --out DIR"))),
+        _ => Err(Failure::Usage(format!("the scene's name {name:?} cannot be the name of a folder; give --out DIR"))),
     }
 }
 
@@ -190,7 +190,7 @@ pub fn explain(error: &toml::de::Error) -> String {
     };
     if message.contains("expected a sequence") && message.contains("map") {
         return format!(
-            "{}\nwrite [[cloth]] and [[cloth.pin]], in double brackets: there may be several",
+            "{}\nwrite [[cloth]] and [[cloth.pin]], in double brackets: a scene may have several",
             text.trim_end()
         );
     }

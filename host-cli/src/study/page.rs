@@ -10,7 +10,7 @@ pub const NAME: &str = "study.html";
 const STUDIES: [(&str, &str); 4] = [
     ("Error against cost", "chart"),
     ("Where methods fail", "stability"),
-    ("What each term is worth", "needs"),
+    ("Effect and cost of each term", "needs"),
     ("What to choose", "choose"),
 ];
 

@@ -23,13 +23,13 @@ pub enum PlyError {
         text: String,
     },
     /// The file ends before the header does.
-    #[error("the header has no `end_header` line; the file is cut short or is not a PLY file")]
+    #[error("the header has no `end_header` line; the file is truncated or is not a PLY file")]
     NoEnd,
     /// The vertices have no position, or the header gives no format.
     #[error("the header has no {0}; export the mesh again with it")]
     Lacks(&'static str),
     /// The body ends too early.
-    #[error("the file ends in {element} {item} of {count}; it is cut short, get a whole copy")]
+    #[error("the file ends in {element} {item} of {count}; it is truncated; get a complete copy")]
     Truncated {
         /// Name of the element.
         element: String,

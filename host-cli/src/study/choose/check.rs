@@ -50,8 +50,7 @@ pub fn check(pilot: &mut Pilot<'_>, mut found: Found) -> Result<Checked, Failure
     }
     let [asked, nearest] = apart(pilot.tolerance, nearest);
     Err(Failure::Diverged(format!(
-        "the choice for {}, {}, misses {asked} where it is checked: it is {nearest} off, and a little shorter steps do \
-         not change that; allow so much or take a shorter --duration",
+        "the choice for {}, {}, misses {asked} in its check: its error is {nearest}, and slightly shorter steps do not reduce it; allow this error or take a shorter --duration",
         pilot.study.scene.desc.name,
         found.row.name(),
     )))

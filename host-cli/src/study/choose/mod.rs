@@ -35,7 +35,7 @@ pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
     let size = distance::diagonal(engine.as_ref());
     if arguments.tolerance >= size {
         return Err(Failure::Usage(format!(
-            "--tolerance {}: the cloth itself is {} from corner to corner; ask for less than that",
+            "--tolerance {}: the cloth's diagonal is {}; take a smaller tolerance",
             length(arguments.tolerance),
             length(size)
         )));
@@ -63,7 +63,7 @@ fn nothing_meets(pilot: &Pilot<'_>) -> Failure {
         },
     );
     Failure::Diverged(format!(
-        "nothing meets {asked} on {} within {} s: {reached}; allow that much, take a shorter --duration or a \
+        "no method meets {asked} on {} within {} s: {reached}; allow this error, take a shorter --duration or a \
          larger --budget",
         pilot.study.scene.desc.name, pilot.study.arguments.budget
     ))
@@ -82,7 +82,7 @@ fn no_reference(study: &Study<'_>, tolerance: f64, size: f64, reference: Option<
         },
     );
     Failure::Diverged(format!(
-        "no reference for {} within {} s that could tell {}: {what}; allow more, take a shorter --duration, a \
+        "no reference for {} within {} s that is exact enough for {}: {what}; take a larger --tolerance, a shorter --duration, a \
          coarser or softer cloth by --set, or a larger --budget",
         study.scene.desc.name,
         study.arguments.budget,
@@ -93,8 +93,8 @@ fn no_reference(study: &Study<'_>, tolerance: f64, size: f64, reference: Option<
 /// Words for a reference whose own error is small enough, but which does not converge regularly.
 fn unsteady(reference: &Reference, step: &str) -> String {
     let before = reference.before.map_or_else(
-        || "and longer steps fail, so that nothing shows how it converges".into(),
-        |before| format!("halving it before by {}, which is not how a converging method does", length(before)),
+        || "and longer steps fail, so its convergence cannot be seen".into(),
+        |before| format!("the halving before by {}: it does not converge", length(before)),
     );
     format!("halving the step to {step} moves it by {}, {before}", length(reference.self_error))
 }
@@ -104,8 +104,11 @@ fn unsteady(reference: &Reference, step: &str) -> String {
 fn too_coarse(reference: &Reference, step: &str, tolerance: f64, size: f64) -> String {
     let reachable = reference.self_error * tolerance / reference.rule.enough;
     let best = match reachable < size {
-        true => format!("the best tolerance that this can judge is {}", length(reachable)),
-        false => format!("no tolerance below the {} of the cloth itself can be judged by this", length(size)),
+        true => format!("the smallest tolerance that it can judge is {}", length(reachable)),
+        false => format!(
+            "it can judge no tolerance below the cloth's diagonal of {}: any small change moves this scene far",
+            length(size)
+        ),
     };
     format!("halving the step to {step} still moves it by {}; {best}", length(reference.self_error))
 }

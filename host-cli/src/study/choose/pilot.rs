@@ -139,13 +139,13 @@ impl<'a> Pilot<'a> {
                 (verdict, Some(error), None)
             }
             Ending::Diverged(what) => failed(what.clone()),
-            Ending::Grown => failed(format!("its energy grew to {BLOWN_UP} times the most of the reference")),
+            Ending::Grown => failed(format!("its energy grew to {BLOWN_UP} times the largest energy of the reference")),
             Ending::OutOfTime if dear => {
                 let why =
-                    format!("given up after {}: the cheapest until then took less than half as long", time(run.wall));
+                    format!("stopped after {}: the cheapest run so far took less than half as long", time(run.wall));
                 (Verdict::Dear, None, Some(why))
             }
-            Ending::OutOfTime => (Verdict::Dear, None, Some("given up: its part of the budget was used up".into())),
+            Ending::OutOfTime => (Verdict::Dear, None, Some("stopped: its share of the budget was used up".into())),
         }
     }
 }

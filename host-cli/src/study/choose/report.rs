@@ -167,7 +167,7 @@ fn reason(pilot: &Pilot<'_>, row: &Row) -> String {
             next.wall_s / own.wall_s
         ),
         None => format!(
-            "{} alone meets the tolerance; no other does in twice its time and its share of the budget",
+            "only {} meets the tolerance; no other method does within twice its time and its share of the budget",
             row.name()
         ),
     }
@@ -190,7 +190,7 @@ impl Choice {
         let r = &self.reference;
         let mut lines = vec![
             format!(
-                "{}: {} s of {} vertices; asked for {}, RMS over 20 moments of the {}",
+                "{}: {} s of {} vertices; tolerance {}, RMS over 20 moments of the {}",
                 self.scene,
                 self.duration_s,
                 self.vertices,
@@ -207,13 +207,20 @@ impl Choice {
         ];
         if self.measure == Measure::Outline {
             let nearest = self.nearest_other.as_ref().map_or_else(
-                || "no other method came to the end here".into(),
-                |n| format!("the nearest of another, {} by {}, is {} from it", n.method, time(n.step), length(n.error)),
+                || "no other method reached the end".into(),
+                |n| {
+                    format!(
+                        "the nearest other method, {} with {}, is {} from it",
+                        n.method,
+                        time(n.step),
+                        length(n.error)
+                    )
+                },
             );
-            lines.push(format!("With contact that is the word of {} alone: {nearest}", r.method));
+            lines.push(format!("With contact, {} confirms its own reference only: {nearest}", r.method));
         }
         lines.push(format!(
-            "Steps fit into 20 equal parts of the time: none longer than {} is tried",
+            "Steps fit into 20 equal parts of the time: steps longer than {} are not tried",
             time(self.longest_step)
         ));
         lines
@@ -225,21 +232,24 @@ impl Choice {
         let terms = if c.terms.is_empty() { "with all terms".into() } else { c.terms.join(", ") };
         let solver = c.solver_tolerance.map_or_else(String::new, |to| format!(", solver tolerance {to:.1e}"));
         let mut lines =
-            vec![format!("Chosen: {} {} by steps of {}{solver}, {terms}", c.method, c.precision, time(c.step))];
+            vec![format!("Chosen: {} {} with steps of {}{solver}, {terms}", c.method, c.precision, time(c.step))];
         if is_cut(c.run_step, c.step) {
-            lines.push(format!("Frames cut these: muslin run takes steps of {}", time(c.run_step)));
+            lines.push(format!(
+                "A frame is not a whole number of these steps: muslin run takes steps of {}",
+                time(c.run_step)
+            ));
         }
         lines.extend([
             format!("Why: {}", self.reason),
             format!("Predicted: {} in {}", length(self.predicted.error), time(self.predicted.wall_s)),
             format!(
-                "Checked: {} in {}, against the reference by steps of {}",
+                "Checked with the chosen step: {} in {}, against a reference with steps of {}",
                 length(self.measured.error),
                 time(self.measured.wall_s),
                 time(self.reference.check_step)
             ),
             format!(
-                "Found in {}, {:.0} times what the chosen run takes",
+                "The search took {}, {:.0} times as long as the chosen run",
                 time(self.pilot_s),
                 self.pilot_s / self.measured.wall_s
             ),

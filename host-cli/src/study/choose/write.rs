@@ -23,7 +23,7 @@ pub fn allow(study: &Study<'_>, path: &Path) -> Result<(), Failure> {
     let there = |folder: &Path| fs::canonicalize(folder).ok();
     if scene.is_file() && fs::canonicalize(scene).ok() == fs::canonicalize(path).ok() {
         return Err(Failure::Usage(format!(
-            "--write {}: that is the scene itself, which is left as it is; give another name",
+            "--write {}: this is the scene file itself, which is not overwritten; give another name",
             path.display()
         )));
     }
@@ -62,8 +62,8 @@ pub fn write(study: &Study<'_>, found: &Found, path: &Path) -> Result<(), Failur
 
 /// Comment at the top of the file: how the choice was made and which values `--set` changed.
 fn head(study: &Study<'_>) -> String {
-    let chosen = format!("Chosen by muslin choose by the first {} s.", study.scene.desc.duration);
-    let lines = [chosen, "Comments are those of the scene before.".into()];
+    let chosen = format!("Chosen by muslin choose for the first {} s.", study.scene.desc.duration);
+    let lines = [chosen, "The comments are those of the original scene.".into()];
     let sets = study.arguments.of.set.iter().map(|set| format!("--set {}", set.replace(['\n', '\r'], " ")));
     lines.into_iter().chain(sets).map(|line| format!("# {line}\n")).collect()
 }

@@ -43,7 +43,7 @@ pub fn master_curve(rows: &[Row]) -> Option<String> {
     let above = [curve].into_iter().map(Plot::Line).chain(marks(measured, true));
     let beside = band().into_iter().map(Plot::Line).chain(marks(errors, false));
     let figure = Figure::new(1, 2)
-        .with_title("A strip of the default mesh bends under its weight, cut in three directions")
+        .with_title("Strips of the default mesh, cut in three directions, bend under their weight")
         .with_plots(vec![above.collect(), beside.collect()])
         .with_layouts(vec![drops.with_log_y().with_y_tick_format(TickFormat::Sci), off])
         .with_cell_size(PANEL[0], PANEL[1])

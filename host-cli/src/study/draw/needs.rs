@@ -31,7 +31,7 @@ const PITCH: f64 = 24.0;
 pub fn needs(needs: &Needs) -> String {
     let height = MARGIN + PITCH * needs.rows.len() as f64;
     let figure = Figure::new(1, 2)
-        .with_title(format!("{}, {} s: what each term is worth", needs.scene, needs.duration_s))
+        .with_title(format!("{}, {} s: effect and cost of each term", needs.scene, needs.duration_s))
         .with_plots(vec![changes(needs), costs(needs)])
         .with_layouts(vec![change_layout(needs), cost_layout(needs)])
         .with_cell_size(WIDTHS[0], height)
@@ -107,7 +107,7 @@ fn change_layout(needs: &Needs) -> Layout {
     let layout = layout(
         needs,
         span(needs),
-        "change; dashed: by half the step",
+        "change; dashed: change by half the step",
         &format!("RMS change of {}, mm", needs.measure.name()),
     )
     .with_log_x()

@@ -65,7 +65,8 @@ pub fn work_precision(chart: &Chart) -> String {
         format: |drawn| round_length(drawn / DRAWN),
     };
     let (plots, layouts): (Vec<_>, Vec<_>) = [by_step, by_cost].iter().map(|panel| draw(chart, panel)).unzip();
-    let hollow = if has_nearest(chart) { "; hollow, with a tick down: nearer than the reference can tell" } else { "" };
+    let hollow =
+        if has_nearest(chart) { "; hollow, with a tick down: below the resolution of the reference" } else { "" };
     let figure = Figure::new(1, 2)
         .with_title(format!("{}, {} s{hollow}", chart.scene, chart.duration_s))
         .with_plots(plots)

@@ -106,7 +106,7 @@ fn conclusion(hidden: &Hidden, baseline: &Baseline) -> String {
     let what = moved(baseline.measure);
     match (hidden.terms.as_slice(), &hidden.without_them) {
         ([], _) if own_error(baseline).is_none() => {
-            format!("How far half the step moves the {what} is not known, so no term can be called too small")
+            format!("How far half the step moves the {what} is not known, so no term can be judged as too small")
         }
         ([_], _) => called(hidden, what),
         ([_, ..], Some(row)) => format!("{}; {}", called(hidden, what), without_them(row, what)),
@@ -122,7 +122,7 @@ fn called(hidden: &Hidden, what: &str) -> String {
     let still = (!still.is_empty()).then(|| format!("{} {verb} not move the {what}", list(still)));
     let alone = if hidden.terms.len() == 1 { " alone" } else { "" };
     let moving = (!moving.is_empty()).then(|| format!("hidden by the step's own error: {}{alone}", list(&moving)));
-    let parts = (!hidden.parts.is_empty()).then(|| format!("{} would go with that", list(&hidden.parts)));
+    let parts = (!hidden.parts.is_empty()).then(|| format!("{} would be left out too", list(&hidden.parts)));
     capital(&[still, moving, parts].into_iter().flatten().collect::<Vec<_>>().join("; "))
 }
 
@@ -155,7 +155,7 @@ impl Needs {
         let own = self.step_error?.rms;
         (rounding > UNSTABLE * own).then(|| {
             let (rounding, what) = (length(rounding), moved(self.measure));
-            format!("Rounding alone moves the {what} by {rounding}: a change of that size may be chance")
+            format!("Rounding alone moves the {what} by {rounding}: a change of this size may be chance")
         })
     }
 
@@ -163,7 +163,7 @@ impl Needs {
     pub fn lines(&self) -> String {
         let what = moved(self.measure);
         let mut lines = vec![format!(
-            "{}: {} s of {} vertices, {} f32 by steps of {}, {} of computing",
+            "{}: {} s of {} vertices, {} f32 with steps of {}, computed in {}",
             self.scene,
             self.duration_s,
             self.vertices,

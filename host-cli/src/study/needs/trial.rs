@@ -89,8 +89,8 @@ pub fn why_not(run: &Trajectory) -> Option<String> {
     match &run.ending {
         Ending::Complete => None,
         Ending::Diverged(what) => Some(format!("fails at {time:.3} s: {what}")),
-        Ending::Grown => Some(format!("fails before {time:.3} s: its energy is no number")),
-        Ending::OutOfTime => Some("does not end within the budget".into()),
+        Ending::Grown => Some(format!("fails before {time:.3} s: its energy is not a number")),
+        Ending::OutOfTime => Some("does not reach the end within the budget".into()),
     }
 }
 

@@ -108,7 +108,7 @@ pub fn judge(run: &Trajectory) -> (Verdict, Option<String>) {
     let solves = run.report.unconverged;
     match &run.ending {
         Ending::Diverged(what) => (Verdict::Diverged, Some(what.clone())),
-        Ending::Grown => (Verdict::Growth, Some("its energy grew to 10 times what backward Euler has".into())),
+        Ending::Grown => (Verdict::Growth, Some("its energy grew to 10 times the energy of backward Euler".into())),
         Ending::OutOfTime => (Verdict::NotRun, Some("it took longer than its share of the budget".into())),
         Ending::Complete if solves > 0 => (Verdict::GaveUp, Some(format!("{solves} solves did not converge"))),
         Ending::Complete => (Verdict::Fine, None),

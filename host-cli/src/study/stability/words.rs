@@ -22,10 +22,9 @@ impl Map {
                 self.scene, self.fastest_mode_hz, self.damping_ratio
             ),
             format!(
-                "explicit methods are watched for {EXPLICIT_STEPS} steps, implicit ones for {IMPLICIT_STEPS} or to the \
-                 scene's end; then the longest"
+                "a run takes {EXPLICIT_STEPS} steps of an explicit method, or {IMPLICIT_STEPS} of an implicit one at most; then the longest stable"
             ),
-            "step of each to the end, and where that fails steps shorter by 5 % each".into(),
+            "step of each method runs to the scene's end; where it fails, the step is shortened by 5 % until a run holds".into(),
             String::new(),
             format!(
                 "{:<28}{:>11}{:>17}{:>9}{:>10}   to the end, {}",
@@ -42,7 +41,7 @@ impl Map {
         lines.push(String::new());
         lines.extend(self.limits.iter().filter_map(first_failure));
         lines.extend(self.limits.iter().filter_map(early));
-        lines.push(format!("of {asked} runs near a limit of theory {right} went as it says"));
+        lines.push(format!("of {asked} runs near a limit of theory, {right} agree with it"));
         if self.missing() > 0 {
             lines.push(format!("{} runs are missing: the budget was used up", self.missing()));
         }
@@ -115,11 +114,13 @@ fn limit_line(limit: &Limit) -> String {
 fn to_the_end(whole: &Whole, step: f64) -> String {
     let lasting = match whole.lasting {
         Some(lasting) => format!("{} holds", significant(lasting, 3)),
-        None => "none that holds was found".into(),
+        None => "no stable step was found".into(),
     };
     match whole.verdict {
         Verdict::Fine => "holds".into(),
-        Verdict::NotRun if whole.held > 0.0 => format!("held {} when its time was up", significant(whole.held, 2)),
+        Verdict::NotRun if whole.held > 0.0 => {
+            format!("stable to {} when its time was used up", significant(whole.held, 2))
+        }
         Verdict::NotRun => format!("not watched: {} steps", whole.steps),
         Verdict::GaveUp => format!("the solver gave up; {lasting}"),
         verdict => {
@@ -144,7 +145,7 @@ fn early(limit: &Limit) -> Option<String> {
     let early = limit.ratio.is_some_and(|ratio| ratio < EARLY);
     early.then(|| {
         format!(
-            "{} fails early: slower modes are damped less than the fastest, or the cloth stiffens as it is drawn",
+            "{} fails early: slower modes are damped less than the fastest, or the cloth stiffens when it is stretched",
             limit.name
         )
     })

@@ -81,7 +81,10 @@ impl Ladder {
             return why.into();
         };
         let why = last.why.as_deref().unwrap_or_default();
-        format!("no step down to {:.1e} s works, shorter ones take too long or are not asked for: {why}", last.step)
+        format!(
+            "no step down to {:.1e} s works, shorter steps take too long or are excluded by --finest: {why}",
+            last.step
+        )
     }
 
     /// Errors of the last consecutive runs whose errors are at least `least`.
@@ -206,10 +209,10 @@ fn measure(study: &Study<'_>, yardstick: &Yardstick<'_>, variant: &Variant, run:
     let told = error.filter(|[rms, _]| stable && *rms >= least);
     let why = match &run.ending {
         Ending::Complete if told.is_some() => None,
-        Ending::Complete if stable => Some(format!("nearer than {least:.1e}, the least that the reference can tell")),
-        Ending::Complete => Some("lost: it has nothing of the reference any more".into()),
+        Ending::Complete if stable => Some(format!("below {least:.1e}, the resolution of the reference")),
+        Ending::Complete => Some("lost: it no longer resembles the reference".into()),
         Ending::Diverged(what) => Some(what.clone()),
-        Ending::Grown => Some(format!("its energy grew to {BLOWN_UP} times the most of the reference")),
+        Ending::Grown => Some(format!("its energy grew to {BLOWN_UP} times the largest energy of the reference")),
         Ending::OutOfTime => Some("it took too long".into()),
     };
     Row {

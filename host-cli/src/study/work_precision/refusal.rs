@@ -17,9 +17,9 @@ pub fn no_reference(study: &Study<'_>, reference: &Reference) -> String {
         || "no step was tried".into(),
         |(variant, run)| {
             let became = match &run.ending {
-                Ending::Complete => "works, but nothing shorter was left time for".into(),
+                Ending::Complete => "works, but there was no time for shorter steps".into(),
                 Ending::OutOfTime => {
-                    format!("came to {:.3} s of {} s in that time", run.report.time, study.scene.desc.duration)
+                    format!("reached {:.3} s of {} s in this time", run.report.time, study.scene.desc.duration)
                 }
                 Ending::Diverged(what) => format!("fails ({what})"),
                 Ending::Grown => "fails: its energy grows".into(),
@@ -32,7 +32,7 @@ pub fn no_reference(study: &Study<'_>, reference: &Reference) -> String {
         },
     );
     let needs = reference.least_budget().map_or_else(String::new, |s| {
-        format!("; at this step two runs to compare would take a --budget of at least {s:.0} s")
+        format!("; two runs with this step, which can be compared, would take a --budget of at least {s:.0} s")
     });
     format!(
         "no reference for {} within {} s, of which it may take {:.0} %: {reached}{needs}; take a shorter --duration, a \
@@ -58,8 +58,7 @@ pub fn unconfirmed(chart: &Chart) -> String {
         .collect();
     let slopes = if slopes.is_empty() { "none has an order yet".into() } else { slopes.join(", ") };
     format!(
-        "no implicit method confirms the reference for {}, whose shortest step was {}: {slopes}; the errors are what it \
-         says alone. Take a larger --budget for shorter steps, a shorter --duration, or damping for what rings",
+        "no implicit method confirms the reference for {}, whose shortest step was {}: {slopes}; the errors rest on this reference only. Take a larger --budget for shorter steps, a shorter --duration, or damping for modes that oscillate",
         chart.scene,
         time(chart.reference.step),
     )

@@ -217,13 +217,13 @@ impl Chart {
         match &self.reference.agreement {
             Some(a) => {
                 format!(
-                    "{} comes as near as {:.1e} to it, by order {:.2}: both ways agree",
+                    "{} comes as near as {:.1e} to it, with order {:.2}: both methods agree",
                     a.method, a.error_rms, a.order
                 )
             }
             None if self.is_of_contact() => {
                 "with contact velocities jump: the order of every method collapses to one or \
-                                             less, and smaller steps change what touches first, not only how exactly"
+                                             less, and smaller steps change which features touch first, not only the accuracy"
                     .into()
             }
             None => "no implicit method confirms it".into(),
@@ -261,7 +261,7 @@ impl Chart {
             None => "    too few errors for an order",
             Some(order) if is_of_order(order.measured, order.theory) => "",
             Some(_) if self.is_of_contact() => "    its order collapses",
-            Some(_) => "    its steps are not small yet, or forces jump",
+            Some(_) => "    its steps are not small enough yet, or forces jump",
         };
         Some(format!("{method:<18} {said:<10}       {:>10}{longest}{remark}", time(largest.step)))
     }
