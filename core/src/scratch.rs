@@ -179,8 +179,8 @@ mod owned {
         }
 
         /// Updates the fixed axes of the patches from the pins.
-        pub(crate) fn hold(&mut self, pins: &Pins<'_>) {
-            self.patches.hold(pins);
+        pub(crate) fn set_pins(&mut self, pins: &Pins<'_>) {
+            self.patches.set_pins(pins);
         }
 
         /// Sizes that the memory traffic depends on.

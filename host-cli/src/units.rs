@@ -30,8 +30,8 @@ const MOST_DIGITS: usize = 8;
 
 /// Two lengths with enough digits to tell them apart; without additional digits if that is impossible.
 pub fn apart(a: f64, b: f64) -> [String; 2] {
-    let told = |more| [a, b].map(|metres| precise(metres, more));
-    (0..MOST_DIGITS).map(told).find(|[a, b]| a != b).unwrap_or_else(|| told(0))
+    let shown = |more| [a, b].map(|metres| precise(metres, more));
+    (0..MOST_DIGITS).map(shown).find(|[a, b]| a != b).unwrap_or_else(|| shown(0))
 }
 
 /// A time with its unit.
@@ -108,13 +108,13 @@ mod tests {
 
     #[test]
     fn lengths_that_differ_are_told_apart() {
-        for (a, b, told) in [
+        for (a, b, shown) in [
             (2.0e-3, 2.04e-3, ["2.00 mm", "2.04 mm"]),
             (2.0e-3, 3.0e-3, ["2.0 mm", "3.0 mm"]),
             (1.0e-3, 1.0004e-3, ["1.0000 mm", "1.0004 mm"]),
             (1e-3, 1e-3, ["1.0 mm", "1.0 mm"]),
         ] {
-            assert_eq!(apart(a, b), told);
+            assert_eq!(apart(a, b), shown);
         }
     }
 

@@ -52,7 +52,7 @@ fn command(root: &Path, name: &str, line: &str, variables: &[(&str, &str)]) -> O
     let mut command = Command::new(if program == "cargo" { env!("CARGO") } else { program });
     command.args(words).envs(variables.iter().copied()).current_dir(root);
     let mut skipped = Vec::new();
-    let status = if program == "node" { told(&mut command, &mut skipped) } else { command.status() };
+    let status = if program == "node" { run_tap(&mut command, &mut skipped) } else { command.status() };
     let mut outcome = Outcome::new(name.to_owned(), started.elapsed());
     outcome.skipped = skipped;
     match status {
@@ -66,7 +66,7 @@ fn command(root: &Path, name: &str, line: &str, variables: &[(&str, &str)]) -> O
 }
 
 /// Runs tests that report in TAP, and collects the reasons of skipped tests.
-fn told(command: &mut Command, skipped: &mut Vec<String>) -> std::io::Result<ExitStatus> {
+fn run_tap(command: &mut Command, skipped: &mut Vec<String>) -> std::io::Result<ExitStatus> {
     let mut child = command.stdout(Stdio::piped()).spawn()?;
     for line in BufReader::new(child.stdout.take().expect("it is piped")).lines().map_while(Result::ok) {
         println!("{line}");

@@ -130,7 +130,7 @@ fn drag_is_worth_what_it_brakes() {
     close(&drag["change_rms"], (squares / 20.0).sqrt(), 1e-4);
     close(&drag["change_max"], apart(0.5), 1e-4);
     close(&drag["change_end"], apart(0.5), 1e-4);
-    assert_eq!(drag["told"], true);
+    assert_eq!(drag["exceeds_step"], true);
     assert!(drag["sentence"].as_str().unwrap().starts_with("drag moves the cloth by 0.14 m (RMS; at most 0.32 m"));
     // Four evaluations a step, whatever is modelled; by RK4 all that half the step changes is rounding.
     assert_eq!(
@@ -201,7 +201,7 @@ fn a_scene_that_needs_a_term_to_run_says_so() {
     let study = needs(&Place::new(), DAMPED, "");
     let damping = &study["rows"][0];
     assert_eq!((&damping["term"], &damping["verdict"]), (&"damping".into(), &"diverged".into()), "{}", study["rows"]);
-    for key in ["change_rms", "change_max", "told", "cost_fraction", "wall_s", "counts"] {
+    for key in ["change_rms", "change_max", "exceeds_step", "cost_fraction", "wall_s", "counts"] {
         assert!(damping[key].is_null(), "{key} of {damping}");
     }
     let sentence = damping["sentence"].as_str().unwrap();
@@ -257,7 +257,7 @@ fn numbers_words_and_picture_are_written() {
     let own = number(&study["step_error"]["rms"]);
     for row in rows {
         assert!(number(&row["change_max"]) >= number(&row["change_rms"]), "{row}");
-        assert_eq!(row["told"], number(&row["change_rms"]) > own, "{row}");
+        assert_eq!(row["exceeds_step"], number(&row["change_rms"]) > own, "{row}");
         let [cost, least, most] = [&row["cost_fraction"], &row["cost_range"][0], &row["cost_range"][1]].map(number);
         assert!(least <= cost && cost <= most && number(&row["wall_s"]) > 0.0, "{row}");
         assert!(row["repeats"].as_u64() >= Some(1) && row["why"].is_null(), "{row}");

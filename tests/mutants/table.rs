@@ -132,7 +132,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         what: "What is let go stays immovable to contact",
-        file: "core/src/simulation/hold.rs",
+        file: "core/src/simulation/move_to.rs",
         old: "pins.write_mobility(&particles.inverse_masses, &mut contact.mobility[..cloth]);",
         new: "pins.write_mobility(&particles.inverse_masses, &mut contact.mobility[..cloth].to_vec());",
         everyday: &["response"],

@@ -58,8 +58,8 @@ harness::both_precisions! {
         fn meets(&mut self, rng: &mut Rng, query: &Query, _: f64) -> bool {
             let Self(pair, surface) = self;
             let [start, end] = [&query.start, &query.end].map(kit::narrow);
-            let moves: [Vec3; 4] = std::array::from_fn(|i| end[i] - start[i]);
-            let motion = LinearMotion { start: &start, end: &end, moves: &moves, radii: &[0.0; 4], rounds: &[], round: 0 };
+            let displacements: [Vec3; 4] = std::array::from_fn(|i| end[i] - start[i]);
+            let motion = LinearMotion { start: &start, end: &end, displacements: &displacements, radii: &[0.0; 4], rounds: &[], round: 0 };
             // The thickness.
             let reach = rng.pick(&[0.0, Real::INFINITY]);
             let (surface, mut distance, mut time) = (surface.view(), [0.0], [NEVER]);
@@ -110,9 +110,9 @@ harness::both_precisions! {
             let sweep = Sweep { time: 0.0, step: 1.0, margin: 0.5 * model.thickness, widen: false };
             step::sweep(&model, sweep, &kit::narrow(&query.start), &kit::narrow(&query.end), &mut scratch);
             let counts = step::detect(&model, &mut scratch, &Serial);
-            let moves: Vec<Vec3> = scratch.end.iter().zip(&*scratch.start).map(|(end, start)| *end - *start).collect();
+            let displacements: Vec<Vec3> = scratch.end.iter().zip(&*scratch.start).map(|(end, start)| *end - *start).collect();
             let (start, end, rounds) = (&*scratch.start, &*scratch.end, &*scratch.rounds);
-            let motion = LinearMotion { start, end, moves: &moves, radii: model.radii, rounds, round: 0 };
+            let motion = LinearMotion { start, end, displacements: &displacements, radii: model.radii, rounds, round: 0 };
             let separation = SEPARATION * model.thickness;
             macro_rules! meets {
                 ($pairing:ident, $pairs:ident) => {{
@@ -203,9 +203,9 @@ harness::both_precisions! {
     fn advanced<P: Pairing>(pick: fn(&Found) -> &[[u32; 2]], speed: f64) -> [usize; 3] {
         let (mesh, rng) = (crumpled::sheet(40), &mut Rng::new(508));
         let start: Vec<_> = mesh.positions.iter().map(|x| vec3((x * 0.01).to_array())).collect();
-        let moves: Vec<_> = start.iter().map(|_| vec3(rng.cube(speed).to_array())).collect();
-        let end: Vec<_> = start.iter().zip(&moves).map(|(x, d)| *x + *d).collect();
-        let moves: Vec<_> = start.iter().zip(&end).map(|(x, y)| *y - *x).collect();
+        let displacements: Vec<_> = start.iter().map(|_| vec3(rng.cube(speed).to_array())).collect();
+        let end: Vec<_> = start.iter().zip(&displacements).map(|(x, d)| *x + *d).collect();
+        let displacements: Vec<_> = start.iter().zip(&end).map(|(x, y)| *y - *x).collect();
         let around = |(x, y): (&Vec3, &Vec3)| Aabb { min: x.min(*y) - 1e-3, max: x.max(*y) + 1e-3 };
         let boxes: Vec<_> = start.iter().zip(&end).map(around).collect();
         let surface = SurfaceColumns::build(start.len(), &mesh.triangles, &[]);
@@ -216,7 +216,7 @@ harness::both_precisions! {
         found.1.truncate(counts.edge_edge);
         let (candidates, radii) = (pick(&found), vec![0.0; start.len()]);
         let (mut distances, mut found) = (vec![0.0; candidates.len()], vec![NEVER; candidates.len()]);
-        let motion = LinearMotion { start: &start, end: &end, moves: &moves, radii: &radii, rounds: &[], round: 0 };
+        let motion = LinearMotion { start: &start, end: &end, displacements: &displacements, radii: &radii, rounds: &[], round: 0 };
         proximity::distances::<P>(candidates, &surface, &start, &radii, 0.0, &mut distances, &Serial);
         ADVANCED.set(0);
         times::<Counted<P>>(candidates, &distances, &surface, motion, 0.0, &mut found, &Serial);

@@ -81,13 +81,13 @@ fn root_above(n: u32) -> u32 {
 pub fn write_cells(spheres: &[Sphere], grid: &CellGrid, homes: &mut [Home], dispatch: &impl Dispatch) {
     dispatch.run(homes, |start, part| {
         for (sphere, home) in spheres[start..].iter().zip(part) {
-            *home = place(sphere, grid);
+            *home = home_of(sphere, grid);
         }
     });
 }
 
 #[inline]
-fn place(sphere: &Sphere, grid: &CellGrid) -> Home {
+fn home_of(sphere: &Sphere, grid: &CellGrid) -> Home {
     if *sphere == Sphere::ABSENT {
         return Home::default();
     }

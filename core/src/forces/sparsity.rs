@@ -1,4 +1,4 @@
-//! The sparsity pattern of the system matrix, and the place in it of each term's blocks.
+//! The sparsity pattern of the system matrix, and the slot in it of each term's blocks.
 
 use alloc::vec::Vec;
 
@@ -7,7 +7,7 @@ use crate::forces::Model;
 use crate::forces::element::Element;
 use crate::forces::spring::Springs;
 
-/// The blocks that the matrix of a model has, and the place of each term's blocks in them.
+/// The blocks that the matrix of a model has, and the slot of each term's blocks in them.
 #[derive(Clone, Debug, Default)]
 pub struct SparsityPattern {
     /// Start of each row in `columns`; one entry more than rows.
@@ -97,7 +97,7 @@ impl SparsityPattern {
             pattern.columns.extend(right.iter().map(|pair| pair.1));
             pattern.offsets.push(pattern.columns.len() as u32);
             for &(_, column) in left {
-                let block = pattern.offsets[column as usize] + u32::from(pattern.place(column, vertex));
+                let block = pattern.offsets[column as usize] + u32::from(pattern.slot(column, vertex));
                 pattern.mirrored.push(Mirrored { column, block });
             }
             pattern.mirrored_offsets.push(pattern.mirrored.len() as u32);
@@ -108,7 +108,7 @@ impl SparsityPattern {
 
     /// Place of a column in a row, [`NOT_STORED`] left of the diagonal. It fits into 16 bits, because
     /// a mesh with too many triangles at one vertex is refused.
-    fn place(&self, row: u32, column: u32) -> u16 {
+    fn slot(&self, row: u32, column: u32) -> u16 {
         let columns = &self.columns[self.offsets[row as usize] as usize..self.offsets[row as usize + 1] as usize];
         columns.binary_search(&column).map_or(NOT_STORED, |at| at as u16)
     }
@@ -117,7 +117,7 @@ impl SparsityPattern {
         let rows = 0..springs.offsets.len() as u32 - 1;
         let row = |row: u32| {
             let range = springs.offsets[row as usize] as usize..springs.offsets[row as usize + 1] as usize;
-            springs.others[range].iter().map(move |&other| self.place(row, other))
+            springs.others[range].iter().map(move |&other| self.slot(row, other))
         };
         rows.flat_map(row).collect()
     }
@@ -126,7 +126,7 @@ impl SparsityPattern {
         let slots = term.incidence().slots.iter();
         let corners = slots.flat_map(|&slot| {
             let ids = term.vertices()[slot as usize / K];
-            ids.map(|column| self.place(ids[slot as usize % K], column))
+            ids.map(|column| self.slot(ids[slot as usize % K], column))
         });
         corners.collect()
     }

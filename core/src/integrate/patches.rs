@@ -48,13 +48,13 @@ impl PatchColumns {
         for patch in &patches {
             built.set_coordinates(material, patch);
         }
-        built.hold(pins);
+        built.set_pins(pins);
         built.set_envelope(patches.len(), pattern);
         built
     }
 
     /// Copies the held axes of all pins.
-    pub fn hold(&mut self, pins: &Pins<'_>) {
+    pub fn set_pins(&mut self, pins: &Pins<'_>) {
         self.held.fill(0);
         for (&vertex, &axes) in pins.vertices.iter().zip(pins.axes) {
             // Without patches the column is empty.

@@ -41,7 +41,7 @@ pub struct LinearMotion<'a> {
     /// Positions at the end of the step, m.
     pub end: &'a [Vec3],
     /// Displacements from start to end, m.
-    pub moves: &'a [Vec3],
+    pub displacements: &'a [Vec3],
     /// Radius of each vertex, m.
     pub radii: &'a [Real],
     /// The round in which each vertex was last moved.
@@ -54,9 +54,9 @@ pub struct LinearMotion<'a> {
 /// two displacements, which is less than 2 sqrt(3) u times the largest, so it is valid even if both features share
 /// a large motion.
 #[inline]
-fn farthest<P: Pairing>(moves: &[Vec3; 4]) -> Real {
-    let largest = moves.iter().fold(Vec3::ZERO, |most, x| most.max(x.abs())).max_element();
-    P::approach(moves) * (1.0 + 1e-5) + 4.0 * Real::EPSILON * largest
+fn farthest<P: Pairing>(displacements: &[Vec3; 4]) -> Real {
+    let largest = displacements.iter().fold(Vec3::ZERO, |most, x| most.max(x.abs())).max_element();
+    P::approach(displacements) * (1.0 + 1e-5) + 4.0 * Real::EPSILON * largest
 }
 
 /// Writes the time at which the features of each candidate come within `separation` of each other, or within half
@@ -88,7 +88,7 @@ pub fn times<P: Pairing>(
             let start = gather(vertices, motion.start);
             let reserve = RESERVE * largest([&start.map(|x| x - start[0])]);
             // Most candidates do not move far enough to collide.
-            if farthest::<P>(&gather(vertices, motion.moves)) + reserve < distance - separation {
+            if farthest::<P>(&gather(vertices, motion.displacements)) + reserve < distance - separation {
                 continue;
             }
             let end = gather(vertices, motion.end);

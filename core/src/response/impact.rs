@@ -46,7 +46,7 @@ fn find_pairs<P: Pairing, D: Dispatch>(
 ) {
     let (candidates, times) = (&pairs.candidates[..count], &mut pairs.times[..count]);
     let Motion { start, end, moves, rounds, .. } = motion;
-    let swept = continuous::LinearMotion { start, end, moves, radii: model.radii, rounds, round };
+    let swept = continuous::LinearMotion { start, end, displacements: moves, radii: model.radii, rounds, round };
     let separation = SEPARATION * model.thickness;
     dispatch.enter(Stage::NarrowPhase);
     continuous::times::<P>(candidates, pairs.distances, &model.surface, swept, separation, times, dispatch);

@@ -23,7 +23,7 @@ use crate::traffic::{self, TrafficSizes};
 
 mod contact;
 mod halving;
-mod hold;
+mod move_to;
 mod refusal;
 
 pub use refusal::{Cause, StepError};

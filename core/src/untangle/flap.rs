@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 
 use super::contour::Crossing;
 use super::topology::Topology;
-use super::{Moves, Scene};
+use super::{Displacements, Scene};
 use crate::real::{Real, Vec3, sqrt};
 
 /// The motion of a whole flap decreases to zero over this multiple of its length, so the sheet around it is
@@ -56,11 +56,18 @@ impl Flap {
     }
 
     /// Requests the motion back, either of the flap as a whole or of each vertex by its own depth.
-    pub fn back(&self, scene: &Scene<'_>, topology: &Topology, whole: bool, places: &[Vec3], moves: &mut Moves) {
+    pub fn back(
+        &self,
+        scene: &Scene<'_>,
+        topology: &Topology,
+        whole: bool,
+        places: &[Vec3],
+        displacements: &mut Displacements,
+    ) {
         let length = |depth: Real| if whole { self.length } else { depth.max(0.0) + scene.gap };
         let members: Vec<_> = self.members.iter().map(|&(v, depth)| (v, self.out * length(depth))).collect();
         let falloff = if whole { FALLOFF } else { SHALLOW_FALLOFF };
-        draw(scene, topology, &members, falloff, places, moves);
+        draw(scene, topology, &members, falloff, places, displacements);
     }
 }
 
@@ -171,7 +178,7 @@ pub fn draw(
     members: &[(u32, Vec3)],
     falloff: Real,
     places: &[Vec3],
-    moves: &mut Moves,
+    displacements: &mut Displacements,
 ) {
     // For each vertex, its fraction of the motion of a member, and the index of this member.
     let mut parts: Vec<(Real, u32)> = vec![(0.0, 0); places.len()];
@@ -198,6 +205,6 @@ pub fn draw(
     }
     for v in reached {
         let (part, member) = parts[v as usize];
-        moves.add(v, members[member as usize].1 * part, part);
+        displacements.add(v, members[member as usize].1 * part, part);
     }
 }

@@ -68,12 +68,12 @@ pub struct Scene<'a> {
 /// The displacements requested of each vertex in a round: the weighted sum of displacements, m, and the sum of
 /// weights.
 #[derive(Clone, Debug)]
-pub struct Moves {
+pub struct Displacements {
     sums: Vec<Vec3>,
     weights: Vec<Real>,
 }
 
-impl Moves {
+impl Displacements {
     fn new(vertices: usize) -> Self {
         Self { sums: vec![Vec3::ZERO; vertices], weights: vec![0.0; vertices] }
     }
@@ -117,15 +117,15 @@ pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl D
     let start = places.to_vec();
     let (mut best, mut best_places, mut waited) = (before, start.clone(), 0);
     for round in 1..=MOST_ROUNDS {
-        let mut moves = Moves::new(places.len());
+        let mut displacements = Displacements::new(places.len());
         let attempt = waited / TRIES;
         if attempt.is_multiple_of(2) {
-            solids::leave(&scene, &topology, places, &mut moves);
+            solids::leave(&scene, &topology, places, &mut displacements);
         }
-        if moves.is_empty() {
-            part(&scene, &topology, &crossings, places, &mut moves, attempt);
+        if displacements.is_empty() {
+            separate(&scene, &topology, &crossings, places, &mut displacements, attempt);
         }
-        moves.apply(model.mobility, places);
+        displacements.apply(model.mobility, places);
         crossings = find(model, places, dispatch);
         let now = [crossings.len(), solids::inside(model, places)];
         if now < best && !is_torn(model, &start, places) {
@@ -173,12 +173,12 @@ fn find(model: &ContactModel<'_>, places: &[Vec3], dispatch: &impl Dispatch) -> 
 
 /// Requests the displacements that separate the contours. Successive values of `attempt` try four ways in turn: the
 /// best flaps, slides, the best flaps moved the other way (as a whole or by depth), and the second best flaps.
-fn part(
+fn separate(
     scene: &Scene<'_>,
     topology: &Topology,
     crossings: &[Crossing],
     places: &[Vec3],
-    moves: &mut Moves,
+    displacements: &mut Displacements,
     attempt: u32,
 ) {
     let [slides, otherwise, second] = [1, 2, 3].map(|way| attempt % 4 == way);
@@ -192,8 +192,8 @@ fn part(
         }
         flaps.sort_by(|a, b| a.held.cmp(&b.held).then(a.length.total_cmp(&b.length)));
         match flaps.get(usize::from(second)).or(flaps.first()) {
-            Some(flap) => flap.back(scene, topology, flap.is_shallow() == otherwise, places, moves),
-            None => slide::slide(scene, topology, crossings, &contour, places, moves),
+            Some(flap) => flap.back(scene, topology, flap.is_shallow() == otherwise, places, displacements),
+            None => slide::slide(scene, topology, crossings, &contour, places, displacements),
         }
     }
 }

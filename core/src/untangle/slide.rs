@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use super::contour::{Crossing, gradient};
 use super::topology::{NONE, Topology};
-use super::{Moves, Scene};
+use super::{Displacements, Scene};
 use crate::real::{Real, Vec3, sqrt};
 
 /// A crossing slides in a round by this fraction of the shorter of its edge and the first side of its triangle.
@@ -21,7 +21,7 @@ pub fn slide(
     crossings: &[Crossing],
     contour: &[(u32, u32)],
     places: &[Vec3],
-    moves: &mut Moves,
+    displacements: &mut Displacements,
 ) {
     let surface = &scene.model.surface;
     let gradient_of = |crossing: &Crossing| {
@@ -49,13 +49,13 @@ pub fn slide(
         };
         let [p, q, a, b] = [0, 1, 2, 3].map(|k| places[crossing.vertices[k] as usize]);
         let size = sqrt((q - p).length_squared().min((b - a).length_squared()));
-        apart(scene, crossing, towards * (SLIDE * size), moves);
+        apart(scene, crossing, towards * (SLIDE * size), displacements);
     }
 }
 
 /// Requests a motion of an edge relative to a triangle at their crossing, divided in proportion to their
 /// mobilities.
-fn apart(scene: &Scene<'_>, crossing: &Crossing, by: Vec3, moves: &mut Moves) {
+fn apart(scene: &Scene<'_>, crossing: &Crossing, by: Vec3, displacements: &mut Displacements) {
     let mobile = |k: usize| scene.model.mobility[crossing.vertices[k] as usize].max_element() * crossing.weights[k];
     let (edge, triangle) = (mobile(0) + mobile(1), mobile(2) + mobile(3) + mobile(4));
     let all = edge + triangle;
@@ -64,6 +64,6 @@ fn apart(scene: &Scene<'_>, crossing: &Crossing, by: Vec3, moves: &mut Moves) {
     }
     for (k, (&v, &weight)) in crossing.vertices.iter().zip(&crossing.weights).enumerate() {
         let share = if k < 2 { edge / all } else { -triangle / all };
-        moves.add(v, by * share, weight);
+        displacements.add(v, by * share, weight);
     }
 }

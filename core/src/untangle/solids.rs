@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use super::flap::{FALLOFF, draw};
 use super::topology::{Pieces, Topology};
-use super::{Moves, Scene};
+use super::{Displacements, Scene};
 use crate::colliders::{Body, Form};
 use crate::contact::ContactModel;
 use crate::real::{Real, Vec3, sqrt};
@@ -25,14 +25,14 @@ pub fn inside(model: &ContactModel<'_>, places: &[Vec3]) -> usize {
 }
 
 /// Requests the displacements that move cloth out of colliders.
-pub fn leave(scene: &Scene<'_>, topology: &Topology, places: &[Vec3], moves: &mut Moves) {
+pub fn leave(scene: &Scene<'_>, topology: &Topology, places: &[Vec3], displacements: &mut Displacements) {
     let (cloth, solids) = places.split_at(scene.model.cloth());
     for body in scene.model.colliders.bodies {
         let corners = &solids[body.range()];
         match body.form {
-            Form::Box => leave_box(scene, topology, corners, places, moves),
+            Form::Box => leave_box(scene, topology, corners, places, displacements),
             Form::Mesh => {}
-            Form::Plane(_) | Form::Sphere | Form::Capsule => press(scene, body, corners, cloth, moves),
+            Form::Plane(_) | Form::Sphere | Form::Capsule => push_out(scene, body, corners, cloth, displacements),
         }
     }
 }
@@ -54,7 +54,7 @@ fn above(body: &Body, corners: &[Vec3], x: Vec3) -> (Real, Vec3) {
 
 /// Displaces cloth upward: with the greatest depth d and `top = ROOM d + gap`, maps the heights from -d to top
 /// linearly onto the heights from the gap to top.
-fn press(scene: &Scene<'_>, body: &Body, corners: &[Vec3], cloth: &[Vec3], moves: &mut Moves) {
+fn push_out(scene: &Scene<'_>, body: &Body, corners: &[Vec3], cloth: &[Vec3], displacements: &mut Displacements) {
     let free = |v: usize| scene.model.mobility[v] != Vec3::ZERO;
     let heights = cloth.iter().enumerate().filter(|(v, _)| free(*v)).map(|(_, &x)| above(body, corners, x).0);
     let depth = -heights.fold(0.0, Real::min);
@@ -66,14 +66,20 @@ fn press(scene: &Scene<'_>, body: &Body, corners: &[Vec3], cloth: &[Vec3], moves
         let (height, up) = above(body, corners, x);
         if height < top {
             let raised = scene.gap + (height + depth) * (top - scene.gap) / (top + depth);
-            moves.add(v, up * (raised - height), 1.0);
+            displacements.add(v, up * (raised - height), 1.0);
         }
     }
 }
 
 /// Moves each piece of cloth that has edges in a box out of it, in the direction that is shortest for the deepest
 /// point of the piece.
-fn leave_box(scene: &Scene<'_>, topology: &Topology, corners: &[Vec3], places: &[Vec3], moves: &mut Moves) {
+fn leave_box(
+    scene: &Scene<'_>,
+    topology: &Topology,
+    corners: &[Vec3],
+    places: &[Vec3],
+    displacements: &mut Displacements,
+) {
     let surface = &scene.model.surface;
     let cloth = |edge: &&u32| surface.edges[**edge as usize][0] < scene.model.cloth() as u32;
     let mut pieces = Pieces::new(scene.model.cloth());
@@ -98,7 +104,7 @@ fn leave_box(scene: &Scene<'_>, topology: &Topology, corners: &[Vec3], places: &
         };
         if let Some((length, out)) = directions(corners).map(way).min_by(|a, b| a.0.total_cmp(&b.0)) {
             let members: Vec<_> = vertices.iter().map(|&v| (v, out * length)).collect();
-            draw(scene, topology, &members, FALLOFF, places, moves);
+            draw(scene, topology, &members, FALLOFF, places, displacements);
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::mesh_io;
 use crate::pool::Pool;
 use mesh::Subject;
 use report::{Pairs, Report, StageMs};
-use stages::{Found, Touch};
+use stages::{CandidateLists, Touch};
 
 /// Detects and prints a table or JSON.
 pub fn detect(arguments: &DetectArguments) -> Result<(), Failure> {
@@ -47,7 +47,7 @@ pub fn detect(arguments: &DetectArguments) -> Result<(), Failure> {
 fn report(arguments: &DetectArguments, subject: &Subject, pool: &Pool) -> Report {
     let mut ms = StageMs::default();
     let surface = subject.surface.view();
-    let mut found = Found::default();
+    let mut found = CandidateLists::default();
     ms.candidates = Some(milliseconds(found.find(arguments.method, &subject.boxes, &surface, pool)));
     let mut report = Report::new(arguments, subject, pool.threads());
     report.edge_edge = Pairs::of(found.edge_edge.len());

@@ -14,14 +14,14 @@ use crate::pool::Pool;
 
 /// The candidates of both kinds.
 #[derive(Default)]
-pub struct Found {
+pub struct CandidateLists {
     /// `[vertex, triangle]`.
     pub vertex_triangle: Vec<[u32; 2]>,
     /// `[edge, edge]`.
     pub edge_edge: Vec<[u32; 2]>,
 }
 
-impl Found {
+impl CandidateLists {
     /// Finds all candidates: counts them, allocates memory, and repeats. Returns the duration of the last pass.
     pub fn find(&mut self, method: Method, boxes: &[Aabb], surface: &Surface<'_>, pool: &Pool) -> Duration {
         let cells = if method == Method::Grid { [boxes.len(), surface.triangles.len()] } else { [0; 2] };
@@ -56,7 +56,7 @@ pub struct Distances {
 }
 
 /// Measures the candidates at the start of the motion.
-pub fn distances(found: &Found, subject: &Subject, pool: &Pool) -> Distances {
+pub fn distances(found: &CandidateLists, subject: &Subject, pool: &Pool) -> Distances {
     Distances {
         vertex_triangle: measure::<VertexTriangle>(&found.vertex_triangle, subject, pool),
         edge_edge: measure::<EdgeEdge>(&found.edge_edge, subject, pool),
@@ -83,11 +83,11 @@ pub struct Touch {
 
 impl Touch {
     /// Finds the impacts of all candidates on the way to `next`.
-    pub fn find(found: &Found, distances: &Distances, subject: &Subject, next: &[Vec3], pool: &Pool) -> Self {
+    pub fn find(found: &CandidateLists, distances: &Distances, subject: &Subject, next: &[Vec3], pool: &Pool) -> Self {
         let (vertices, edges) = (&found.vertex_triangle, &found.edge_edge);
         let (start, radii) = (&subject.positions[..], &vec![0.0; next.len()][..]);
-        let moves: Vec<_> = next.iter().zip(start).map(|(&end, &start)| end - start).collect();
-        let motion = LinearMotion { start, end: next, moves: &moves, radii, rounds: &[], round: 0 };
+        let displacements: Vec<_> = next.iter().zip(start).map(|(&end, &start)| end - start).collect();
+        let motion = LinearMotion { start, end: next, displacements: &displacements, radii, rounds: &[], round: 0 };
         let vertex_triangle = times::<VertexTriangle>(vertices, &distances.vertex_triangle, subject, motion, pool);
         let edge_edge = times::<EdgeEdge>(edges, &distances.edge_edge, subject, motion, pool);
         Self::of(&vertex_triangle, &edge_edge)

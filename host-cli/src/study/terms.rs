@@ -12,7 +12,7 @@ use super::bending_spring;
 /// The action on a term.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Deed {
+pub enum VariantKind {
     /// The term is switched off.
     Off,
     /// The term is replaced by a simpler one.
@@ -30,7 +30,7 @@ pub struct Term {
     /// Name in rows.
     pub name: &'static str,
     /// The action on the term.
-    pub deed: Deed,
+    pub kind: VariantKind,
     /// The term as the subject of a sentence.
     pub subject: String,
     /// The changed scene, in words after a comma: "without bending".
@@ -44,17 +44,17 @@ pub struct Term {
 }
 
 impl Term {
-    fn new(name: &'static str, deed: Deed, run: String, edits: Vec<Edit>) -> Self {
+    fn new(name: &'static str, kind: VariantKind, run: String, edits: Vec<Edit>) -> Self {
         let (part_of, precision): (&[_], _) = (&[], Precision::F32);
-        Self { name, deed, subject: name.into(), run, part_of, edits, precision }
+        Self { name, kind, subject: name.into(), run, part_of, edits, precision }
     }
 
     fn off(name: &'static str, edits: Vec<Edit>) -> Self {
-        Self::new(name, Deed::Off, format!("without {name}"), edits)
+        Self::new(name, VariantKind::Off, format!("without {name}"), edits)
     }
 
     fn simpler(name: &'static str, than: &str, edits: Vec<Edit>) -> Self {
-        let term = Self::new(name, Deed::Simpler, format!("with {than}"), edits);
+        let term = Self::new(name, VariantKind::Simpler, format!("with {than}"), edits);
         Self { subject: format!("{name} instead of {than}"), ..term }
     }
 
@@ -66,7 +66,7 @@ impl Term {
     /// Switches several terms off at once. None of them may be a part of another.
     pub fn together<'a>(terms: impl Iterator<Item = &'a Self>) -> Self {
         let edits = terms.flat_map(|term| term.edits.iter().cloned()).collect();
-        let term = Self::new("all of these", Deed::Off, "without them all".into(), edits);
+        let term = Self::new("all of these", VariantKind::Off, "without them all".into(), edits);
         Self { subject: "the sum of these".into(), ..term }
     }
 }
@@ -196,13 +196,13 @@ fn newton(scene: &SceneDesc) -> Option<Term> {
     let iterations = |n: u32| vec![("integrator.newton".into(), Some(Value::Integer(n.into())))];
     let name = "Newton's method";
     scene.integrator.method.is_implicit().then(|| match scene.integrator.newton {
-        1 => Term::new(name, Deed::Added, format!("with {name}"), iterations(CONVERGED)),
+        1 => Term::new(name, VariantKind::Added, format!("with {name}"), iterations(CONVERGED)),
         _ => Term::simpler(name, "one Newton iteration", iterations(1)),
     })
 }
 
 fn double_precision() -> Term {
-    let term = Term::new("double precision", Deed::Added, "in double precision".into(), Vec::new());
+    let term = Term::new("double precision", VariantKind::Added, "in double precision".into(), Vec::new());
     Term { precision: Precision::F64, ..term }
 }
 

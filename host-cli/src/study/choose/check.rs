@@ -10,7 +10,7 @@ use crate::units::apart;
 
 use super::pilot::Pilot;
 use super::row::Row;
-use super::saving::Found;
+use super::saving::Candidate;
 
 /// A choice that misses the tolerance in the check gets 1 / `FINER` more steps. The choice is checked at most
 /// `ROUNDS` times.
@@ -24,7 +24,7 @@ const SHORT: f64 = 2.0;
 /// The checked choice.
 pub struct Checked {
     /// The choice.
-    pub found: Found,
+    pub found: Candidate,
     /// RMS error, m.
     pub error: f64,
     /// Median computing time, s.
@@ -36,7 +36,7 @@ pub struct Checked {
 
 /// Checks the choice, and shortens its step slightly if it misses the tolerance. An error means that shorter steps
 /// do not help.
-pub fn check(pilot: &mut Pilot<'_>, mut found: Found) -> Result<Checked, Failure> {
+pub fn check(pilot: &mut Pilot<'_>, mut found: Candidate) -> Result<Checked, Failure> {
     let (variant, finer) = finer_reference(pilot)?;
     let step = variant.step(&pilot.study.scene);
     let mut nearest = f64::INFINITY;
@@ -70,7 +70,7 @@ fn finer_reference(pilot: &Pilot<'_>) -> Result<(Variant, Option<Trajectory>), F
 }
 
 /// Error, m, and computing time, s, of new runs of a choice.
-fn measure(pilot: &Pilot<'_>, found: &Found, finer: Option<&Trajectory>) -> Result<(f64, f64), Failure> {
+fn measure(pilot: &Pilot<'_>, found: &Candidate, finer: Option<&Trajectory>) -> Result<(f64, f64), Failure> {
     let reference = finer.unwrap_or(&pilot.reference.best().1);
     // This run has been completed before, so it ends even without a time limit.
     let limits = Limits { wall: Duration::MAX, energy: f64::INFINITY };
@@ -86,7 +86,7 @@ fn measure(pilot: &Pilot<'_>, found: &Found, finer: Option<&Trajectory>) -> Resu
 }
 
 /// Runs the choice with a few more steps to its end. This gives the new prediction.
-fn shorter(pilot: &mut Pilot<'_>, found: &Found) -> Result<Row, Failure> {
+fn shorter(pilot: &mut Pilot<'_>, found: &Candidate) -> Result<Row, Failure> {
     let steps = found.row.variant.steps;
     let variant = Variant { steps: steps + steps.div_ceil(FINER), ..found.row.variant };
     pilot.weigh_whole(&found.scene, variant, &found.row.terms)

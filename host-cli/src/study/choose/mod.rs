@@ -22,7 +22,7 @@ use super::reference::Reference;
 use pilot::Pilot;
 pub use report::Choice;
 pub use row::Row;
-use saving::Found;
+use saving::Candidate;
 
 /// Runs the command.
 pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
@@ -42,7 +42,7 @@ pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
     }
     let mut pilot = Pilot::begin(&study, engine.masses(), arguments.tolerance, size)?;
     let best = search::search(&mut pilot, engine.as_ref())?.ok_or_else(|| nothing_meets(&pilot))?;
-    let found = saving::leave_out(&mut pilot, Found::new(&study, best), &engine.mean_edges())?;
+    let found = saving::leave_out(&mut pilot, Candidate::new(&study, best), &engine.mean_edges())?;
     let checked = check::check(&mut pilot, found)?;
     if let Some(path) = &arguments.write {
         write::write(&study, &checked.found, path)?;
@@ -53,8 +53,8 @@ pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
 
 /// The error if no method meets the tolerance; it names the best result.
 fn nothing_meets(pilot: &Pilot<'_>) -> Failure {
-    let told = pilot.considered.iter().filter_map(|row| Some((row.error?, row)));
-    let best = told.min_by(|a, b| a.0.total_cmp(&b.0));
+    let rows = pilot.considered.iter().filter_map(|row| Some((row.error?, row)));
+    let best = rows.min_by(|a, b| a.0.total_cmp(&b.0));
     let (asked, reached) = best.map_or_else(
         || (length(pilot.tolerance), "no method came to the end of the scene".into()),
         |(error, row)| {

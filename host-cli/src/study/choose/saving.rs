@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::study::Study;
 use crate::study::median::median;
-use crate::study::terms::{self, Deed, Edit, Term};
+use crate::study::terms::{self, Edit, Term, VariantKind};
 use crate::study::trajectory::Ending;
 
 use super::pilot::Pilot;
@@ -23,14 +23,14 @@ const LONG: f64 = 2.0;
 const LOOSER: f64 = 10.0;
 
 /// A choice: the simplified scene and how it is run.
-pub struct Found {
+pub struct Candidate {
     /// The scene with its original method and step.
     pub scene: SceneFile,
     /// Its pilot run.
     pub row: Row,
 }
 
-impl Found {
+impl Candidate {
     /// The choice with the scene as it was given.
     pub fn new(study: &Study<'_>, row: Row) -> Self {
         Self { scene: study.scene.clone(), row }
@@ -38,7 +38,7 @@ impl Found {
 }
 
 /// Leaves out the terms that are not needed one after the other, whole terms before their parts.
-pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Found, mean_edges: &[f64]) -> Result<Found, Failure> {
+pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Candidate, mean_edges: &[f64]) -> Result<Candidate, Failure> {
     if found.row.variant.method.is_implicit() {
         let looser = LOOSER * found.scene.desc.integrator.tolerance;
         let edits = [("integrator.tolerance".into(), Some(Value::Float(looser)))];
@@ -46,11 +46,11 @@ pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Found, mean_edges: &[f64]) ->
     }
     let modelled = |scene: &SceneFile| terms::of(&scene.desc, mean_edges);
     let mut names: Vec<Term> = modelled(&found.scene);
-    names.retain(|term| term.deed != Deed::Added);
+    names.retain(|term| term.kind != VariantKind::Added);
     names.sort_by_key(|term| !term.part_of.is_empty());
     for name in names {
         // The term as it is now: a simplification of another term may have changed it.
-        let now = modelled(&found.scene).into_iter().find(|term| (term.name, term.deed) == (name.name, name.deed));
+        let now = modelled(&found.scene).into_iter().find(|term| (term.name, term.kind) == (name.name, name.kind));
         if let Some(term) = now {
             found = attempt(pilot, found, &term.run, &term.edits)?;
         }
@@ -59,7 +59,7 @@ pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Found, mean_edges: &[f64]) ->
 }
 
 /// Applies the edits if the choice still meets the tolerance and saves time; otherwise returns it unchanged.
-fn attempt(pilot: &mut Pilot<'_>, found: Found, words: &str, edits: &[Edit]) -> Result<Found, Failure> {
+fn attempt(pilot: &mut Pilot<'_>, found: Candidate, words: &str, edits: &[Edit]) -> Result<Candidate, Failure> {
     let longest = pilot.left();
     if longest <= 0.0 {
         return Ok(found);
@@ -74,12 +74,12 @@ fn attempt(pilot: &mut Pilot<'_>, found: Found, words: &str, edits: &[Edit]) -> 
     let place = pilot.considered.len() - 1;
     let saved = saved(pilot, &found, &scene, place)?;
     let row = pilot.considered[place].clone();
-    Ok(if saved.is_some_and(|saved| saved > WORTH) { Found { scene, row } } else { found })
+    Ok(if saved.is_some_and(|saved| saved > WORTH) { Candidate { scene, row } } else { found })
 }
 
 /// The part of its time that the choice saves with another scene, whose pilot run is at `place`: the median of
 /// pairs of runs. `None` if there was no time for a pair.
-fn saved(pilot: &mut Pilot<'_>, found: &Found, scene: &SceneFile, place: usize) -> Result<Option<f64>, Failure> {
+fn saved(pilot: &mut Pilot<'_>, found: &Candidate, scene: &SceneFile, place: usize) -> Result<Option<f64>, Failure> {
     let pairs = if found.row.wall_s > LONG { 1 } else { pilot.study.repeats(PAIRS) };
     let mut parts = Vec::new();
     for _ in 0..pairs {

@@ -13,7 +13,7 @@ use crate::scene_file::{self, SceneFile};
 use crate::study::Study;
 
 use super::report::is_cut;
-use super::saving::Found;
+use super::saving::Candidate;
 
 /// Refuses to overwrite the scene itself, or to write into a folder in which the scene would not find the files
 /// that it names.
@@ -47,7 +47,7 @@ fn folder(path: &Path) -> PathBuf {
 }
 
 /// Writes the scene with its comments.
-pub fn write(study: &Study<'_>, found: &Found, path: &Path) -> Result<(), Failure> {
+pub fn write(study: &Study<'_>, found: &Candidate, path: &Path) -> Result<(), Failure> {
     let chosen = found.row.variant.chosen(&found.scene)?;
     // The study may have run a shorter duration than the scene has.
     let scene = chosen.changed(&[("duration", Some(Value::Float(own_duration(study)?)))])?;
@@ -76,7 +76,7 @@ fn own_duration(study: &Study<'_>) -> Result<f64, Failure> {
 
 /// Message with the written file and the command that runs it. It names the step if the frames require a shorter
 /// one.
-fn note(scene: &SceneFile, found: &Found, path: &Path) -> String {
+fn note(scene: &SceneFile, found: &Candidate, path: &Path) -> String {
     let precision = if found.row.variant.precision == Precision::F64 { " --precision f64" } else { "" };
     let timing = scene.desc.timing();
     let steps = match is_cut(timing.step, scene.desc.integrator.step) {

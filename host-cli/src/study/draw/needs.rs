@@ -12,13 +12,13 @@ use kuva::render::plots::Plot;
 
 use super::range;
 use crate::study::needs::{Needs, Row, Verdict};
-use crate::study::terms::Deed;
+use crate::study::terms::VariantKind;
 
 /// Name and colour of each action; colour-blind readers can distinguish the colours [Wong 2011].
-const DEEDS: [(Deed, &str, &str); 3] = [
-    (Deed::Off, "switched off", "#0072b2"),
-    (Deed::Simpler, "put simpler", "#e69f00"),
-    (Deed::Added, "added", "#009e73"),
+const KINDS: [(VariantKind, &str, &str); 3] = [
+    (VariantKind::Off, "switched off", "#0072b2"),
+    (VariantKind::Simpler, "put simpler", "#e69f00"),
+    (VariantKind::Added, "added", "#009e73"),
 ];
 
 /// Sizes, px: width of each panel, height above and below the bars, width of a bar, and distance of the bars.
@@ -59,9 +59,9 @@ fn marks(data: Vec<(f64, f64)>, marker: MarkerShape, name: &str) -> Option<Plot>
 /// The bars of each action; the first bar puts it into the legend.
 fn bars(needs: &Needs, ends: impl Fn(&Row) -> Option<[f64; 2]>) -> Vec<Plot> {
     let mut plots = Vec::new();
-    for (deed, name, color) in DEEDS {
+    for (kind, name, color) in KINDS {
         let mut name = Some(name);
-        let rows = places(needs).filter(|(_, row)| row.deed == deed);
+        let rows = places(needs).filter(|(_, row)| row.kind == kind);
         for bar in rows.filter_map(|(at, row)| Some(bar(ends(row)?, at, color, BAR))) {
             plots.push(Plot::Line(match name.take() {
                 Some(name) => bar.with_legend(name),

@@ -110,7 +110,7 @@ fn curves(chart: &Chart, panel: &Panel, crosses: &mut Crosses) -> Vec<Plot> {
             let rows: Vec<_> =
                 chart.rows.iter().filter(|row| row.method == method && row.precision == precision).collect();
             let marks = ScatterPlot::new().with_color(color).with_size(if precision == "f64" { 4.5 } else { 2.5 });
-            plots.extend(told(&rows, panel, precision, marks.clone().with_marker(marker), &mut name));
+            plots.extend(plots_of(&rows, panel, precision, marks.clone().with_marker(marker), &mut name));
             plots.extend(nearest(&rows, panel, chart.reference.least_charted, marks.with_marker(marker), &mut name));
         }
         // Rows of failures are reserved in both panels, so that both end at the same error.
@@ -126,7 +126,7 @@ fn curves(chart: &Chart, panel: &Panel, crosses: &mut Crosses) -> Vec<Plot> {
 }
 
 /// Line and marks of the errors that the reference resolves.
-fn told(
+fn plots_of(
     rows: &[&Row],
     panel: &Panel,
     precision: &str,

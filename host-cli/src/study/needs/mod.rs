@@ -8,7 +8,7 @@ mod words;
 use crate::args::NeedsArguments;
 use crate::failure::Failure;
 
-use super::terms::{self, Deed, Term};
+use super::terms::{self, Term, VariantKind};
 use super::{Study, draw};
 use report::Hidden;
 pub use report::Needs;
@@ -41,7 +41,7 @@ pub fn needs(arguments: &NeedsArguments) -> Result<(), Failure> {
 fn hidden(study: &Study<'_>, baseline: &Baseline, trials: &[Trial]) -> Result<Hidden, Failure> {
     let is_hidden = |trial: &&Trial| {
         let row = Row::of(baseline, trial);
-        row.told == Some(false) && row.deed != Deed::Added
+        row.exceeds_step == Some(false) && row.kind != VariantKind::Added
     };
     let hidden: Vec<&Trial> = trials.iter().filter(is_hidden).collect();
     let is_part = |trial: &Trial| hidden.iter().any(|other| trial.term.part_of.contains(&other.term.name));

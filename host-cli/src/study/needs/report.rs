@@ -131,7 +131,7 @@ fn without_them(row: &Row, what: &str) -> String {
     let change = row.change_rms.zip(row.change_max).zip(row.change_end);
     let Some(((rms, max), end)) = change else { return row.sentence.clone() };
     let moves = extent(Change { rms, max, end }, row.positions_rms);
-    let more = if row.told == Some(true) { ", more than half the step does," } else { "" };
+    let more = if row.exceeds_step == Some(true) { ", more than half the step does," } else { "" };
     let takes = row.cost_range.zip(row.cost_fraction).map(|([least, most], cost)| {
         let [cost, least, most] = [cost, most, least].map(|cost| 100.0 * (1.0 - cost));
         let known = if row.repeats == 1 { "timed once".into() } else { format!("{least:.0} to {most:.0} %") };

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::engine::Report;
 use crate::study::distance::Measure;
 use crate::study::median::{median, sorted};
-use crate::study::terms::Deed;
+use crate::study::terms::VariantKind;
 use crate::study::trajectory::{Ending, Trajectory};
 
 use super::trial::{Baseline, Trial, why_not};
@@ -79,8 +79,8 @@ pub struct Cost {
 
 impl Cost {
     /// The cost from pairs of times of the unchanged scene and of the trial, s; `None` without pairs.
-    fn of(walls: &[[f64; 2]], deed: Deed) -> Option<Self> {
-        let sign = if deed == Deed::Added { -1.0 } else { 1.0 };
+    fn of(walls: &[[f64; 2]], kind: VariantKind) -> Option<Self> {
+        let sign = if kind == VariantKind::Added { -1.0 } else { 1.0 };
         let fractions = sorted(walls.iter().map(|[as_is, trial]| sign * (as_is - trial) / as_is).collect());
         let outer = walls.len() / 4;
         let range = [*fractions.get(outer)?, *fractions.iter().rev().nth(outer)?];
@@ -97,7 +97,7 @@ impl Cost {
 
     /// The sizes to report, in ascending order: the median, or the range if the pairs differ by more than the
     /// median.
-    pub fn told(&self) -> Vec<f64> {
+    pub fn reported_sizes(&self) -> Vec<f64> {
         let [least, most] = self.range;
         if most - least <= self.fraction.abs() {
             return vec![self.fraction.abs()];
@@ -134,7 +134,7 @@ pub struct Row {
     /// The term.
     pub term: &'static str,
     /// Whether the term is switched off, simplified or added.
-    pub deed: Deed,
+    pub kind: VariantKind,
     /// The changed scene, in words after a comma.
     pub run: String,
     /// f32 or f64.
@@ -150,7 +150,7 @@ pub struct Row {
     /// RMS change of the positions, m, where the change is of the outline.
     pub positions_rms: Option<f64>,
     /// Whether it changes more than half the step does; `None` if one of the two is not known.
-    pub told: Option<bool>,
+    pub exceeds_step: Option<bool>,
     /// Time with the term minus time without it, as a part of the time of the unchanged scene.
     pub cost_fraction: Option<f64>,
     /// The smallest and the largest cost in the middle half of the pairs of runs.
@@ -176,13 +176,13 @@ impl Row {
         let change = trial.complete().map(|run| Change::of(baseline, run, baseline.measure));
         let vertices = trial.complete().filter(|_| baseline.measure == Measure::Outline);
         let own = own_error(baseline);
-        let told = change.zip(own).map(|(change, own)| change.rms > own.rms);
-        let cost = Cost::of(&trial.walls, term.deed);
+        let exceeds_step = change.zip(own).map(|(change, own)| change.rms > own.rms);
+        let cost = Cost::of(&trial.walls, term.kind);
         let walls: Vec<_> = trial.walls.iter().map(|[_, wall]| *wall).collect();
         let late = || Some("is not run: the budget is used up".into());
         let mut row = Self {
             term: term.name,
-            deed: term.deed,
+            kind: term.kind,
             run: term.run.clone(),
             precision: term.precision.name(),
             verdict: Verdict::of(trial.run.as_ref()),
@@ -190,7 +190,7 @@ impl Row {
             change_max: change.map(|change| change.max),
             change_end: change.map(|change| change.end),
             positions_rms: vertices.map(|run| Change::of(baseline, run, Measure::Positions).rms),
-            told,
+            exceeds_step,
             cost_fraction: cost.map(|cost| cost.fraction),
             cost_range: cost.map(|cost| cost.range),
             same_counts: trial.complete().map(|run| Counts::of(&run.report) == Counts::of(&baseline.run.report)),
@@ -217,16 +217,16 @@ mod tests {
     #[test]
     fn a_cost_is_the_median_of_pairs_and_what_is_added_costs_the_more() {
         let walls = [[1.0, 0.5], [2.0, 1.2], [4.0, 2.8], [1.0, 9.0], [1.0, 0.1]];
-        let cost = Cost::of(&walls, Deed::Off).unwrap();
+        let cost = Cost::of(&walls, VariantKind::Off).unwrap();
         assert!((cost.fraction - 0.4).abs() < 1e-12, "{cost:?}");
         assert!((cost.range[0] - 0.3).abs() < 1e-12 && (cost.range[1] - 0.5).abs() < 1e-12, "{cost:?}");
         assert!(!cost.is_clear(), "one of five pairs is on the other side");
-        let clear = |walls: &[[f64; 2]]| Cost::of(walls, Deed::Off).unwrap().is_clear();
+        let clear = |walls: &[[f64; 2]]| Cost::of(walls, VariantKind::Off).unwrap().is_clear();
         assert!(clear(&[[1.0, 0.9]; 5]) && clear(&[[1.0, 1.2]; 5]) && !clear(&[[1.0, 1.0]; 5]));
         let with_one_odd = |count: usize| [vec![[1.0, 0.9]; count - 1], vec![[1.0, 1.1]]].concat();
         assert!(clear(&with_one_odd(9)) && !clear(&with_one_odd(7)));
-        let added = Cost::of(&walls, Deed::Added).unwrap();
+        let added = Cost::of(&walls, VariantKind::Added).unwrap();
         assert!((added.fraction + 0.4).abs() < 1e-12 && (added.range[0] + 0.5).abs() < 1e-12, "{added:?}");
-        assert!(Cost::of(&[], Deed::Off).is_none());
+        assert!(Cost::of(&[], VariantKind::Off).is_none());
     }
 }

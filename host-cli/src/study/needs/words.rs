@@ -1,7 +1,7 @@
 //! The result of a trial as a sentence.
 
 use crate::study::distance::Measure;
-use crate::study::terms::Deed;
+use crate::study::terms::VariantKind;
 use crate::units::length;
 
 use super::row::{Change, Cost, Row};
@@ -19,9 +19,9 @@ pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<C
     let Some(change) = change else {
         return format!("{} it {}", row.run, row.why.as_deref().unwrap_or("is not known"));
     };
-    let would = row.deed == Deed::Added;
+    let would = row.kind == VariantKind::Added;
     let what = moved(measure);
-    let hidden = if row.told == Some(false) { ", less than half the step does," } else { "" };
+    let hidden = if row.exceeds_step == Some(false) { ", less than half the step does," } else { "" };
     let moves = match (change.max > 0.0, would) {
         (true, true) => format!("would move the {what} by {}{hidden}", extent(change, row.positions_rms)),
         (true, false) => format!("moves the {what} by {}{hidden}", extent(change, row.positions_rms)),
@@ -30,7 +30,7 @@ pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<C
     };
     let cost = cost.map_or_else(
         || " and is not timed: the budget is used up".into(),
-        |cost| costs(row.deed, &row.run, cost, row.same_counts == Some(true)),
+        |cost| costs(row.kind, &row.run, cost, row.same_counts == Some(true)),
     );
     // If a comma is followed by a new clause, only the semicolon stays.
     format!("{subject} {moves}{cost}").replace(",;", ";")
@@ -45,9 +45,9 @@ pub fn extent(change: Change, positions: Option<f64>) -> String {
 
 /// The cost, as the end of a sentence. If all counts are the same, it says so: then only the clock shows a
 /// difference.
-fn costs(deed: Deed, run: &str, cost: Cost, same_counts: bool) -> String {
-    let (added, dearer) = (deed == Deed::Added, cost.fraction >= 0.0);
-    let sizes = cost.told();
+fn costs(kind: VariantKind, run: &str, cost: Cost, same_counts: bool) -> String {
+    let (added, dearer) = (kind == VariantKind::Added, cost.fraction >= 0.0);
+    let sizes = cost.reported_sizes();
     let note = [(cost.repeats == 1).then_some("timed once"), same_counts.then_some("all counts are the same")];
     let note = note.into_iter().flatten().collect::<Vec<_>>().join("; ");
     let note = if note.is_empty() { note } else { format!(" ({note})") };
@@ -101,28 +101,38 @@ mod tests {
 
     #[test]
     fn a_cost_is_told_as_far_as_it_is_known() {
-        let said = |deed, [least, fraction, most]: [f64; 3], repeats| {
+        let said = |kind, [least, fraction, most]: [f64; 3], repeats| {
             let range = [least, most];
-            costs(deed, "without drag", Cost { fraction, range, repeats, spread: range }, false)
+            costs(kind, "without drag", Cost { fraction, range, repeats, spread: range }, false)
         };
         let cases = [
-            (Deed::Off, [0.29, 0.31, 0.33], 3, " and costs 31 % of the time"),
-            (Deed::Off, [0.31; 3], 1, " and costs 31 % of the time (timed once)"),
-            (Deed::Simpler, [0.07, 0.13, 0.33], 3, " and costs 7 to 33 % of the time"),
-            (Deed::Off, [-0.003, 0.01, 0.02], 5, " and costs nothing that the clock can tell (0 to 2 % of the time)"),
-            (Deed::Off, [-0.13, -0.12, -0.11], 3, "; without drag it takes 12 % longer"),
-            (Deed::Off, [-0.44, -0.07, -0.05], 3, "; without drag it takes 5 to 44 % longer"),
-            (Deed::Added, [1.9, 2.0, 2.1], 3, " and take 3.0 times as long"),
-            (Deed::Added, [-0.2, -0.2, -0.2], 3, " and save 20 % of the time"),
-            (Deed::Added, [-0.02, 0.0, 0.02], 3, " and cost nothing that the clock can tell (-2 to 2 % of the time)"),
-            (Deed::Off, [0.004, 0.005, 0.006], 3, " and costs less than 1 % of the time"),
+            (VariantKind::Off, [0.29, 0.31, 0.33], 3, " and costs 31 % of the time"),
+            (VariantKind::Off, [0.31; 3], 1, " and costs 31 % of the time (timed once)"),
+            (VariantKind::Simpler, [0.07, 0.13, 0.33], 3, " and costs 7 to 33 % of the time"),
+            (
+                VariantKind::Off,
+                [-0.003, 0.01, 0.02],
+                5,
+                " and costs nothing that the clock can tell (0 to 2 % of the time)",
+            ),
+            (VariantKind::Off, [-0.13, -0.12, -0.11], 3, "; without drag it takes 12 % longer"),
+            (VariantKind::Off, [-0.44, -0.07, -0.05], 3, "; without drag it takes 5 to 44 % longer"),
+            (VariantKind::Added, [1.9, 2.0, 2.1], 3, " and take 3.0 times as long"),
+            (VariantKind::Added, [-0.2, -0.2, -0.2], 3, " and save 20 % of the time"),
+            (
+                VariantKind::Added,
+                [-0.02, 0.0, 0.02],
+                3,
+                " and cost nothing that the clock can tell (-2 to 2 % of the time)",
+            ),
+            (VariantKind::Off, [0.004, 0.005, 0.006], 3, " and costs less than 1 % of the time"),
         ];
-        for (deed, fractions, repeats, words) in cases {
-            assert_eq!(said(deed, fractions, repeats), words);
+        for (kind, fractions, repeats, words) in cases {
+            assert_eq!(said(kind, fractions, repeats), words);
         }
         let same = |least| {
             let cost = Cost { fraction: 0.1, range: [0.1; 2], repeats: 5, spread: [least, 0.3] };
-            costs(Deed::Off, "without drag", cost, true)
+            costs(VariantKind::Off, "without drag", cost, true)
         };
         assert_eq!(same(0.05), " and costs 10 % of the time (all counts are the same)");
         assert_eq!(

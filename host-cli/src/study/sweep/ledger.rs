@@ -17,7 +17,7 @@ const OPENING: &[u8] = b"{\"key\":";
 
 /// The fields of an existing line that reports show again.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Told {
+pub struct RunLine {
     /// Verdict as in a summary.
     pub verdict: String,
     /// Steps taken.
@@ -39,11 +39,11 @@ pub struct Stretch {
 struct Line {
     key: String,
     #[serde(flatten)]
-    told: Told,
+    run: RunLine,
 }
 
 /// The runs that have lines, by their keys.
-pub type Runs = HashMap<String, Told>;
+pub type Runs = HashMap<String, RunLine>;
 
 /// An open results file.
 pub struct Ledger {
@@ -140,8 +140,8 @@ fn take_lines(bytes: &[u8], runs: &mut Runs) -> Result<usize, String> {
     let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
     let shown = |line: &[u8]| String::from_utf8_lossy(line).chars().take(40).collect::<String>();
     for line in bytes[..whole].split_inclusive(|&byte| byte == b'\n') {
-        let Line { key, told } = serde_json::from_slice(line).map_err(|_| shown(line.trim_ascii_end()))?;
-        runs.insert(key, told);
+        let Line { key, run } = serde_json::from_slice(line).map_err(|_| shown(line.trim_ascii_end()))?;
+        runs.insert(key, run);
     }
     let torn = &bytes[whole..];
     match torn.starts_with(OPENING) || OPENING.starts_with(torn) {

@@ -93,8 +93,8 @@ fn finish(arguments: &SweepArguments, out: &Path, tasks: &[Task], runs: &Runs) -
         return Ok(());
     }
     print_data(&table::lines(tasks, runs))?;
-    let told = tasks.iter().filter_map(|task| runs.get(&task.key));
-    let diverged = told.filter(|told| told.verdict == "diverged").count();
+    let lines = tasks.iter().filter_map(|task| runs.get(&task.key));
+    let diverged = lines.filter(|lines| lines.verdict == "diverged").count();
     print_note(&format!("{}: {} runs, {diverged} of them diverged", out.display(), tasks.len()));
     Ok(())
 }

@@ -23,13 +23,13 @@ pub fn lines(tasks: &[Task], runs: &Runs) -> String {
 }
 
 fn row(task: &Task, runs: &Runs) -> Option<Vec<String>> {
-    let told = runs.get(&task.key)?;
+    let line = runs.get(&task.key)?;
     let values = task.point.varied().iter().map(|change| match change.value.as_str() {
         Some(word) => word.into(),
         None => change.value.to_string(),
     });
-    let stretch = told.stretch.max_of_all_frames.map_or_else(|| "-".into(), percent);
-    let came_to = [told.verdict.clone(), told.steps.to_string(), time(told.wall_s), stretch];
+    let stretch = line.stretch.max_of_all_frames.map_or_else(|| "-".into(), percent);
+    let came_to = [line.verdict.clone(), line.steps.to_string(), time(line.wall_s), stretch];
     let precision = task.point.precision.name().to_owned();
     Some([task.point.index.to_string()].into_iter().chain(values).chain([precision]).chain(came_to).collect())
 }

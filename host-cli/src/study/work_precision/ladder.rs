@@ -206,9 +206,9 @@ fn measure(study: &Study<'_>, yardstick: &Yardstick<'_>, variant: &Variant, run:
     let error = off.map(|off| [off.rms, off.max].map(|m| m / yardstick.diagonal));
     let stable = error.is_some_and(|[rms, _]| rms < LOST);
     let least = yardstick.reference.least() / yardstick.diagonal;
-    let told = error.filter(|[rms, _]| stable && *rms >= least);
+    let resolved = error.filter(|[rms, _]| stable && *rms >= least);
     let why = match &run.ending {
-        Ending::Complete if told.is_some() => None,
+        Ending::Complete if resolved.is_some() => None,
         Ending::Complete if stable => Some(format!("below {least:.1e}, the resolution of the reference")),
         Ending::Complete => Some("lost: it no longer resembles the reference".into()),
         Ending::Diverged(what) => Some(what.clone()),
@@ -220,8 +220,8 @@ fn measure(study: &Study<'_>, yardstick: &Yardstick<'_>, variant: &Variant, run:
         precision: variant.precision.name(),
         step: variant.step(&study.scene),
         tolerance: variant.method.is_implicit().then(|| variant.tolerance(&study.scene)),
-        error_rms: told.map(|[rms, _]| rms),
-        error_max: told.map(|[_, max]| max),
+        error_rms: resolved.map(|[rms, _]| rms),
+        error_max: resolved.map(|[_, max]| max),
         energy_drift: stable.then(|| distance::energy_drift(run, reference) / yardstick.liveliest()),
         stretch: run.stretch,
         penetration_m: run.penetration,

@@ -34,7 +34,7 @@ impl Simulation {
     fn take_over_pins(&mut self) {
         let BuiltScene { particles, pins, contact, .. } = &mut self.built;
         let pins = &pins.view();
-        self.scratch.hold(pins);
+        self.scratch.set_pins(pins);
         if let Some(contact) = contact {
             let cloth = particles.positions.len();
             pins.write_mobility(&particles.inverse_masses, &mut contact.mobility[..cloth]);
