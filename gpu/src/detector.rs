@@ -155,8 +155,8 @@ impl Detector {
         }
     }
 
-    /// Finds the candidates of a surface from one box per vertex, their distances at the start and, for
-    /// [`DetectionQuery::Times`], when they collide on the way to the end. Fails if the lengths of the slices
+    /// Takes one box per vertex. Finds the candidates, the distance of each at `start` and, for
+    /// [`DetectionQuery::Times`], when each collides on the way to `end`. Fails if the lengths of the slices
     /// are not the number of vertices, or if the device fails.
     pub async fn detect(
         &mut self,
@@ -283,7 +283,7 @@ impl Capacities {
             }
         };
         let room = |now, at: usize| room_for(now, words[at]);
-        // Candidates are counted only once the pairs fit. Their capacities grow with those of the pairs, which saves
+        // Candidates are not counted until the pairs fit. Their capacities grow with those of the pairs, which saves
         // a round in dense scenes.
         let pairs = room(self.pairs, counters::PAIRS)?;
         let dense = if pairs > self.pairs { pairs.min(most) } else { 0 };
@@ -303,8 +303,8 @@ impl Capacities {
 /// Size of a pair, bytes.
 const PAIR: u64 = 8;
 
-/// Largest number of pairs such that one buffer holds this many pairs of each of two kinds. A buffer also holds
-/// this many entries with their boxes.
+/// Largest number of pairs such that one buffer holds this many pairs of each of two kinds. The same limit serves
+/// for entries: a buffer can hold this many of them with their boxes.
 fn most_pairs(largest_buffer: u64) -> usize {
     usize::try_from(largest_buffer / (2 * PAIR)).unwrap_or(usize::MAX)
 }
@@ -331,7 +331,8 @@ mod tests {
             words[counters::PAIRS] = pairs;
             now.grown(&words, largest_buffer).map(|grown| grown.pairs)
         };
-        // A quarter more; less if two kinds of pairs would not fit one buffer, but at least the needed number.
+        // The capacity is the needed number plus a quarter. It is smaller if a buffer could not hold that many pairs of
+        // both kinds, but never below the needed number.
         for (needed, expected) in [(0, now.pairs), (600, 750), (900, 1000), (1000, 1000), (1001, 1001), (2000, 2000)] {
             assert_eq!(with(needed), Ok(expected), "{needed} pairs");
         }

@@ -18,7 +18,7 @@ export function scene(given: string | Scene): Scene;
 /** The TOML text of a built-in scene. */
 export function source(name: string): string | undefined;
 
-/** New values for keys such as "integrator.step". In a list the key of every item changes. `undefined` removes a key. */
+/** New values for keys such as "integrator.step". If a part of the key is a list, such as `cloth`, every item is changed. `undefined` removes a key. */
 export type Changes = { [key: string]: unknown };
 
 /** A copy of the scene with changed values. */
@@ -67,7 +67,7 @@ export interface Body {
   radius: number;
   /** Normal of a plane. */
   normal: [number, number, number];
-  /** x, y, z, m, of a point of the plane, the centre, both ends, the eight corners, or all vertices. */
+  /** Coordinates x, y, z, m. Plane: a point; sphere: the centre; capsule: both ends; box: eight corners; mesh: all vertices. */
   points: Float32Array;
 }
 
@@ -89,7 +89,7 @@ export class Cloth {
   readonly hasDevice: boolean;
   /** Whether `awaitStep` is running. */
   readonly busy: boolean;
-  /** The last message about the device, once: it was lost and opened again, or given up. */
+  /** Returns the latest message about the device (it was lost and opened again, or given up), and clears it. */
   takeNote(): string | undefined;
 
   // These are views of the module's memory, not copies. Get them again after each call that changes the cloth:
@@ -119,23 +119,23 @@ export class Cloth {
   wind(velocity: [number, number, number]): void;
 
   /**
-   * Moves a vertex evenly to a place, m, within a simulated time, s, or at once. From then on it is held. Many
-   * scenes fail if a vertex moves by more than an edge at once.
+   * Moves a vertex at constant speed to `place` (m) within `seconds` of simulated time, or at once without `seconds`.
+   * From then on it is fixed. Many scenes fail if a vertex moves by more than an edge at once.
    */
   moveTo(vertex: number, place: ArrayLike<number>, seconds?: number): void;
-  /** Holds a vertex at its place. */
+  /** Fixes a vertex at its place. */
   pin(vertex: number): void;
-  /** Frees a vertex, also from a pin of the scene. Returns whether it was held. */
+  /** Frees a vertex, also from a pin of the scene. Returns whether it was fixed. */
   release(vertex: number): boolean;
-  /** The held vertices. */
+  /** The fixed vertices. */
   pins(): Uint32Array;
 
   readonly vertexCount: number;
-  /** Steps taken. After a change of the step length: the simulated time in new steps. */
+  /** Steps taken. A change of the step length recomputes it as the simulated time divided by the new length. */
   readonly steps: number;
   /** Simulated time, s. */
   readonly time: number;
-  /** s: the longest step that is not longer than the scene's and divides the time of a frame. */
+  /** The step in use, s: the longest step that divides a frame evenly and is not longer than the scene's step. */
   readonly stepLength: number;
   /** Frames per simulated second. */
   readonly frameRate: number;

@@ -1,8 +1,8 @@
-//! Meshes that cannot be cloth: exit code 2, a message that says which part, nothing written.
+//! Meshes that are invalid as cloth: exit code 2, a message that names the invalid part, no files written.
 
 use crate::kit::{Place, TINY};
 
-/// The tiny scene with the mesh of a file and no pins.
+/// A folder with the tiny scene as `scene.toml`, its grid replaced by a mesh file and only vertex 0 pinned.
 fn place(file: &str, mesh: &str) -> Place {
     let place = Place::new();
     let scene = TINY.replace("grid = { size = [0.3, 0.3], cells = [4, 4] }", &format!("mesh = \"{file}\""));
@@ -58,7 +58,7 @@ fn connections() {
     );
 }
 
-/// A collider may have what touches nothing, but that is said.
+/// A collider may have vertices that belong to no triangle, but the run notes them.
 #[test]
 fn loose_vertices_of_a_collider() {
     let place = place("mesh.obj", TRIANGLE);

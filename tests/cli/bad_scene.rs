@@ -1,8 +1,8 @@
-//! Scene files that cannot be run: exit code 2, a message that says where and what, nothing written.
+//! Scene files that cannot be run: exit code 2, a message with the location and the error, no files written.
 
 use crate::kit::{Place, TINY};
 
-/// Refuses the tiny scene with one line of it replaced.
+/// Asserts that the tiny scene is refused after `old` in it is replaced by `new`.
 #[track_caller]
 fn refuses(old: &str, new: &str, parts: &[&str]) {
     assert!(TINY.contains(old), "{old} is not in the scene");

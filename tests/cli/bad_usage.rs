@@ -1,4 +1,4 @@
-//! Words on the command line that cannot be meant: exit code 2, a message, nothing written.
+//! Invalid arguments on the command line: exit code 2, a message, no files written.
 
 use crate::kit::Place;
 
@@ -61,7 +61,7 @@ fn overrides() {
     refuses("cloth.grid.cells=[-1,4]", &["`-1`"]);
     refuses("contact.thicknes=0.01", &["`thicknes`", "did you mean `thickness`?"]);
     refuses("contact.friction=0.3", &["missing field `thickness`"]);
-    // Of several, the one that is wrong.
+    // Of several overrides, the message names the one that is wrong.
     place.refuses("tiny.toml --set integrator.step=0.02 --set nme=x --set duration=1", &["--set nme=x: ", "`name`"]);
 }
 

@@ -1,14 +1,14 @@
 //! The state hash that a run prints does not depend on threads.
 //!
-//! Nor on the optimiser: that the same hash comes out of every build profile is pinned by
-//! the goldens of `tests/determinism/main.rs`.
+//! It does not depend on the optimiser either: the stored hashes in `tests/determinism/main.rs` check
+//! that every build profile gives the same hash.
 
 use crate::kit::{Place, TINY};
 
 #[test]
 fn threads_do_not_change_the_bits() {
     let place = Place::new();
-    // Of 64x64 cells, so that every loop over elements is shared among threads.
+    // 64x64 cells, so that every loop over elements is shared among threads.
     let wind = "\n[drag]\nlinear = 0.1\nwind = { velocity = [10, 20, 30], normal = 0.5, tangential = 0.1 }\n";
     let soft = TINY.replace("100.0", "2.0").replace("50.0", "1.0").replace("frame_rate = 20", "frame_rate = 250");
     place.write("sheet.toml", soft.replace("cells = [4, 4]", "cells = [64, 64]") + wind);

@@ -1,4 +1,4 @@
-//! Every scene that comes with the tool runs, and so does the garment.
+//! Every built-in scene runs, and the garment of the shared data runs.
 
 use std::path::Path;
 

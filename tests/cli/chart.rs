@@ -1,11 +1,11 @@
-//! `muslin chart`: orders, floors, counts and what cannot be charted. Times are never asserted, and where a budget
-//! decides it is told by counts.
+//! `muslin chart`: orders, error floors, counts and refused scenes. Times are never asserted. Where the cost of
+//! a run matters, it is computed from counts.
 
 use serde_json::Value;
 
 use crate::kit::{Place, TINY, in_page};
 
-/// A soft, damped sheet: its fastest mode is as slow as any step that is tried is short.
+/// A soft, damped sheet: the short steps that are tried resolve even its fastest mode.
 const SOFT: &str = r#"name = "soft"
 duration = 0.4
 frame_rate = 20
@@ -36,13 +36,13 @@ const METHODS: [(&str, f64); 7] = [
     ("bdf2", 2.0),
 ];
 
-/// Rows of a method in a precision, from large steps to small.
+/// The rows of a method in a precision, from large steps to small steps.
 fn rows<'a>(chart: &'a Value, method: &str, precision: &str) -> Vec<&'a Value> {
     let rows = chart["rows"].as_array().unwrap().iter();
     rows.filter(|row| row["method"] == method && row["precision"] == precision).collect()
 }
 
-/// The force evaluations of the cheapest run that is as near as `error`.
+/// The force evaluations of the cheapest run in double precision with an RMS error of at most `error`, m.
 fn evaluations(chart: &Value, method: &str, error: f64) -> u64 {
     let near =
         rows(chart, method, "f64").into_iter().filter(|row| row["error_rms"].as_f64().is_some_and(|e| e <= error));
@@ -68,7 +68,7 @@ fn a_soft_sheet_is_charted_by_every_method() {
     assert!((least.as_f64().unwrap() / own.as_f64().unwrap() / 1e3 - 1.0).abs() < 1e-12, "{least} of {own}");
     for row in chart["rows"].as_array().unwrap() {
         assert!(row["step"].as_f64().unwrap() >= 5e-5, "{row} is finer than what was asked for");
-        // None is told of what failed and of what is nearer than the reference can tell.
+        // A row has no error if its run failed or if its error is too small for the reference to measure.
         assert_eq!(row["error_rms"].is_null(), !row["why"].is_null(), "{row}");
         assert!(row["stable"] == true || row["error_rms"].is_null(), "{row}");
         assert!(row["error_rms"].as_f64().is_none_or(|error| error >= least.as_f64().unwrap()), "{row}");
@@ -85,11 +85,11 @@ fn a_soft_sheet_is_charted_by_every_method() {
         let halved = steps[0]["step"].as_f64().unwrap() / steps[1]["step"].as_f64().unwrap();
         assert!((halved - 2.0).abs() < 1e-12, "{method}: {halved}");
     }
-    // What takes more orders takes fewer evaluations the nearer it must be.
+    // At a small error a method of higher order needs fewer evaluations.
     let [rk4, midpoint, euler] = ["rk4", "midpoint", "symplectic-euler"].map(|m| evaluations(&chart, m, 1.2e-4));
     assert!(2 * rk4 < midpoint && 2 * midpoint < euler, "evaluations for 1.2e-4: {rk4}, {midpoint}, {euler}");
 
-    // In single precision the best of RK4 is rounding.
+    // In single precision rounding limits the smallest error of RK4.
     let least = |precision| {
         rows(&chart, "rk4", precision).iter().filter_map(|row| row["error_rms"].as_f64()).fold(1.0, f64::min)
     };

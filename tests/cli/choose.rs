@@ -1,5 +1,5 @@
-//! `muslin choose`: what it chooses is as near as it says, by a reference of another method. Times are
-//! never asserted, and where they would decide costs are told by counts.
+//! `muslin choose`: its choice has the error that it reports, measured by a reference of another method.
+//! Times are never asserted. Where they would decide the outcome, costs are computed from counts.
 
 use serde_json::Value;
 use toml::Table;
@@ -27,7 +27,7 @@ linear = 1e-6
 step = 0.005
 "#;
 
-/// Nothing but springs: there is no term to do without.
+/// A sheet of springs only: it has no term that could be left out.
 const SPRINGS: &str = r#"# Nothing but springs.
 name = "springs"
 duration = 0.3 # s
@@ -50,14 +50,14 @@ pub const METHODS: [&str; 7] =
     ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
 const EXPLICIT: &[&str] = METHODS.split_at(4).0;
 
-/// Of the tolerance: what the reference itself may be off by.
+/// Allowed error of the reference itself, as a fraction of the tolerance.
 const OWN: f64 = 1.0 / 16.0;
 
 pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// The choice for a scene, whose rows agree with their verdicts.
+/// The choice for a scene. Asserts that the errors of all rows agree with their verdicts.
 #[track_caller]
 fn choose(place: &Place, words: &str) -> Value {
     let choice = place.muslin(&format!("choose --out out --json {words}")).expect(0).json();
@@ -81,7 +81,7 @@ fn choose(place: &Place, words: &str) -> Value {
     choice
 }
 
-/// A third of the areas of a vertex' triangles, m^2.
+/// Area per vertex, m^2: a third of the total area of its triangles.
 pub fn areas((vertices, triangles): (Vec<[f32; 3]>, Vec<[u32; 3]>)) -> Vec<f64> {
     let mut areas = vec![0.0; vertices.len()];
     for triangle in triangles {
@@ -97,7 +97,7 @@ pub fn areas((vertices, triangles): (Vec<[f32; 3]>, Vec<[u32; 3]>)) -> Vec<f64> 
     areas
 }
 
-/// 20 moments of a run, after its start, and the areas of its vertices.
+/// The point cache of a run (its start and 20 moments) and the areas of its vertices, m^2.
 fn moments(place: &Place, words: &str) -> (PointCache, Vec<f64>) {
     place.run(&format!("{words} --export pc2,obj"));
     let cache = PointCache::parse(&place.read("out/cloth.pc2"));
@@ -105,7 +105,7 @@ fn moments(place: &Place, words: &str) -> (PointCache, Vec<f64>) {
     (cache, areas(obj(&place.read("out/frames/frame_00000.obj"))))
 }
 
-/// RMS over vertices by area and over moments, m.
+/// RMS distance over the 20 moments and over the vertices, weighted by area, m.
 pub fn rms(a: &PointCache, b: &PointCache, areas: &[f64]) -> f64 {
     let sum: f64 = (a.frames.iter().zip(&b.frames).skip(1))
         .flat_map(|(a, b)| a.iter().zip(b).zip(areas))
@@ -127,12 +127,12 @@ fn the_scene_that_it_writes_is_within_the_tolerance() {
     let (error, told) = (rms(&run, &reference, &areas), number(&choice["measured"]["error"]));
     println!("told {told}, by RK4 {error}");
     assert!((error - told).abs() <= OWN * 1e-3, "told {told}, by RK4 {error}");
-    // That it can tell: as it stands the scene is farther off.
+    // The comparison can fail: the unchanged scene misses the tolerance.
     let (as_it_is, _) = moments(&place, "soft.toml --set frame_rate=50");
     assert!(rms(&as_it_is, &reference, &areas) > 1e-3);
 
     let words = String::from_utf8(place.read("out/choose.txt"));
-    // The run wrote into the same folder: the study is there still.
+    // The run wrote into the same folder; the files of the study must still be there.
     assert!(words.unwrap().contains("Chosen: "));
     let page = String::from_utf8(place.read("out/study.html")).unwrap();
     assert!(page.contains("What to choose") && page.contains(">tolerance<"), "the page shows the picture");
@@ -164,7 +164,7 @@ fn where_it_is_soft_rk4_wins_and_double_precision_is_for_fine_tolerances_only() 
     for choice in [&coarse, &fine] {
         assert!(METHODS.iter().all(|method| tried(choice, method, "f32")), "{choice}");
     }
-    // In single precision BDF2 ends in rounding, above 1 um and far below 5 mm.
+    // In single precision rounding limits the error of BDF2 to a value above 1 um and far below 5 mm.
     assert!(tried(&fine, "bdf2", "f64") && !tried(&coarse, "bdf2", "f64"));
 }
 
@@ -183,7 +183,7 @@ fn what_it_writes_is_the_scene_with_another_integrator() {
     for comment in ["# Nothing but springs.\n", "duration = 0.3 # s\n", "# How it is run.\n", " # s\nnewton = 1\n"] {
         assert!(written.contains(comment), "{comment:?} is not in {written}");
     }
-    // With the duration of the scene, not of the study.
+    // The written scene keeps the duration of the original scene, not the duration of the study.
     let (mut before, mut after) = (table(SPRINGS), table(&written));
     let integrator = after.remove("integrator").unwrap();
     before.remove("integrator");
@@ -195,7 +195,7 @@ fn what_it_writes_is_the_scene_with_another_integrator() {
     let refused = place.muslin("choose springs.toml --tolerance 1cm --write ./springs.toml").expect(2);
     assert!(refused.stderr.contains("this is the scene file itself"), "{}", refused.stderr);
     assert_eq!(place.read("springs.toml"), SPRINGS.as_bytes());
-    // No step is longer than a frame, and where frames cut it the choice says so.
+    // No step is longer than a frame. `run_step` is the step that a run takes to divide its frames evenly.
     let [step, taken] = ["step", "run_step"].map(|key| number(&choice["chosen"][key]));
     assert!(taken <= step && step <= 1.0 / 40.0, "{step}, taken {taken}");
     let run = place.run("chosen.toml");
@@ -222,7 +222,7 @@ fn with_contact_the_outline_is_judged() {
     let choice = choose(&place, "drop.toml --cost counts --tolerance 5mm");
     assert_eq!(choice["measure"], "outline");
     assert_eq!(choice["reference"]["method"], "backward-euler");
-    // Nothing else vouches for it: the nearest of another method is told.
+    // The choice and the reference use the same method, so the report also gives the nearest run of another method.
     let nearest = &choice["nearest_other"];
     assert!(nearest["method"] != "backward-euler" && number(&nearest["error"]) > 0.0, "{nearest}");
     let words = String::from_utf8(place.read("out/choose.txt")).unwrap();

@@ -1,9 +1,9 @@
-//! Runs with contact: what they say of it, and files of moving colliders that cannot be used.
+//! Runs with contact: their reports on contact, and invalid motion files of colliders.
 
 use crate::decode;
 use crate::kit::{Place, PointCache, TINY};
 
-/// A sheet let fall on a ball.
+/// A sheet that falls on a ball.
 const DROP: &str = r#"name = "drop"
 duration = 0.2
 frame_rate = 20
@@ -29,7 +29,7 @@ friction = 0.3
 step = 0.01
 "#;
 
-/// A ball with a floor of two triangles in its place, which a point cache moves.
+/// The scene [`DROP`] with a floor of two triangles instead of the ball. A point cache moves the floor.
 fn floor() -> String {
     let ball = "shape = \"sphere\"\ncenter = [0.0, 0.0, 0.0]\nradius = 0.2\n";
     assert!(DROP.contains(ball));
@@ -38,7 +38,7 @@ fn floor() -> String {
 
 const FLOOR: &str = "v -1 0.2 -1\nv 1 0.2 -1\nv 1 0.2 1\nv -1 0.2 1\nf 1 3 2\nf 1 4 3\n";
 
-/// A point cache in which points at these corners rise by 0.1 m from frame to frame.
+/// A point cache in which points with these x and z rise from y = 0 by 0.1 m per frame.
 fn rising(corners: &[[f32; 2]], frames: u32) -> Vec<u8> {
     let mut bytes = b"POINTCACHE2\0".to_vec();
     let head = [1, corners.len() as u32, 0, 1_f32.to_bits(), frames];
@@ -91,7 +91,7 @@ fn what_the_gpu_cannot_do() {
     Place::new().refuses("tiny.toml --backend vulkan", &["'vulkan'", "cpu, gpu"]);
 }
 
-/// A sheet through the middle of the other.
+/// A second sheet that passes through the middle of the first.
 const THROUGH: &str = "\n[[cloth]]\ngrid = { size = [0.3, 0.3], cells = [4, 4] }\nposition = [0, 1.01, 0]\n\
                        rotation = [90, 0, 10]\ndensity = 0.2\n";
 
@@ -189,7 +189,7 @@ fn a_point_cache_moves_a_collider() {
     place.write("floor.pc2", rising(&CORNERS, 5));
     let summary = place.run("drop.toml --audit");
     assert_eq!((&summary["verdict"], &summary["intersections"]), (&"ok".into(), &0.into()));
-    // The floor rises through where the sheet began.
+    // The floor rises from 0 m to 0.2 m during the run; the sheet stays above it.
     let last = PointCache::parse(&place.read("out/cloth.pc2")).frames.pop().unwrap();
     assert!(last.iter().all(|p| p[1] > 0.2), "{last:?}");
 }
@@ -219,7 +219,7 @@ fn point_caches_that_cannot_be_used() {
 fn colliders_are_in_the_picture() {
     let place = Place::new();
     place.write("drop.toml", DROP);
-    // Dark and without colour: neither cloth nor wall nor floor in the light.
+    // Counts dark grey pixels: the cloth, the wall and the lit floor have other colours.
     let grey = |words: &str| {
         place.muslin(&format!("run drop.toml --out out --preview png {words}")).expect(0);
         let is_grey = |p: &&[u8; 3]| p.iter().max().unwrap() - p.iter().min().unwrap() < 30 && p[1] < 125;
@@ -244,7 +244,7 @@ fn the_bench_measures_contact() {
     }
 }
 
-/// Two blocks that close on a sheet until they overlap.
+/// Two blocks close on a sheet until the blocks overlap.
 #[test]
 fn a_sheet_without_room_ends_the_run_and_says_why() {
     let ball = "shape = \"sphere\"\ncenter = [0.0, 0.0, 0.0]\nradius = 0.2\n";
@@ -266,7 +266,7 @@ fn a_sheet_without_room_ends_the_run_and_says_why() {
     assert!(outcome.stderr.contains("leave the cloth room"), "no advice: {outcome:?}");
 }
 
-/// Without continuous detection, so that the first part of the run leaves something to tell.
+/// Continuous detection is off, so that the first part of the run already has penetrations to report.
 #[test]
 fn a_resumed_run_tells_of_the_whole() {
     let place = Place::new();

@@ -1,8 +1,8 @@
-//! Checkpoints that cannot be resumed: exit code 2, a message, nothing written.
+//! Checkpoints that cannot be resumed: exit code 2, a message, no files written.
 
 use crate::kit::{Place, TINY};
 
-/// Two runs' worth: a checkpoint in `kept.muslin`, and no folder `out`.
+/// A folder with a checkpoint of `tiny.toml` in `kept.muslin`, and without `out`.
 fn place() -> Place {
     let place = Place::new();
     place.run("tiny.toml --checkpoint 7");
@@ -52,7 +52,7 @@ fn of_another_run() {
     refuses("tiny.toml --set cloth.grid.cells=[2,2]", "another scene");
     refuses("tiny.toml --set integrator.method=bdf2", "another scene");
     refuses("tiny.toml --duration 0.05", "at step 14, the run ends with step 5; give a longer --duration");
-    // Comments and order are not the scene.
+    // A comment or another notation of the same number does not change the scene.
     place.write("same.toml", format!("# The same.\n{}", TINY.replace("step = 0.01", "step = 1e-2 # s")));
     place.run("same.toml --resume kept.muslin");
 }

@@ -1,4 +1,4 @@
-//! `muslin detect`: what it counts, by every method, and what it refuses.
+//! `muslin detect`: the counts of every method, and refused input.
 
 use std::path::PathBuf;
 
@@ -6,11 +6,11 @@ use serde_json::Value;
 
 use crate::kit::Place;
 
-/// Two triangles, one 10 mm above the other.
+/// Two triangles, the second 10 mm above the first.
 const APART: &str = "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 0.01 0\nv 1 0.01 0\nv 0 0.01 1\nf 1 2 3\nf 4 5 6\n";
-/// The upper one 10 mm below the other.
+/// The same two triangles with the second 10 mm below the first.
 const THROUGH: &str = "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 -0.01 0\nv 1 -0.01 0\nv 0 -0.01 1\nf 1 2 3\nf 4 5 6\n";
-/// Two edges of an upright triangle pass through a level one.
+/// Two edges of a vertical triangle pass through a horizontal triangle.
 const CROSSED: &str = "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv 0 -0.5 0\nv 0.2 0.5 0\nv -0.2 0.5 0\nf 1 2 3\nf 4 5 6\n";
 
 fn place() -> Place {
@@ -26,12 +26,12 @@ pub fn detect(place: &Place, words: &str) -> Value {
     place.muslin(&format!("detect {words} --json")).expect(0).json()
 }
 
-/// Numbers of edge-edge, then of vertex-triangle.
+/// A count of edge-edge pairs, then of vertex-triangle pairs.
 pub fn counts(report: &Value, key: &str) -> [Option<u64>; 2] {
     ["edge_edge", "vertex_triangle"].map(|kind| report[kind][key].as_u64())
 }
 
-/// Triangles at random in a small cube, as OBJ.
+/// Random triangles in a small cube, as OBJ text.
 pub fn soup(triangles: usize) -> String {
     let mut state = 1_u32;
     let mut random = move || {
@@ -79,7 +79,7 @@ fn thickness_is_that_of_both_together() {
     assert_eq!(counts(&report, "candidates"), [Some(0); 2]);
     let report = detect(&place, "apart.obj --thickness 0");
     assert_eq!((counts(&report, "candidates"), counts(&report, "contacts")), ([Some(0); 2], [Some(0); 2]));
-    // What touches is no contact at a thickness of 0, as nothing is closer than that.
+    // Features that touch are no contact at a thickness of 0: the distance must be less than the thickness.
     let report = detect(&place, "crossed.obj --thickness 0");
     assert_eq!((counts(&report, "candidates")[0] > Some(0), counts(&report, "contacts")), (true, [Some(0); 2]));
 }
@@ -104,7 +104,8 @@ fn intersections_are_exact() {
     assert!(outcome.stderr.is_empty(), "{outcome:?}");
 }
 
-/// The notch is nearer to the first corner than the far edge is: a fan from there folds back over it.
+/// The notch is nearer to the first corner than the far edge is: a fan of triangles from the first corner would
+/// fold over itself.
 #[test]
 fn a_concave_polygon_does_not_pass_through_itself() {
     let place = Place::new();
@@ -137,7 +138,7 @@ fn vertices_of_no_triangle_are_told() {
     assert_eq!(counts(&report, "contacts"), [Some(9), Some(6)]);
     let one = place.muslin("detect one.obj --thickness 0.012").expect(0);
     assert_eq!(one.stderr, "one.obj: 1 vertex belongs to no triangle and touches nothing\n");
-    // Where there is nothing but such vertices there is nothing to detect.
+    // A mesh with only loose vertices is refused.
     place.write("cloud.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\n");
     let cloud = place.muslin("detect cloud.obj --thickness 0.012").expect(2);
     assert!(cloud.stderr.contains("cloud.obj: the mesh has no triangles"), "{}", cloud.stderr);

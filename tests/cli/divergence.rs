@@ -1,11 +1,11 @@
-//! A run that diverges ends with exit code 3, says where, and keeps the frames before.
+//! A run that diverges ends with exit code 3, reports where it diverged and keeps the frames before.
 
 use crate::kit::{Outcome, Place, PointCache, TINY, obj};
 
-/// Far beyond what an explicit step of 10 ms bears: soon an edge is too long for cloth.
+/// A stiffness far beyond the stability limit of an explicit step of 10 ms: soon an edge is too long for cloth.
 const STIFF: &str = "--set integrator.method=explicit-euler --set cloth.stretch.stiffness=1e5";
 
-/// So far beyond it that even double precision overflows before a frame ends.
+/// A stiffness with which even double precision overflows before the first frame ends.
 const OVERFLOW: &str = "--set cloth.stretch.stiffness=1e30 --set duration=0.5 --set frame_rate=2";
 
 fn diverge(place: &Place, words: &str) -> Outcome {
@@ -45,7 +45,7 @@ fn an_edge_too_long_for_cloth_is_a_divergence() {
     }
 }
 
-/// Nothing is no number here, and nothing grows without end: the cloth is torn to and fro for good.
+/// All positions stay finite and bounded here, but the cloth never stops being flung about.
 #[test]
 fn an_implicit_method_that_flings_cloth_about_is_a_divergence() {
     let place = Place::new();
@@ -66,7 +66,7 @@ fn an_implicit_method_that_flings_cloth_about_is_a_divergence() {
     assert!(hash.iter().all(|&same| same == hash[0]), "frames decide how it diverges: {hash:?}");
 }
 
-/// Rubber may be: it breaks at eight times its length.
+/// Several times the rest length is valid: rubber breaks at eight times its rest length.
 #[test]
 fn cloth_that_its_weight_draws_to_several_times_its_length_is_fine() {
     let place = Place::new();
@@ -77,7 +77,7 @@ fn cloth_that_its_weight_draws_to_several_times_its_length_is_fine() {
     assert_eq!(summary["verdict"], "ok");
 }
 
-/// The method is not to blame for a start that is stretched so far.
+/// A start state that is already stretched beyond the limit is not a divergence of the method.
 #[test]
 fn a_start_drawn_out_a_thousandfold_runs() {
     let place = Place::new();
@@ -92,7 +92,7 @@ fn a_start_drawn_out_a_thousandfold_runs() {
     let summary = place.muslin(&format!("run drawn.toml {words}")).expect(0).json();
     assert!(summary["stretch"]["max_of_all_frames"].as_f64().unwrap() > 999.0, "{summary}");
     assert!(summary["stretch"]["max"].as_f64().unwrap() < 100.0, "it is not drawn back: {summary}");
-    // Nor where it is drawn a little farther first.
+    // The run also succeeds if a moving pin first stretches the cloth slightly farther.
     place.write(
         "drawn.toml",
         scene.replace("vertices = [0] }", "vertices = [0] }\nmotion = { keys = [[0.0, 0, 0, 0], [0.1, -9, 0, 0]] }"),
@@ -108,7 +108,7 @@ fn keeps_whole_frames() {
     let place = Place::new();
     let summary = diverge(&place, "--json").json();
     let count = summary["frames"].as_u64().unwrap() as usize;
-    // The step that ends in divergence is taken and is no frame.
+    // The step that diverges counts as a step, but its frame is not written.
     assert!(count >= 2 && summary["steps"].as_u64().unwrap() as usize / 2 == count, "{summary}");
     let cache = PointCache::parse(&place.read("out/cloth.pc2"));
     assert_eq!((cache.frames.len(), place.files("out/frames").len()), (count, count));

@@ -1,11 +1,11 @@
-//! `--backend gpu` and `muslin devices`: the counts of the processor, and what is said without an adapter.
+//! `--backend gpu` and `muslin devices`: the GPU counts equal the CPU counts, and the message without an adapter.
 
 use serde_json::Value;
 
 use crate::detect::{counts, detect, soup};
 use crate::kit::{Place, PointCache};
 
-/// Whether the driver works; with `MUSLIN_REQUIRE_GPU=1` it has to.
+/// Whether there is a graphics adapter; with `MUSLIN_REQUIRE_GPU=1` a missing adapter fails the test.
 fn is_there(place: &Place) -> bool {
     let devices = place.muslin("devices --json").expect(0).json();
     let any = !devices["adapters"].as_array().unwrap().is_empty();
@@ -16,7 +16,7 @@ fn is_there(place: &Place) -> bool {
     any
 }
 
-/// Whether an adapter with clocks told a time of every stage, and one without none.
+/// Asserts that the report has the times of the detection stages. Does nothing if an adapter has no timestamps.
 fn assert_times(place: &Place, stages: &Value) {
     let devices = place.muslin("devices --json").expect(0).json();
     if devices["adapters"].as_array().unwrap().iter().any(|adapter| adapter["timestamps"] == false) {
@@ -52,7 +52,8 @@ fn it_counts_what_the_processor_counts() {
         for key in ["candidates", "contacts"] {
             assert_eq!(counts(&cpu, key), counts(&gpu, key), "{words}: {key}");
         }
-        // Times of impact are never late on either; the device keeps twice the reserve.
+        // Times of impact are never late on either backend. The GPU doubles the reserve for rounding, so it may find
+        // a few more impacts.
         for (cpu, gpu) in counts(&cpu, "ccd").into_iter().zip(counts(&gpu, "ccd")) {
             assert_eq!(cpu.is_some(), gpu.is_some());
             let (cpu, gpu) = (cpu.unwrap_or(0), gpu.unwrap_or(0));
@@ -110,7 +111,7 @@ fn a_run_is_repeatable_and_nothing_passes_through() {
     let contacts = |run: &Value| run["contacts"]["proximity"].as_u64().unwrap_or_else(|| panic!("{run}"));
     println!("{} contacts, on the processor {}", contacts(&once), contacts(&cpu));
     assert!(contacts(&once) > 100, "{once}");
-    // StoppingCriterion it touches the bits are the same; then constraints come in another order.
+    // Until the sheet touches the ball, the bits are the same. Then the order of the constraints differs.
     assert_eq!(frames[..5], expected[..5]);
     let off = frames[8].iter().zip(&expected[8]).flat_map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs()));
     let off = off.fold(0.0, f32::max);
@@ -138,7 +139,7 @@ fn the_other_methods_are_refused() {
     assert!(refused.stderr.contains("only has the grid"), "{}", refused.stderr);
 }
 
-/// Drivers are named in the environment.
+/// Environment variables name the driver files; a path that does not exist leaves no adapter.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_an_adapter_it_says_what_to_install() {

@@ -1,10 +1,13 @@
-//! `muslin choose` in hindsight: its choice is within the tolerance by RK4 in double precision, and no
-//! method by any step that `muslin run` takes would have been cheaper by more than it may be.
+//! `muslin choose` in hindsight: its choice is within the tolerance of a reference by RK4 in double precision,
+//! and a search over all methods and steps finds no run that is much cheaper.
 //!
-//! Costs are told by counts, so that what decides is what judges, and the same on every machine: the choice is the
-//! one which costs the least of what met the tolerance; no run of any method, by the scene's own solver, costs less
-//! than 1 / 1.3 of it, and of a method which met nothing before it was given up none costs less at all; and of each
-//! method which met it no run by a solver as exact as the choice's costs less than 1 / 1.3 of what was known.
+//! Costs are computed from counts, so that `choose` and this test compare the same costs on every machine. A run
+//! counts only if it meets the tolerance. The test asserts for each method:
+//! - If `choose` found runs of the method that meet the tolerance, none of them is cheaper than the choice, and
+//!   no run with the solver of the scene costs less than 1 / 1.3 of the choice.
+//! - If it found none, no run with the solver of the scene is cheaper than the choice at all.
+//! - If it found some, no run with a solver as exact as the choice's solver costs less than 1 / 1.3 of the cheapest
+//!   of them.
 
 use serde_json::Value;
 use toml::Table;
@@ -12,38 +15,38 @@ use toml::Table;
 use crate::choose::{METHODS, areas, number, rms};
 use crate::kit::{Place, PointCache, obj};
 
-/// Times the best in hindsight.
+/// Largest allowed ratio of a known cost to the lowest cost in hindsight.
 const DEARER: f64 = 1.3;
 
-/// B/s of the machine that is counted for.
+/// Assumed memory bandwidth, B/s, that converts counted bytes to a cost.
 const SPEED: f64 = 1e10;
 
-/// Of the tolerance: what the reference of the choice may be off by.
+/// Allowed error of the reference of the choice, as a fraction of the tolerance.
 const OWN: f64 = 1.0 / 16.0;
 
-/// From a step to the next shorter one.
+/// Ratio of a step to the next shorter step in the search.
 const FINER: f64 = 1.1;
 
-/// Steps from moment to moment of the first reference.
+/// Number of steps between two moments in the first run for the reference.
 const FIRST: u64 = 64;
 
-/// A scene without contact and how near to come.
+/// A scene without contact, and the tolerance for it.
 struct Case {
     name: &'static str,
     tolerance: &'static str,
     duration: f64,
-    /// Keys of the cloth, and sections after it.
+    /// Keys of the cloth; `rest` contains the sections after the cloth.
     cloth: &'static str,
     rest: &'static str,
 }
 
-/// Of the scenes' solver, and the least that is asked in single precision.
+/// Solver tolerances: the value that the scenes use, and the smallest value that is requested in single precision.
 const TOLERANCE: [f64; 2] = [1e-4, 1e-6];
 
 const HELD: &str = "pin = [{ select = { corners = [0, 1] } }]";
 
-/// Soft and stiff, long and short, springs and membranes, in a plane and bent, free and held; the coarsest
-/// first.
+/// Soft and stiff, long and short, springs and membranes, planar and bent, free and pinned; sorted from the
+/// coarsest tolerance to the finest.
 const CASES: [Case; 9] = [
     Case {
         name: "springs",
@@ -122,7 +125,7 @@ const CASES: [Case; 9] = [
 ];
 
 impl Case {
-    /// The scene; its frames are the 20 moments, so that a run takes every step that is tried.
+    /// The scene file. Its frames are the 20 moments, so that a run takes exactly the steps that are tried.
     fn text(&self) -> String {
         let Self { name, duration, cloth, rest, .. } = self;
         let (rate, held) = (20.0 / duration, if *name == "blown" { "" } else { HELD });
@@ -132,13 +135,13 @@ impl Case {
         )
     }
 
-    /// What makes the scene run by another method, by so many steps from moment to moment.
+    /// Arguments that run the scene by another method with `steps` steps between two moments.
     fn by(&self, method: &str, steps: u64) -> String {
         let step = self.duration / (20 * steps) as f64;
         format!("scene.toml --set integrator.method={method} --set integrator.step={step:e}")
     }
 
-    /// The same, by a solver that is the more exact the shorter the step, by the order of the method.
+    /// The same arguments with a solver tolerance that decreases with the step by the order of the method.
     fn by_exact_solver(&self, method: &str, steps: u64) -> String {
         let own = toml::from_str::<Table>(&self.text()).unwrap()["integrator"]["step"].as_float().unwrap();
         let finer = (self.duration / (20 * steps) as f64 / own).min(1.0);
@@ -149,20 +152,21 @@ impl Case {
     }
 }
 
-/// A run: what it costs by counts, s, and where it went at the moments.
+/// A run: its cost from counts, s, and its positions at the moments.
 struct Flight {
     cost: f64,
     moments: PointCache,
 }
 
-/// A run to its end; none of one that diverged.
+/// Runs a scene to its end; `None` if the run fails.
 fn fly(place: &Place, words: &str) -> Option<Flight> {
     let run = place.muslin(&format!("run {words} --out out --preview none --export pc2 --threads 1 --json"));
     let moments = (run.code == Some(0)).then(|| PointCache::parse(&place.read("out/cloth.pc2")))?;
     Some(Flight { cost: number(&run.json()["work"]["streamed_bytes"]) / SPEED, moments })
 }
 
-/// RK4 in double precision, its steps halved until that is a hundredth of a tolerance, m.
+/// A reference by RK4 in double precision: its step is halved until this changes the result by less than a
+/// hundredth of the tolerance, m.
 fn reference(place: &Place, case: &Case, tolerance: f64, areas: &[f64]) -> PointCache {
     let by = |steps| fly(place, &format!("{} --precision f64", case.by("rk4", steps)));
     let mut steps = FIRST;
@@ -177,31 +181,31 @@ fn reference(place: &Place, case: &Case, tolerance: f64, areas: &[f64]) -> Point
     }
 }
 
-/// The rows of a method with all terms.
+/// The rows of a method in which no term is left out or simplified.
 fn rows<'a>(choice: &'a Value, method: &str) -> Vec<&'a Value> {
     let rows = choice["considered"].as_array().unwrap().iter();
     rows.filter(|row| row["method"] == method && row["terms"].as_array().unwrap().is_empty()).collect()
 }
 
-/// What a row costs, s.
+/// The cost of a row, s.
 fn cost(row: &Value) -> f64 {
     number(&row["wall_s"])
 }
 
-/// The least cost of the rows that meet the tolerance, s.
+/// The lowest cost of the rows that meet the tolerance, s.
 fn least(rows: &[&Value]) -> Option<f64> {
     rows.iter().filter(|row| row["verdict"] == "meets").map(|row| cost(row)).min_by(f64::total_cmp)
 }
 
-/// What an evaluation costs that needs no Jacobian, s: no step of any method costs less.
+/// The cost of a force evaluation without a Jacobian, s: a lower bound on the cost of a step of any method.
 fn least_step(choice: &Value) -> f64 {
     let rows = rows(choice, "symplectic-euler");
     let row = rows.iter().find(|row| row["precision"] == "f32").unwrap();
     cost(row) / number(&row["force_evaluations"])
 }
 
-/// The least cost of a run that meets the tolerance and costs less than `below`, s, if one does; of runs by so many
-/// steps from moment to moment.
+/// The lowest cost, s, of a run that meets the tolerance and costs less than `below`; `None` if there is no such run.
+/// `fly` runs the scene with a number of steps between two moments.
 fn cheapest(
     [below, least_step]: [f64; 2],
     fly: impl Fn(u64) -> Option<Flight>,
@@ -237,7 +241,7 @@ fn judge(case: &Case) {
 
     let best = least(&rows(&choice, method)).unwrap();
     let least_step = least_step(&choice);
-    // Nearer to the tolerance the two references may differ.
+    // Closer to the tolerance, the two references may disagree on whether a run meets it.
     let meets = |flight: &Flight| error(flight) <= (1.0 - OWN) * tolerance;
     let ratios = METHODS.map(|method| {
         let rows = rows(&choice, method);

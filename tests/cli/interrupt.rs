@@ -1,4 +1,4 @@
-//! Killed and interrupted runs go on from their checkpoint to the same end.
+//! Killed and interrupted runs resume from their checkpoint and end in the same state as an undisturbed run.
 #![cfg(unix)]
 
 use std::process::{Child, Command, Stdio};
@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::kit::{Place, TINY, wait, wait_until};
 
-/// Large enough that a checkpoint takes a while to write.
+/// A folder with a sheet that is large enough that writing a checkpoint takes a while.
 fn place() -> Place {
     let place = Place::new();
     place.write(
@@ -17,7 +17,7 @@ fn place() -> Place {
     place
 }
 
-/// A run without an end, into `out`.
+/// Starts a run into `out` that would take very long.
 fn start(place: &Place, words: &str) -> Child {
     let mut command = place.command(&format!("run sheet.toml --out out --preview none --duration 10000 {words}"));
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
@@ -27,7 +27,7 @@ fn wait_for(place: &Place, file: &str) {
     wait_until(|| place.path(file).exists(), file);
 }
 
-/// The step of the checkpoint in `out`, from the refusal to go back in time.
+/// The step of the checkpoint in `out`, read from the error message of a resumed run with a duration of zero.
 fn step_reached(place: &Place) -> u64 {
     let outcome = place.muslin("run sheet.toml --out no --duration 0 --resume out/checkpoint.muslin");
     if outcome.code == Some(0) {
@@ -38,10 +38,10 @@ fn step_reached(place: &Place) -> u64 {
     words[at + 2].parse().unwrap()
 }
 
-/// Resumes to some frames after the checkpoint and compares with a run in one.
+/// Resumes for a few frames after the checkpoint and compares the output with an uninterrupted run.
 fn ends_as_a_run_in_one(place: &Place) {
     let duration = (step_reached(place) + 15).div_ceil(5) as f64 * 0.05;
-    // With checkpoints, which must agree too.
+    // Both runs write checkpoints, which must agree too.
     let words = format!("sheet.toml --export obj,pc2,usda,vtp --checkpoint 5 --duration {duration}");
     let parts = place.run(&format!("{words} --resume out/checkpoint.muslin"));
     std::fs::rename(place.path("out"), place.path("parts")).unwrap();
@@ -57,7 +57,7 @@ fn killed_again_and_again() {
     for round in 0..8 {
         let mut child = start(&place, &format!("--export obj,pc2,usda,vtp --checkpoint 1 {resume}"));
         wait_for(&place, "out/checkpoint.muslin");
-        // Moments that no two machines share.
+        // The delay varies, so that runs are killed at different points.
         sleep(Duration::from_micros(5_000 + 7_777 * round));
         child.kill().unwrap();
         child.wait().unwrap();
@@ -66,7 +66,7 @@ fn killed_again_and_again() {
     ends_as_a_run_in_one(&place);
 }
 
-/// Signals a run once it has written something, and lets it go on.
+/// Signals a run once the path `once` exists, checks that it ends as interrupted, and resumes it.
 fn signalled(place: &Place, signal: &str, once: &str) {
     let mut child = start(place, "--export obj,pc2,usda,vtp");
     wait_for(place, once);
@@ -89,7 +89,7 @@ fn asked_to_terminate() {
     signalled(&place(), "-TERM", "out/frames/frame_00001.obj");
 }
 
-/// As a rule before the first step, while the first frame is being written.
+/// The signal usually arrives before the first step, while the first frame is being written.
 #[test]
 fn interrupted_at_once() {
     let place = place();

@@ -1,4 +1,4 @@
-//! A folder to run `muslin` in, and what came of it.
+//! A temporary folder to run `muslin` in, the outcome of a command, and readers for its output files.
 
 use std::fs::{self, File};
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// A small sheet let fall from two corners: 27 vertices, 36 triangles, 4 frames of 5 steps.
+/// A small sheet that hangs from two corners: 27 vertices, 36 triangles, 4 frames of 5 steps.
 pub const TINY: &str = r#"name = "tiny"
 duration = 0.2
 frame_rate = 20
@@ -38,27 +38,27 @@ select = { corners = [0, 1] }
 step = 0.01
 "#;
 
-/// After this long a command hangs: long, as machines may be slow and busy.
+/// A command that runs longer counts as hung. The limit is long because machines may be slow and busy.
 const PATIENCE: Duration = Duration::from_secs(1800);
 
 /// How a command ended.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Exit code; none when ended by a signal.
+    /// Exit code; `None` if a signal ended the command.
     pub code: Option<i32>,
-    /// What it printed as data.
+    /// The data that it printed.
     pub stdout: String,
-    /// What it printed as notes.
+    /// The notes and error messages that it printed.
     pub stderr: String,
 }
 
 impl Outcome {
-    /// The JSON document on stdout, which holds nothing else.
+    /// The JSON document on stdout; panics if stdout contains anything else.
     pub fn json(&self) -> Value {
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error} in {self:?}"))
     }
 
-    /// Itself, if it ended with this exit code.
+    /// Returns itself if it ended with this exit code, else panics.
     #[track_caller]
     pub fn expect(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "{self:?}");
@@ -66,20 +66,20 @@ impl Outcome {
     }
 }
 
-/// A folder of its own with `tiny.toml` in it.
+/// A temporary folder that contains `tiny.toml`.
 pub struct Place {
     folder: TempDir,
 }
 
 impl Place {
-    /// A new one.
+    /// Creates the folder and writes [`TINY`] into it.
     pub fn new() -> Self {
         let place = Self { folder: tempfile::tempdir().unwrap() };
         place.write("tiny.toml", TINY);
         place
     }
 
-    /// A path inside.
+    /// The path of a file or folder inside.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -89,12 +89,12 @@ impl Place {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// Bytes of a file inside.
+    /// Reads the bytes of a file inside.
     pub fn read(&self, name: &str) -> Vec<u8> {
         fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// The files inside, with their folders, in order.
+    /// The sorted paths of all files under a folder, relative to that folder.
     pub fn files(&self, folder: &str) -> Vec<String> {
         let mut files = Vec::new();
         for entry in fs::read_dir(self.path(folder)).unwrap() {
@@ -111,7 +111,8 @@ impl Place {
         files
     }
 
-    /// That two folders hold the same bytes, but for the summaries with their times.
+    /// Asserts that two folders contain the same files with the same bytes, except for `summary.json`, which
+    /// contains times.
     #[track_caller]
     pub fn same_files(&self, one: &str, other: &str) {
         let files = self.files(one);
@@ -122,7 +123,7 @@ impl Place {
         }
     }
 
-    /// The command with these words, separated by blanks, to be started inside.
+    /// The `muslin` command with these space-separated arguments and this folder as its working directory.
     pub fn command(&self, words: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_muslin"));
         command.args(words.split(' ').filter(|word| !word.is_empty())).current_dir(self.folder.path());
@@ -130,13 +131,13 @@ impl Place {
         command
     }
 
-    /// Runs a command to its end; one that hangs fails the test.
+    /// Runs `muslin` with these arguments to its end; a command that hangs fails the test.
     #[track_caller]
     pub fn muslin(&self, words: &str) -> Outcome {
         self.finish(self.command(words))
     }
 
-    /// As [`muslin`](Self::muslin), of a command with more settings.
+    /// Runs a prepared command to its end, like [`muslin`](Self::muslin); a panic message fails the test.
     #[track_caller]
     pub fn finish(&self, mut command: Command) -> Outcome {
         let [stdout, stderr] = [tempfile::NamedTempFile::new().unwrap(), tempfile::NamedTempFile::new().unwrap()];
@@ -149,8 +150,8 @@ impl Place {
         outcome
     }
 
-    /// Interrupts a study without an end, once it has made its folder and therefore watches for that: it ends
-    /// and leaves nothing there.
+    /// Interrupts a study that would run for very long, once its folder exists: from then on it handles signals.
+    /// Asserts that it exits with code 130 and leaves no files.
     #[cfg(unix)]
     #[track_caller]
     pub fn interrupts(&self, words: &str, folder: &str) {
@@ -158,7 +159,7 @@ impl Place {
         let mut command = self.command(words);
         let mut study = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         wait_until(|| self.path(folder).exists(), folder);
-        // As a rule in the middle of a run.
+        // After this pause the study is usually in the middle of a run.
         sleep(Duration::from_millis(300));
         assert!(Command::new("kill").args(["-INT", &study.id().to_string()]).status().unwrap().success());
         assert_eq!(wait(&mut study, &command).code(), Some(130));
@@ -166,13 +167,13 @@ impl Place {
         assert!(!self.path(folder).exists(), "{folder} is left");
     }
 
-    /// Runs a scene into `out`, without a picture; returns the summary of a run that ended well.
+    /// Runs a scene into `out` without a preview, expects success and returns the summary.
     #[track_caller]
     pub fn run(&self, words: &str) -> Value {
         self.muslin(&format!("run --out out --preview none --json {words}")).expect(0).json()
     }
 
-    /// That this is bad usage: exit code 2, a message with these parts, and nothing written.
+    /// Asserts that `muslin run` refuses these arguments: exit code 2, a message with these parts, no files written.
     #[track_caller]
     pub fn refuses(&self, words: &str, parts: &[&str]) {
         let before = self.files(".");
@@ -186,12 +187,12 @@ impl Place {
     }
 }
 
-/// A picture as the page of its study shows it: names inside are told apart by the study's.
+/// An SVG picture as the HTML page of its study embeds it: the study's name prefixes every id.
 pub fn in_page(svg: &str, study: &str) -> String {
     svg.trim().replace(" id=\"", &format!(" id=\"{study}-")).replace("url(#", &format!("url(#{study}-"))
 }
 
-/// Waits for the end of a process.
+/// Waits for a process to end; kills it and panics if it hangs.
 pub fn wait(child: &mut Child, what: &Command) -> ExitStatus {
     let started = Instant::now();
     loop {
@@ -206,7 +207,7 @@ pub fn wait(child: &mut Child, what: &Command) -> ExitStatus {
     }
 }
 
-/// Waits until something has come about.
+/// Waits until a condition is true; panics if it takes too long.
 #[track_caller]
 pub fn wait_until(is_so: impl Fn() -> bool, what: &str) {
     let started = Instant::now();
@@ -216,9 +217,9 @@ pub fn wait_until(is_so: impl Fn() -> bool, what: &str) {
     }
 }
 
-/// The numbers of a point cache: frames of points, from the frame that it starts with.
+/// The contents of a point cache (PC2 file).
 pub struct PointCache {
-    /// Points in a frame.
+    /// Number of points per frame.
     pub points: usize,
     /// Number of the first frame.
     pub start: f32,
@@ -227,7 +228,7 @@ pub struct PointCache {
 }
 
 impl PointCache {
-    /// Reads a whole file; its header and its length must agree.
+    /// Parses a whole file; panics if its header and its length disagree.
     pub fn parse(bytes: &[u8]) -> Self {
         let word = |at: usize| bytes[at..at + 4].try_into().unwrap();
         assert_eq!(&bytes[..12], b"POINTCACHE2\0");

@@ -1,8 +1,8 @@
-//! A run says before it starts that its step is longer than its method bears, and names one that is not.
+//! Before it starts, a run notes a step above the stability limit of its method and suggests a stable step.
 
 use crate::kit::Place;
 
-/// What the words after `said` name, up to a comma.
+/// The number after `said` in a note, up to a comma or the end of the line.
 fn named(note: &str, said: &str) -> f64 {
     let rest = note.split(said).nth(1).unwrap_or_else(|| panic!("{said:?} is not in {note:?}"));
     rest.split([',', '\n']).next().unwrap().parse().unwrap_or_else(|error| panic!("{error} in {note:?}"))
@@ -22,7 +22,7 @@ fn the_step_that_is_named_is_borne_and_a_little_more_is_not() {
         assert!(note.contains("step 10.00 ms is longer than"), "{note:?}");
         let safe = named(&note, "--set integrator.step=");
         assert!(!run(safe, 0).contains("longer than"), "{method} at {safe} s");
-        // Four fifths of the limit, in two digits.
+        // The suggested step is four fifths of the limit, rounded to two digits.
         assert!(run(1.5 * safe, 3).contains("longer than"), "{method} at {safe} s and a half");
     }
 }

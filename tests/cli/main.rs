@@ -1,8 +1,8 @@
-//! Pins the command line as scripts see it: commands, options, exit codes, messages and files, as
+//! Tests the command line as scripts see it: commands, options, exit codes, messages and files, as
 //! the interface contract lists them. Run with `cargo test -p muslin-cli --test cli`.
 //!
-//! It has caught: counts of steps that overflowed, grids that were allocated until memory ended,
-//! `--threads 0`, a scene's name that led out of `out/`, point caches cut off by a resumed run,
+//! It has caught: step counts that overflowed, grids that were allocated until memory ran out,
+//! `--threads 0`, a scene name whose path left `out/`, point caches cut off by a resumed run,
 //! hash chains that differed after an interrupt before the first step, panics on a closed stderr.
 
 mod bad_mesh;

@@ -1,4 +1,4 @@
-//! Runs the commands of the manuals, shortened: each ends with the exit code that its manual gives it.
+//! Runs shortened versions of the commands in the manuals: each must end with an expected exit code.
 
 use crate::kit::{Outcome, Place};
 
@@ -10,19 +10,19 @@ const SWEEP: &str = include_str!("../../host-cli/manual/sweep.md");
 const VALIDATE: &str = include_str!("../../host-cli/manual/validate.md");
 const COST: &str = include_str!("../../host-cli/manual/cost.md");
 
-/// Commands without arguments that shorten them, which take minutes.
+/// Commands that take minutes and have no option that shortens them. They are skipped.
 const LONG: [&str; 4] = ["bench", "bench crumpled", "validate", "validate --only \"Gamma 10\""];
 
-/// A tetrahedron without a base, and the same some time later.
+/// Two frames of a mesh of two triangles: the file, and the vertex that moves through the first triangle.
 const FRAMES: [(&str, &str); 2] = [("frame1.ply", "0 0 1"), ("frame2.ply", "0 0 -1")];
 
-/// The blocks of a manual in a language.
+/// The code blocks of a manual in a language.
 fn blocks<'a>(manual: &'a str, language: &str) -> Vec<&'a str> {
     let blocks = manual.split("```").skip(1).step_by(2);
     blocks.filter_map(|block| block.strip_prefix(language)?.strip_prefix('\n')).collect()
 }
 
-/// The arguments of every `muslin` command of a manual, without comments. A shell's variables cannot be set here.
+/// The arguments of every `muslin` command of a manual, without comments. Commands with shell variables are left out.
 fn commands(manual: &str) -> Vec<&str> {
     let lines = blocks(manual, "sh").into_iter().flat_map(str::lines);
     let commands = lines.filter_map(|line| line.split(" #").next()?.trim().strip_prefix("muslin "));
@@ -37,11 +37,11 @@ fn with(command: &mut String, option: &str) {
     }
 }
 
-/// The command on less: a short time, a small budget.
+/// The command with a short duration or a small budget.
 fn shortened(command: &str) -> String {
     let mut short = command.to_owned();
     match command.split(' ').next() {
-        // Long enough for a checkpoint after 100 steps.
+        // This duration is long enough for a checkpoint after 100 steps.
         Some("run") if command.contains("curtain") => with(&mut short, "--duration 0.9"),
         Some("run") => with(&mut short, "--duration 0.05"),
         Some("needs" | "choose" | "chart" | "stability") => {
@@ -57,7 +57,7 @@ fn shortened(command: &str) -> String {
     short
 }
 
-/// Runs a command by the shell, in a place where `muslin` is on the path.
+/// Runs a `muslin` command by the shell in the given folder, with `muslin` on the path.
 fn shell(place: &Place, command: &str) -> Outcome {
     let mut shell = std::process::Command::new("sh");
     let folder = std::path::Path::new(env!("CARGO_BIN_EXE_muslin")).parent().unwrap();
@@ -91,7 +91,7 @@ fn every_command_of_the_manuals_runs() {
         for command in commands(manual).into_iter().filter(|command| !LONG.contains(command)) {
             let outcome = shell(&place, &shortened(command));
             let allowed: &[i32] = match command.split(' ').next() {
-                // Five seconds may be too few for a result.
+                // A budget of five seconds may be too small for a result.
                 Some("needs" | "choose" | "chart" | "stability") => &[0, 3],
                 _ if command.contains("--backend gpu") => &[0, 4],
                 _ => &[0],

@@ -2,17 +2,17 @@
 //! every cell. Each level has its own cells, in which its triangles are compared with one another and with all
 //! smaller triangles.
 //!
-//! The size of a triangle is the greatest extent of its box, counted in bins of four per octave. A level starts at
+//! The size of a triangle is the greatest extent of its box, sorted into logarithmic bins, four per factor of two. A level starts at
 //! the 1/16 quantile of the remaining sizes and reaches to four times that size. The last few triangles, and those
 //! with unbounded boxes, form a last level without cells.
 
 use crate::geometry::aabb::Aabb;
 use crate::real::{Vec3, to_f32};
 
-/// In the column of levels: the box overlaps nothing.
+/// Marks, in the column of levels, a triangle whose box overlaps nothing.
 pub const NO_LEVEL: u8 = u8::MAX;
 
-/// The greatest number of levels with cells. Larger triangles are on the last level, without cells.
+/// The greatest number of levels with cells. Triangles that are too large for them are on the last level.
 pub const MOST: usize = 8;
 
 /// If no more triangles than this remain, comparing them with all others is faster than sorting into cells.

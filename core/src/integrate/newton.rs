@@ -8,13 +8,13 @@
 //! the step [Baraff 1998, eq. 3.25] would reduce the order to one. If vh deforms elements strongly
 //! within the step, the forces are linearised at a fraction of the extrapolation; after contact the
 //! fraction is zero, which is the usual linearisation.
-//!
-//! More iterations are Newton's method from vh, each along a descent direction of
+//! With more iterations the stage is Newton's method, started at vh. Each iteration moves along a
+//! descent direction of
 //!
 //! `G(v) = |v - vh|^2_M / 2 + E(xh + g v) + g R(v)`
 //!
 //! where E is the potential and R the dissipation, which is frozen during a line search. Without
-//! dissipation G is the same function in all iterations, and every accepted one decreases it.
+//! dissipation G is the same function in all iterations, and every accepted step decreases it.
 
 use super::conjugate_gradient::{self, StoppingCriterion, System};
 use super::coupling::Hold;
@@ -124,7 +124,7 @@ fn newton_iterations<D: Dispatch>(
         write_matrix(c, stage, s);
         rounding = rounding_norm(c, stage, s);
         statistics.newton_iterations += 1;
-        // Keep the residual, minus the gradient of the objective: conjugate gradients overwrite it.
+        // Save the residual, which is the negative gradient of the objective: conjugate gradients overwrite it.
         s.base_residual.copy_from_slice(s.residual);
         let reduction = c.scheme.tolerance.max(INNER_TOLERANCE).into();
         solve_linear(c, &[], StoppingCriterion::reduced_by(reduction), s, statistics);
@@ -166,7 +166,8 @@ fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, 
     });
 }
 
-/// Solves `(M + S' + holds) y = s.residual` for `s.solution`; `holds` are the penalty contacts.
+/// Solves `(M + S + H) y = r` with S in `s.matrix`, H the penalty contacts in `holds` and r in
+/// `s.residual`, and writes y to `s.solution`.
 pub(super) fn solve_linear<D: Dispatch>(
     c: &StepInput<'_, D>,
     holds: &[Hold],
@@ -196,7 +197,7 @@ pub(super) fn solve_linear<D: Dispatch>(
     c.dispatch.enter(stage::Stage::Integrate);
 }
 
-/// Norm of the impulse of gravity in the stage of length h, sqrt(sum m |g h|^2). Residuals are
+/// Norm of the impulse that the acceleration a of gravity gives in the stage, sqrt(sum m |a g|^2). Residuals are
 /// compared with it, because for a sheet at rest the residual itself gives no scale.
 fn weight_impulse<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>) -> Sum {
     let gravity = c.model.gravity.unwrap_or(Vec3::ZERO) * stage.length;

@@ -71,7 +71,7 @@ export function drawn({ name = "untitled", points, doing, failed, until, referen
     return `<span style="color:${COLOURS[k]}">● ${method}</span>${lost ? ` (${lost} unstable)` : ""}`;
   });
   return `<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label="Error against time for each method" font-size="11" font-family="system-ui">
-    ${parts.join("")}<text x="${WIDTH / 2}" y="${HEIGHT - 5}" text-anchor="middle">ms of this machine for a second of cloth</text></svg>
-    <figcaption>${legend.join(", ")}. ${escaped(name)}: RMS error after ${until.toPrecision(3)} s; dashed: how well the reference knows itself.
+    ${parts.join("")}<text x="${WIDTH / 2}" y="${HEIGHT - 5}" text-anchor="middle">computing time, ms per simulated second</text></svg>
+    <figcaption>${legend.join(", ")}. ${escaped(name)}: RMS error after ${until.toPrecision(3)} s; dashed: estimated error of the reference.
     <br>${now}</figcaption>`;
 }

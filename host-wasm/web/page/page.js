@@ -16,7 +16,7 @@ const TERMS = {
   shear: ["cloth.shear", { stiffness: 200 }],
   bend: ["cloth.bend", { model: "hinge", rigidity: 1e-5, damping: 0.001 }],
   drag: ["drag", { linear: 0.05 }],
-  "own contact": ["contact.self", true],
+  "self-collision": ["contact.self", true],
   friction: ["contact.friction", 0.3],
 };
 /** Simulated time that the chart measures, s. */
@@ -245,7 +245,7 @@ function listen() {
   el("device").onchange = device;
   el("chart").onclick = () => {
     if (stop) return stop();
-    el("chart").textContent = "Give it up";
+    el("chart").textContent = "Stop measuring";
     stop = chart(el("plot"), run.cloth.scene, CHARTED, () => {
       el("chart").textContent = "Speed against accuracy";
       stop = undefined;

@@ -22,18 +22,18 @@ const BELOW_LIMIT: f64 = 0.95;
 const STEADY: f64 = 1e-4;
 const ITERATIONS: u32 = 2000;
 
-/// Number of too expensive runs after which an explicit or an implicit method is given up. An implicit method may
-/// cost more with longer steps, so it gets a second chance.
+/// Number of too expensive runs after which an explicit or an implicit method is given up. The
+/// solves of an implicit method take longer with longer steps, so a shorter step may be cheaper: it gets a second try.
 const PATIENCE: [u32; 2] = [1, 2];
 
-/// An error larger than this part of the error with twice the step may be rounding.
+/// If halving the step leaves more than this fraction of the error, the error may be due to rounding.
 const STALLED: f64 = 0.7;
 
-/// Parts of the tolerance: the error to aim at, and the error from which on a step is long enough.
+/// Fractions of the tolerance: the error to aim for, and the error at which the search no longer tries longer steps.
 const AIM: f64 = 0.9;
 const NEAR: f64 = 0.8;
 
-/// A longer step is tried with 1 / `FEWER` fewer steps.
+/// To try a longer step, the number of steps is reduced by the fraction 1 / `FEWER`.
 const FEWER: u64 = 20;
 
 /// Number of runs between a step that misses the tolerance and one that meets it.
@@ -61,8 +61,9 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
     Ok(pilot.cheapest().cloned())
 }
 
-/// Number of steps from sample to sample to begin with. Explicit methods start below their limit or the limit of
-/// symplectic Euler, whichever is longer: a method that gains energy with every step may gain little until the end.
+/// Initial number of steps between two samples. Explicit methods start below their limit or the limit of symplectic
+/// Euler, whichever is longer. A method that gains energy in every step has no useful limit of its own, and may
+/// still gain little until the end.
 fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
     let [own, other] = [method, Method::SymplecticEuler].map(|method| variant::limit(modes, method));
     let limit = own.zip(other).map(|(own, other)| own.max(other));
@@ -149,8 +150,8 @@ fn refine(pilot: &mut Pilot<'_>, mut misses: Row, mut meets: Row, end: f64) -> R
     Ok(())
 }
 
-/// Number of steps for which the error should be slightly below the tolerance, by the order that two runs show; the
-/// middle if a run has no error. Always strictly between the two runs.
+/// Estimates, from the order of convergence between two runs, the number of steps whose error is slightly below the
+/// tolerance. If a run has no error, it is their geometric mean. Always strictly between the two runs.
 fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
     let [coarse, fine] = [misses, meets].map(|row| (row.variant.steps as f64).ln());
     let part = match misses.error.zip(meets.error) {
@@ -161,7 +162,7 @@ fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
     steps.clamp(misses.variant.steps + 1, meets.variant.steps - 1)
 }
 
-/// Times all runs again that are nearly as cheap as the cheapest, in turn: a single time may be chance.
+/// Measures again, in turn, all runs that are nearly as cheap as the cheapest: a single time may mislead.
 fn time_rivals(pilot: &mut Pilot<'_>) -> Result<(), Failure> {
     let Some(best) = pilot.cheapest().map(|row| row.wall_s).filter(|&wall| wall < SHORT) else { return Ok(()) };
     let is_rival = |row: &Row| pilot.is_candidate(row) && row.wall_s <= RIVAL * best;
