@@ -222,7 +222,7 @@ fn with_contact_the_outline_is_judged() {
     let choice = choose(&place, "drop.toml --cost counts --tolerance 5mm");
     assert_eq!(choice["measure"], "outline");
     assert_eq!(choice["reference"]["method"], "backward-euler");
-    // The choice and the reference use the same method, so the report also gives the nearest run of another method.
+    // With contact no other method confirms the reference, so the report gives the nearest run of another method.
     let nearest = &choice["nearest_other"];
     assert!(nearest["method"] != "backward-euler" && number(&nearest["error"]) > 0.0, "{nearest}");
     let words = String::from_utf8(place.read("out/choose.txt")).unwrap();

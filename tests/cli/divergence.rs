@@ -45,7 +45,7 @@ fn an_edge_too_long_for_cloth_is_a_divergence() {
     }
 }
 
-/// All positions stay finite and bounded here, but the cloth never stops being flung about.
+/// All positions stay finite and bounded here, but the cloth oscillates violently without end.
 #[test]
 fn an_implicit_method_that_flings_cloth_about_is_a_divergence() {
     let place = Place::new();

@@ -1,8 +1,9 @@
 //! `muslin choose` in hindsight: its choice is within the tolerance of a reference by RK4 in double precision,
 //! and a search over all methods and steps finds no run that is much cheaper.
 //!
-//! Costs are computed from counts, so that `choose` and this test compare the same costs on every machine. A run
-//! counts only if it meets the tolerance. The test asserts for each method:
+//! Costs are computed from counts, so that `choose` and this test compare the same costs on every machine. The cost
+//! of the choice is the lowest cost of its method with all terms. A run counts only if it meets the tolerance.
+//! The test asserts for each method:
 //! - If `choose` found runs of the method that meet the tolerance, none of them is cheaper than the choice, and
 //!   no run with the solver of the scene costs less than 1 / 1.3 of the choice.
 //! - If it found none, no run with the solver of the scene is cheaper than the choice at all.
@@ -166,7 +167,7 @@ fn fly(place: &Place, words: &str) -> Option<Flight> {
 }
 
 /// A reference by RK4 in double precision: its step is halved until this changes the result by less than a
-/// hundredth of the tolerance, m.
+/// hundredth of `tolerance`, m.
 fn reference(place: &Place, case: &Case, tolerance: f64, areas: &[f64]) -> PointCache {
     let by = |steps| fly(place, &format!("{} --precision f64", case.by("rk4", steps)));
     let mut steps = FIRST;

@@ -41,7 +41,7 @@ step = 0.01
 /// A command that runs longer counts as hung. The limit is long because machines may be slow and busy.
 const PATIENCE: Duration = Duration::from_secs(1800);
 
-/// How a command ended.
+/// The exit code and the output of a command.
 #[derive(Debug)]
 pub struct Outcome {
     /// Exit code; `None` if a signal ended the command.
@@ -150,8 +150,8 @@ impl Place {
         outcome
     }
 
-    /// Interrupts a study that would run for very long, once its folder exists: from then on it handles signals.
-    /// Asserts that it exits with code 130 and leaves no files.
+    /// Interrupts a study that would run for very long. Waits for its folder first: from then on the study handles
+    /// signals. Asserts that it exits with code 130 and leaves no files.
     #[cfg(unix)]
     #[track_caller]
     pub fn interrupts(&self, words: &str, folder: &str) {

@@ -13,7 +13,7 @@ const COST: &str = include_str!("../../host-cli/manual/cost.md");
 /// Commands that take minutes and have no option that shortens them. They are skipped.
 const LONG: [&str; 4] = ["bench", "bench crumpled", "validate", "validate --only \"Gamma 10\""];
 
-/// Two frames of a mesh of two triangles: the file, and the vertex that moves through the first triangle.
+/// Two frames of a mesh of two triangles: file name and position of the vertex that moves through the first.
 const FRAMES: [(&str, &str); 2] = [("frame1.ply", "0 0 1"), ("frame2.ply", "0 0 -1")];
 
 /// The code blocks of a manual in a language.

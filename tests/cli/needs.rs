@@ -1,4 +1,4 @@
-//! `muslin needs`: terms of which the worth is known, counts and what cannot be told. Times are never
+//! `muslin needs`: terms whose effect is known in closed form, counts and refused scenes. Times are never
 //! asserted.
 
 use serde_json::Value;
@@ -7,7 +7,7 @@ use crate::kit::{Place, TINY, in_page};
 
 const GRAVITY: f64 = 9.81;
 
-/// A sheet let fall flat in air that brakes all of it alike.
+/// A flat sheet that falls in air; the drag is the same on all of the sheet.
 const FALL: &str = r#"name = "fall"
 duration = 0.5
 gravity = [0.0, -9.81, 0.0]
@@ -25,7 +25,7 @@ method = "rk4"
 step = 0.0025
 "#;
 
-/// Gravity along the sheet: it hangs in its plane and touches nothing.
+/// A sheet with gravity along its plane: it stays in its plane and touches nothing.
 const HANG: &str = r#"name = "hang"
 duration = 0.2
 gravity = [9.81, 0.0, 0.0]
@@ -44,7 +44,7 @@ step = 0.01
 
 const CONTACT: &str = "\n[contact]\nthickness = 0.004\nfriction = 0.3\n";
 
-/// A sheet on a plane; gravity leans by a slope of a half.
+/// A sheet on a plane; gravity is tilted by a slope of 1/2.
 const SLIDE: &str = r#"name = "slide"
 duration = 0.4
 gravity = [4.3871653718, -8.7743307435, 0.0]
@@ -69,7 +69,7 @@ thickness = 0.004
 step = 0.005
 "#;
 
-/// Explicit Euler, which nothing but damping keeps from growing.
+/// A sheet by explicit Euler, which is stable only because of the damping.
 const DAMPED: &str = r#"name = "damped"
 duration = 1.0
 gravity = [0.0, -9.81, 0.0]
@@ -85,7 +85,7 @@ method = "explicit-euler"
 step = 0.001
 "#;
 
-/// The study of a scene.
+/// Runs the study of a scene and returns its report.
 #[track_caller]
 fn needs(place: &Place, text: &str, words: &str) -> Value {
     place.write("scene.toml", text);
@@ -99,7 +99,7 @@ fn row<'a>(needs: &'a Value, run: &str) -> &'a Value {
     found.unwrap_or_else(|| panic!("{run} is not in {}", needs["rows"]))
 }
 
-/// All runs, in the order of the alphabet.
+/// The names of all runs, sorted alphabetically.
 fn runs(needs: &Value) -> Vec<&str> {
     let mut runs: Vec<_> = needs["rows"].as_array().unwrap().iter().map(|row| row["run"].as_str().unwrap()).collect();
     runs.sort_unstable();
@@ -110,7 +110,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// That two lengths agree within a part of the second.
+/// Asserts that two lengths agree within a relative error of at most `part`.
 #[track_caller]
 fn close(measured: &Value, expected: f64, part: f64) {
     let off = number(measured) / expected - 1.0;
@@ -122,7 +122,7 @@ fn close(measured: &Value, expected: f64, part: f64) {
 fn drag_is_worth_what_it_brakes() {
     let study = needs(&Place::new(), FALL, "");
     assert_eq!(runs(&study), ["in double precision", "without drag"]);
-    // v' = -g - rate v, beside v' = -g.
+    // v' = -g - rate v with drag, v' = -g without drag.
     let rate = 0.4 / 0.2;
     let apart = |t: f64| 0.5 * GRAVITY * t * t - GRAVITY / rate * (t - (1.0 - (-rate * t).exp()) / rate);
     let squares = (1..=20).map(|k| apart(0.5 * f64::from(k) / 20.0).powi(2)).sum::<f64>();
@@ -132,7 +132,7 @@ fn drag_is_worth_what_it_brakes() {
     close(&drag["change_end"], apart(0.5), 1e-4);
     assert_eq!(drag["exceeds_step"], true);
     assert!(drag["sentence"].as_str().unwrap().starts_with("drag moves the cloth by 0.14 m (RMS; at most 0.32 m"));
-    // Four evaluations a step, whatever is modelled; by RK4 all that half the step changes is rounding.
+    // RK4 takes four evaluations per step with any terms. Halving its step changes little more than rounding.
     assert_eq!(
         (&study["counts"]["force_evaluations"], &drag["counts"]["force_evaluations"]),
         (&800.into(), &800.into())
@@ -146,18 +146,18 @@ fn friction_is_worth_the_way_that_it_holds_back() {
     let study = needs(&Place::new(), SLIDE, "");
     assert_eq!(study["measure"], "outline");
     let friction = row(&study, "without friction");
-    // Along x, which is a direction of the outline; backward Euler goes by h / T farther, 1.25 %.
+    // The sheet slides along x, which is a direction of the outline. Backward Euler goes farther by h / T, 1.25 %.
     let way = 0.5 * 0.3 * 8.7743307435 * 0.4 * 0.4;
     close(&friction["change_max"], way, 0.03);
     let mean_fourth_power = (1..=20).map(|k| (f64::from(k) / 20.0).powi(4)).sum::<f64>() / 20.0;
     close(&friction["positions_rms"], way * mean_fourth_power.sqrt(), 0.03);
-    // What does not touch itself needs none of that, but is looked at for it.
+    // The sheet does not touch itself: self-collision changes no position, but its detection costs candidates.
     let own = row(&study, "without self-collision");
     assert_eq!((&own["change_max"], &own["counts"]["candidates"]), (&0.0.into(), &0.into()));
     assert_eq!(own["same_counts"], false);
     let continuous = row(&study, "without continuous testing");
     assert_eq!((&continuous["change_max"], &continuous["same_counts"]), (&0.0.into(), &true.into()));
-    // What moves nothing is not hidden by the step.
+    // Terms that move nothing are listed apart from terms that the error of the step hides.
     assert_eq!(study["hidden"]["still"], serde_json::json!(["self-collision", "continuous testing"]));
     let conclusion = study["conclusion"].as_str().unwrap();
     assert!(
@@ -176,7 +176,7 @@ fn bending_is_worth_nothing_in_a_plane() {
     let exact = needs(&place, HANG, "--set integrator.method=rk4 --set integrator.step=0.0005");
     for run in ["without bending", "with bending springs"] {
         let row = row(&exact, run);
-        // Springs resist stretching too.
+        // Bending springs also resist stretching, so they change the result.
         assert_eq!(row["change_max"] == 0.0, run == "without bending", "{row}");
         assert_eq!(row["verdict"], "ok");
     }
@@ -186,7 +186,7 @@ fn bending_is_worth_nothing_in_a_plane() {
     let solved = needs(&place, &format!("{HANG}{CONTACT}"), "");
     let bending = row(&solved, "without bending");
     assert!(number(&bending["change_rms"]) < 1e-2 * number(&solved["step_error"]["rms"]), "{bending}");
-    // Shear is a part of the membrane, hinges of bending, friction of contact.
+    // Shear is a part of the membrane, hinges are a part of bending, and friction is a part of contact.
     assert_eq!(solved["hidden"]["terms"], serde_json::json!(["membrane", "bending", "contact"]));
     assert!(solved["hidden"]["parts"].as_array().unwrap().contains(&"shear".into()), "{}", solved["hidden"]);
     let springs = row(&solved, "with springs")["sentence"].as_str().unwrap();
@@ -224,8 +224,8 @@ fn only_what_is_modelled_is_tried() {
     assert!(runs(&needs(&place, FALL, solved)).contains(&"with one Newton iteration"));
 }
 
-/// The first of two cloths is held everywhere: what is put simpler in it moves nothing, as long as the
-/// second, of the simpler models already, keeps its own.
+/// The first of two cloths is pinned everywhere, and the second has the simpler models already. A simpler model in
+/// the first cloth therefore changes nothing, provided that the second cloth keeps its own models.
 #[test]
 fn each_cloth_is_changed_in_its_own_models() {
     let second = "[[cloth]]\ngrid = { size = [0.2, 0.2], cells = [4, 4] }\nposition = [1.0, 0.0, 0.0]\ndensity = 0.2\n\
@@ -237,7 +237,7 @@ fn each_cloth_is_changed_in_its_own_models() {
     let study = needs(&Place::new(), &two, "--set integrator.method=rk4 --set integrator.step=0.0005");
     let (still, moving) =
         (["with bending springs", "with springs", "without shear"], ["without bending", "without damping"]);
-    // These and double precision.
+    // The runs above and the run in double precision.
     assert_eq!(runs(&study).len(), 1 + still.len() + moving.len(), "{:?}", runs(&study));
     for run in still {
         assert_eq!(row(&study, run)["change_max"], 0.0, "{run}");
@@ -262,7 +262,7 @@ fn numbers_words_and_picture_are_written() {
         assert!(least <= cost && cost <= most && number(&row["wall_s"]) > 0.0, "{row}");
         assert!(row["repeats"].as_u64() >= Some(1) && row["why"].is_null(), "{row}");
     }
-    // More work, counted: Newton's method solves more often.
+    // Newton's method solves more linear systems, so its counts are larger.
     let newton = &row(&study, "with Newton's method")["counts"];
     for count in ["force_evaluations", "cg_iterations"] {
         assert!(newton[count].as_u64() > study["counts"][count].as_u64(), "{count}: {newton} and {}", study["counts"]);
@@ -279,7 +279,7 @@ fn numbers_words_and_picture_are_written() {
         assert!(words.to_lowercase().contains(&row["sentence"].as_str().unwrap().to_lowercase()), "{words}");
     }
     assert!(words.contains(study["conclusion"].as_str().unwrap()), "{words}");
-    // A frame is 1/30 s, a moment 1/200 s.
+    // The frame interval is 1/30 s, the interval between moments 1/200 s.
     assert!((number(&study["step"]) - 0.005).abs() < 1e-12 && (number(&study["run_step"]) - 1.0 / 210.0).abs() < 1e-12);
     assert!(words.contains("5.00 ms, where muslin run takes 4.76 ms"), "{words}");
 }

@@ -1,10 +1,10 @@
-//! Options that change what is run, and the words of `--help`.
+//! Options that change the run, and the text of `--help`.
 
 use serde_json::Value;
 
 use crate::kit::{Place, TINY};
 
-/// A second sheet, 2 m up and without pins.
+/// A second sheet at a height of 2 m, without pins.
 const SECOND: &str = "\n[[cloth]]\ngrid = { size = [0.3, 0.3], cells = [2, 2] }\nposition = [0, 2, 0]\ndensity = 0.2\n";
 
 fn number(summary: &Value, section: &str, key: &str) -> f64 {
@@ -32,7 +32,7 @@ fn set_takes_numbers_words_and_arrays() {
 fn set_reaches_one_cloth_or_all() {
     let place = Place::new();
     place.write("two.toml", TINY.to_owned() + SECOND);
-    // Gravity's energy at the start, m g h, in units of the first sheet's.
+    // Gravitational energy at the start, m g h, divided by the energy of the first sheet.
     let potential = |words: &str| {
         let summary = place.run(&format!("two.toml --duration 0 {words}"));
         number(&summary, "energy", "gravity") / (0.2 * 0.3 * 0.3 * 9.81)

@@ -1,10 +1,10 @@
-//! What a run leaves on disk.
+//! The files that a run leaves on disk.
 
 use serde_json::Value;
 
 use crate::kit::{Place, PointCache, TINY, obj};
 
-/// `summary.json` as the contract lists it; `a.b` is a key inside a section.
+/// The keys of `summary.json` in the interface contract; `a.b` is the key `b` in the section `a`.
 const KEYS: &str = "tool version scene precision backend adapter threads vertices triangles steps rejected_steps \
     simulated_s wall_s verdict stage_ms.predict stage_ms.broad_phase stage_ms.narrow_phase stage_ms.response \
     stage_ms.output stretch.max stretch.mean energy.kinetic energy.stretch energy.shear energy.bend energy.gravity \
@@ -119,7 +119,7 @@ fn frames_need_not_be_written() {
     assert_eq!(place.files("out"), ["preview.gif", "summary.json"]);
     assert_eq!(without.json()["state_hash"], with["state_hash"]);
     assert!(without.stderr.contains("wrote out/preview.gif, out/summary.json"), "{without:?}");
-    // Killed and gone on with, it leaves no more.
+    // A run that stops at a checkpoint and is resumed leaves no other files.
     run("--preview none --checkpoint 10 --duration 0.1");
     assert_eq!(place.files("out"), ["checkpoint.muslin", "preview.gif", "summary.json"]);
     let parts =

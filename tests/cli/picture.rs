@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::decode;
 use crate::kit::Place;
 
-/// More than noise: the cloth covers a good part of the picture, and as much changes.
+/// Lower limit on the number of pixels that must change between two pictures: more than noise.
 const LEAST_CHANGED: usize = 500;
 
 fn changed(a: &[[u8; 3]], b: &[[u8; 3]]) -> usize {

@@ -1,11 +1,11 @@
-//! A run in two parts is the run in one, bit for bit.
+//! A run that is resumed from a checkpoint equals the uninterrupted run, bit for bit.
 
 use crate::kit::{Place, PointCache, TINY};
 
 const METHODS: [&str; 7] =
     ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
 
-/// Stable for the explicit methods, and with a pin that moves: time must go on, too.
+/// A scene that is stable for the explicit methods. Its pin moves, so that the resumed time matters too.
 fn scene() -> String {
     let moving = "corners = [0, 1] }\nmotion = { keys = [[0.0, 0, 0, 0], [0.2, 0.1, 0.1, 0]] }";
     let soft = TINY.replace("100.0", "0.5").replace("50.0", "0.2").replace("step = 0.01", "step = 0.002");
@@ -18,7 +18,7 @@ fn every_method_goes_on_where_it_stopped() {
     place.write("scene.toml", scene());
     for precision in ["f32", "f64"] {
         for method in METHODS {
-            // The last checkpoint is at this step: within a frame, beside a frame, at a frame, at the end.
+            // `step` is the step of the last checkpoint: within a frame, next to a frame, at a frame, at the end.
             for (every, step) in [(35, 70), (76, 76), (75, 75), (100, 100)] {
                 let words = format!("scene.toml --precision {precision} --set integrator.method={method}");
                 let whole = place.run(&format!("{words} --checkpoint {every}"));
@@ -33,7 +33,7 @@ fn every_method_goes_on_where_it_stopped() {
     }
 }
 
-/// What a method does next may depend on what it touched before.
+/// With contact, a step may depend on the contacts of the steps before.
 #[test]
 fn a_run_goes_on_where_something_touches() {
     let place = Place::new();

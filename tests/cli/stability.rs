@@ -1,5 +1,4 @@
-//! `muslin stability`: limits beside theory, verdicts, and what is said of them. Times are never
-//! asserted.
+//! `muslin stability`: stability limits compared with theory, verdicts and reports. Times are never asserted.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +6,7 @@ use serde_json::Value;
 
 use crate::kit::Place;
 
-/// A free sheet at rest: what moves it is rounding, and what lets it grow is the step alone.
+/// A free sheet at rest: rounding starts its motion, and only a step above the limit makes the motion grow.
 const FREE: &str = r#"name = "free"
 duration = 0.4
 
@@ -52,7 +51,7 @@ fn limits_are_those_of_the_fastest_mode() {
         let limit = limit(&map, method, 1);
         let ratio = limit["ratio"].as_f64().unwrap();
         println!("{method}: {limit}");
-        // The flat sheet is linear until it has grown.
+        // The flat sheet is linear while its motion is small.
         assert!((ratio - 1.0).abs() <= 0.005, "{method}: measured over theory {ratio}, expected 1 within 0.5 %");
         for row in rows(&map, method) {
             let (step, theory) = (row["step"].as_f64().unwrap(), row["theory"].as_f64().unwrap());
@@ -95,13 +94,14 @@ fn damping_is_mapped_where_there_is_some() {
     let by_damping: Vec<_> = rows(&map, "symplectic-euler").filter(|row| row["damping_scale"] != 1.0).collect();
     let scales: BTreeSet<_> = by_damping.iter().map(|row| row["damping_scale"].to_string()).collect();
     assert_eq!(scales.len(), 4, "{scales:?}");
-    // More of it, with the velocity of the step before, is borne for shorter.
+    // The method takes damping with the velocity of the step before, so more damping lowers the limit.
     let theory = |scale: f64| by_damping.iter().find(|row| row["damping_scale"] == scale).unwrap()["theory"].as_f64();
     assert!(theory(16.0) < theory(4.0) && theory(4.0) < theory(0.25), "{by_damping:?}");
     assert!(map["rows"].as_array().unwrap().iter().all(|row| row["method"] == "symplectic-euler"));
 }
 
-/// The sheet is stiff, so that a thousand steps end before it is pulled: drawn out it is stiffer.
+/// The sheet is so stiff that 1000 steps end before the pull begins. A stretched sheet is stiffer, so the limit
+/// that is measured over these steps does not hold to the end of the scene.
 #[test]
 fn the_longest_step_is_watched_to_the_scene_s_end() {
     let scene = FREE.replace("stiffness = 5.0", "stiffness = 5e4").replace(

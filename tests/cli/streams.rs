@@ -1,4 +1,4 @@
-//! Data to stdout, notes to stderr, no colours where nobody sees them; and what cannot be written.
+//! Data on stdout, notes on stderr, no colours without a terminal, and output that cannot be written.
 
 use std::io::pipe;
 use std::process::Stdio;
@@ -78,7 +78,7 @@ fn a_reader_that_went_away_is_no_fault() {
 #[test]
 fn a_folder_that_cannot_be_made() {
     let place = Place::new();
-    // Below a regular file, which not even root can make a folder of.
+    // The folder would be below a regular file, where not even root can create a folder.
     for format in ["obj", "pc2", "usda", "vtp"] {
         let outcome = place.muslin(&format!("run tiny.toml --out tiny.toml/out --export {format}")).expect(1);
         assert_eq!((outcome.stdout.as_str(), outcome.stderr.lines().count()), ("", 1), "{outcome:?}");

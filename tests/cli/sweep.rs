@@ -1,4 +1,4 @@
-//! `muslin sweep`: which runs there are, what their lines say, and which are run again.
+//! `muslin sweep`: the list of runs, the contents of their lines, and the runs that are repeated.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::kit::{Outcome, Place, TINY};
 
-/// Twelve runs.
+/// A sweep of twelve runs.
 pub const SWEEP: &str = r#"scene = "tiny.toml"
 precision = ["f64", "f32"]
 
@@ -18,14 +18,14 @@ integrator.step = [0.01, 0.005]
 "cloth.stretch.stiffness" = [200.0, 50.0, 100]
 "#;
 
-/// A folder with the sweep in it.
+/// A folder that contains the sweep as `s.toml`.
 pub fn place() -> Place {
     let place = Place::new();
     place.write("s.toml", SWEEP);
     place
 }
 
-/// The lines of a file, each of which is whole.
+/// The parsed lines of a result file; panics if a line is incomplete.
 #[track_caller]
 pub fn lines(place: &Place, file: &str) -> Vec<Value> {
     let text = String::from_utf8(place.read(file)).unwrap();
@@ -33,7 +33,7 @@ pub fn lines(place: &Place, file: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{e} in {line}"))).collect()
 }
 
-/// What does not depend on time, by key; each key has one line.
+/// The results that do not depend on timing, by key. Asserts that each key has one line.
 #[track_caller]
 pub fn results(lines: &[Value]) -> BTreeMap<String, [Value; 5]> {
     let told = |line: &Value| ["state_hash", "verdict", "steps", "work", "overrides"].map(|key| line[key].clone());
@@ -95,7 +95,7 @@ fn a_line_is_the_summary_of_the_run() {
     }
 }
 
-/// A second sheet on its edge through the first, and a floor.
+/// A second, upright sheet that passes through the first, and a floor.
 const TANGLED: &str = r#"
 [[cloth]]
 grid = { size = [0.1, 0.1], cells = [2, 2] }
@@ -138,7 +138,7 @@ fn what_has_its_line_is_not_run_again() {
     assert_eq!(again.stdout, first.stdout, "the table tells of all runs");
     assert!(bytes == place.read("out/s.jsonl"), "finished runs were written again");
 
-    // Three more; a comment and another order are the same scene.
+    // Three more runs. Comments and blank lines do not change the scene.
     place.write("tiny.toml", format!("# a comment\n{}", TINY.replace("\"tiny\"\nduration", "\"tiny\"\n\nduration")));
     place.write(
         "s.toml",
@@ -213,7 +213,7 @@ fn shards_part_the_grid() {
         parts.extend(part);
     }
     assert_eq!(results(&parts), results(&lines(&place, "whole.jsonl")));
-    // More shards than runs: the last have nothing to do.
+    // With more shards than runs, the last shard has no runs.
     sweep(&place, "s.toml --shard 13/13").expect(0);
     assert_eq!(place.read("out/s.13-of-13.jsonl"), b"");
     for shard in ["0/3", "4/3", "1", "1/0", "a/b", "-1/3", "1/3/5"] {

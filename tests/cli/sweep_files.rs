@@ -1,4 +1,4 @@
-//! Sweep files that cannot be meant: exit code 2, a message that says where and what, nothing written.
+//! Invalid sweep files: exit code 2, a message with the location and the error, no files written.
 
 use crate::kit::Place;
 use crate::sweep::{SWEEP, place};
@@ -13,7 +13,7 @@ fn refuses(place: &Place, parts: &[&str]) {
     assert!(!place.path("out").exists(), "something was written");
 }
 
-/// Refuses the sweep with a part of it replaced.
+/// Asserts that the sweep is refused after `old` in it is replaced by `new`.
 #[track_caller]
 fn refuses_with(old: &str, new: &str, parts: &[&str]) {
     assert!(SWEEP.contains(old), "{old} is not in the sweep");
@@ -43,7 +43,7 @@ fn keys_that_are_not_known() {
 #[test]
 fn values_that_cannot_be_run() {
     refuses_with("0.005]", "\"x\"]", &["line 8: integrator.step = \"x\": ", "expected a number"]);
-    // Known only when the scene is built; the runs before it are not run either.
+    // This error is found only when the scene is built. The runs before it are not run either.
     refuses_with(
         "0.005]",
         "-1]",

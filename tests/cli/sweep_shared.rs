@@ -1,4 +1,4 @@
-//! Sweeps that are killed, interrupted and run side by side: every run has one whole line in the end.
+//! Sweeps that are killed, interrupted or run in parallel: in the end every run has exactly one complete line.
 #![cfg(unix)]
 
 use std::fs::File;
@@ -11,7 +11,7 @@ use std::time::Duration;
 use crate::kit::{Place, TINY, wait, wait_until};
 use crate::sweep::{SWEEP, lines, place, results};
 
-/// The third run has no end.
+/// The third run would take very long.
 const ENDLESS: &str = "[grid]\nduration = [0.1, 0.2, 1e6]\nintegrator.method = [\"backward-euler\"]\n";
 
 fn start(place: &Place, words: &str) -> Child {
@@ -19,7 +19,7 @@ fn start(place: &Place, words: &str) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// Starts the sweep without an end and waits until it is in its third run.
+/// Starts the sweep [`ENDLESS`] and waits until it is in its third run.
 fn start_endless(place: &Place) -> Child {
     place.write("s.toml", format!("scene = \"tiny.toml\"\n{ENDLESS}"));
     let sweep = start(place, "s.toml");
@@ -28,7 +28,7 @@ fn start_endless(place: &Place) -> Child {
     sweep
 }
 
-/// Gives the sweep an end and runs it once more; it ends as one that was never disturbed.
+/// Shortens the third run and runs the sweep again; its results must equal an undisturbed sweep.
 #[track_caller]
 fn goes_on(place: &Place) {
     let before = place.read("out/s.jsonl");
@@ -75,7 +75,7 @@ fn killed_again_and_again() {
     let place = many();
     for round in 0..10 {
         let mut sweep = start(&place, "s.toml");
-        // Moments that no two machines share.
+        // The delay varies, so that sweeps are killed at different points.
         sleep(Duration::from_micros(3_000 + 3_333 * round));
         sweep.kill().unwrap();
         sweep.wait().unwrap();
@@ -85,7 +85,7 @@ fn killed_again_and_again() {
     same_as_undisturbed(&place, "out/s.jsonl");
 }
 
-/// Sixty short runs.
+/// A folder with a sweep of sixty short runs.
 fn many() -> Place {
     let place = place();
     let steps: Vec<_> = (1..=10).map(|k| format!("{}", f64::from(k) * 1e-3)).collect();
@@ -99,7 +99,7 @@ fn a_torn_line_is_cut_off() {
     place.muslin("sweep s.toml --quiet").expect(0);
     let whole = place.read("out/s.jsonl");
     let last = whole[..whole.len() - 1].iter().rposition(|&byte| byte == b'\n').unwrap() + 1;
-    // Torn after its first byte, in its key, in its middle, before its end.
+    // The last line is cut after its first byte, in its key, in its middle, or before its newline.
     for kept in [1, 20, (whole.len() - last) / 2, whole.len() - last - 1] {
         place.write("out/s.jsonl", &whole[..last + kept]);
         let outcome = place.muslin("sweep s.toml").expect(0);
@@ -128,7 +128,7 @@ fn files_of_others_are_left_alone() {
 fn a_full_disk_leaves_whole_lines() {
     let place = place();
     let mut limited = Command::new("sh");
-    // Blocks of 512 or 1024 bytes: some lines fit, not all.
+    // The blocks are of 512 or 1024 bytes: some lines fit, but not all.
     let script = "trap '' XFSZ; ulimit -f 10; exec \"$0\" sweep s.toml";
     limited.args(["-c", script]).arg(place.command("").get_program()).current_dir(place.path(""));
     let outcome = place.finish(limited).expect(1);
@@ -139,7 +139,7 @@ fn a_full_disk_leaves_whole_lines() {
     same_as_undisturbed(&place, "out/s.jsonl");
 }
 
-/// The mesh is a pipe, so that it is known what each look at it sees.
+/// The mesh is a named pipe, so that the test determines the contents at each read.
 #[test]
 fn a_mesh_that_changes_under_way() {
     let place = Place::new();
@@ -155,7 +155,7 @@ fn a_mesh_that_changes_under_way() {
         for mesh in meshes {
             let mut reader = File::options().write(true).open(&pipe).unwrap();
             reader.write_all(mesh.as_bytes()).unwrap();
-            // Another pipe before this one ends: the next writer must not meet the reader of this one.
+            // A new pipe replaces this pipe before it closes, so that the next writer cannot reach the same reader.
             assert!(Command::new("mkfifo").arg("next.obj").current_dir(&folder).status().unwrap().success());
             std::fs::rename(&next, &pipe).unwrap();
         }
@@ -166,7 +166,7 @@ fn a_mesh_that_changes_under_way() {
     assert_eq!(place.read("out/s.jsonl"), b"");
 }
 
-/// Runs processes side by side on one file and compares it with that of one process.
+/// Runs several processes on one result file and compares it with the file of a single process.
 fn side_by_side(each: impl Fn(usize) -> String, count: usize) {
     let place = many();
     let mut sweeps: Vec<_> =
@@ -183,13 +183,13 @@ fn shards_share_a_file() {
     side_by_side(|number| format!("--shard {number}/4"), 4);
 }
 
-/// As where a job is started again while its first process still runs.
+/// This happens when a job is restarted while its first process still runs.
 #[test]
 fn the_same_sweep_three_times_at_once() {
     side_by_side(|_| String::new(), 3);
 }
 
-/// With GNU parallel, where it is installed.
+/// Runs the shards by GNU parallel; skipped if it is not installed.
 #[test]
 #[ignore = "slow"]
 fn shards_by_gnu_parallel() {

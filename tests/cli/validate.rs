@@ -1,6 +1,6 @@
-//! `muslin validate`: every group but the whole cantilever passes through the command. Its truths are
-//! held against published digits where they are computed. The cantilever at all twelve values takes
-//! minutes: run `muslin validate --only cantilever`.
+//! `muslin validate`: all groups of checks pass; only a part of the cantilever group is run here. The
+//! expected values are compared with published digits next to the code that computes them. The cantilever at all
+//! twelve values of Gamma takes minutes: run `muslin validate --only cantilever`.
 
 use serde_json::Value;
 
@@ -12,8 +12,8 @@ fn validate(place: &Place, only: &str) -> Outcome {
     place.finish(command)
 }
 
-/// That all checks that `only` chooses pass, that there are so many of them, and that what they
-/// say agrees with itself.
+/// Asserts that `only` chooses `count` checks, that all pass, and that the numbers of each row are consistent.
+/// Returns the rows.
 #[track_caller]
 fn all_pass(only: &str, count: usize) -> Vec<Value> {
     let report = validate(&Place::new(), only).expect(0).json();
@@ -41,7 +41,7 @@ fn what_sheets_amount_to() {
         let factors: Vec<_> = of.map(|row| row["measured"].as_f64().unwrap()).collect();
         factors.iter().copied().fold(0.0, f64::max) / factors.iter().copied().fold(f64::INFINITY, f64::min)
     };
-    // What the other patterns cannot do is said by rows that pass.
+    // The rows of the other patterns pass too: they expect a rigidity that depends on the direction.
     assert!(spread("equilateral") < 1.001 && spread("alternating") > 1.49 && spread("diagonal") > 3.9);
     all_pass("patch", 11);
     all_pass("derivatives", 15);
@@ -83,7 +83,7 @@ fn friction() {
     all_pass("friction", 18);
 }
 
-/// On three cuts each: small strips, and one of 142 edges.
+/// Five values of Gamma on strips in three directions. The strips at Gamma = 200 have 142 edges along their length.
 #[test]
 #[ignore = "slow"]
 fn some_cantilevers() {
@@ -103,7 +103,7 @@ fn some_cantilevers() {
 fn results_are_written() {
     let place = Place::new();
     let outcome = validate(&place, "rows across, Gamma 0.1").expect(0);
-    // Of a part: not over those of the whole.
+    // Files of a partial validation have names of their own, so that they do not overwrite the full report.
     let names = ["json", "svg", "txt"].map(|kind| format!("validate-rows-across-gamma-0.1.{kind}"));
     assert_eq!(place.files("out"), names);
     let read = |kind: usize| String::from_utf8(place.read(&format!("out/{}", names[kind]))).unwrap();
@@ -143,7 +143,7 @@ fn whole_words_choose() {
     assert_eq!(listed("gamma 10"), gamma);
     assert_eq!(listed("rows along Gamma 0.5"), ["cantilever   rows along, Gamma 0.5"]);
     assert_eq!(listed("cantilever rows across, order"), ["cantilever   rows across, order by the edges"]);
-    // A group's name, though others have it in the names of their checks.
+    // The name of a group chooses that group only, though checks of other groups contain the word.
     let energy = listed("energy");
     assert!(energy.len() == 30 && energy.iter().all(|name| name.starts_with("energy ")), "{energy:?}");
     for nothing in ["Gamma 1000000", "amma 10", "", " , "] {
