@@ -63,7 +63,8 @@ impl fmt::Display for MeshError {
             Self::NonManifoldEdge { a, b } => {
                 write!(
                     f,
-                    "the edge between vertices {a} and {b} belongs to more than two triangles; split the mesh there (indices count from 0)"
+                    "the edge between vertices {a} and {b} belongs to more than two triangles; split the mesh there \
+                     (indices count from 0)"
                 )
             }
             Self::LooseVertex { vertex, count: 1 } => {
@@ -75,7 +76,8 @@ impl fmt::Display for MeshError {
             Self::LooseVertex { vertex, count } => {
                 write!(
                     f,
-                    "{count} vertices, the first of them {vertex}, belong to no triangle and would have no mass; remove them (indices count from 0)"
+                    "{count} vertices, the first of them {vertex}, belong to no triangle and would have no mass; \
+                     remove them (indices count from 0)"
                 )
             }
             Self::Hub { vertex, most } => {
@@ -93,7 +95,8 @@ impl fmt::Display for MeshError {
             Self::BadStitch { stitch } => {
                 write!(
                     f,
-                    "stitch {stitch} names a vertex that does not exist, sews a vertex to itself, or has a weight that is not between 0 and 1"
+                    "stitch {stitch} names a vertex that does not exist, sews a vertex to itself, or has a weight \
+                     that is not between 0 and 1"
                 )
             }
         }
@@ -255,7 +258,8 @@ impl fmt::Display for SceneError {
             Self::ColliderMotion { collider } => {
                 write!(
                     f,
-                    "collider {collider}: its motion needs finite numbers, times that increase, and an axis for a turn; a plane cannot turn"
+                    "collider {collider}: its motion needs finite numbers, times that increase, and an axis for a \
+                     turn; a plane cannot turn"
                 )
             }
         }

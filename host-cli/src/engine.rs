@@ -27,6 +27,8 @@ pub struct Divergence {
     pub what: String,
     /// Advice to the user.
     pub advice: &'static str,
+    /// Whether a more stable method may help.
+    pub is_instability: bool,
 }
 
 /// Ratio of edge length to rest length beyond which the cloth has flown apart, unless it starts with a larger
@@ -166,7 +168,7 @@ pub trait Engine: Send {
     fn restore(&mut self, snapshot: &Snapshot) -> bool;
 }
 
-/// Builds the engine of a scene; the error message says what is wrong with the scene.
+/// Builds the engine of a scene. Fails with a message for the user if the scene is wrong.
 pub fn build(scene: &SceneFile, precision: Precision) -> Result<(Box<dyn Engine>, Timing), String> {
     limits::check(&scene.desc)?;
     let engine: Box<dyn Engine> = match precision {
@@ -270,30 +272,22 @@ macro_rules! engine {
                 fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Halt> {
                     Simulation::step(self, stopwatch).map_err(|diverged| {
                         let advice = match diverged.cause {
-                            Cause::NotFinite if self.scheme().method.is_implicit() => {
-                                "take a smaller integrator.step, softer terms or less damping"
-                            }
-                            Cause::NotFinite => {
-                                "take a smaller integrator.step, softer terms, less damping or an implicit method"
-                            }
-                            Cause::TooMuch if self.scheme().method.is_implicit() => {
+                            Cause::NotFinite => "take a smaller integrator.step, softer terms or less damping",
+                            Cause::TooMuch => {
                                 "take a contact.thickness well below the length of the edges, or a smaller \
                                  integrator.step"
-                            }
-                            Cause::TooMuch => {
-                                "take a contact.thickness well below the length of the edges, a smaller \
-                                 integrator.step or an implicit method"
                             }
                             Cause::Contact { pinned: true, .. } => {
                                 "move the pin on a path clear of that surface, or free the vertex"
                             }
                             Cause::Contact { pinned: false, .. } => {
-                                "leave the cloth room between the surfaces that close in on it, slow them down, or take \
-                                 a smaller integrator.step"
+                                "leave the cloth room between the surfaces that close in on it, slow them down, or \
+                                 take a smaller integrator.step"
                             }
                             Cause::Stopped => return Halt::Stopped,
                         };
-                        Halt::Diverged(Divergence { what: diverged.to_string(), advice })
+                        let is_instability = matches!(diverged.cause, Cause::NotFinite | Cause::TooMuch);
+                        Halt::Diverged(Divergence { what: diverged.to_string(), advice, is_instability })
                     })
                 }
 

@@ -176,7 +176,7 @@ impl Summary {
 
     /// Warnings for a person: signs that the result is wrong, although the run reached its end.
     pub fn warnings(&self) -> Vec<String> {
-        let stretch = (self.stretch.max_of_all_frames > TOO_LONG).then(|| {
+        let stretch = (self.divergence.is_none() && self.stretch.max_of_all_frames > TOO_LONG).then(|| {
             format!(
                 "cloth does not stretch by {}: take a smaller integrator.step, or check density (kg/m^2), stiffness \
                  (N/m), the mesh's size (m) and how far pins and colliders pull it",
@@ -212,10 +212,10 @@ impl Summary {
                 _ => format!(", {:.0} candidates for each", candidates as f64 / proximity as f64),
             };
             text += &format!(
-                "\ncontact {:.0} candidates and {:.0} contacts per step{per_contact}\n\
-                 ms per step: {predict:.3} forces and solve, {broad_phase:.3} broad phase, {narrow_phase:.3} narrow phase, \
-                 {response:.3} response\n\
-                 impacts {impacts} in total, {zones} impact zones, {} steps rejected, {failsafe} motions limited",
+                "\ncontact {:.0} candidates and {:.0} contacts per step{per_contact}\nms per step: {predict:.3} \
+                 forces and solve, {broad_phase:.3} broad phase, {narrow_phase:.3} narrow phase, {response:.3} \
+                 response\nimpacts {impacts} in total, {zones} impact zones, {} steps rejected, {failsafe} motions \
+                 limited",
                 a_step(candidates),
                 a_step(proximity),
                 self.rejected_steps,

@@ -32,13 +32,18 @@ export async function run(): Promise<Summary> {
 }
 `;
 
-/** The snippets of a manual, with a module that Node.js reads from its file, and a `draw` that prints the views' lengths. */
+/**
+ * The snippets of a manual, as Node.js runs them: the module is read from its file, `draw` prints the views' lengths, and the
+ * last line prints the frames of 1/60 s that were simulated.
+ */
 function snippets(manual) {
   const text = readFileSync(join(root, manual), "utf8");
   const blocks = [...text.matchAll(/```js\n(.*?)```/gs)].map(([, block]) => block);
   const draw = "const draw = (...views) => console.log(...views.map(({ length }) => length));\n";
   const bytes = 'readFileSync(new URL(import.meta.resolve("muslin/muslin_wasm_bg.wasm")))';
-  return blocks.map((block) => `import { readFileSync } from "node:fs";\n${draw}${block.replace("load()", `load(${bytes})`)}`);
+  const frames = "console.log(Math.round(1e6 * 60 * cloth.time) / 1e6);\n";
+  const inNode = (block) => block.replace("load()", `load(${bytes})`);
+  return blocks.map((block) => `import { readFileSync } from "node:fs";\n${draw}${inNode(block)}${frames}`);
 }
 
 test("it is installed from its tarball, runs in Node.js and has types", () => {
@@ -53,7 +58,7 @@ test("it is installed from its tarball, runs in Node.js and has types", () => {
     assert.ok(manuals.length >= 2, "the manuals have no snippets in JavaScript");
     for (const snippet of manuals) {
       writeFileSync(join(folder, "manual.mjs"), snippet);
-      assert.equal(execFileSync("node", ["manual.mjs"], { cwd: folder, encoding: "utf8" }), "5643 5643 10767\n");
+      assert.equal(execFileSync("node", ["manual.mjs"], { cwd: folder, encoding: "utf8" }), "5643 5643 10767\n1\n");
     }
     assert.match(readFileSync(join(folder, "node_modules/muslin/README.md"), "utf8"), /^# muslin in the browser/);
     writeFileSync(join(folder, "typed.ts"), TYPED);

@@ -19,15 +19,15 @@ All checks of Muslin.
 
 Usage: cargo run -p muslin-tests --bin check [-- OPTIONS]
 
-  --all        also what is slow: torture, every scene, the GPU, the browser, other targets and profiles
-  --only WORD  only the steps and the suites that have WORD in their name
-  --list       all steps and suites, with + those of --all
-  --help       this
+  --all        add the slow tests: torture, every scene, the GPU, the browser, other targets and profiles
+  --only WORD  run only the steps and suites with WORD in their name
+  --list       list all steps and suites; + marks those that --all adds
+  --help       print this help
 
 Examples:
-  cargo run -p muslin-tests --bin check                          after a change: minutes
-  cargo run -p muslin-tests --bin check -- --all                 before it is published: all of it
-  cargo run -p muslin-tests --bin check -- --only forces         one suite, and only what it needs is built
+  cargo run -p muslin-tests --bin check                          after a change: five minutes
+  cargo run -p muslin-tests --bin check -- --all                 before a release: all tests
+  cargo run -p muslin-tests --bin check -- --only forces         one suite; builds only its needs
   cargo run -p muslin-tests --bin check -- --all --only torture  one suite with its slow tests
 
 One test: cargo test -p muslin-tests --test forces NAME

@@ -192,6 +192,12 @@ pub fn in_page(svg: &str, study: &str) -> String {
     svg.trim().replace(" id=\"", &format!(" id=\"{study}-")).replace("url(#", &format!("url(#{study}-"))
 }
 
+/// The code blocks of a manual in a language.
+pub fn blocks<'a>(manual: &'a str, language: &str) -> Vec<&'a str> {
+    let blocks = manual.split("```").skip(1).step_by(2);
+    blocks.filter_map(|block| block.strip_prefix(language)?.strip_prefix('\n')).collect()
+}
+
 /// Waits for a process to end; kills it and panics if it hangs.
 pub fn wait(child: &mut Child, what: &Command) -> ExitStatus {
     let started = Instant::now();

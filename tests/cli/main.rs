@@ -23,6 +23,7 @@ mod hindsight;
 mod interrupt;
 mod kit;
 mod limit;
+#[cfg(unix)]
 mod manual_commands;
 mod needs;
 mod options;

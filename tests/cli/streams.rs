@@ -20,6 +20,17 @@ fn json_is_one_document_and_notes_are_elsewhere() {
 }
 
 #[test]
+fn warnings_are_on_stderr_even_where_it_is_quiet() {
+    let place = Place::new();
+    let soft = "--set cloth.stretch.stiffness=0.25 --set cloth.shear.stiffness=0.25 --duration 0.5";
+    for words in ["", "--quiet", "--json"] {
+        let outcome = place.muslin(&format!("{RUN} {soft} {words}")).expect(0);
+        let warns = |text: &str| text.contains("cloth does not stretch by");
+        assert!(warns(&outcome.stderr) && !warns(&outcome.stdout), "{words}: {outcome:?}");
+    }
+}
+
+#[test]
 fn quiet_is_quiet() {
     let place = Place::new();
     let outcome = place.muslin(&format!("{RUN} --quiet")).expect(0);

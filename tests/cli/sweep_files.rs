@@ -1,6 +1,6 @@
 //! Invalid sweep files: exit code 2, a message with the location and the error, no files written.
 
-use crate::kit::Place;
+use crate::kit::{Place, blocks};
 use crate::sweep::{SWEEP, place};
 
 #[track_caller]
@@ -114,9 +114,8 @@ fn scenes_are_beside_the_sweep_or_built_in() {
 #[test]
 fn the_manual_has_one_that_runs() {
     let manual = include_str!("../../host-cli/manual/sweep.md");
-    let text = manual.split("```toml\nscene = ").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let place = Place::new();
-    place.write("s.toml", format!("scene = {text}").replace("duration = 0.1 ", "duration = 0 "));
+    place.write("s.toml", blocks(manual, "toml")[0].replace("duration = 0.1 ", "duration = 0 "));
     place.muslin("sweep s.toml --quiet").expect(0);
     let all = crate::sweep::lines(&place, "out/s.jsonl");
     assert!(all.len() == 48 && all.iter().all(|line| line["steps"] == 0), "{} lines", all.len());

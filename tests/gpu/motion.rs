@@ -66,16 +66,16 @@ fn scene(query: DetectionQuery) -> Option<Scene> {
 }
 
 /// A candidate with its results.
-struct Answer {
+struct Reported {
     query: Query,
     /// Sum of the radii of both features, m.
     around: f64,
     /// The distance that the device reports.
-    told: f64,
+    distance: f64,
     time: f32,
 }
 
-impl Answer {
+impl Reported {
     /// Distance of the features minus their radii, m.
     fn gap(&self, x: &[DVec3; 4]) -> f64 {
         distance(self.query.pair, x) - self.around
@@ -87,13 +87,13 @@ impl Answer {
 }
 
 impl Scene {
-    fn answer(&self, pair: Pair, candidate: [u32; 2], told: f32, time: f32) -> Answer {
+    fn reported(&self, pair: Pair, candidate: [u32; 2], distance: f32, time: f32) -> Reported {
         let (query, r) = self.query(pair, candidate);
         let around = match pair {
             Pair::VertexTriangle => r[0] + r[1].max(r[2]).max(r[3]),
             Pair::EdgeEdge => r[0].max(r[1]) + r[2].max(r[3]),
         };
-        Answer { query, around, told: told.into(), time }
+        Reported { query, around, distance: distance.into(), time }
     }
 
     /// A candidate's motion and the radii of its vertices.
@@ -137,11 +137,11 @@ impl Scene {
     }
 
     /// Candidates of both kinds with their distances and times.
-    fn answers(&self) -> impl Iterator<Item = Answer> {
+    fn reports(&self) -> impl Iterator<Item = Reported> {
         let DetectionResult { vertex_triangle, edge_edge, .. } = &self.found;
         let of = |pair, candidates: &'_ [[u32; 2]], distances: &'_ [f32], times: &'_ [f32]| {
             let all = candidates.iter().zip(distances).zip(times);
-            all.map(|((&c, &d), &t)| self.answer(pair, c, d, t)).collect::<Vec<_>>()
+            all.map(|((&c, &d), &t)| self.reported(pair, c, d, t)).collect::<Vec<_>>()
         };
         let found = &self.found;
         let faces =
@@ -156,14 +156,14 @@ impl Scene {
 fn distances_are_right_to_rounding() {
     let Some(scene) = scene(DetectionQuery::Times) else { return };
     let mut near = 0;
-    for answer in scene.answers() {
-        let Answer { query, told, .. } = &answer;
-        let (exact, rounding, told) = (answer.gap(&query.start), answer.rounding(), *told);
-        match told > REACH {
-            true => assert!(told <= exact + rounding, "a bound of {told} for {exact}: {query}"),
-            false => assert!((told - exact).abs() <= rounding, "{told} for {exact}: {query}"),
+    for reported in scene.reports() {
+        let Reported { query, distance, .. } = &reported;
+        let (exact, rounding, distance) = (reported.gap(&query.start), reported.rounding(), *distance);
+        match distance > REACH {
+            true => assert!(distance <= exact + rounding, "a bound of {distance} for {exact}: {query}"),
+            false => assert!((distance - exact).abs() <= rounding, "{distance} for {exact}: {query}"),
         }
-        near += usize::from(told <= REACH);
+        near += usize::from(distance <= REACH);
     }
     assert!(near > 1000, "only {near} within reach");
 }
@@ -180,9 +180,9 @@ fn contacts_are_what_is_near_but_for_a_band() {
     ] {
         let mut left = contacts.iter().peekable();
         for &candidate in candidates {
-            let answer = all.answer(pair, candidate, 0.0, 0.0);
-            let (query, band) = (&answer.query, answer.rounding());
-            let exact = answer.gap(&query.start);
+            let reported = all.reported(pair, candidate, 0.0, 0.0);
+            let (query, band) = (&reported.query, reported.rounding());
+            let exact = reported.gap(&query.start);
             let is_contact = left.next_if(|&&contact| contact == candidate).is_some();
             if (exact - REACH).abs() <= band {
                 in_band += 1;
@@ -202,18 +202,18 @@ fn contacts_are_what_is_near_but_for_a_band() {
 fn times_are_never_late_and_not_needlessly_early() {
     let Some(scene) = scene(DetectionQuery::Times) else { return };
     let (mut hits, mut misses) = (0, 0);
-    for answer in scene.answers() {
-        let Answer { ref query, told, time, .. } = answer;
-        let apart = |t: f64| answer.gap(&query.at(t));
-        let keeps = SEPARATION.min(0.5 * told);
+    for reported in scene.reports() {
+        let Reported { ref query, distance, time, .. } = reported;
+        let apart = |t: f64| reported.gap(&query.at(t));
+        let keeps = SEPARATION.min(0.5 * distance);
         if time == TOUCHING {
-            assert!(told <= 1e-3 * SEPARATION, "{told} apart are said to touch: {query}");
+            assert!(distance <= 1e-3 * SEPARATION, "{distance} apart are said to touch: {query}");
             continue;
         }
         let until = if time == NEVER { 1.0 } else { f64::from(time) };
         let moments = (0..=MOMENTS).map(|i| apart(until * f64::from(i) / f64::from(MOMENTS)));
         let least = moments.fold(f64::INFINITY, f64::min);
-        let rounding = answer.rounding();
+        let rounding = reported.rounding();
         assert!(least >= keeps - rounding, "{least} apart before {time}, to keep {keeps}: {query}");
         if time == NEVER {
             misses += 1;
@@ -234,17 +234,17 @@ fn times_are_never_late_and_not_needlessly_early() {
 fn times_are_the_core_s_but_for_a_band() {
     let Some(scene) = scene(DetectionQuery::Times) else { return };
     let (mut alike, mut in_band, mut nearly_touching) = (0, 0, 0);
-    for (answer, core) in scene.answers().zip(scene.times_of_the_core()) {
-        let Answer { ref query, told, time, .. } = answer;
-        let keeps = SEPARATION.min(0.5 * told);
-        assert_eq!(time == TOUCHING, core == TOUCHING, "{time}, by the core {core}, {told} apart: {query}");
-        nearly_touching += usize::from(told > 1e-3 * SEPARATION && told < 0.1 * SEPARATION);
+    for (reported, core) in scene.reports().zip(scene.times_of_the_core()) {
+        let Reported { ref query, distance, time, .. } = reported;
+        let keeps = SEPARATION.min(0.5 * distance);
+        assert_eq!(time == TOUCHING, core == TOUCHING, "{time}, by the core {core}, {distance} apart: {query}");
+        nearly_touching += usize::from(distance > 1e-3 * SEPARATION && distance < 0.1 * SEPARATION);
         if (time - core).abs() <= shaders::EDGE_EDGE_CCD.bound.max(shaders::VERTEX_TRIANGLE_CCD.bound) {
             alike += 1;
             continue;
         }
-        let apart = [time, core].map(|t| answer.gap(&query.at(f64::from(t.min(1.0)))));
-        let most = 1.5 * keeps + answer.rounding();
+        let apart = [time, core].map(|t| reported.gap(&query.at(f64::from(t.min(1.0)))));
+        let most = 1.5 * keeps + reported.rounding();
         assert!(apart.into_iter().any(|d| d <= most), "{time}, by the core {core}, {apart:?} apart: {query}");
         in_band += 1;
     }

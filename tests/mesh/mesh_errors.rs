@@ -111,7 +111,8 @@ fn no_area() {
 
 #[test]
 fn non_manifold_edge_names_the_edge() {
-    let words = "the edge between vertices 1 and 2 belongs to more than two triangles; split the mesh there (indices count from 0)";
+    let words = "the edge between vertices 1 and 2 belongs to more than two triangles; split the mesh there (indices \
+                 count from 0)";
     let third = |m: &mut TriMesh| {
         m.positions.push([0.5, 1.0, 0.5]);
         m.triangles.push([4, 2, 1]);
@@ -131,7 +132,8 @@ fn loose_vertex() {
     refused(
         |m| m.positions.extend([[9.0; 3]; 3]),
         MeshError::LooseVertex { vertex: 4, count: 3 },
-        "3 vertices, the first of them 4, belong to no triangle and would have no mass; remove them (indices count from 0)",
+        "3 vertices, the first of them 4, belong to no triangle and would have no mass; remove them (indices count \
+         from 0)",
     );
 }
 
@@ -182,7 +184,8 @@ const BAD_STITCHES: [Stitch; 5] = [
 
 #[test]
 fn bad_stitch() {
-    let words = "stitch 1 names a vertex that does not exist, sews a vertex to itself, or has a weight that is not between 0 and 1";
+    let words = "stitch 1 names a vertex that does not exist, sews a vertex to itself, or has a weight that is not \
+                 between 0 and 1";
     for bad in BAD_STITCHES {
         refused(|m| m.stitches.push(bad), MeshError::BadStitch { stitch: 1 }, words);
     }

@@ -96,7 +96,8 @@ const NUMBERS: &[Case] = &[
     (
         "pairs = [[0, 1]]",
         "pairs = [[3, 3]]",
-        "cloth 0: stitch 0 names a vertex that does not exist, sews a vertex to itself, or has a weight that is not between 0 and 1",
+        "cloth 0: stitch 0 names a vertex that does not exist, sews a vertex to itself, or has a weight that is not \
+         between 0 and 1",
     ),
     ("stiffness = 10.0", "stiffness = 0.0", "cloth.seam.stiffness = 0: must be greater than zero and finite"),
     (

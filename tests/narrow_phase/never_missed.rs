@@ -59,7 +59,10 @@ harness::both_precisions! {
             let Self(pair, surface) = self;
             let [start, end] = [&query.start, &query.end].map(kit::narrow);
             let displacements: [Vec3; 4] = std::array::from_fn(|i| end[i] - start[i]);
-            let motion = LinearMotion { start: &start, end: &end, displacements: &displacements, radii: &[0.0; 4], rounds: &[], round: 0 };
+            let motion = LinearMotion {
+                start: &start, end: &end, displacements: &displacements,
+                radii: &[0.0; 4], rounds: &[], round: 0,
+            };
             // The thickness.
             let reach = rng.pick(&[0.0, Real::INFINITY]);
             let (surface, mut distance, mut time) = (surface.view(), [0.0], [NEVER]);
@@ -110,9 +113,13 @@ harness::both_precisions! {
             let sweep = Sweep { time: 0.0, step: 1.0, margin: 0.5 * model.thickness, widen: false };
             step::sweep(&model, sweep, &kit::narrow(&query.start), &kit::narrow(&query.end), &mut scratch);
             let counts = step::detect(&model, &mut scratch, &Serial);
-            let displacements: Vec<Vec3> = scratch.end.iter().zip(&*scratch.start).map(|(end, start)| *end - *start).collect();
+            let displacements: Vec<Vec3> =
+                scratch.end.iter().zip(&*scratch.start).map(|(end, start)| *end - *start).collect();
             let (start, end, rounds) = (&*scratch.start, &*scratch.end, &*scratch.rounds);
-            let motion = LinearMotion { start, end, displacements: &displacements, radii: model.radii, rounds, round: 0 };
+            let motion = LinearMotion {
+                start, end, displacements: &displacements,
+                radii: model.radii, rounds, round: 0,
+            };
             let separation = SEPARATION * model.thickness;
             macro_rules! meets {
                 ($pairing:ident, $pairs:ident) => {{
@@ -216,7 +223,10 @@ harness::both_precisions! {
         found.1.truncate(counts.edge_edge);
         let (candidates, radii) = (pick(&found), vec![0.0; start.len()]);
         let (mut distances, mut found) = (vec![0.0; candidates.len()], vec![NEVER; candidates.len()]);
-        let motion = LinearMotion { start: &start, end: &end, displacements: &displacements, radii: &radii, rounds: &[], round: 0 };
+        let motion = LinearMotion {
+            start: &start, end: &end, displacements: &displacements,
+            radii: &radii, rounds: &[], round: 0,
+        };
         proximity::distances::<P>(candidates, &surface, &start, &radii, 0.0, &mut distances, &Serial);
         ADVANCED.set(0);
         times::<Counted<P>>(candidates, &distances, &surface, motion, 0.0, &mut found, &Serial);

@@ -201,7 +201,10 @@ harness::both_precisions! {
         let start = [DVec3::new(0.2, gap, 0.2), DVec3::ZERO, DVec3::X, DVec3::Z];
         let [start, end] = [start, start.map(|x| DVec3::new(x.x, far, x.z))].map(|x| kit::narrow(&x));
         let displacements: [_; 4] = std::array::from_fn(|i| end[i] - start[i]);
-        let motion = LinearMotion { start: &start, end: &end, displacements: &displacements, radii: &[0.0; 4], rounds: &[], round: 0 };
+        let motion = LinearMotion {
+            start: &start, end: &end, displacements: &displacements,
+            radii: &[0.0; 4], rounds: &[], round: 0,
+        };
         let (distances, mut found) = ([gap as Real], [NEVER]);
         times::<VertexTriangle>(&[[0, 0]], &distances, &surface.view(), motion, 0.0, &mut found, &Serial);
         assert!(found[0] <= 1.0 || found[0] == TOUCHING, "{} for what ends in one plane", found[0]);

@@ -2,9 +2,9 @@
 //! every cell. Each level has its own cells, in which its triangles are compared with one another and with all
 //! smaller triangles.
 //!
-//! The size of a triangle is the greatest extent of its box, sorted into logarithmic bins, four per factor of two. A level starts at
-//! the 1/16 quantile of the remaining sizes and reaches to four times that size. The last few triangles, and those
-//! with unbounded boxes, form a last level without cells.
+//! The size of a triangle is the greatest extent of its box, sorted into logarithmic bins, four per factor of two.
+//! A level starts at the 1/16 quantile of the remaining sizes and reaches to four times that size. The last few
+//! triangles, and those with unbounded boxes, form a last level without cells.
 
 use crate::geometry::aabb::Aabb;
 use crate::real::{Vec3, to_f32};

@@ -22,7 +22,7 @@ impl Simulation {
         true
     }
 
-    /// Removes all pins of a vertex; false if there are none.
+    /// Removes all pins of a vertex. Returns false if it has no pin.
     pub fn release(&mut self, vertex: u32) -> bool {
         let released = self.built.pins.release(vertex);
         self.take_over_pins();

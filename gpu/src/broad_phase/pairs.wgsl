@@ -133,7 +133,8 @@ fn pairs_before(tile: u32) -> u32 {
 @compute @workgroup_size(64)
 fn write_pairs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let tile = workgroup_index(group);
-    let has_some = tile < params.tiles && pairs_before(tile) < pairs_before(tile + 1u) && !overflowed(NO_ROOM_FOR_PAIRS);
+    let has_some = tile < params.tiles && pairs_before(tile) < pairs_before(tile + 1u)
+        && !overflowed(NO_ROOM_FOR_PAIRS);
     let found = find(tile, local, has_some);
     if !any(found != vec2<u32>(0u)) {
         return;

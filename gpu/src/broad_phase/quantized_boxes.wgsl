@@ -22,7 +22,8 @@ fn exponent(bits: u32) -> i32 {
 @compute @workgroup_size(1)
 fn choose_scale() {
     let low = vec3<f32>(unordered(counters[SCENE]), unordered(counters[SCENE + 1u]), unordered(counters[SCENE + 2u]));
-    let high = vec3<f32>(unordered(counters[SCENE + 3u]), unordered(counters[SCENE + 4u]), unordered(counters[SCENE + 5u]));
+    let high =
+        vec3<f32>(unordered(counters[SCENE + 3u]), unordered(counters[SCENE + 4u]), unordered(counters[SCENE + 5u]));
     let size = high - low;
     let whole = bitcast<u32>(max(max(size.x, size.y), size.z));
     let extent = counters[EXTENTS + params.level];

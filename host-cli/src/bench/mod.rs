@@ -137,7 +137,7 @@ fn measure(scene: &SceneFile, pool: &Pool, copy: f64) -> Result<SceneReport, Fai
         particles,
         bytes_per_particle: simulation.bytes() as f64 / particles as f64,
         steps,
-        simulated_s: all_steps * timing.step,
+        simulated_s: simulation.time(),
         ms_per_step: 1e3 * mean,
         ms_per_frame: 1e3 * mean * timing.steps_per_frame as f64,
         particles_per_s: particles as f64 / mean,

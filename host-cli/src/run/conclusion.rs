@@ -21,7 +21,8 @@ impl Course {
             (Some(start), Some(_)) => {
                 let left = start - untangled;
                 format!(
-                    "of {start} intersections at the start {left} could not be untangled: separate these surfaces in the start state"
+                    "of {start} intersections at the start {left} could not be untangled: separate these surfaces in \
+                     the start state"
                 )
             }
             (None, None) => "the scene has no [contact]".into(),
@@ -39,7 +40,10 @@ impl Course {
         let [broad_phase, narrow_phase, response] = self.contact.map(per_step);
         let predict = per_step(self.stepping.saturating_sub(self.contact.iter().sum()));
         let divergence = match ending {
-            Ending::Diverged(d) => Some(format!("{}; {}", d.what, d.advice)),
+            Ending::Diverged(d) => {
+                let method = d.is_instability && !self.engine.is_implicit();
+                Some(format!("{}; {}{}", d.what, d.advice, if method { ", or an implicit method" } else { "" }))
+            }
             _ => None,
         };
         Summary {

@@ -48,7 +48,8 @@ fn weigh_masses(modes: &[Mode; 2], step: f64) {
     let times = step * step * modes[0].stiffness;
     if times > MASSES_LOST {
         print_note(&format!(
-            "step^2 x stiffness is {times:.0e} times the mass of a vertex: single precision rounds such masses away, and the cloth does not fall as it should; use --precision f64, a shorter step or a softer cloth"
+            "step^2 x stiffness is {times:.0e} times the mass of a vertex: single precision rounds such masses away, \
+             and the cloth does not fall as it should; use --precision f64, a shorter step or a softer cloth"
         ));
     }
 }
@@ -69,8 +70,9 @@ fn weigh_limit(modes: &[Mode; 2], step: f64, method: Method) {
     let digit = 10f64.powf(safe.log10().floor() - 1.0);
     let safe = (safe / digit).floor() * digit;
     print_note(&format!(
-        "step {} is longer than the limit of {name} at the start of this scene, {} (the fastest mode has {hertz:.0} Hz), and stretched cloth lowers the limit: the cloth will fly apart; use --set integrator.step={safe:.1e}, or \
-         --set integrator.method=backward-euler",
+        "step {} is longer than the limit of {name} at the start of this scene, {} (the fastest mode has {hertz:.0} \
+         Hz), and stretched cloth lowers the limit: the cloth will fly apart; use --set integrator.step={safe:.1e}, \
+         or --set integrator.method=backward-euler",
         time(step),
         time(longest)
     ));
@@ -95,7 +97,8 @@ pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {
     let beside = format!("contact.thickness = {thickness:?} m with edges of {edge:.1e} m on average");
     if thickness > THICKNESS[1] * edge {
         print_note(&format!(
-            "{beside}: each vertex has many neighbours within the thickness, so steps are slow or fail; take a thickness well below the edges"
+            "{beside}: each vertex has many neighbours within the thickness, so steps are slow or fail; take a \
+             thickness well below the edges"
         ));
     } else if thickness < THICKNESS[0] * edge {
         print_note(&format!("{beside}: such a thin layer is hard to keep apart, so steps are rejected"));

@@ -50,7 +50,8 @@ pub fn check(pilot: &mut Pilot<'_>, mut found: Candidate) -> Result<Checked, Fai
     }
     let [asked, nearest] = apart(pilot.tolerance, nearest);
     Err(Failure::Diverged(format!(
-        "the choice for {}, {}, misses {asked} in its check: its error is {nearest}, and slightly shorter steps do not reduce it; allow this error or take a shorter --duration",
+        "the choice for {}, {}, misses {asked} in its check: its error is {nearest}, and slightly shorter steps do \
+         not reduce it; allow this error or take a shorter --duration",
         pilot.study.scene.desc.name,
         found.row.name(),
     )))

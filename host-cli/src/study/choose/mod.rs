@@ -82,8 +82,8 @@ fn no_reference(study: &Study<'_>, tolerance: f64, size: f64, reference: Option<
         },
     );
     Failure::Diverged(format!(
-        "no reference for {} within {} s that is exact enough for {}: {what}; take a larger --tolerance, a shorter --duration, a \
-         coarser or softer cloth by --set, or a larger --budget",
+        "no reference for {} within {} s that is exact enough for {}: {what}; take a larger --tolerance, a shorter \
+         --duration, a coarser or softer cloth by --set, or a larger --budget",
         study.scene.desc.name,
         study.arguments.budget,
         length(tolerance)

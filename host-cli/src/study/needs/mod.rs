@@ -28,8 +28,8 @@ pub fn needs(arguments: &NeedsArguments) -> Result<(), Failure> {
     match needs.rows.iter().filter(|row| row.verdict == Verdict::Unfinished).count() {
         0 => Ok(()),
         late => Err(Failure::Diverged(format!(
-            "the budget of {} s is used up: {late} of {} runs are missing; take a larger --budget, a shorter --duration \
-             or a coarser cloth by --set",
+            "the budget of {} s is used up: {late} of {} runs are missing; take a larger --budget, a shorter \
+             --duration or a coarser cloth by --set",
             arguments.study.budget,
             needs.rows.len()
         ))),

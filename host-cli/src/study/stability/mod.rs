@@ -35,8 +35,8 @@ pub fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
     match map.missing() {
         0 => Ok(()),
         missing => Err(Failure::Diverged(format!(
-            "{} s are not enough for {missing} of {} runs; the finished runs are written: take fewer --methods, a coarser cloth \
-             by --set, or a larger --budget",
+            "{} s are not enough for {missing} of {} runs; the finished runs are written: take fewer --methods, a \
+             coarser cloth by --set, or a larger --budget",
             arguments.study.budget,
             map.rows.len()
         ))),

@@ -22,9 +22,12 @@ impl Map {
                 self.scene, self.fastest_mode_hz, self.damping_ratio
             ),
             format!(
-                "a run takes {EXPLICIT_STEPS} steps of an explicit method, or {IMPLICIT_STEPS} of an implicit one at most; then the longest stable"
+                "a run takes {EXPLICIT_STEPS} steps of an explicit method, or {IMPLICIT_STEPS} of an implicit one at \
+                 most; then the longest stable"
             ),
-            "step of each method runs to the scene's end; where it fails, the step is shortened by 5 % until a run holds".into(),
+            "step of each method runs to the scene's end; where it fails, the step is shortened by 5 % until a run \
+             holds"
+                .into(),
             String::new(),
             format!(
                 "{:<28}{:>11}{:>17}{:>9}{:>10}   to the end, {}",

@@ -58,7 +58,9 @@ pub fn unconfirmed(chart: &Chart) -> String {
         .collect();
     let slopes = if slopes.is_empty() { "none has an order yet".into() } else { slopes.join(", ") };
     format!(
-        "no implicit method confirms the reference for {}, whose shortest step was {}: {slopes}; the errors rest on this reference only. Take a larger --budget for shorter steps, a shorter --duration, or damping for modes that oscillate",
+        "no implicit method confirms the reference for {}, whose shortest step was {}: {slopes}; the errors rest on \
+         this reference only. Take a larger --budget for shorter steps, a shorter --duration, or damping for modes \
+         that oscillate",
         chart.scene,
         time(chart.reference.step),
     )

@@ -222,8 +222,8 @@ impl Chart {
                 )
             }
             None if self.is_of_contact() => {
-                "with contact velocities jump: the order of every method collapses to one or \
-                                             less, and smaller steps change which features touch first, not only the accuracy"
+                "with contact velocities jump: the order of every method collapses to one or less, and smaller steps \
+                 change which features touch first, not only the accuracy"
                     .into()
             }
             None => "no implicit method confirms it".into(),
