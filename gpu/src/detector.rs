@@ -146,8 +146,8 @@ impl Detector {
         start..start + self.commands.tick_words()
     }
 
-    /// Sets the reach, up to which distances are computed exactly, and the separation that moving features
-    /// keep, m.
+    /// Sets two distances in metres. For boxes farther apart than `reach`, a lower bound replaces the distance.
+    /// `separation` is the distance that moving features must keep from one another.
     pub fn set_distances(&mut self, gpu: &Gpu, reach: f32, separation: f32) {
         if (self.params.reach, self.params.separation) != (reach, separation) {
             (self.params.reach, self.params.separation) = (reach, separation);
@@ -208,7 +208,8 @@ impl Detector {
         self.ticks.iter().map(move |&(stage, ticks)| (stage, tick * ticks as f64))
     }
 
-    /// Submits all dispatches, unless the columns are already complete, and the copies to the readback buffer.
+    /// Submits all dispatches and then the copies to the readback buffer; only the copies if the columns are already
+    /// complete.
     fn submit(&self, gpu: &Gpu, readback: &wgpu::Buffer, is_found: bool) {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if !is_found {
@@ -283,8 +284,8 @@ impl Capacities {
             }
         };
         let room = |now, at: usize| room_for(now, words[at]);
-        // Candidates are not counted until the pairs fit. Their capacities grow with those of the pairs, which saves
-        // a round in dense scenes.
+        // Candidates are not counted until the pairs of triangles fit. The capacities for candidates grow with that for
+        // these pairs, which saves a round in dense scenes.
         let pairs = room(self.pairs, counters::PAIRS)?;
         let dense = if pairs > self.pairs { pairs.min(most) } else { 0 };
         Ok(Self {
@@ -303,14 +304,14 @@ impl Capacities {
 /// Size of a pair, bytes.
 const PAIR: u64 = 8;
 
-/// Largest number of pairs such that one buffer holds this many pairs of each of two kinds. The same limit serves
-/// for entries: a buffer can hold this many of them with their boxes.
+/// The largest n for which one buffer holds n pairs of each of the two kinds. Entries have the same limit: a buffer
+/// holds n entries with their boxes.
 fn most_pairs(largest_buffer: u64) -> usize {
     usize::try_from(largest_buffer / (2 * PAIR)).unwrap_or(usize::MAX)
 }
 
-/// Minimum and maximum of a box, limited to finite numbers. For an invalid box, the largest number is the minimum
-/// and the smallest one the maximum.
+/// Minimum and maximum of a box, limited to finite numbers. An invalid box gets f32::MAX as its minimum and f32::MIN as
+/// its maximum.
 fn finite(b: &Aabb) -> [f32; 6] {
     let ordered = b.min.cmple(b.max).all();
     let [low, high] = if ordered { [b.min, b.max] } else { [Vec3::MAX, Vec3::MIN] };

@@ -52,7 +52,7 @@ export interface Summary {
   impacts: number;
   /** Impact zones, total. */
   zones: number;
-  /** Steps that were repeated as halves. */
+  /** Steps that were repeated as two half steps. */
   rejected: number;
   /** Force evaluations, total. */
   forceEvaluations: number;
@@ -72,7 +72,7 @@ export interface Body {
 }
 
 /**
- * A simulated cloth. A method that fails throws an `Error` with the reason. A step that fails leaves the cloth
+ * A simulated cloth. If a call fails, it throws an `Error` with the reason. A step that fails leaves the cloth
  * unchanged.
  */
 export class Cloth {
@@ -89,7 +89,8 @@ export class Cloth {
   readonly hasDevice: boolean;
   /** Whether `awaitStep` is running. */
   readonly busy: boolean;
-  /** Returns the latest message about the device (it was lost and opened again, or given up), and clears it. */
+  /** Returns the latest message about the device, and clears the message. It says that the device was lost and opened
+  again, or that it was given up. */
   takeNote(): string | undefined;
 
   // These are views of the module's memory, not copies. Get them again after each call that changes the cloth:
@@ -131,7 +132,7 @@ export class Cloth {
   pins(): Uint32Array;
 
   readonly vertexCount: number;
-  /** Steps taken. A change of the step length recomputes it as the simulated time divided by the new length. */
+  /** Steps taken. If the step length changes, this number becomes the simulated time divided by the new length. */
   readonly steps: number;
   /** Simulated time, s. */
   readonly time: number;

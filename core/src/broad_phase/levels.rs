@@ -2,23 +2,23 @@
 //! every cell. Each level has its own cells, in which its triangles are compared with one another and with all
 //! smaller triangles.
 //!
-//! The size of a triangle is the greatest extent of its box, sorted into logarithmic bins, four per factor of two.
-//! A level starts at the 1/16 quantile of the remaining sizes and reaches to four times that size. The last few
-//! triangles, and those with unbounded boxes, form a last level without cells.
+//! The size of a triangle is the greatest extent of its box. Sizes are sorted into logarithmic bins, four per factor of
+//! two. A level takes all remaining triangles up to four times the size at the 1/16 quantile of the remaining sizes.
+//! The last few triangles, and those with unbounded boxes, form a last level without cells.
 
 use crate::geometry::aabb::Aabb;
 use crate::real::{Vec3, to_f32};
 
-/// Marks, in the column of levels, a triangle whose box overlaps nothing.
+/// The level of a triangle whose box is invalid, so that it overlaps nothing.
 pub const NO_LEVEL: u8 = u8::MAX;
 
 /// The greatest number of levels with cells. Triangles that are too large for them are on the last level.
 pub const MOST: usize = 8;
 
-/// If no more triangles than this remain, comparing them with all others is faster than sorting into cells.
+/// If at most this many triangles remain, it is faster to compare them with all others than to sort them into cells.
 const FEW: u32 = 32;
 
-/// Number of size bins in a level from its quantile on: 8 bins are a factor of four.
+/// Number of size bins in a level, counted from the bin of its quantile. 8 bins span a factor of four.
 const REACH: usize = 8;
 
 const BINS: usize = 1024;

@@ -1,15 +1,13 @@
 //! The implicit stage that all implicit methods share. It solves this equation for v:
 //! `M (v - vh) = g f(xh + g v, v)`.
 //!
-//! With one iteration the stage is one linear solve. The forces are linearised at the extrapolated
-//! state (xh + g vh, vh), so that the solve only adds a correction to vh. This keeps the order of
-//! the method for any Jacobian, be it projected or without the dependence of damping on positions
-//! [Steihaug 1979], and does not stretch rotating elements. The usual linearisation at the start of
-//! the step [Baraff 1998, eq. 3.25] would reduce the order to one. If vh deforms elements strongly
-//! within the step, the forces are linearised at a fraction of the extrapolation; after contact the
-//! fraction is zero, which is the usual linearisation.
-//! With more iterations the stage is Newton's method, started at vh. Each iteration moves along a
-//! descent direction of
+//! With one iteration the stage is one linear solve. The forces are linearised at the extrapolated state (xh + g vh,
+//! vh), so that the solve only adds a correction to vh. This keeps the order of the method for any Jacobian [Steihaug
+//! 1979], even if it is projected or leaves out how damping depends on positions. Linearising there also does not
+//! stretch rotating elements. The usual linearisation at the start of the step [Baraff 1998, eq. 3.25] would reduce the
+//! order to one. If vh deforms elements strongly within the step, the forces are linearised after only a fraction of
+//! the extrapolation. In a step that follows contact this fraction is zero: that is the usual linearisation. With more
+//! iterations the stage is Newton's method, started at vh. Each iteration moves along a descent direction of
 //!
 //! `G(v) = |v - vh|^2_M / 2 + E(xh + g v) + g R(v)`
 //!
@@ -37,12 +35,12 @@ pub struct ImplicitStage<'a> {
     pub velocities: &'a [Vec3],
 }
 
-/// Largest strain that the extrapolation may cause before the forces are linearised. Forces at much
-/// larger strains do not represent the forces during the step.
+/// Largest strain that the extrapolation to the point of linearisation may cause. A longer extrapolation is shortened.
+/// Forces at much larger strains do not represent the forces during the step.
 const MOST_STRAIN: Real = 0.5;
 
-/// Smallest relative residual that conjugate gradients must reach inside Newton's method: a more
-/// accurate direction would not give a better step.
+/// Lower bound on the relative tolerance of conjugate gradients inside Newton's method. A more accurate direction would
+/// not give a better step.
 const INNER_TOLERANCE: Real = 1e-3;
 
 /// Fraction of the predicted decrease that a line search requires [Armijo].
@@ -166,8 +164,8 @@ fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, 
     });
 }
 
-/// Solves `(M + S + H) y = r` with S in `s.matrix`, H the penalty contacts in `holds` and r in
-/// `s.residual`, and writes y to `s.solution`.
+/// Solves `(M + S + H) y = r` and writes y to `s.solution`. S is in `s.matrix`, r is in `s.residual`, and H is the
+/// matrix of the penalty contacts in `holds`.
 pub(super) fn solve_linear<D: Dispatch>(
     c: &StepInput<'_, D>,
     holds: &[Hold],
@@ -197,8 +195,9 @@ pub(super) fn solve_linear<D: Dispatch>(
     c.dispatch.enter(stage::Stage::Integrate);
 }
 
-/// Norm of the impulse that the acceleration a of gravity gives in the stage, sqrt(sum m |a g|^2). Residuals are
-/// compared with it, because for a sheet at rest the residual itself gives no scale.
+/// Norm of the impulse of gravity during the stage: sqrt(sum m |a g|^2), where a is the gravitational acceleration and
+/// g the length of the stage. Residuals are compared with it, because for a sheet at rest the residual itself gives no
+/// scale.
 fn weight_impulse<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>) -> Sum {
     let gravity = c.model.gravity.unwrap_or(Vec3::ZERO) * stage.length;
     let mass: Sum = c.masses.iter().map(|&m| Sum::from(m)).sum();
@@ -293,8 +292,8 @@ pub fn objective<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s
     inertia + forces::energy(c.model, c.masses, s.stage_positions).total()
 }
 
-/// Slope and curvature of the frozen dissipation R along `s.solution`. The gradient of R is minus
-/// the force that has no potential.
+/// Slope and curvature of the frozen dissipation R along `s.solution`. The gradient of R is minus the non-conservative
+/// force.
 fn dissipation<D: Dispatch>(
     c: &StepInput<'_, D>,
     s: &mut Scratch<'_>,

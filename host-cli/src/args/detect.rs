@@ -16,7 +16,7 @@ pub struct DetectArguments {
     /// The same mesh some time later: the same triangles, other positions
     #[arg(long, value_name = "MESH")]
     pub next: Option<PathBuf>,
-    /// Pairs closer than this are contacts, m; 0 is allowed
+    /// Distance in metres below which a pair is a contact; 0 is allowed
     #[arg(long, value_name = "H", value_parser = thickness, allow_negative_numbers = true)]
     pub thickness: f32,
     /// The method that finds candidates; all methods find the same
@@ -28,7 +28,7 @@ pub struct DetectArguments {
     /// The last stage; it includes the stages before it
     #[arg(long, value_enum, default_value = "contacts")]
     pub stage: DetectStage,
-    /// Threads [default: one per core]; the counts do not depend on it
+    /// Threads [default: one per core]; the result does not depend on it
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<usize>,
     /// Print one JSON document

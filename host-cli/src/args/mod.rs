@@ -58,7 +58,8 @@ pub enum Command {
     Bench(BenchArguments),
 }
 
-/// A text of `help/` as clap wraps it: the lines of a paragraph joined, indented lines as they are.
+/// Prepares a text of `help/` for clap, which wraps lines itself: joins the lines of each paragraph and keeps indented
+/// lines.
 fn help(text: &str) -> String {
     let mut joined = String::new();
     let mut open = false;

@@ -39,7 +39,7 @@ pub struct ChartArguments {
     /// Methods, separated by commas [default: all]
     #[arg(long, value_delimiter = ',', value_parser = method)]
     pub methods: Vec<integrate::Method>,
-    /// The shortest step, even if budget is left
+    /// Try no shorter step than this, even if budget is left
     #[arg(long, value_name = "S", value_parser = step, allow_negative_numbers = true)]
     pub finest: Option<f64>,
 }
@@ -72,7 +72,7 @@ pub struct ChooseArguments {
     /// The scene and the limits
     #[command(flatten)]
     pub study: StudyArguments,
-    /// The largest RMS error, m, or with a unit: 1mm
+    /// The largest allowed RMS error, in metres or with a unit, such as 1mm
     #[arg(long, value_name = "T", value_parser = tolerance, allow_negative_numbers = true)]
     pub tolerance: f64,
     /// Write the chosen scene to this file
@@ -104,7 +104,7 @@ pub struct SweepArguments {
 #[derive(Debug, Args)]
 #[command(after_help = help(include_str!("help/validate.txt")))]
 pub struct ValidateArguments {
-    /// Only the group with this name, or the checks with these whole words in "GROUP NAME"
+    /// Run only this group, or only the checks with these whole words, in this order, in "GROUP NAME"
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
     /// List the checks without running them

@@ -109,7 +109,7 @@ pub enum DetectStage {
     Contacts,
     /// Pairs that touch during the motion to the next mesh.
     Ccd,
-    /// Edges that pass through triangles, exactly.
+    /// Edges that pass through triangles, found by an exact test.
     Intersections,
 }
 
@@ -117,9 +117,9 @@ pub enum DetectStage {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Precision {
-    /// Single: to run.
+    /// Single precision, for runs.
     F32,
-    /// Double: as reference.
+    /// Double precision, for references.
     F64,
 }
 
@@ -149,6 +149,7 @@ pub enum PreviewKind {
 pub enum Cost {
     /// Time on this machine
     Clock,
-    /// Counts, converted to seconds of a machine with 10 GB/s: the same results on every machine
+    /// Counts of work, converted to seconds on a machine with a memory bandwidth of 10 GB/s: the same results on every
+    /// machine
     Counts,
 }

@@ -39,7 +39,7 @@ export function drawn({ name = "untitled", points, doing, failed, until, referen
   // The clocks of browsers are coarse: a run that took 0 ms cannot be drawn on a logarithmic axis.
   const seen = points.filter(({ error, ms }) => error > 0 && ms > 0);
   const now = done ? escaped(why ?? "") : `${escaped(doing || "Measuring")} …`;
-  if (seen.length === 0) return `<figcaption>${now || "Nothing was measured that could be drawn."}</figcaption>`;
+  if (seen.length === 0) return `<figcaption>${now || "There are no measurements to draw."}</figcaption>`;
   const [x0, x1] = powers(seen.map(({ ms }) => ms));
   const [y0, y1] = powers([...seen.map(({ error }) => error), reference || Infinity].filter(isFinite));
   const x = (ms) => LEFT + ((Math.log10(ms) - x0) / (x1 - x0 || 1)) * (WIDTH - LEFT - 16);
@@ -59,7 +59,7 @@ export function drawn({ name = "untitled", points, doing, failed, until, referen
     const line = own.map(({ ms, error }, k) => `${k ? "L" : "M"}${x(ms)} ${y(error)}`).join("");
     parts.push(`<path d="${line}" fill="none" stroke="${COLOURS[k]}" stroke-width="1.5"/>`);
     for (const { ms, error, step } of own) {
-      const title = `${method}, ${(1000 * step).toPrecision(3)} ms steps: ${length(error)}, ${ms.toPrecision(3)} ms per second`;
+      const title = `${method}, ${(1000 * step).toPrecision(3)} ms steps: error ${length(error)}, computing time ${ms.toPrecision(3)} ms per simulated second`;
       parts.push(`<circle cx="${x(ms)}" cy="${y(error)}" r="4" fill="${COLOURS[k]}"><title>${title}</title></circle>`);
     }
   });

@@ -37,8 +37,8 @@ export class Numbers {
     const error = reference && (reference.why ?? (reference.last ? `${length(reference.last.error)} at ${reference.last.time.toFixed(2)} s` : "…"));
     const joules = Object.values(energy).reduce((sum, part) => sum + part, 0);
     const rows = [
-      ["time", `${cloth.time.toFixed(2)} s, ${paused ? "paused" : `${speed.toFixed(2)} × real`}`],
-      ["error (RMS, from a run with step / 4)", error ?? (comparing ? "after the next reset" : "off")],
+      ["time", `${cloth.time.toFixed(2)} s, ${paused ? "paused" : `${speed.toFixed(2)} × real time`}`],
+      ["error (RMS distance to a run with step / 4)", error ?? (comparing ? "after the next reset" : "off")],
       ["largest stretch", `${(100 * (stretch.max - 1)).toFixed(2)} %`],
       ["energy", `${joules.toPrecision(4)} J`],
       ["contacts per step", (contacts / steps).toFixed(0)],

@@ -15,15 +15,16 @@ use super::methods;
 use super::pilot::Pilot;
 use super::row::{Row, Verdict};
 
-/// First step of an explicit method, as a part of the limit of theory.
+/// First step of an explicit method, as a fraction of the theoretical limit.
 const BELOW_LIMIT: f64 = 0.95;
 
 /// Relative accuracy of the fastest mode, and the largest number of iterations.
 const STEADY: f64 = 1e-4;
 const ITERATIONS: u32 = 2000;
 
-/// Number of too expensive runs after which an explicit or an implicit method is given up. The
-/// solves of an implicit method take longer with longer steps, so a shorter step may be cheaper: it gets a second try.
+/// Number of runs that may be too expensive before a method is given up: for explicit methods, then for implicit ones.
+/// The solves of an implicit method take longer with longer steps, so a shorter step may be cheaper. Therefore an
+/// implicit method gets a second try.
 const PATIENCE: [u32; 2] = [1, 2];
 
 /// If halving the step leaves more than this fraction of the error, the error may be due to rounding.
@@ -39,8 +40,8 @@ const FEWER: u64 = 20;
 /// Number of runs between a step that misses the tolerance and one that meets it.
 const BETWEEN: u32 = 3;
 
-/// Runs that take up to `RIVAL` times as long as the cheapest one are timed `ROUNDS` more times, if the cheapest
-/// takes less than `SHORT`, s.
+/// If the cheapest run takes less than `SHORT` seconds, all runs that take up to `RIVAL` times as long are measured
+/// `ROUNDS` more times.
 const RIVAL: f64 = 1.5;
 const ROUNDS: usize = 4;
 const SHORT: f64 = 2.0;
@@ -61,9 +62,9 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
     Ok(pilot.cheapest().cloned())
 }
 
-/// Initial number of steps between two samples. Explicit methods start below their limit or the limit of symplectic
-/// Euler, whichever is longer. A method that gains energy in every step has no useful limit of its own, and may
-/// still gain little until the end.
+/// Initial number of steps between two samples. Explicit methods start below the longer of two steps: their own limit
+/// and that of symplectic Euler. The second is for methods that gain energy in every step: they have no useful limit of
+/// their own, but their total gain by the end of the scene may be small.
 fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
     let [own, other] = [method, Method::SymplecticEuler].map(|method| variant::limit(modes, method));
     let limit = own.zip(other).map(|(own, other)| own.max(other));
@@ -72,7 +73,7 @@ fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
     steps.max(pilot.fewest_steps())
 }
 
-/// Halves the step until a run meets the tolerance or costs too much, or until the study's time `end`, s.
+/// Halves the step until a run meets the tolerance or costs too much, or until the study has run for `end` seconds.
 fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Failure> {
     let scene = &pilot.study.scene;
     let mut patience = PATIENCE[usize::from(variant.method.is_implicit())];
@@ -113,8 +114,9 @@ fn is_stalled(before: Option<&Row>, row: &Row) -> bool {
     row.verdict == Verdict::Misses && before.zip(row.error).is_some_and(|(before, now)| now > STALLED * before)
 }
 
-/// Looks for a longer step than the first one if the first one already meets the tolerance. Explicit methods begin
-/// below the limit of theory, but that limit is for the start of the scene, and step counts are rounded up.
+/// Looks for a longer step than the first one if the first one already meets the tolerance. Explicit methods gain from
+/// it too. Their first step can be too short: the theoretical limit holds for the start of the scene only, the first
+/// step lies below it, and step counts are rounded up.
 fn lengthen(pilot: &mut Pilot<'_>, mut meets: Row, end: f64) -> Result<(), Failure> {
     let scene = &pilot.study.scene;
     loop {
@@ -150,8 +152,9 @@ fn refine(pilot: &mut Pilot<'_>, mut misses: Row, mut meets: Row, end: f64) -> R
     Ok(())
 }
 
-/// Estimates, from the order of convergence between two runs, the number of steps whose error is slightly below the
-/// tolerance. If a run has no error, it is their geometric mean. Always strictly between the two runs.
+/// Estimates the number of steps that gives an error slightly below the tolerance. The estimate uses the order of
+/// convergence between two runs. If the error of one run is unknown, the estimate is the geometric mean of the two
+/// numbers of steps. Always strictly between the two runs.
 fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
     let [coarse, fine] = [misses, meets].map(|row| (row.variant.steps as f64).ln());
     let part = match misses.error.zip(meets.error) {
@@ -162,7 +165,8 @@ fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
     steps.clamp(misses.variant.steps + 1, meets.variant.steps - 1)
 }
 
-/// Measures again, in turn, all runs that are nearly as cheap as the cheapest: a single time may mislead.
+/// Measures the time of all runs that are nearly as cheap as the cheapest once more, in turn, because a single
+/// measurement may mislead.
 fn time_rivals(pilot: &mut Pilot<'_>) -> Result<(), Failure> {
     let Some(best) = pilot.cheapest().map(|row| row.wall_s).filter(|&wall| wall < SHORT) else { return Ok(()) };
     let is_rival = |row: &Row| pilot.is_candidate(row) && row.wall_s <= RIVAL * best;
