@@ -146,8 +146,8 @@ impl Detector {
         start..start + self.commands.tick_words()
     }
 
-    /// Sets two distances in metres. For boxes farther apart than `reach`, a lower bound replaces the distance.
-    /// `separation` is the distance that moving features must keep from one another.
+    /// Sets two distances in metres. If the boxes of a pair are farther apart than `reach`, the result is a lower bound
+    /// of the distance. `separation` is the distance that moving features must keep from one another.
     pub fn set_distances(&mut self, gpu: &Gpu, reach: f32, separation: f32) {
         if (self.params.reach, self.params.separation) != (reach, separation) {
             (self.params.reach, self.params.separation) = (reach, separation);
@@ -284,8 +284,8 @@ impl Capacities {
             }
         };
         let room = |now, at: usize| room_for(now, words[at]);
-        // Candidates are not counted until the pairs of triangles fit. The capacities for candidates grow with that for
-        // these pairs, which saves a round in dense scenes.
+        // Candidates are not counted until the pairs of triangles fit. When the capacity for pairs of triangles grows,
+        // those for candidates grow too. This saves a round in dense scenes.
         let pairs = room(self.pairs, counters::PAIRS)?;
         let dense = if pairs > self.pairs { pairs.min(most) } else { 0 };
         Ok(Self {
@@ -304,8 +304,8 @@ impl Capacities {
 /// Size of a pair, bytes.
 const PAIR: u64 = 8;
 
-/// The largest n for which one buffer holds n pairs of each of the two kinds. Entries have the same limit: a buffer
-/// holds n entries with their boxes.
+/// The largest n for which one buffer holds n pairs of each of the two kinds. The same n limits the entries: the box of
+/// an entry is as large as two pairs.
 fn most_pairs(largest_buffer: u64) -> usize {
     usize::try_from(largest_buffer / (2 * PAIR)).unwrap_or(usize::MAX)
 }

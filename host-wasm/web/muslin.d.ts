@@ -24,7 +24,10 @@ export type Changes = { [key: string]: unknown };
 /** A copy of the scene with changed values. */
 export function changed(scene: Scene, changes: Changes): Scene;
 
-/** The wind section of a scene with this velocity, m/s. */
+/**
+ * The scene's wind section, with its velocity replaced by this one, m/s. If the scene has no wind, the coefficients
+ * are those of light cloth.
+ */
 export function windy(scene: Scene, velocity: [number, number, number]): { [key: string]: unknown };
 
 /** Parses a value as the command line does: TOML, or a bare word. */
@@ -81,7 +84,7 @@ export class Cloth {
 
   /** Takes steps on this thread. */
   step(count?: number): void;
-  /** Takes steps; an open device finds the candidates. Call nothing else until it is done. */
+  /** Takes steps. If a device was opened, it finds the candidates. Call nothing else until the promise is settled. */
   awaitStep(count?: number): Promise<void>;
   /** Opens a WebGPU device for `awaitStep` and returns its name. */
   openDevice(): Promise<string>;

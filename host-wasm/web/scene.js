@@ -30,7 +30,7 @@ export function changed(scene, changes) {
   return copy;
 }
 
-/** The wind section of a scene with this velocity, m/s. The coefficients are the scene's, or those of light cloth. */
+/** The scene's wind section, with its velocity replaced, m/s. Without wind in the scene, with the coefficients of light cloth. */
 export function windy(scene, velocity) {
   return { normal: 0.6, tangential: 0.03, ...scene.drag?.wind, velocity };
 }

@@ -15,7 +15,7 @@ test("what took a browser's clock no time is left out", () => {
 
 test("it says how it ended", () => {
   assert.match(drawn({ ...state, points: [] }), /rk4 in steps of 1 ms …/);
-  assert.match(drawn({ ...state, points: [], done: true }), /Nothing was measured/);
+  assert.match(drawn({ ...state, points: [], done: true }), /no measurements/);
   assert.match(drawn({ ...state, points: [], done: true, why: "a < b" }), /a &lt; b/);
   assert.doesNotMatch(drawn({ ...state, points: [point(20, 1e-4)], done: true }), /…/);
 });

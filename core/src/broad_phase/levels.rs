@@ -3,8 +3,9 @@
 //! smaller triangles.
 //!
 //! The size of a triangle is the greatest extent of its box. Sizes are sorted into logarithmic bins, four per factor of
-//! two. A level takes all remaining triangles up to four times the size at the 1/16 quantile of the remaining sizes.
-//! The last few triangles, and those with unbounded boxes, form a last level without cells.
+//! two. Take the 1/16 quantile of the sizes of the triangles that have no level yet. The next level takes all of these
+//! triangles that are at most four times that large. The last few triangles, and those with unbounded boxes, form a
+//! last level without cells.
 
 use crate::geometry::aabb::Aabb;
 use crate::real::{Vec3, to_f32};

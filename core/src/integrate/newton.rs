@@ -1,5 +1,6 @@
 //! The implicit stage that all implicit methods share. It solves this equation for v:
-//! `M (v - vh) = g f(xh + g v, v)`.
+//! `M (v - vh) = g f(xh + g v, v)`, where g is the length of the stage, and xh and vh are the positions and velocities
+//! that it starts from ([`ImplicitStage`]).
 //!
 //! With one iteration the stage is one linear solve. The forces are linearised at the extrapolated state (xh + g vh,
 //! vh), so that the solve only adds a correction to vh. This keeps the order of the method for any Jacobian [Steihaug
@@ -195,9 +196,8 @@ pub(super) fn solve_linear<D: Dispatch>(
     c.dispatch.enter(stage::Stage::Integrate);
 }
 
-/// Norm of the impulse of gravity during the stage: sqrt(sum m |a g|^2), where a is the gravitational acceleration and
-/// g the length of the stage. Residuals are compared with it, because for a sheet at rest the residual itself gives no
-/// scale.
+/// Norm of the impulse of gravity during the stage: sqrt(sum m) times the gravitational acceleration times the length
+/// of the stage. Residuals are compared with it, because for a sheet at rest the residual itself gives no scale.
 fn weight_impulse<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>) -> Sum {
     let gravity = c.model.gravity.unwrap_or(Vec3::ZERO) * stage.length;
     let mass: Sum = c.masses.iter().map(|&m| Sum::from(m)).sum();

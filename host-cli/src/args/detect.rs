@@ -25,7 +25,7 @@ pub struct DetectArguments {
     /// The hardware that computes
     #[arg(long, value_enum, default_value = "cpu")]
     pub backend: Backend,
-    /// The last stage; it includes the stages before it
+    /// Stop after this stage; the stages before it run too
     #[arg(long, value_enum, default_value = "contacts")]
     pub stage: DetectStage,
     /// Threads [default: one per core]; the result does not depend on it

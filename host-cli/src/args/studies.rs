@@ -15,7 +15,7 @@ pub struct StudyArguments {
     /// The scene
     #[command(flatten)]
     pub of: SceneArguments,
-    /// The measure of cost and budget
+    /// How cost and budget are measured: clock time or counts of work
     #[arg(long, value_enum, default_value = "clock")]
     pub cost: Cost,
     /// Seconds that the study may take, approximately
@@ -104,7 +104,8 @@ pub struct SweepArguments {
 #[derive(Debug, Args)]
 #[command(after_help = help(include_str!("help/validate.txt")))]
 pub struct ValidateArguments {
-    /// Run only this group, or only the checks with these whole words, in this order, in "GROUP NAME"
+    /// Run only this group, or only the checks whose group and name, joined by a space, contain these whole words in
+    /// this order
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
     /// List the checks without running them

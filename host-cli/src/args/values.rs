@@ -94,7 +94,7 @@ impl Backend {
 pub enum Method {
     /// A uniform grid with control bits, as in runs.
     Grid,
-    /// A grid with a simpler rule.
+    /// A simpler grid, written for tests: every box is stored in all cells that it touches.
     Reference,
     /// All pairs: slow.
     Brute,

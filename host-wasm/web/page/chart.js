@@ -68,7 +68,7 @@ export function drawn({ name = "untitled", points, doing, failed, until, referen
   }
   const legend = methods.map((method, k) => {
     const lost = failed.filter((point) => point.method === method).length;
-    return `<span style="color:${COLOURS[k]}">● ${method}</span>${lost ? ` (${lost} unstable)` : ""}`;
+    return `<span style="color:${COLOURS[k]}">● ${method}</span>${lost ? ` (failed with ${lost} step${lost > 1 ? "s" : ""})` : ""}`;
   });
   return `<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label="Error against time for each method" font-size="11" font-family="system-ui">
     ${parts.join("")}<text x="${WIDTH / 2}" y="${HEIGHT - 5}" text-anchor="middle">computing time, ms per simulated second</text></svg>

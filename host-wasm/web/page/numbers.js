@@ -38,7 +38,7 @@ export class Numbers {
     const joules = Object.values(energy).reduce((sum, part) => sum + part, 0);
     const rows = [
       ["time", `${cloth.time.toFixed(2)} s, ${paused ? "paused" : `${speed.toFixed(2)} × real time`}`],
-      ["error (RMS distance to a run with step / 4)", error ?? (comparing ? "after the next reset" : "off")],
+      ["error (RMS distance to a run with step / 4)", error ?? (comparing ? "shown after the next reset" : "off")],
       ["largest stretch", `${(100 * (stretch.max - 1)).toFixed(2)} %`],
       ["energy", `${joules.toPrecision(4)} J`],
       ["contacts per step", (contacts / steps).toFixed(0)],

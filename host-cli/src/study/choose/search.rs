@@ -22,9 +22,9 @@ const BELOW_LIMIT: f64 = 0.95;
 const STEADY: f64 = 1e-4;
 const ITERATIONS: u32 = 2000;
 
-/// Number of runs that may be too expensive before a method is given up: for explicit methods, then for implicit ones.
-/// The solves of an implicit method take longer with longer steps, so a shorter step may be cheaper. Therefore an
-/// implicit method gets a second try.
+/// A method is given up at its n-th run that is too expensive. The values are n for explicit and n for implicit
+/// methods. The solves of an implicit method take longer with longer steps, so a shorter step may be cheaper. Therefore
+/// an implicit method gets a second try.
 const PATIENCE: [u32; 2] = [1, 2];
 
 /// If halving the step leaves more than this fraction of the error, the error may be due to rounding.
@@ -62,9 +62,10 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
     Ok(pilot.cheapest().cloned())
 }
 
-/// Initial number of steps between two samples. Explicit methods start below the longer of two steps: their own limit
-/// and that of symplectic Euler. The second is for methods that gain energy in every step: they have no useful limit of
-/// their own, but their total gain by the end of the scene may be small.
+/// Initial number of steps between two samples. An explicit method starts with a step slightly shorter than its own
+/// limit or that of symplectic Euler, whichever is longer. The limit of symplectic Euler is there for methods that gain
+/// energy in every step. They have no useful limit of their own, but may still meet the tolerance if they gain little
+/// by the end of the scene.
 fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
     let [own, other] = [method, Method::SymplecticEuler].map(|method| variant::limit(modes, method));
     let limit = own.zip(other).map(|(own, other)| own.max(other));
@@ -165,8 +166,8 @@ fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
     steps.clamp(misses.variant.steps + 1, meets.variant.steps - 1)
 }
 
-/// Measures the time of all runs that are nearly as cheap as the cheapest once more, in turn, because a single
-/// measurement may mislead.
+/// Repeats all runs that are nearly as cheap as the cheapest, in turn, `ROUNDS` times, because a single measurement of
+/// time may mislead.
 fn time_rivals(pilot: &mut Pilot<'_>) -> Result<(), Failure> {
     let Some(best) = pilot.cheapest().map(|row| row.wall_s).filter(|&wall| wall < SHORT) else { return Ok(()) };
     let is_rival = |row: &Row| pilot.is_candidate(row) && row.wall_s <= RIVAL * best;

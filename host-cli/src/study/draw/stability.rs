@@ -24,7 +24,7 @@ const LOOKS: [(Verdict, &str, MarkerShape); 5] = [
     (Verdict::NotRun, "#999999", MarkerShape::Plus),
 ];
 
-/// Colour of the limit of theory.
+/// Colour of the theoretical limit.
 const THEORY: &str = "#0072b2";
 
 /// Number of columns and size of one panel, px, for one axis and for two: the columns fill the width of a page.
@@ -67,7 +67,7 @@ fn legend(map: &Map) -> Vec<LegendEntry> {
     let marks = LOOKS.iter().filter(|look| there(look.0));
     let marks = marks.map(|&(verdict, color, marker)| entry(verdict.name(), color, LegendShape::Marker(marker)));
     let limited = map.rows.iter().any(|row| row.theory.is_some_and(|theory| theory > 0.0));
-    marks.chain(limited.then(|| entry("limit of theory", THEORY, LegendShape::Line))).collect()
+    marks.chain(limited.then(|| entry("theoretical limit", THEORY, LegendShape::Line))).collect()
 }
 
 fn panel(map: &Map, name: &str, axis: Axis) -> (Vec<Plot>, Layout) {
@@ -103,7 +103,7 @@ fn marks(cells: &[(&Row, f64)], look: &(Verdict, &str, MarkerShape)) -> Plot {
     Plot::Scatter(ScatterPlot::new().with_data(at).with_color(color).with_marker(marker).with_size(3.0))
 }
 
-/// The limit of theory against the scale, where it lies on the map.
+/// The theoretical limit against the scale, where it lies on the map.
 fn theory(cells: &[(&Row, f64)], steps: (f64, f64)) -> Option<Plot> {
     let limits = cells.iter().filter_map(|(row, scale)| Some((row.theory?, *scale)));
     let mut limits: Vec<_> = limits.filter(|(limit, _)| (steps.0..=steps.1).contains(limit)).collect();

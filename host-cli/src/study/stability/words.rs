@@ -5,7 +5,7 @@ use crate::units::{significant, time, time_between};
 use super::cell::{EXPLICIT_STEPS, IMPLICIT_STEPS, Verdict};
 use super::report::{Axis, Limit, Map, Row, Whole};
 
-/// If the measured limit is below this part of the limit of theory, a remark says that theory does not predict it.
+/// If the measured limit is below this part of the theoretical limit, a remark says that theory does not predict it.
 const EARLY: f64 = 0.9;
 
 /// Marks behind a cell of the table.
@@ -44,7 +44,7 @@ impl Map {
         lines.push(String::new());
         lines.extend(self.limits.iter().filter_map(first_failure));
         lines.extend(self.limits.iter().filter_map(early));
-        lines.push(format!("of {asked} runs near a limit of theory, {right} agree with it"));
+        lines.push(format!("of {asked} runs near a theoretical limit, {right} agree with it"));
         if self.missing() > 0 {
             lines.push(format!("{} runs are missing: the budget was used up", self.missing()));
         }

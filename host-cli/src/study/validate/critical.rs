@@ -1,4 +1,4 @@
-//! The longest stable step of explicit methods: a lattice of 16x16 masses, with steps around the limit of theory.
+//! The longest stable step of explicit methods: a lattice of 16x16 masses, with steps around the theoretical limit.
 
 use glam::DVec3;
 use muslin_core_f64::integrate::stability::Mode;
@@ -13,7 +13,7 @@ use super::net::Net;
 
 /// Description in the report.
 pub const ABOUT: &str = "16x16 masses on structural, shear and bending springs: the largest eigenvalue, and the step \
-                         from which energy grows tenfold within 2000 steps over the limit of theory, by damping ratio";
+                         from which energy grows tenfold within 2000 steps over the theoretical limit, by damping ratio";
 
 /// Vertices along a side.
 const SIDE: u32 = 16;
@@ -64,7 +64,7 @@ pub fn checks() -> Vec<Check> {
     });
     let limits = EXPLICIT.into_iter().zip(LIMITS).flat_map(|(method, limits)| {
         RATIOS.into_iter().zip(limits).map(move |(zeta, limit)| {
-            let name = format!("{}, damping ratio {zeta}, limit of theory x frequency", method.name());
+            let name = format!("{}, damping ratio {zeta}, theoretical limit x frequency", method.name());
             Check::absolute(name, limit, DIGITS, move |_| theory(method, mode(1.0, zeta)))
         })
     });
@@ -80,7 +80,7 @@ pub fn checks() -> Vec<Check> {
     eigenvalues.chain(limits).chain(ratios).collect()
 }
 
-/// The shortest unstable step over the limit of theory.
+/// The shortest unstable step over the theoretical limit.
 fn limit(lab: &Lab, method: Method, zeta: f64) -> Result<f64, Miss> {
     let (lambda, shape) = fastest_mode(SPRINGS);
     let omega = lambda.sqrt();
