@@ -196,7 +196,7 @@ impl Simulation {
         }
         let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);
         let Self { built, scratch, step, statistics, .. } = self;
-        let BuiltScene { particles, model, pins, .. } = built;
+        let BuiltScene { particles, model, pins, contact, .. } = built;
         let context = StepInput {
             model: &model.view(),
             pins: &pins.view(),
@@ -206,6 +206,7 @@ impl Simulation {
             step: *step * part.length as Real,
             scheme,
             extrapolates,
+            has_contact: contact.is_some(),
             dispatch,
         };
         let particles = Particles {
@@ -214,7 +215,11 @@ impl Simulation {
             masses: &particles.masses,
             inverse_masses: &particles.inverse_masses,
         };
-        step::predict(&context, &particles, &mut scratch.view(), statistics)
+        let mut view = scratch.view();
+        view.residual_target = 0.0;
+        let prediction = step::predict(&context, &particles, &mut view, statistics);
+        scratch.residual_target = view.residual_target;
+        prediction
     }
 
     /// Last phase of a step: the candidate becomes the state. Does the same as [`step::commit`], with
