@@ -45,7 +45,7 @@ const MOST_STRAIN: Real = 0.5;
 const INNER_TOLERANCE: Real = 1e-3;
 
 /// Relative residual of a solve that contact completes. It only predicts which features meet.
-const PREDICTION: Sum = 0.1;
+const PREDICTION: Sum = 0.01;
 
 /// Fraction of the predicted decrease that a line search requires [Armijo].
 const SUFFICIENT_DECREASE: Sum = 1e-4;
