@@ -44,11 +44,6 @@ pub struct Scratch<'a> {
     pub solution: &'a mut [Vec3],
     /// Implicit: residual, kg m/s.
     pub residual: &'a mut [Vec3],
-    /// Backward Euler with contact: the residual that the prediction leaves, kg m/s.
-    pub prediction_residual: &'a mut [Vec3],
-    /// Backward Euler with contact: the squared norm of the preconditioned residual that the step must reach, J; 0 if
-    /// the prediction has reached it.
-    pub residual_target: Sum,
     /// Newton's method with line search: the residual at the start of a linear solve.
     pub base_residual: &'a mut [Vec3],
     /// Implicit: search direction of conjugate gradients.
@@ -107,8 +102,6 @@ mod owned {
         tangents: Vec<Real>,
         solution: Vec<Vec3>,
         residual: Vec<Vec3>,
-        prediction_residual: Vec<Vec3>,
-        pub(crate) residual_target: Sum,
         base_residual: Vec<Vec3>,
         direction: Vec<Vec3>,
         products: Vec<Vec3>,
@@ -146,7 +139,6 @@ mod owned {
             let column = |used: bool| vec![Vec3::ZERO; if used { vertices } else { 0 }];
             let implicit = scheme.method.is_implicit();
             let searches = implicit && scheme.newton > 1;
-            let completes = implicit && !searches && scene.contact.is_some();
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
             let pattern = if implicit { SparsityPattern::build(vertices, model) } else { SparsityPattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
@@ -172,8 +164,6 @@ mod owned {
                 tangents: vec![0.0; if implicit { model.tangent_scratch() } else { 0 }],
                 solution: column(implicit),
                 residual: column(implicit),
-                prediction_residual: column(completes),
-                residual_target: 0.0,
                 base_residual: column(searches),
                 direction: column(implicit),
                 products: column(implicit),
@@ -217,7 +207,6 @@ mod owned {
                 &self.base_velocities,
                 &self.solution,
                 &self.residual,
-                &self.prediction_residual,
                 &self.base_residual,
                 &self.direction,
                 &self.products,
@@ -260,8 +249,6 @@ mod owned {
                 tangents: &mut self.tangents,
                 solution: &mut self.solution,
                 residual: &mut self.residual,
-                prediction_residual: &mut self.prediction_residual,
-                residual_target: self.residual_target,
                 base_residual: &mut self.base_residual,
                 direction: &mut self.direction,
                 products: &mut self.products,

@@ -22,8 +22,6 @@ const SHEET: &str = r#"
     shear = { stiffness = 40.0 }
     bend = { model = "hinge", rigidity = 1e-4 }
     pin = [{ select = { corners = [0] } }, { select = { corners = [2] }, axes = "y" }]
-    [contact]
-    thickness = 0.001
 "#;
 
 both_precisions! {
@@ -54,19 +52,18 @@ both_precisions! {
         v.iter().map(|&v| wide(v)).collect()
     }
 
-    /// A method, with or without a state before the last, and with or without contact to complete its solve.
+    /// A method, with or without a state before the last.
     #[derive(Clone, Copy, Debug)]
     struct Advance {
         method: Method,
         history: bool,
-        has_contact: bool,
     }
 
     const ADVANCES: [Advance; 4] = [
-        Advance { method: Method::BackwardEuler, history: false, has_contact: false },
-        Advance { method: Method::ImplicitMidpoint, history: false, has_contact: false },
-        Advance { method: Method::Bdf2, history: false, has_contact: false },
-        Advance { method: Method::Bdf2, history: true, has_contact: false },
+        Advance { method: Method::BackwardEuler, history: false },
+        Advance { method: Method::ImplicitMidpoint, history: false },
+        Advance { method: Method::Bdf2, history: false },
+        Advance { method: Method::Bdf2, history: true },
     ];
 
     impl Advance {
@@ -150,8 +147,7 @@ both_precisions! {
             time: 0.0,
             step: STEP as Real,
             scheme: &scheme,
-            extrapolates: true,
-            has_contact: advance.has_contact,
+                extrapolates: true,
             dispatch: &Serial,
         };
         let particles = Particles {
@@ -292,40 +288,6 @@ both_precisions! {
                 worst.check();
                 impulses.check();
             }
-        }
-    }
-
-    /// Before contact backward Euler predicts only roughly. The correction completes the solve, with and without holds.
-    #[test]
-    fn a_rough_prediction_is_completed() {
-        let whole = ADVANCES[0];
-        let rough = Advance { has_contact: true, ..whole };
-        for preconditioner in PRECONDITIONERS {
-            let what = format!("{} {preconditioner:?}: completed", muslin::real::NAME);
-            let mut worst = Worst::new(what, kit::bound(2e-4, 1e-9));
-            let mut roughest: f64 = 0.0;
-            for (seed, count) in (0..20).zip([0, 4].into_iter().cycle()) {
-                let of = |advance, holds| correct(advance, preconditioner, sheet(seed), holds, |_| false);
-                let (want, rest) = (of(whole, holds(&mut Rng::new(seed + 300), count)), of(rough, vec![]).predicted);
-                // The gaps are those of the prediction.
-                let lag: Vec<_> = want.predicted[0].iter().zip(&rest[0]).map(|(a, b)| *a - *b).collect();
-                let mut asked = holds(&mut Rng::new(seed + 300), count);
-                for hold in &mut asked {
-                    hold.missing += vec3(relative(hold, &lag).into());
-                }
-                let got = of(rough, asked);
-                let off = want.predicted[1].iter().zip(&got.predicted[1]).map(|(a, b)| *a - *b).collect::<Vec<_>>();
-                roughest = roughest.max(largest(&off) / largest(&want.end[1]));
-                worst.vectors(largest(&want.end[1]), &got.end[1], &want.end[1], || format!("velocities, seed {seed}"));
-                let moved = |of: &Corrected| -> Vec<DVec3> {
-                    let start = column(&of.built.particles.positions);
-                    of.end[0].iter().zip(start).map(|(end, start)| *end - start).collect()
-                };
-                let (want, got) = (moved(&want), moved(&got));
-                worst.vectors(largest(&want), &got, &want, || format!("displacements, seed {seed}"));
-            }
-            assert!(roughest > 1e-3, "predictions differ by {roughest} at most: nothing was left to complete");
-            worst.check();
         }
     }
 

@@ -58,9 +58,6 @@ pub struct Vectors<'a> {
 pub struct StoppingCriterion {
     /// Norm of the preconditioned residual at which to stop, relative to its norm for y = 0.
     pub reduction: Sum,
-    /// Squared norm of the preconditioned residual that is small enough in any case, J. It estimates the squared error
-    /// of y, weighted by the masses.
-    pub sufficient: Sum,
     /// Whether to start from the stored solution; else from zero.
     pub warm_start: bool,
 }
@@ -68,7 +65,7 @@ pub struct StoppingCriterion {
 impl StoppingCriterion {
     /// Starts from zero and stops at this relative residual.
     pub fn reduced_by(reduction: Sum) -> Self {
-        Self { reduction, sufficient: 0.0, warm_start: false }
+        Self { reduction, warm_start: false }
     }
 }
 
@@ -101,8 +98,7 @@ fn is_positive_definite(block: &Mat3) -> bool {
     block.x_axis.x > 0.0 && minor > 0.0 && block.determinant() > 0.0
 }
 
-/// Solves the system and writes `vectors.solution`; NaN if the residual is not finite. Returns the squared norm of the
-/// preconditioned residual at which it stops, J.
+/// Solves the system and writes `vectors.solution`; NaN if the residual is not finite.
 pub fn solve(
     system: &System<'_>,
     preconditioner: &mut FactoredPreconditioner<'_, '_>,
@@ -110,11 +106,11 @@ pub fn solve(
     vectors: Vectors<'_>,
     statistics: &mut IntegratorStatistics,
     dispatch: &impl Dispatch,
-) -> Sum {
+) {
     let Vectors { solution, residual, direction, product, preconditioned, partials } = vectors;
     precondition(system, preconditioner, residual, preconditioned, dispatch);
     let mut rho = dot(residual, preconditioned, partials, dispatch);
-    let target = (rho * stopping.reduction * stopping.reduction).max(stopping.sufficient);
+    let target = rho * stopping.reduction * stopping.reduction;
     let guessed = if stopping.warm_start {
         statistics.matrix_products += 1;
         apply(system, solution, product, dispatch);
@@ -136,7 +132,7 @@ pub fn solve(
     while rho > target && rho > 0.0 {
         if iteration == MOST_ITERATIONS {
             statistics.unconverged += 1;
-            return target;
+            return;
         }
         iteration += 1;
         statistics.cg_iterations += 1;
@@ -148,7 +144,7 @@ pub fn solve(
             if iteration == 1 {
                 solution.copy_from_slice(direction);
             }
-            return target;
+            return;
         }
         let alpha = (rho / curvature) as Real;
         let (p, q) = (&*direction, &*product);
@@ -176,7 +172,6 @@ pub fn solve(
         // A solve that fails writes NaN, so that the check after the step rejects it.
         solution.fill(Vec3::NAN);
     }
-    target
 }
 
 /// `out = S A p`. The held axes of `p` must be zero.

@@ -12,8 +12,9 @@ use super::conjugate_gradient::StoppingCriterion;
 use super::{IntegratorStatistics, Method, StepInput, newton};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
-use crate::real::{Mat3, Real, Sum, Vec3, outer, scaled_identity};
+use crate::real::{Mat3, Real, Vec3, outer, scaled_identity};
 use crate::scratch::Scratch;
+use crate::stage::Stage;
 
 /// Stiffness of a hold beside that of the cloth at its vertices.
 const STIFFNESS: Real = 30.0;
@@ -22,7 +23,7 @@ const STIFFNESS: Real = 30.0;
 /// slides.
 const MOST_TRIALS: u32 = 3;
 
-/// How much tighter the last solve is than the step's own: what the holds ask for is thirty times larger than
+/// How much tighter a solve is than the step's own: what the holds ask for is thirty times larger than
 /// what the cloth bears, and friction is judged by the latter.
 const TIGHTER: Real = 0.3;
 
@@ -107,9 +108,8 @@ fn length(method: Method, step: Real, has_history: bool) -> Real {
     }
 }
 
-/// Corrects the candidate state of an implicit step, whose matrix and preconditioner must still be in `s`. Completes the
-/// solve of the step if that [only predicted](StepInput::is_completed_by_contact). After each solve `release` may let go of
-/// holds; it returns whether it did.
+/// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. After each
+/// solve `release` may let go of holds; it returns whether it did.
 pub fn correct<D: Dispatch>(
     c: &StepInput<'_, D>,
     holds: &mut [Hold],
@@ -117,9 +117,6 @@ pub fn correct<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
     mut release: impl FnMut(&mut [Hold]) -> bool,
 ) {
-    if holds.is_empty() && s.residual_target == 0.0 {
-        return;
-    }
     let to_position = length(c.scheme.method, c.step, s.has_history);
     // A contact takes the velocity that it took from the way. As the second-order methods follow
     // their stage, it would throw back what it stops.
@@ -127,23 +124,19 @@ pub fn correct<D: Dispatch>(
     for hold in &mut *holds {
         hold.stiffness = STIFFNESS * stiffness(hold, c.masses, s);
     }
-    let reduction = if holds.is_empty() { 0.0 } else { Sum::from(c.scheme.tolerance * TIGHTER) };
-    if !holds.is_empty() {
-        newton::factorize(c, holds, s);
-    }
+    let reduction = (c.scheme.tolerance * TIGHTER).into();
     for trial in 0..=MOST_TRIALS {
-        if trial > 0 {
-            // The coarse level of the first trial, in which everything sticks, serves for all: to write it again takes
-            // longer than the few iterations that it would save.
-            newton::write_inverse_diagonal(c, holds, s);
-        }
         // Each solve goes on from the one before.
-        let stopping = StoppingCriterion { reduction, sufficient: s.residual_target, warm_start: trial > 0 };
-        solve(c, holds, to_position, stopping, s, statistics);
+        solve(c, holds, to_position, StoppingCriterion { reduction, warm_start: trial > 0 }, s, statistics);
+        for hold in &mut *holds {
+            let relative = gather(hold, s.solution);
+            hold.impulse = hold.along(hold.missing / to_position - relative);
+        }
         if trial == MOST_TRIALS || !release(holds) {
             break;
         }
     }
+    c.dispatch.enter(Stage::Integrate);
     let y = &*s.solution;
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x, v)| {
         for (i, (x, v)) in (start..).zip(x.iter_mut().zip(v)) {
@@ -153,29 +146,21 @@ pub fn correct<D: Dispatch>(
     });
 }
 
-/// Writes y to `s.solution`, and the impulses of the holds.
+/// Writes y to `s.solution`.
 fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,
-    holds: &mut [Hold],
+    holds: &[Hold],
     to_position: Real,
-    stopping: StoppingCriterion,
+    until: StoppingCriterion,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    if s.residual_target > 0.0 {
-        s.residual.copy_from_slice(s.prediction_residual);
-    } else {
-        s.residual.fill(Vec3::ZERO);
-    }
-    for hold in &*holds {
+    s.residual.fill(Vec3::ZERO);
+    for hold in holds {
         scatter(hold, hold.along(hold.missing / to_position), s.residual);
     }
     c.pins.filter(s.residual);
-    newton::solve_linear(c, holds, stopping, s, statistics);
-    for hold in holds {
-        let relative = gather(hold, s.solution);
-        hold.impulse = hold.along(hold.missing / to_position - relative);
-    }
+    newton::solve_linear(c, holds, until, s, statistics);
 }
 
 /// 1 / sum W^2 / (n . A n) over a hold's vertices, kg.

@@ -105,15 +105,6 @@ pub struct Scheme {
     pub jacobian: Jacobian,
 }
 
-impl Scheme {
-    /// Whether a step with contact solves its system in two parts: it predicts roughly, and completes the solve
-    /// together with contact. Only backward Euler with one linear solve can: other methods compute the new velocities
-    /// from the two parts in different ways.
-    pub fn is_completed_by_contact(&self) -> bool {
-        self.method == Method::BackwardEuler && self.newton <= 1
-    }
-}
-
 /// Counts of the integrator's work, independent of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct IntegratorStatistics {
@@ -153,18 +144,11 @@ pub struct StepInput<'a, D> {
     /// Whether the single linear solve may linearise the forces at positions extrapolated by the velocities.
     /// False after contact, which changes the velocities abruptly.
     pub extrapolates: bool,
-    /// Whether contact corrects the candidate state afterwards.
-    pub has_contact: bool,
     /// Runs the kernels.
     pub dispatch: &'a D,
 }
 
 impl<D: Dispatch> StepInput<'_, D> {
-    /// Whether the linear solve only predicts, and [`coupling::correct`] completes it.
-    pub fn is_completed_by_contact(&self) -> bool {
-        self.has_contact && self.scheme.is_completed_by_contact()
-    }
-
     /// Writes the forces at the state (`x`, `v`) to `f` and counts the evaluation.
     pub fn forces(
         &self,

@@ -44,9 +44,6 @@ const MOST_STRAIN: Real = 0.5;
 /// not give a better step.
 const INNER_TOLERANCE: Real = 1e-3;
 
-/// Relative residual of a solve that contact completes. It only predicts which features meet.
-const PREDICTION: Sum = 0.01;
-
 /// Fraction of the predicted decrease that a line search requires [Armijo].
 const SUFFICIENT_DECREASE: Sum = 1e-4;
 
@@ -93,15 +90,7 @@ fn linearized_step<D: Dispatch>(
     statistics.newton_iterations += 1;
     let norm = residual_norm(c, s.residual).max(Sum::MIN_POSITIVE);
     let reduction = Sum::from(c.scheme.tolerance) * (weight_impulse(c, stage) / norm).max(1.0);
-    factorize(c, &[], s);
-    if c.is_completed_by_contact() {
-        let coarse = reduction.max(PREDICTION);
-        let target = solve_linear(c, &[], StoppingCriterion::reduced_by(coarse), s, statistics);
-        s.residual_target = target * (reduction / coarse) * (reduction / coarse);
-        s.prediction_residual.copy_from_slice(s.residual);
-    } else {
-        solve_linear(c, &[], StoppingCriterion::reduced_by(reduction), s, statistics);
-    }
+    solve_linear(c, &[], StoppingCriterion::reduced_by(reduction), s, statistics);
     add_scaled(c, s.solution, 1.0, s.next_velocities);
 }
 
@@ -137,7 +126,6 @@ fn newton_iterations<D: Dispatch>(
         // Save the residual, which is the negative gradient of the objective: conjugate gradients overwrite it.
         s.base_residual.copy_from_slice(s.residual);
         let reduction = c.scheme.tolerance.max(INNER_TOLERANCE).into();
-        factorize(c, &[], s);
         solve_linear(c, &[], StoppingCriterion::reduced_by(reduction), s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
         match search(c, stage, slope, s, statistics) {
@@ -177,37 +165,18 @@ fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, 
     });
 }
 
-/// Writes the preconditioner of `M + S + H`, with S in `s.matrix` and H the matrix of the penalty contacts in `holds`.
-pub(super) fn factorize<D: Dispatch>(c: &StepInput<'_, D>, holds: &[Hold], s: &mut Scratch<'_>) {
-    write_inverse_diagonal(c, holds, s);
-    if c.scheme.preconditioner == Preconditioner::TwoLevel {
-        c.dispatch.enter(stage::Stage::Solve);
-        let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds };
-        coarse::write_factor(&s.patches, &system, &mut s.coarse);
-        c.dispatch.enter(stage::Stage::Integrate);
-    }
-}
-
-/// Writes the diagonal level of the preconditioner of `M + S + H`, and keeps the coarse level.
-pub(super) fn write_inverse_diagonal<D: Dispatch>(c: &StepInput<'_, D>, holds: &[Hold], s: &mut Scratch<'_>) {
-    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds };
-    c.dispatch.enter(stage::Stage::Solve);
-    conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
-    c.dispatch.enter(stage::Stage::Integrate);
-}
-
-/// Solves `(M + S + H) y = r` with the preconditioner that [`factorize`] wrote last, and writes y to `s.solution`. S is
-/// in `s.matrix`, r is in `s.residual`, and H is the matrix of the penalty contacts in `holds`. Afterwards `s.residual`
-/// is the residual. Returns the squared norm of the preconditioned residual at which the solve stops, J.
+/// Solves `(M + S + H) y = r` and writes y to `s.solution`. S is in `s.matrix`, r is in `s.residual`, and H is the
+/// matrix of the penalty contacts in `holds`.
 pub(super) fn solve_linear<D: Dispatch>(
     c: &StepInput<'_, D>,
     holds: &[Hold],
     stopping: StoppingCriterion,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
-) -> Sum {
+) {
     let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds };
     c.dispatch.enter(stage::Stage::Solve);
+    conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
     let vectors = conjugate_gradient::Vectors {
         solution: s.solution,
         residual: s.residual,
@@ -216,13 +185,15 @@ pub(super) fn solve_linear<D: Dispatch>(
         preconditioned: s.preconditioned,
         partials: s.partials,
     };
-    let has_coarse = c.scheme.preconditioner == Preconditioner::TwoLevel;
-    let coarse = has_coarse.then_some((s.patches, &mut s.coarse));
+    let mut coarse = None;
+    if c.scheme.preconditioner == Preconditioner::TwoLevel {
+        coarse::write_factor(&s.patches, &system, &mut s.coarse);
+        coarse = Some((s.patches, &mut s.coarse));
+    }
     let mut preconditioner =
         conjugate_gradient::FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
-    let target = conjugate_gradient::solve(&system, &mut preconditioner, stopping, vectors, statistics, c.dispatch);
+    conjugate_gradient::solve(&system, &mut preconditioner, stopping, vectors, statistics, c.dispatch);
     c.dispatch.enter(stage::Stage::Integrate);
-    target
 }
 
 /// Norm of the impulse of gravity during the stage: sqrt(sum m) times the gravitational acceleration times the length

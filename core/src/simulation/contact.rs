@@ -131,9 +131,7 @@ impl Simulation {
         let BuiltScene { particles, model, pins, .. } = built;
         let (model, pins) = (&model.view(), &pins.view());
         let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
-        let has_contact = true;
-        let context =
-            StepInput { model, pins, masses, inverse_masses, time, step, scheme, extrapolates, has_contact, dispatch };
+        let context = StepInput { model, pins, masses, inverse_masses, time, step, scheme, extrapolates, dispatch };
         step::couple(&context, &touching.view(), &mut contact.view(), holds, &mut scratch.view(), statistics);
     }
 

@@ -196,7 +196,7 @@ impl Simulation {
         }
         let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);
         let Self { built, scratch, step, statistics, .. } = self;
-        let BuiltScene { particles, model, pins, contact, .. } = built;
+        let BuiltScene { particles, model, pins, .. } = built;
         let context = StepInput {
             model: &model.view(),
             pins: &pins.view(),
@@ -206,7 +206,6 @@ impl Simulation {
             step: *step * part.length as Real,
             scheme,
             extrapolates,
-            has_contact: contact.is_some(),
             dispatch,
         };
         let particles = Particles {
@@ -215,11 +214,7 @@ impl Simulation {
             masses: &particles.masses,
             inverse_masses: &particles.inverse_masses,
         };
-        let mut view = scratch.view();
-        view.residual_target = 0.0;
-        let prediction = step::predict(&context, &particles, &mut view, statistics);
-        scratch.residual_target = view.residual_target;
-        prediction
+        step::predict(&context, &particles, &mut scratch.view(), statistics)
     }
 
     /// Last phase of a step: the candidate becomes the state. Does the same as [`step::commit`], with
