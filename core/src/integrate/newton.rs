@@ -7,8 +7,9 @@
 //! 1979], even if it is projected or leaves out how damping depends on positions. Linearising there also does not
 //! stretch rotating elements. The usual linearisation at the start of the step [Baraff 1998, eq. 3.25] would reduce the
 //! order to one. If vh deforms elements strongly within the step, the forces are linearised after only a fraction of
-//! the extrapolation. In a step that follows contact this fraction is zero: that is the usual linearisation. With more
-//! iterations the stage is Newton's method, started at vh. Each iteration moves along a descent direction of
+//! the extrapolation. In a step that follows contact this fraction is zero: that is the usual linearisation.
+//!
+//! With more iterations the stage is Newton's method, started at vh. Each iteration moves along a descent direction of
 //!
 //! `G(v) = |v - vh|^2_M / 2 + E(xh + g v) + g R(v)`
 //!
