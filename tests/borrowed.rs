@@ -207,6 +207,7 @@ both_precisions! {
                 step: STEP as Real,
                 scheme: &scheme,
                 extrapolates: true,
+                has_contact: false,
                 dispatch: &Serial,
             };
             assert_eq!(step::predict(&context, &particles, &mut scratch, &mut work), Prediction::Fine);

@@ -5,10 +5,11 @@ use crate::audit::Room;
 use crate::broad_phase::{Counts, Grid, Surface};
 use crate::colliders::Colliders;
 use crate::geometry::aabb::Aabb;
-use crate::integrate::coupling::Hold;
+use crate::integrate::augmented_contact::AugmentedContact;
 use crate::real::{Real, Vec3};
 use crate::response::constraint::Constraint;
 use crate::response::friction::Law;
+use crate::response::multiplier::Multiplier;
 
 /// Contact as a scene describes it, borrowed.
 #[derive(Clone, Copy, Debug)]
@@ -68,18 +69,31 @@ pub struct ContactScratch<'a> {
     pub vertex_triangle: Pairs<'a>,
     /// Pairs of edges.
     pub edge_edge: Pairs<'a>,
-    /// How many constraints the implicit system was told of, and how many of them it held.
-    pub pressed: &'a mut [usize; 2],
-    /// What has to be kept; as many as there is room for.
+    /// Numbers of valid entries in the three columns below.
+    pub lengths: &'a mut Lengths,
+    /// The constraints; the length of the slice is their capacity.
     pub constraints: &'a mut [Constraint],
-    /// Indices of constraints; twice as many as there is room for.
+    /// The contacts that an implicit step is solved with; the same capacity.
+    pub contacts: &'a mut [AugmentedContact],
+    /// The forces of contacts in the last step, which the next one starts from; the same capacity.
+    pub multipliers: &'a mut [Multiplier],
+    /// Indices of constraints; twice the capacity.
     pub order: &'a mut [u32],
-    /// The contacts that push; as many as there is room for constraints.
-    pub holds: &'a mut [Hold],
     /// Of the broad phase.
     pub grid: Grid<'a>,
     /// Of the exact test.
     pub room: Room<'a>,
+}
+
+/// Numbers of valid entries in the columns of [`ContactScratch`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lengths {
+    /// Constraints that the solve took part in; after the response, all constraints.
+    pub constraints: usize,
+    /// Contacts of the solve.
+    pub contacts: usize,
+    /// Multipliers.
+    pub multipliers: usize,
 }
 
 /// Candidates of one kind, and what is known of each.
@@ -102,7 +116,10 @@ mod owned {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    use super::{Aabb, Constraint, ContactModel, ContactScratch, Counts, Hold, Law, Pairs, Real, Vec3};
+    use super::{
+        Aabb, AugmentedContact, Constraint, ContactModel, ContactScratch, Counts, Law, Lengths, Multiplier, Pairs,
+        Real, Vec3,
+    };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
     use crate::colliders::ColliderColumns;
@@ -201,10 +218,11 @@ mod owned {
         counts: Counts,
         vertex_triangle: PairColumns,
         edge_edge: PairColumns,
-        pressed: [usize; 2],
+        lengths: Lengths,
         constraints: Vec<Constraint>,
+        contacts: Vec<AugmentedContact>,
+        multipliers: Vec<Multiplier>,
         order: Vec<u32>,
-        holds: Vec<Hold>,
         grid: GridColumns,
         room: RoomColumns,
     }
@@ -253,8 +271,21 @@ mod owned {
             if needed > self.constraints.len() {
                 self.constraints.resize(needed + needed / 4, Constraint::default());
                 self.order.resize(2 * self.constraints.len(), 0);
-                self.holds.resize(self.constraints.len(), Hold::default());
+                self.contacts.resize(self.constraints.len(), AugmentedContact::default());
+                self.multipliers.resize(self.constraints.len(), Multiplier::default());
             }
+        }
+
+        /// The forces of contacts in the last step.
+        pub fn multipliers(&self) -> &[Multiplier] {
+            &self.multipliers[..self.lengths.multipliers]
+        }
+
+        /// Replaces them.
+        pub fn set_multipliers(&mut self, multipliers: &[Multiplier]) {
+            self.grow_constraints(multipliers.len());
+            self.multipliers[..multipliers.len()].copy_from_slice(multipliers);
+            self.lengths.multipliers = multipliers.len();
         }
 
         /// Bytes held.
@@ -266,7 +297,8 @@ mod owned {
                 + self.edge_edge.bytes()
                 + size_of_val(&self.constraints[..])
                 + size_of_val(&self.order[..])
-                + size_of_val(&self.holds[..])
+                + size_of_val(&self.contacts[..])
+                + size_of_val(&self.multipliers[..])
                 + self.grid.bytes()
                 + self.room.bytes()
         }
@@ -285,10 +317,11 @@ mod owned {
                 counts: &mut self.counts,
                 vertex_triangle: self.vertex_triangle.view(),
                 edge_edge: self.edge_edge.view(),
-                pressed: &mut self.pressed,
+                lengths: &mut self.lengths,
                 constraints: &mut self.constraints,
+                contacts: &mut self.contacts,
+                multipliers: &mut self.multipliers,
                 order: &mut self.order,
-                holds: &mut self.holds,
                 grid: self.grid.view(),
                 room: self.room.view(),
             }

@@ -44,7 +44,8 @@ pub struct Scratch<'a> {
     pub solution: &'a mut [Vec3],
     /// Implicit: residual, kg m/s.
     pub residual: &'a mut [Vec3],
-    /// Newton's method with line search: the residual at the start of a linear solve.
+    /// Newton's method with line search: the residual at the start of a linear solve. Contact: the residual with the
+    /// impulses of contacts.
     pub base_residual: &'a mut [Vec3],
     /// Implicit: search direction of conjugate gradients.
     pub direction: &'a mut [Vec3],
@@ -138,7 +139,7 @@ mod owned {
             let (vertices, model) = (scene.particles.positions.len(), &scene.model.view());
             let column = |used: bool| vec![Vec3::ZERO; if used { vertices } else { 0 }];
             let implicit = scheme.method.is_implicit();
-            let searches = implicit && scheme.newton > 1;
+            let searches = implicit && (scheme.newton > 1 || scene.contact.is_some());
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
             let pattern = if implicit { SparsityPattern::build(vertices, model) } else { SparsityPattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {

@@ -1,9 +1,12 @@
 //! The phases of one step, in order:
 //!
 //! [`predict`] (forces, integration) -> [`sweep`] (boxes around the motion) -> [`detect`] (candidates
-//! and their distances) -> [`press`] and [`couple`] (penalty contacts, implicit methods only) ->
-//! [`respond`] (contacts, impacts) -> [`settle`] -> [`new_crossing`], if surfaces
-//! [touch](crate::response::Outcome::Touches) -> [`commit`].
+//! and their distances) -> [`find_contacts`] and [`couple`] (contacts and elasticity, implicit methods
+//! only) -> [`respond`] (contacts, impacts) -> [`settle`] -> [`new_crossing`], if surfaces
+//! [touch](crate::response::Outcome::Touches) -> [`keep_forces`] and [`commit`].
+//!
+//! Backward Euler without Newton's method predicts the motion without any force and leaves its one
+//! linear solve to [`couple`].
 //!
 //! A candidate state that is not committed does not change the state. Without contact a step consists
 //! of the first and the last phase.
@@ -14,17 +17,16 @@ use crate::contact::{ContactModel, ContactScratch};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
-use crate::integrate::coupling::{self, Hold};
-use crate::integrate::{self, IntegratorStatistics, StepInput};
+use crate::integrate::{self, IntegratorStatistics, StepInput, contact_solve};
 use crate::narrow_phase::{EdgeEdge, VertexTriangle, proximity};
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
-use crate::response::coupled;
+use crate::response::multiplier;
 use crate::response::repulsion::REACH;
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
-pub use crate::response::{press, respond};
+pub use crate::response::{find_contacts, respond};
 
 /// Result of [`predict`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,7 +87,7 @@ pub fn sweep(
         model.colliders.place(sweep.time + Sum::from(sweep.step), &mut contact.predicted[cloth..]);
         contact.end.copy_from_slice(contact.predicted);
         contact.boxes.fill(Aabb::EMPTY);
-        *contact.pressed = [0; 2];
+        (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);
     }
     for (v, around) in contact.boxes.iter_mut().enumerate() {
         let (start, end) = (contact.start[v], contact.end[v]);
@@ -134,20 +136,24 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
     counts
 }
 
-/// Solves the first `holds` penalty contacts together with the cloth. Only for implicit methods, before
-/// the response.
+/// Solves the step together with its contacts. Only for implicit methods, between [`find_contacts`] and [`respond`];
+/// required by [`StepInput::defers_solve`].
 pub fn couple<D: Dispatch>(
     context: &StepInput<'_, D>,
-    model: &ContactModel<'_>,
+    particles: &Particles<'_>,
     contact: &mut ContactScratch<'_>,
-    holds: usize,
     scratch: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let ContactScratch { holds: all, constraints, .. } = contact;
-    let release = |holds: &mut [Hold]| coupled::release(model, constraints, holds, context.step);
-    coupling::correct(context, &mut all[..holds], scratch, statistics, release);
+    let contacts = &mut contact.contacts[..contact.lengths.contacts];
+    contact_solve::correct(context, [particles.positions, particles.velocities], contacts, scratch, statistics);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+}
+
+/// Keeps the forces of the contacts of an accepted step, from which the next one starts. `step` is its length, s.
+pub fn keep_forces(step: Real, contact: &mut ContactScratch<'_>) {
+    let constraints = &contact.constraints[..contact.lengths.constraints];
+    contact.lengths.multipliers = multiplier::write(constraints, step, contact.order, contact.multipliers);
 }
 
 /// Returns an edge and a triangle that cross at the end of the step but not at its start. If there is a

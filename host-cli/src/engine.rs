@@ -96,8 +96,8 @@ pub struct Snapshot {
     pub work: [u64; 7],
     /// Counters of contact, in the order of the core's `Tally`.
     pub contacts: [u64; 7],
-    /// Positions, velocities and, for BDF2, the positions and velocities of the step before.
-    pub columns: [Vec<u8>; 4],
+    /// Positions, velocities, for BDF2 the positions and velocities of the step before, and the forces of contacts.
+    pub columns: [Vec<u8>; 5],
     /// Whether contact changed the state in the last step.
     pub after_contact: bool,
 }
@@ -193,6 +193,7 @@ macro_rules! engine {
             use $core::mesh::{Stitch, TriMesh};
             use $core::real::{Real, Vec3, to_f64};
             use $core::response::Tally;
+            use $core::response::multiplier::Multiplier;
             use $core::scene::{Content, PointCache, SceneDesc};
             use $core::simulation::{Cause, Simulation, State};
             use $core::spectrum;
@@ -266,6 +267,25 @@ macro_rules! engine {
                 let scalars = bytes.as_chunks().0.iter().map(|&b| Real::from_le_bytes(b));
                 let scalars: Vec<Real> = scalars.collect();
                 scalars.as_chunks::<3>().0.iter().map(|&v| Vec3::from_array(v)).collect()
+            }
+
+            /// The vertices of each contact, then its force.
+            fn multipliers_to_bytes(multipliers: &[Multiplier]) -> Vec<u8> {
+                let mut bytes = Vec::with_capacity(size_of_val(multipliers));
+                for multiplier in multipliers {
+                    bytes.extend(multiplier.vertices.iter().flat_map(|v| v.to_le_bytes()));
+                    bytes.extend(to_bytes(&[multiplier.force]));
+                }
+                bytes
+            }
+
+            fn multipliers_from_bytes(bytes: &[u8]) -> Vec<Multiplier> {
+                let one = |bytes: &[u8; size_of::<Multiplier>()]| {
+                    let (vertices, force) = bytes.split_at(size_of::<[u32; 4]>());
+                    let vertex = |k: usize| u32::from_le_bytes(vertices.as_chunks().0[k]);
+                    Multiplier { vertices: [0, 1, 2, 3].map(vertex), force: from_bytes(force)[0] }
+                };
+                bytes.as_chunks().0.iter().map(one).collect()
             }
 
             impl Engine for Simulation {
@@ -425,8 +445,13 @@ macro_rules! engine {
                             w.stalled_searches,
                         ],
                         contacts: [t.candidates, t.proximity, t.impacts, t.zones, t.touching, t.failsafe, t.rejected],
-                        columns: [state.positions, state.velocities, state.previous[0], state.previous[1]]
-                            .map(to_bytes),
+                        columns: [
+                            to_bytes(state.positions),
+                            to_bytes(state.velocities),
+                            to_bytes(state.previous[0]),
+                            to_bytes(state.previous[1]),
+                            multipliers_to_bytes(state.multipliers),
+                        ],
                         after_contact: state.after_contact,
                     }
                 }
@@ -456,7 +481,8 @@ macro_rules! engine {
                     let [positions, velocities, previous_positions, previous_velocities] = &columns;
                     let previous: [&[Vec3]; 2] = [previous_positions, previous_velocities];
                     let Snapshot { steps, after_contact, .. } = *snapshot;
-                    let state = State { steps, positions, velocities, previous, after_contact };
+                    let multipliers = &multipliers_from_bytes(&snapshot.columns[4]);
+                    let state = State { steps, positions, velocities, previous, after_contact, multipliers };
                     Simulation::restore(self, &state, work, tally)
                 }
             }

@@ -116,8 +116,8 @@ impl Simulation {
         let mut next = Cloth::new(&desc, &[]).map_err(error)?;
         let state = self.own.state();
         let steps = (self.own.time() / f64::from(next.step_length())).round() as u64;
-        // The previous state may belong to another method or step length, so it is dropped.
-        let state = State { steps, previous: [&[]; 2], ..state };
+        // The previous state and the contacts may belong to another method, step length or collider, so they are dropped.
+        let state = State { steps, previous: [&[]; 2], multipliers: &[], ..state };
         if next.restore(&state, self.own.statistics(), self.own.tally()) {
             self.released.iter().for_each(|&vertex| _ = next.release(vertex));
             for &vertex in &self.held {

@@ -163,7 +163,14 @@ fn bdf2_follows_its_characteristic_polynomial() {
             let held = DVec3::ZERO;
             let (x, v) = ([held, DVec3::X * (LENGTH + y.x)], [held, DVec3::X * -y.y]);
             let (xp, vp) = ([held, DVec3::X * (LENGTH + before.x)], [held, DVec3::X * -before.y]);
-            let state = State { steps: 1, positions: &x, velocities: &v, previous: [&xp, &vp], after_contact: false };
+            let state = State {
+                steps: 1,
+                positions: &x,
+                velocities: &v,
+                previous: [&xp, &vp],
+                after_contact: false,
+                multipliers: &[],
+            };
             assert!(sim.restore(&state, sim.statistics(), sim.tally()));
             for n in 0..3 {
                 step(&mut sim);

@@ -1,6 +1,6 @@
 //! One contact solved by itself, against the closed form of an inelastic impact with friction: along
-//! n, with C how the vertices give way, `N = max(0, missing) / sum W^2 n.C n`; across it what stops
-//! the sliding, as far as the cone allows. Vertex with triangle and edge with edge, some of the axes
+//! n, with C the inverse masses, `N = max(0, missing) / sum W^2 n.C n`; across it what stops the
+//! sliding, as far as the cone allows. Vertex with triangle and edge with edge, some of the axes
 //! held.
 //!
 //! Run: `cargo test -p muslin-tests --test response constraint`; with `-- --nocapture` it prints the
@@ -15,10 +15,10 @@ const FRICTION: [[f64; 2]; 3] = [[0.0, 0.0], [0.4, 0.4], [0.8, 0.3]];
 
 both_precisions! {
     use super::{FRICTION, PAIRS};
-    use glam::{DMat3, DVec3};
+    use glam::DVec3;
     use muslin::narrow_phase::Contact;
-    use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
-    use muslin::response::constraint::{self, Compliance, Constraint, Coupled};
+    use muslin::real::{Real, Vec3, to_f64, vec3};
+    use muslin::response::constraint::{self, Constraint};
     use muslin::response::friction::Grip;
     use muslin::response::impact::MOST_LEVER;
     use harness::rng::Rng;
@@ -43,9 +43,7 @@ both_precisions! {
         contact: Contact,
         target: Real,
         /// 1/kg.
-        mobility: Vec<Vec3>,
-        /// 1/kg; the last two vertices have none.
-        blocks: Vec<Mat3>,
+        mobility: [Vec3; VERTICES],
         moves: Vec<Vec3>,
     }
 
@@ -58,21 +56,11 @@ both_precisions! {
             } else {
                 [1.0 - a, a, b - 1.0, -b]
             };
-            let mobility = (0..VERTICES).map(|_| {
+            let mobility: [Vec3; VERTICES] = std::array::from_fn(|_| {
                 let inverse = 1.0 / rng.magnitude(1e-4, 1e-1);
                 vec3([0; 3].map(|_| if rng.between(0.0, 1.0) < held { 0.0 } else { inverse }))
             });
-            let mobility: Vec<_> = mobility.collect();
-            let blocks = mobility[..VERTICES - 2].iter().map(|free| {
-                let axes = rng.rotation();
-                let full = axes * DMat3::from_diagonal(rng.cube(400.0).abs() + 10.0) * axes.transpose();
-                let free = DMat3::from_diagonal(wide(*free).map(|inverse| f64::from(u8::from(inverse > 0.0))));
-                let block = free * full * free + DMat3::IDENTITY - free;
-                let [x, y, z] = [block.x_axis, block.y_axis, block.z_axis].map(|v| vec3(v.to_array()));
-                Mat3::from_cols(x, y, z)
-            });
             Self {
-                blocks: blocks.collect(),
                 contact: Contact {
                     vertices: rng.pick(&[[0, 1, 2, 3], [5, 0, 3, 1], [2, 3, 4, 0]]),
                     weights: weights.map(|w| w as Real),
@@ -98,8 +86,9 @@ both_precisions! {
         }
 
         /// Impulses along and across the normal, and the displacements after.
-        fn closed_form(&self, give: &impl Fn(usize, DVec3) -> DVec3, [at_rest, kinetic]: [f64; 2]) -> (f64, DVec3, Vec<DVec3>) {
+        fn closed_form(&self, [at_rest, kinetic]: [f64; 2]) -> (f64, DVec3, Vec<DVec3>) {
             let normal = wide(self.contact.normal);
+            let give = |v: usize, impulse: DVec3| impulse * wide(self.mobility[v]);
             let inverse_mass = |along: DVec3| self.parts().map(|(v, w)| w * w * along.dot(give(v, along))).sum::<f64>();
             let mut moves = column(&self.moves);
             let pushed = match inverse_mass(normal) {
@@ -120,11 +109,11 @@ both_precisions! {
         }
 
         /// Solves once and compares.
-        fn check(&self, compliance: impl Compliance, give: impl Fn(usize, DVec3) -> DVec3, mu: [f64; 2], worst: &mut Worst) {
-            let mut constraint = Constraint::new(self.contact, self.target, grip(mu), compliance, MOST_LEVER);
+        fn check(&self, mu: [f64; 2], worst: &mut Worst) {
+            let mut constraint = Constraint::new(self.contact, self.target, grip(mu), &self.mobility, MOST_LEVER);
             let mut moves = self.moves.clone();
-            constraint::solve(&mut constraint, compliance, true, &mut moves);
-            let (pushed, rubbed, want) = self.closed_form(&give, mu);
+            constraint::solve(&mut constraint, &self.mobility, &mut moves);
+            let (pushed, rubbed, want) = self.closed_form(mu);
             let place = || format!("friction {mu:?}, {:?}, target {}", self.contact, self.target);
             let scale = (self.missing(&self.moves).abs() + self.relative(&self.moves).length()) / f64::from(constraint.inverse_mass);
             worst.compare(scale, &[constraint.normal_impulse.into()], &[pushed], || format!("N, {}", place()));
@@ -139,28 +128,17 @@ both_precisions! {
     fn a_contact_is_solved_as_the_closed_form_says() {
         for (held, what) in [(0.0, "free"), (0.3, "axes held")] {
             for mu in FRICTION {
-                let mut by_mass = Worst::new(format!("{} by masses, {what}, friction {mu:?}", muslin::real::NAME), kit::bound(2e-5, 1e-13));
-                let mut coupled = Worst::new(format!("{} coupled, {what}, friction {mu:?}", muslin::real::NAME), kit::bound(2e-5, 1e-13));
+                let mut worst = Worst::new(format!("{} {what}, friction {mu:?}", muslin::real::NAME), kit::bound(2e-5, 1e-13));
                 let mut rng = Rng::new(31);
                 for _ in 0..PAIRS {
                     let meeting = Meeting::random(&mut rng, held);
-                    let mobility = column(&meeting.mobility);
-                    if Constraint::new(meeting.contact, 0.0, Grip::default(), &meeting.mobility[..], MOST_LEVER).inverse_mass == 0.0 {
+                    if Constraint::new(meeting.contact, 0.0, Grip::default(), &meeting.mobility, MOST_LEVER).inverse_mass == 0.0 {
                         continue;
                     }
                     // What decides between sticking and sliding must not be rounding.
-                    meeting.check(&meeting.mobility[..], |v, p| p * mobility[v], mu, &mut by_mass);
-                    let by_blocks = Coupled { mobility: &meeting.mobility, blocks: &meeting.blocks };
-                    let give = |v: usize, p: DVec3| {
-                        let Some(block) = meeting.blocks.get(v) else { return DVec3::ZERO };
-                        let [x, y, z] = kit::wide(&[block.x_axis, block.y_axis, block.z_axis]);
-                        let free = mobility[v].map(|inverse| f64::from(u8::from(inverse > 0.0)));
-                        (DMat3::from_cols(x, y, z) * p) * free
-                    };
-                    meeting.check(by_blocks, give, mu, &mut coupled);
+                    meeting.check(mu, &mut worst);
                 }
-                by_mass.check();
-                coupled.check();
+                worst.check();
             }
         }
     }
@@ -174,10 +152,10 @@ both_precisions! {
         let mut pushed = 0;
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.0);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.4]), &meeting.mobility[..], MOST_LEVER);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.4]), &meeting.mobility, MOST_LEVER);
             let mut moves = meeting.moves.clone();
             let mut solve = |moves: &mut [Vec3]| {
-                constraint::solve(&mut constraint, &meeting.mobility[..], true, moves)
+                constraint::solve(&mut constraint, &meeting.mobility, moves)
             };
             let (_, moved) = solve(&mut moves);
             if !moved {
@@ -203,9 +181,9 @@ both_precisions! {
         let mut rng = Rng::new(33);
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.0);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.8, 0.3]), &meeting.mobility[..], MOST_LEVER);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.8, 0.3]), &meeting.mobility, MOST_LEVER);
             let mut moves = meeting.moves.clone();
-            constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
+            constraint::solve(&mut constraint, &meeting.mobility, &mut moves);
             let gained = (0..VERTICES).map(|v| (wide(moves[v]) - wide(meeting.moves[v])) / f64::from(meeting.mobility[v].x));
             let sum: DVec3 = gained.sum();
             let impulse = wide(constraint.friction_impulse).length() + f64::from(constraint.normal_impulse);
@@ -226,9 +204,9 @@ both_precisions! {
             // Of every other pair everything is held.
             let held = if k % 2 == 0 { 0.5 } else { 1.0 };
             let meeting = Meeting::random(&mut rng, held);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.5, 0.5]), &meeting.mobility[..], MOST_LEVER);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.5, 0.5]), &meeting.mobility, MOST_LEVER);
             let mut moves = meeting.moves.clone();
-            let (_, moved) = constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
+            let (_, moved) = constraint::solve(&mut constraint, &meeting.mobility, &mut moves);
             let what = format!("{} {:?}, target {}", muslin::real::NAME, meeting.contact, meeting.target);
             assert!(constraint.normal_impulse >= 0.0, "{what}: pulls by {} kg m", constraint.normal_impulse);
             if meeting.missing(&meeting.moves) < -1e-6 || held == 1.0 {
@@ -255,9 +233,9 @@ both_precisions! {
         let mut pushed = 0;
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.1);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.2]), &meeting.mobility[..], MOST_LEVER);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.2]), &meeting.mobility, MOST_LEVER);
             let mut moves = meeting.moves.clone();
-            constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
+            constraint::solve(&mut constraint, &meeting.mobility, &mut moves);
             if constraint.normal_impulse <= 0.0 {
                 continue;
             }
@@ -270,7 +248,7 @@ both_precisions! {
             };
             part(&mut moves);
             let furthest = column(&moves).iter().map(|v| v.length()).fold(0.0, f64::max);
-            constraint::solve(&mut constraint, &meeting.mobility[..], true, &mut moves);
+            constraint::solve(&mut constraint, &meeting.mobility, &mut moves);
             let what = format!("{} {:?}", muslin::real::NAME, before);
             assert_eq!(constraint.normal_impulse, 0.0, "{what}: still pushes what is parted");
             assert_eq!(constraint.friction_impulse, Vec3::ZERO, "{what}: still rubs what is parted");

@@ -83,9 +83,9 @@ fn inverse_blocks_are_positive_definite_even_of_indefinite_ones() {
         blocks: &mut blocks,
     };
     let pins = PinColumns::default();
-    let system = System { matrix, masses: &vec![0.0; symmetric.len()], pins: &pins.view(), holds: &[] };
+    let system = System { matrix, masses: &vec![0.0; symmetric.len()], pins: &pins.view() };
     let mut inverse = vec![Mat3::ZERO; symmetric.len()];
-    write_inverse_diagonal(&system, &mut inverse, &Serial);
+    write_inverse_diagonal(&system, &[], &mut inverse, &Serial);
     for ((signs, block), inverse) in symmetric.iter().zip(&inverse) {
         let least = Matrix3::from_column_slice(&inverse.to_cols_array()).symmetric_eigenvalues().min();
         assert!(least > 0.0, "the inverse of a block with the signs {signs:03b} has the eigenvalue {least}");

@@ -6,8 +6,8 @@
 //! The small matrix is stored as the envelope of its lower triangle. Its values are double in both
 //! precisions, because the stiffness inside a patch cancels when they are summed.
 
+use super::augmented_contact::AugmentedContact;
 use super::conjugate_gradient::System;
-use super::coupling::Hold;
 use crate::real::{Real, Sum, SumLanes, Vec3, to_f64};
 
 /// Motions of a patch: three axes times (1, u, v) in its own coordinates.
@@ -67,16 +67,21 @@ impl Patches<'_> {
     }
 }
 
-/// Writes the small matrix `P^T (M + S' + holds) P`, where `holds` are the penalty contacts, and
+/// Writes the small matrix `P^T (M + S' + C) P`, where C is the matrix of the contacts that push, and
 /// factorises it.
-pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, factor: &mut CoarseFactor<'_>) {
+pub fn write_factor(
+    patches: &Patches<'_>,
+    system: &System<'_>,
+    contacts: &[AugmentedContact],
+    factor: &mut CoarseFactor<'_>,
+) {
     factor.values.fill(0.0);
     factor.own.fill([[0.0; MODES]; MODES]);
     for vertex in 0..system.masses.len() {
         add_row(patches, system, vertex, factor);
     }
-    for hold in system.holds {
-        add_hold(patches, hold, factor);
+    for contact in contacts {
+        add_contact(patches, contact, factor);
     }
     for (patch, own) in factor.own.iter().enumerate() {
         for r in 0..MODES {
@@ -154,13 +159,14 @@ fn spread(patches: &Patches<'_>, vertex: usize, other: usize, sums: &[[Sum; MODE
     }
 }
 
-/// Adds a penalty contact. If the envelope has no block for two of its patches, only the diagonal
+/// Adds a contact that pushes. If the envelope has no block for two of its patches, only the diagonal
 /// block of each patch is added, times the number of patches: an upper bound (by Cauchy's
 /// inequality), so that the small system is never too soft.
-fn add_hold(patches: &Patches<'_>, hold: &Hold, factor: &mut CoarseFactor<'_>) {
-    let (shares, count) = shares(patches, hold);
+fn add_contact(patches: &Patches<'_>, contact: &AugmentedContact, factor: &mut CoarseFactor<'_>) {
+    let Some(matrix) = contact.matrix() else { return };
+    let (shares, count) = shares(patches, contact);
     let shares = &shares[..count];
-    let [x, y, z] = hold.matrix().to_cols_array_2d();
+    let [x, y, z] = matrix.to_cols_array_2d();
     let stiffness = [x, y, z].map(|column| column.map(Sum::from));
     let fits = |a: &Share, b: &Share| a.patch <= b.patch || patches.are_coupled(a.patch, b.patch);
     let together = shares.iter().all(|a| shares.iter().all(|b| fits(a, b)));
@@ -191,10 +197,10 @@ struct Share {
 }
 
 /// The shares of a contact's patches, and their number.
-fn shares(patches: &Patches<'_>, hold: &Hold) -> ([Share; 4], usize) {
+fn shares(patches: &Patches<'_>, contact: &AugmentedContact) -> ([Share; 4], usize) {
     let mut shares = [Share::default(); 4];
     let mut count = 0;
-    for (&v, weight) in hold.vertices.iter().zip(hold.weights) {
+    for (&v, weight) in contact.vertices.iter().zip(contact.weights) {
         let Some(&label) = patches.labels.get(v as usize) else { continue };
         let k = shares[..count].iter().position(|share| share.patch == label as usize).unwrap_or(count);
         count = count.max(k + 1);

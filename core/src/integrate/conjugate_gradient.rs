@@ -3,21 +3,22 @@
 //! preconditioned residual, on negative curvature (truncated Newton) or on the limit of iterations.
 
 use super::IntegratorStatistics;
+use super::Preconditioner;
+use super::augmented_contact::{self, AugmentedContact};
 use super::coarse::{self, CoarseFactor, Patches};
-use super::coupling::{self, Hold};
 use super::pins::Pins;
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
 
 /// Limit of iterations. A solve that reaches it is counted as unconverged.
-const MOST_ITERATIONS: u32 = 20_000;
+pub(super) const MOST_ITERATIONS: u32 = 20_000;
 
 /// Number of vertices in each partial sum of an inner product. It is fixed, so that results do not
 /// depend on the number of threads, bit for bit.
 pub const PART: usize = 1024;
 
-/// The system matrix `M + S'` with the held axes and the penalty contacts.
+/// The system matrix `M + S'` with the held axes.
 pub struct System<'a> {
     /// S'.
     pub matrix: &'a BlockMatrix<'a>,
@@ -25,8 +26,6 @@ pub struct System<'a> {
     pub masses: &'a [Real],
     /// The held axes.
     pub pins: &'a Pins<'a>,
-    /// Penalty contacts.
-    pub holds: &'a [Hold],
 }
 
 /// The preconditioner, ready to be applied to a residual.
@@ -39,7 +38,7 @@ pub struct FactoredPreconditioner<'a, 'b> {
 
 /// The columns that a solve reads and writes.
 pub struct Vectors<'a> {
-    /// y. Input: the starting value of a warm start.
+    /// y.
     pub solution: &'a mut [Vec3],
     /// b with held axes cleared; overwritten.
     pub residual: &'a mut [Vec3],
@@ -53,31 +52,48 @@ pub struct Vectors<'a> {
     pub partials: &'a mut [Sum],
 }
 
-/// Starting value and stopping criterion of a solve.
+/// When a solve stops.
 #[derive(Clone, Copy, Debug)]
 pub struct StoppingCriterion {
     /// Norm of the preconditioned residual at which to stop, relative to its norm for y = 0.
     pub reduction: Sum,
-    /// Whether to start from the stored solution; else from zero.
-    pub warm_start: bool,
 }
 
-impl StoppingCriterion {
-    /// Starts from zero and stops at this relative residual.
-    pub fn reduced_by(reduction: Sum) -> Self {
-        Self { reduction, warm_start: false }
-    }
+/// Computes the preconditioner of the system with the contacts that push.
+pub(super) fn factor<'a, 'b>(
+    system: &System<'_>,
+    contacts: &[AugmentedContact],
+    kind: Preconditioner,
+    inverse_diagonal: &'a mut [Mat3],
+    patches: Patches<'a>,
+    factor: &'a mut CoarseFactor<'b>,
+    dispatch: &impl Dispatch,
+) -> FactoredPreconditioner<'a, 'b> {
+    write_inverse_diagonal(system, contacts, inverse_diagonal, dispatch);
+    let coarse = match kind {
+        Preconditioner::BlockJacobi => None,
+        Preconditioner::TwoLevel => {
+            coarse::write_factor(&patches, system, contacts, factor);
+            Some((patches, factor))
+        }
+    };
+    FactoredPreconditioner { inverse_diagonal, coarse }
 }
 
 /// Writes the inverse of each diagonal block, with held axes decoupled.
-pub fn write_inverse_diagonal(system: &System<'_>, inverse: &mut [Mat3], dispatch: &impl Dispatch) {
+pub fn write_inverse_diagonal(
+    system: &System<'_>,
+    contacts: &[AugmentedContact],
+    inverse: &mut [Mat3],
+    dispatch: &impl Dispatch,
+) {
     let matrix = system.matrix;
     dispatch.run(&mut *inverse, |start, part| {
         for (i, block) in (start..).zip(part) {
             *block = matrix::to_mat3(&matrix.blocks[matrix.offsets[i] as usize]) + scaled_identity(system.masses[i]);
         }
     });
-    coupling::add_diagonal(system.holds, inverse);
+    augmented_contact::add_diagonal(contacts, inverse);
     system.pins.filter_diagonal(inverse);
     dispatch.run(inverse, |_, part| {
         for block in part {
@@ -111,23 +127,8 @@ pub fn solve(
     precondition(system, preconditioner, residual, preconditioned, dispatch);
     let mut rho = dot(residual, preconditioned, partials, dispatch);
     let target = rho * stopping.reduction * stopping.reduction;
-    let guessed = if stopping.warm_start {
-        statistics.matrix_products += 1;
-        apply(system, solution, product, dispatch);
-        product.iter_mut().zip(&*residual).for_each(|(q, &b)| *q = b - *q);
-        precondition(system, preconditioner, product, direction, dispatch);
-        Some(dot(product, direction, partials, dispatch))
-    } else {
-        None
-    };
-    // A warm start that is worse than starting from zero is dropped.
-    if let Some(better) = guessed.filter(|&guessed| guessed < rho) {
-        rho = better;
-        residual.copy_from_slice(product);
-    } else {
-        solution.fill(Vec3::ZERO);
-        direction.copy_from_slice(preconditioned);
-    }
+    solution.fill(Vec3::ZERO);
+    direction.copy_from_slice(preconditioned);
     let mut iteration = 0;
     while rho > target && rho > 0.0 {
         if iteration == MOST_ITERATIONS {
@@ -177,11 +178,11 @@ pub fn solve(
 /// `out = S A p`. The held axes of `p` must be zero.
 fn apply(system: &System<'_>, p: &[Vec3], out: &mut [Vec3], dispatch: &impl Dispatch) {
     matrix::multiply(system.matrix, system.masses, 1.0, p, out, dispatch);
-    coupling::add_product(system.holds, p, out);
     system.pins.filter(out);
 }
 
-fn precondition(
+/// `out = P residual`, with held axes cleared.
+pub(super) fn precondition(
     system: &System<'_>,
     preconditioner: &mut FactoredPreconditioner<'_, '_>,
     residual: &[Vec3],

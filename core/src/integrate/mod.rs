@@ -3,11 +3,12 @@
 //! Every method writes the candidate state to [`Scratch`] and does not change the state. The step
 //! decides whether the candidate becomes the state.
 
+pub mod augmented_contact;
 pub mod backward_euler;
 pub mod bdf2;
 pub mod coarse;
 pub mod conjugate_gradient;
-pub mod coupling;
+pub mod contact_solve;
 pub mod explicit_euler;
 pub mod implicit_midpoint;
 pub mod midpoint;
@@ -144,11 +145,19 @@ pub struct StepInput<'a, D> {
     /// Whether the single linear solve may linearise the forces at positions extrapolated by the velocities.
     /// False after contact, which changes the velocities abruptly.
     pub extrapolates: bool,
+    /// Whether contacts are solved after the candidate state is written ([`step::couple`](crate::step::couple)).
+    pub has_contact: bool,
     /// Runs the kernels.
     pub dispatch: &'a D,
 }
 
 impl<D: Dispatch> StepInput<'_, D> {
+    /// Whether the linear solve of the step is left to the one with contacts: by backward Euler without Newton's method.
+    /// The other implicit methods need the motion without contacts, and correct it.
+    pub fn defers_solve(&self) -> bool {
+        self.has_contact && self.scheme.method == Method::BackwardEuler && self.scheme.newton <= 1
+    }
+
     /// Writes the forces at the state (`x`, `v`) to `f` and counts the evaluation.
     pub fn forces(
         &self,

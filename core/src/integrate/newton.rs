@@ -17,8 +17,7 @@
 //! dissipation G is the same function in all iterations, and every accepted step decreases it.
 
 use super::conjugate_gradient::{self, StoppingCriterion, System};
-use super::coupling::Hold;
-use super::{IntegratorStatistics, Preconditioner, StepInput, coarse};
+use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::forces::{self, Model, TangentScale};
@@ -37,9 +36,9 @@ pub struct ImplicitStage<'a> {
     pub velocities: &'a [Vec3],
 }
 
-/// Largest strain that the extrapolation to the point of linearisation may cause. A longer extrapolation is shortened.
-/// Forces at much larger strains do not represent the forces during the step.
-const MOST_STRAIN: Real = 0.5;
+/// Largest strain or turn (rad) of an element that the extrapolation to the point of linearisation may cause. A longer
+/// extrapolation is shortened. Forces at much larger strains do not represent the forces during the step.
+pub(super) const MOST_STRAIN: Real = 0.5;
 
 /// Lower bound on the relative tolerance of conjugate gradients inside Newton's method. A more accurate direction would
 /// not give a better step.
@@ -89,10 +88,33 @@ fn linearized_step<D: Dispatch>(
     }
     c.pins.filter(s.residual);
     statistics.newton_iterations += 1;
-    let norm = residual_norm(c, s.residual).max(Sum::MIN_POSITIVE);
-    let reduction = Sum::from(c.scheme.tolerance) * (weight_impulse(c, stage) / norm).max(1.0);
-    solve_linear(c, &[], StoppingCriterion::reduced_by(reduction), s, statistics);
+    if c.defers_solve() {
+        return;
+    }
+    let reduction = Sum::from(c.scheme.tolerance) * weight_factor(c, stage.length, s);
+    solve_linear(c, StoppingCriterion { reduction }, s, statistics);
     add_scaled(c, s.solution, 1.0, s.next_velocities);
+}
+
+/// Linearises the forces at `s.next_velocities` and writes the matrix and the residual there.
+pub(super) fn linearize<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    stage: &ImplicitStage<'_>,
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
+    write_positions(c, stage, s.next_velocities, s.stage_positions);
+    c.forces(s.stage_positions, s.next_velocities, s.elements, s.forces, statistics);
+    write_matrix(c, stage, s);
+    write_residual(c, stage, s);
+    c.pins.filter(s.residual);
+    statistics.newton_iterations += 1;
+}
+
+/// The weight's impulse relative to the residual, at least 1. For a sheet near rest the residual alone gives no scale.
+pub(super) fn weight_factor<D: Dispatch>(c: &StepInput<'_, D>, length: Real, s: &Scratch<'_>) -> Sum {
+    let norm = residual_norm(c, s.residual).max(Sum::MIN_POSITIVE);
+    (weight_impulse(c, length) / norm).max(1.0)
 }
 
 fn newton_iterations<D: Dispatch>(
@@ -101,7 +123,7 @@ fn newton_iterations<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let weight = weight_impulse(c, stage);
+    let weight = weight_impulse(c, stage.length);
     let (mut target, mut rounding, mut previous): (Sum, Sum, Sum) = (0.0, 0.0, Sum::INFINITY);
     for iteration in 0..c.scheme.newton {
         write_positions(c, stage, s.next_velocities, s.stage_positions);
@@ -127,7 +149,7 @@ fn newton_iterations<D: Dispatch>(
         // Save the residual, which is the negative gradient of the objective: conjugate gradients overwrite it.
         s.base_residual.copy_from_slice(s.residual);
         let reduction = c.scheme.tolerance.max(INNER_TOLERANCE).into();
-        solve_linear(c, &[], StoppingCriterion::reduced_by(reduction), s, statistics);
+        solve_linear(c, StoppingCriterion { reduction }, s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
         match search(c, stage, slope, s, statistics) {
             Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
@@ -166,18 +188,24 @@ fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, 
     });
 }
 
-/// Solves `(M + S + H) y = r` and writes y to `s.solution`. S is in `s.matrix`, r is in `s.residual`, and H is the
-/// matrix of the penalty contacts in `holds`.
-pub(super) fn solve_linear<D: Dispatch>(
+/// Solves `(M + S) y = r` and writes y to `s.solution`. S is in `s.matrix` and r is in `s.residual`.
+fn solve_linear<D: Dispatch>(
     c: &StepInput<'_, D>,
-    holds: &[Hold],
     stopping: StoppingCriterion,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins, holds };
+    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
     c.dispatch.enter(stage::Stage::Solve);
-    conjugate_gradient::write_inverse_diagonal(&system, s.inverse_diagonal, c.dispatch);
+    let mut preconditioner = conjugate_gradient::factor(
+        &system,
+        &[],
+        c.scheme.preconditioner,
+        s.inverse_diagonal,
+        s.patches,
+        &mut s.coarse,
+        c.dispatch,
+    );
     let vectors = conjugate_gradient::Vectors {
         solution: s.solution,
         residual: s.residual,
@@ -186,21 +214,14 @@ pub(super) fn solve_linear<D: Dispatch>(
         preconditioned: s.preconditioned,
         partials: s.partials,
     };
-    let mut coarse = None;
-    if c.scheme.preconditioner == Preconditioner::TwoLevel {
-        coarse::write_factor(&s.patches, &system, &mut s.coarse);
-        coarse = Some((s.patches, &mut s.coarse));
-    }
-    let mut preconditioner =
-        conjugate_gradient::FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
     conjugate_gradient::solve(&system, &mut preconditioner, stopping, vectors, statistics, c.dispatch);
     c.dispatch.enter(stage::Stage::Integrate);
 }
 
-/// Norm of the impulse of gravity during the stage: sqrt(sum m) times the gravitational acceleration times the length
+/// Norm of the impulse of gravity during a stage: sqrt(sum m) times the gravitational acceleration times the length
 /// of the stage. Residuals are compared with it, because for a sheet at rest the residual itself gives no scale.
-fn weight_impulse<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>) -> Sum {
-    let gravity = c.model.gravity.unwrap_or(Vec3::ZERO) * stage.length;
+fn weight_impulse<D: Dispatch>(c: &StepInput<'_, D>, length: Real) -> Sum {
+    let gravity = c.model.gravity.unwrap_or(Vec3::ZERO) * length;
     let mass: Sum = c.masses.iter().map(|&m| Sum::from(m)).sum();
     libm::sqrt(mass * dot_sum(gravity, gravity))
 }

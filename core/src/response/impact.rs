@@ -85,5 +85,5 @@ pub(crate) fn find_planes(model: &ContactModel<'_>, motion: &Motion<'_>, round: 
 
 /// Solves what met.
 pub(crate) fn resolve(context: &Context<'_>, met: &mut [Constraint], motion: &mut Motion<'_>) {
-    relax(context, met, context.model.mobility, true, None, motion, SWEEPS, 0.0);
+    relax(context, met, None, motion, SWEEPS, 0.0);
 }

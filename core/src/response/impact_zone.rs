@@ -47,7 +47,7 @@ pub(crate) fn resolve(
             count += 1;
         }
     }
-    relax(context, constraints, mobility, true, Some(&chosen[..count]), motion, SWEEPS, LEFT * context.model.thickness);
+    relax(context, constraints, Some(&chosen[..count]), motion, SWEEPS, LEFT * context.model.thickness);
     roots.chunk_by(|a, b| a == b).count() as u64
 }
 

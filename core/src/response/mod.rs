@@ -1,7 +1,7 @@
 //! Contacts in, corrected motion out [Bridson 2002], in passes:
 //!
-//! Of a step by an implicit method, what pushes is first [held in its system](coupled), so that the
-//! cloth gives way elastically. Then:
+//! An implicit step is first [solved together with its contacts](coupled), so that the cloth gives way
+//! elastically. Then:
 //!
 //! 1. [`repulsion`]: what is near at the start of the step must not come nearer than the thickness;
 //!    [`friction`] holds it. All contacts are [`constraint`]s on the displacements of the step.
@@ -20,12 +20,13 @@ pub mod friction;
 pub mod hold;
 pub mod impact;
 pub mod impact_zone;
+pub mod multiplier;
 pub mod repulsion;
 
 use crate::contact::{ContactModel, ContactScratch};
 use crate::dispatch::Dispatch;
-use crate::real::{Mat3, Real, Vec3};
-use constraint::{Compliance, Constraint, Coupled};
+use crate::real::{Real, Vec3};
+use constraint::Constraint;
 
 /// Rounds in which only what met is solved.
 const IMPACT_ROUNDS: u32 = 4;
@@ -107,34 +108,18 @@ impl List<'_> {
     }
 }
 
-/// Finds what is near at the start of the step and writes the contacts that push to
-/// `scratch.holds`, judged by how the implicit system gives way at each vertex; returns how many.
-/// The first pass of a step by an implicit method.
-pub fn press(
+/// Finds the pairs that are near at the start of the step and may push, and writes them to `scratch.contacts` for the
+/// solve of an implicit step. Pairs that the predicted motion leaves up to `margin` apart may push, m.
+pub fn find_contacts(
     model: &ContactModel<'_>,
     scratch: &mut ContactScratch<'_>,
-    settings: Settings,
-    inverse_diagonal: &[Mat3],
-) -> Result<usize, Outcome> {
-    let count = find_near(model, scratch, settings.step, 0)?;
-    let ContactScratch { start, end, moves, rounds, constraints, .. } = scratch;
-    let near = &mut constraints[..count];
-    let coupled = Coupled { mobility: model.mobility, blocks: inverse_diagonal };
-    for constraint in near.iter_mut().filter(|constraint| constraint.inverse_mass > 0.0) {
-        let contact = &constraint.contact;
-        constraint.inverse_mass = constraint::inverse_mass(contact, contact.normal, coupled);
-    }
-    let mut motion = Motion { start, end, moves, rounds, step: settings.step };
-    repulsion::keep(&Context { model, round: 1 }, near, coupled, false, &mut motion);
-    let mut held = 0;
-    for (index, constraint) in (0..).zip(&*near) {
-        if constraint.normal_impulse > 0.0 && constraint.inverse_mass > 0.0 {
-            scratch.holds[held] = coupled::hold(constraint, index, scratch.start, scratch.end);
-            held += 1;
-        }
-    }
-    *scratch.pressed = [count, held];
-    Ok(held)
+    step: Real,
+    margin: Real,
+) -> Result<(), Outcome> {
+    let count = find_near(model, scratch, step, 0, margin)?;
+    scratch.lengths.contacts = coupled::give(scratch, count, step);
+    scratch.lengths.constraints = count;
+    Ok(())
 }
 
 /// Adds what is near to the constraints that there are; returns how many there are then.
@@ -143,6 +128,7 @@ fn find_near(
     scratch: &mut ContactScratch<'_>,
     step: Real,
     before: usize,
+    margin: Real,
 ) -> Result<usize, Outcome> {
     let ContactScratch { start, predicted, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
     end.copy_from_slice(predicted);
@@ -155,7 +141,7 @@ fn find_near(
     let known = repulsion::Known::sort(&list.all[..list.count], order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];
     let motion = Motion { start, end, moves, rounds, step };
-    repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &known, &mut list);
+    repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &known, margin, &mut list);
     list.short().map_or(Ok(list.count), Err)
 }
 
@@ -168,9 +154,8 @@ pub fn respond<D: Dispatch>(
     tally: &mut Tally,
     dispatch: &D,
 ) -> Outcome {
-    let [pressed, held] = *scratch.pressed;
-    coupled::carry(model, scratch, pressed, held, settings.step);
-    let near = match find_near(model, scratch, settings.step, pressed) {
+    coupled::take(model, scratch, settings.step);
+    let near = match find_near(model, scratch, settings.step, scratch.lengths.constraints, 0.0) {
         Ok(near) => near,
         Err(outcome) => return outcome,
     };
@@ -180,7 +165,7 @@ pub fn respond<D: Dispatch>(
     let mut motion = Motion { start, end, moves, rounds, step: settings.step };
     let mut now = Tally { proximity: near as u64, ..Tally::default() };
     let context = Context { model, round: 1 };
-    repulsion::keep(&context, &mut list.all[..near], model.mobility, true, &mut motion);
+    repulsion::keep(&context, &mut list.all[..near], &mut motion);
     repulsion::part(&context, &mut list.all[..near], parting, &mut motion);
     let most = if settings.hold { HOLD_ROUNDS } else { MOST_ROUNDS };
     for round in 1..=most {
@@ -202,6 +187,7 @@ pub fn respond<D: Dispatch>(
         let met = &list.all[first..list.count];
         let Some(last) = met.last() else {
             now.touching = list.touching;
+            scratch.lengths.constraints = list.count;
             tally.add(&now);
             return if list.touching > 0 { Outcome::Touches } else { Outcome::Free };
         };
@@ -288,8 +274,6 @@ impl Motion<'_> {
 pub(crate) fn relax(
     context: &Context<'_>,
     constraints: &mut [Constraint],
-    compliance: impl Compliance,
-    rubs: bool,
     chosen: Option<&[u32]>,
     motion: &mut Motion<'_>,
     sweeps: u32,
@@ -300,7 +284,7 @@ pub(crate) fn relax(
         let mut worst: Real = 0.0;
         for k in 0..count {
             let constraint = &mut constraints[chosen.map_or(k, |chosen| chosen[k] as usize)];
-            let (missing, moved) = constraint::solve(constraint, compliance, rubs, motion.moves);
+            let (missing, moved) = constraint::solve(constraint, context.model.mobility, motion.moves);
             worst = worst.max(missing.abs());
             if moved {
                 mark(constraint, motion.rounds, context.round);

@@ -2,7 +2,7 @@
 //! is, and overlaps are parted by a tenth in each step [Bridson 2002]. Parting moves and gives no
 //! velocity, so that it adds no energy.
 
-use super::constraint::{self, Compliance, Constraint};
+use super::constraint::{self, Constraint};
 use super::friction::Grip;
 use super::{Context, List, Motion, mark, relax};
 use crate::colliders::Form;
@@ -29,8 +29,8 @@ pub const MOST_LEVER: Real = 4.0;
 /// now says little.
 pub const REACH: Real = 2.0;
 
-/// Adds a constraint for each pair that is near and approaches, or overlaps, where the surfaces are
-/// nearest.
+/// Adds a constraint for each pair that is near and overlaps, or comes within the thickness and `margin`,
+/// where the surfaces are nearest.
 pub(crate) fn find(
     model: &ContactModel<'_>,
     vertex_triangle: &Pairs<'_>,
@@ -38,11 +38,12 @@ pub(crate) fn find(
     counts: [usize; 2],
     motion: &Motion<'_>,
     known: &Known<'_>,
+    margin: Real,
     list: &mut List<'_>,
 ) {
-    find_pairs::<VertexTriangle>(model, vertex_triangle, counts[0], motion, known, list);
-    find_pairs::<EdgeEdge>(model, edge_edge, counts[1], motion, known, list);
-    find_planes(model, motion, 0, |_| model.thickness, known, list);
+    find_pairs::<VertexTriangle>(model, vertex_triangle, counts[0], motion, known, margin, list);
+    find_pairs::<EdgeEdge>(model, edge_edge, counts[1], motion, known, margin, list);
+    find_planes(model, motion, 0, |_| model.thickness + margin, known, list);
 }
 
 /// The pairs that already have a constraint.
@@ -80,6 +81,7 @@ fn find_pairs<P: Pairing>(
     count: usize,
     motion: &Motion<'_>,
     known: &Known<'_>,
+    margin: Real,
     list: &mut List<'_>,
 ) {
     for (&candidate, &distance) in pairs.candidates[..count].iter().zip(&*pairs.distances) {
@@ -93,7 +95,8 @@ fn find_pairs<P: Pairing>(
         let x = gather(vertices, motion.start);
         let Some(contact) = contact::<P>(vertices, &x, &x, P::radius(gather(vertices, model.radii))) else { continue };
         let least = thickness::<P>(model, vertices);
-        let approaches = contact.gap + constraint::weighted(&contact, motion.moves).dot(contact.normal) < least;
+        let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(contact.normal);
+        let approaches = ends < least + margin;
         if (distance < least || approaches) && is_local_minimum::<P>(&model.surface, motion.start, &contact) {
             let grip = grip(model, &contact, motion);
             list.push(Constraint::new(contact, least.min(contact.gap), grip, model.mobility, MOST_LEVER));
@@ -160,15 +163,9 @@ pub(crate) fn thickness<P: Pairing>(model: &ContactModel<'_>, vertices: [u32; 4]
     model.thickness.min(0.9 * rest)
 }
 
-/// Solves the contacts, with friction where they `rub`.
-pub(crate) fn keep(
-    context: &Context<'_>,
-    constraints: &mut [Constraint],
-    compliance: impl Compliance,
-    rub: bool,
-    motion: &mut Motion<'_>,
-) {
-    relax(context, constraints, compliance, rub, None, motion, SWEEPS, LEFT * context.model.thickness);
+/// Solves the contacts.
+pub(crate) fn keep(context: &Context<'_>, constraints: &mut [Constraint], motion: &mut Motion<'_>) {
+    relax(context, constraints, None, motion, SWEEPS, LEFT * context.model.thickness);
 }
 
 /// Parts what overlaps.

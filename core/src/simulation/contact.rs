@@ -7,7 +7,8 @@ use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, ContactScratchColumns};
 use crate::dispatch::{Dispatch, Here, block_on};
 use crate::integrate::StepInput;
-use crate::real::{Real, sqrt};
+use crate::particles::Particles;
+use crate::real::{Real, Vec3, sqrt};
 use crate::response::impact::SEPARATION;
 use crate::response::{Outcome, Settings, Tally};
 use crate::scene::BuiltScene;
@@ -33,6 +34,10 @@ const MOST_LOOKS: u64 = 1 << 7;
 
 /// How often what is near is parted after untangling.
 const PARTINGS: u32 = 10;
+
+/// How much farther apart than the thickness a pair at rest may be that is solved with the step, relative to the
+/// thickness: the response keeps the thickness only within a tolerance.
+const REST: Real = 0.05;
 
 /// Why a part of a step cannot be taken, and where.
 pub(super) struct Obstacle {
@@ -60,7 +65,7 @@ impl Simulation {
                 return Err(Obstacle { cause: Cause::Stopped, particle: 0 });
             }
             if widened == 0 {
-                self.press(part, dispatch);
+                self.couple(part, dispatch);
             }
             match self.respond(part, hold, dispatch) {
                 Outcome::Free => return Ok(()),
@@ -109,9 +114,8 @@ impl Simulation {
         outcome
     }
 
-    /// Contact: solves what touches together with the cloth. Where there is too little room for what
-    /// touches, it is grown.
-    pub fn press(&mut self, part: Substep, dispatch: &impl Dispatch) {
+    /// Contact: solves an implicit step together with its contacts, with more room where there was too little for them.
+    pub fn couple(&mut self, part: Substep, dispatch: &impl Dispatch) {
         let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
         let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);
         let Self { built, scratch, contact, statistics, .. } = self;
@@ -119,20 +123,36 @@ impl Simulation {
         if !scheme.method.is_implicit() {
             return;
         }
-        dispatch.enter(Stage::Response);
-        let holds = loop {
-            let settings = Settings { step, hold: false };
-            match step::press(&touching.view(), &mut contact.view(), settings, scratch.view().inverse_diagonal) {
-                Ok(holds) => break holds,
-                Err(Outcome::Short { needed }) => contact.grow_constraints(needed),
-                Err(_) => return,
-            }
-        };
         let BuiltScene { particles, model, pins, .. } = built;
         let (model, pins) = (&model.view(), &pins.view());
+        dispatch.enter(Stage::Response);
+        // Backward Euler predicts without gravity, which closes a gap by half of this in a step.
+        let fall = 2.0 * sqrt(model.gravity.unwrap_or(Vec3::ZERO).length_squared()) * step * step;
+        let margin = fall + REST * touching.thickness;
+        while let Err(outcome) = step::find_contacts(&touching.view(), &mut contact.view(), step, margin) {
+            let Outcome::Short { needed } = outcome else { return };
+            contact.grow_constraints(needed);
+        }
         let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
-        let context = StepInput { model, pins, masses, inverse_masses, time, step, scheme, extrapolates, dispatch };
-        step::couple(&context, &touching.view(), &mut contact.view(), holds, &mut scratch.view(), statistics);
+        let context = StepInput {
+            model,
+            pins,
+            masses,
+            inverse_masses,
+            time,
+            step,
+            scheme,
+            extrapolates,
+            has_contact: true,
+            dispatch,
+        };
+        let particles = &Particles {
+            positions: &mut particles.positions,
+            velocities: &mut particles.velocities,
+            masses,
+            inverse_masses,
+        };
+        step::couple(&context, particles, &mut contact.view(), &mut scratch.view(), statistics);
     }
 
     /// Whether nothing passes through at the end of the step that did not at its start.

@@ -3,8 +3,10 @@
 use alloc::vec::Vec;
 
 use super::{Simulation, State, StepError, Substep};
+use crate::contact::ContactScratchColumns;
 use crate::dispatch::Dispatch;
 use crate::real::{Sum, Vec3};
+use crate::response::multiplier::Multiplier;
 
 /// Largest number of halvings. In the shortest substeps vertices that still collide are held back.
 const MOST_HALVINGS: u32 = 6;
@@ -13,6 +15,7 @@ const MOST_HALVINGS: u32 = 6;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
     columns: [Vec<Vec3>; 4],
+    multipliers: Vec<Multiplier>,
     has_history: bool,
     after_contact: bool,
 }
@@ -25,7 +28,7 @@ impl Kept {
 
     /// Size of the columns, bytes.
     pub fn bytes(&self) -> usize {
-        self.columns.iter().map(|column| size_of_val(&column[..])).sum()
+        self.columns.iter().map(|column| size_of_val(&column[..])).sum::<usize>() + size_of_val(&self.multipliers[..])
     }
 }
 
@@ -63,13 +66,15 @@ impl Simulation {
     }
 
     fn keep(&mut self) {
-        let Self { built, scratch, kept, .. } = self;
+        let Self { built, scratch, contact, kept, .. } = self;
         let particles = &built.particles;
         let own =
             [&particles.positions, &particles.velocities, &scratch.previous_positions, &scratch.previous_velocities];
         for (kept, own) in kept.columns.iter_mut().zip(own) {
             kept.copy_from_slice(own);
         }
+        kept.multipliers.clear();
+        kept.multipliers.extend_from_slice(contact.as_ref().map_or(&[], ContactScratchColumns::multipliers));
         (kept.has_history, kept.after_contact) = (scratch.has_history, self.after_contact);
     }
 
@@ -77,7 +82,8 @@ impl Simulation {
         let kept = core::mem::take(&mut self.kept);
         let [positions, velocities, previous @ ..] = kept.columns.each_ref().map(|column| &column[..]);
         let previous = if kept.has_history { previous } else { [&[][..]; 2] };
-        let state = State { steps: self.steps, positions, velocities, previous, after_contact: kept.after_contact };
+        let (after_contact, multipliers) = (kept.after_contact, &kept.multipliers[..]);
+        let state = State { steps: self.steps, positions, velocities, previous, after_contact, multipliers };
         self.restore(&state, self.statistics, self.tally);
         self.kept = kept;
     }

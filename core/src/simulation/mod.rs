@@ -15,6 +15,7 @@ use crate::mesh::SurfaceColumns;
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
 use crate::response::Tally;
+use crate::response::multiplier::Multiplier;
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
 use crate::stage::Term;
@@ -82,6 +83,8 @@ pub struct State<'a> {
     pub previous: [&'a [Vec3]; 2],
     /// Whether contact changed this state. If so, the next step of implicit midpoint uses backward Euler.
     pub after_contact: bool,
+    /// The forces of contacts in the last step, sorted by their vertices.
+    pub multipliers: &'a [Multiplier],
 }
 
 impl Simulation {
@@ -168,6 +171,9 @@ impl Simulation {
                 return Err(self.diverged(Cause::NotFinite, particle, dispatch));
             }
         }
+        if let Some(contact) = &mut self.contact {
+            step::keep_forces(self.step * part.length as Real, &mut contact.view());
+        }
         self.commit();
         self.after_contact = self.touched;
         self.scratch.has_history &= part == Substep::WHOLE && !self.after_contact;
@@ -206,6 +212,7 @@ impl Simulation {
             step: *step * part.length as Real,
             scheme,
             extrapolates,
+            has_contact: self.contact.is_some(),
             dispatch,
         };
         let particles = Particles {
@@ -358,6 +365,9 @@ impl Simulation {
     fn forget_the_past(&mut self) {
         self.scratch.has_history = false;
         self.after_contact = false;
+        if let Some(contact) = &mut self.contact {
+            contact.set_multipliers(&[]);
+        }
     }
 
     /// The forces.
@@ -394,6 +404,7 @@ impl Simulation {
             velocities: self.velocities(),
             previous: [&self.scratch.previous_positions[..known], &self.scratch.previous_velocities[..known]],
             after_contact: self.after_contact,
+            multipliers: self.contact.as_ref().map_or(&[], ContactScratchColumns::multipliers),
         }
     }
 
@@ -415,6 +426,9 @@ impl Simulation {
             }
             self.scratch.has_history = history > 0;
             self.after_contact = state.after_contact;
+            if let Some(contact) = &mut self.contact {
+                contact.set_multipliers(state.multipliers);
+            }
             self.steps = state.steps;
             (self.statistics, self.tally) = (statistics, tally);
         }

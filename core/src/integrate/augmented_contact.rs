@@ -1,0 +1,195 @@
+//! A contact in the augmented Lagrangian of a step. With the relative velocity u of its nearest points, the impulse of
+//! the contact is
+//!
+//! ```text
+//! along the normal n   p = max(0, p0 + s (w - n . u))
+//! across it            q = q0 - s (u - n n . u), shortened to the bound b where it is longer
+//! ```
+//!
+//! where w is the normal velocity that keeps the contact apart, p0 and q0 are the multipliers, which are the impulses
+//! of the step before, and s is a stiffness. The bound b is the coefficient of friction times p. It is updated while
+//! the step is solved; between two updates the impulses are the gradient of a convex function [Simo 1992, Alart 1991].
+
+use crate::forces::matrix::{self, BlockMatrix};
+use crate::real::{Mat3, Real, Vec3, outer, scaled_identity, sqrt};
+
+/// Stiffness of a contact relative to that of the cloth at its vertices. A larger value needs more iterations; a smaller
+/// value leaves more of a sudden contact to the response.
+pub const STIFFNESS: Real = 1.0;
+
+/// Whether a contact slides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Friction {
+    /// The static coefficient bounds its friction.
+    #[default]
+    Sticks,
+    /// The kinetic coefficient bounds its friction.
+    Slips,
+}
+
+/// A contact in the augmented Lagrangian of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AugmentedContact {
+    /// Vertices of both features. Those that are not the cloth's have a prescribed motion.
+    pub vertices: [u32; 4],
+    /// Weights of the vertices in the nearest points: positive on the first feature, negative on the second.
+    pub weights: [Real; 4],
+    /// Unit vector from the second feature to the first.
+    pub normal: Vec3,
+    /// w: least normal velocity, m/s.
+    pub least_velocity: Real,
+    /// u: relative velocity, m/s. Input: that of the start of the solve.
+    pub velocity: Vec3,
+    /// p0 n + q0, kg m/s.
+    pub multiplier: Vec3,
+    /// Coefficients of friction, static and kinetic.
+    pub coefficients: [Real; 2],
+    /// Index of the contact's constraint in the response.
+    pub constraint: u32,
+    /// s, kg; computed.
+    pub stiffness: Real,
+    /// b, kg m/s; computed.
+    pub bound: Real,
+    /// Whether it slides; computed.
+    pub friction: Friction,
+    /// p n + q, kg m/s; computed.
+    pub impulse: Vec3,
+    /// Change of u along the search direction; computed.
+    pub change: Vec3,
+}
+
+/// Impulses before they are cut off: the normal one, and the one across the normal.
+struct Trial {
+    along: Real,
+    across: Vec3,
+}
+
+impl AugmentedContact {
+    /// Sets the stiffness, and the bound of friction from the multiplier. A contact without one sticks until the first
+    /// update.
+    pub fn start(&mut self, masses: &[Real], matrix: &BlockMatrix<'_>) {
+        self.stiffness = STIFFNESS / self.compliance(masses, matrix).max(Real::MIN_POSITIVE);
+        self.friction = Friction::Sticks;
+        let along = self.normal.dot(self.multiplier);
+        self.bound = match self.coefficients[0] {
+            0.0 => 0.0,
+            coefficient if along > 0.0 => coefficient * along,
+            _ => Real::INFINITY,
+        };
+        self.impulse = self.impulse_at(self.velocity);
+    }
+
+    /// How the vertices give way along the normal, each for itself: sum W^2 / (n . A n), 1/kg.
+    fn compliance(&self, masses: &[Real], matrix: &BlockMatrix<'_>) -> Real {
+        let of_vertex = |(&v, weight): (&u32, Real)| {
+            let Some(&mass) = masses.get(v as usize) else { return 0.0 };
+            let block = matrix::to_mat3(&matrix.blocks[matrix.offsets[v as usize] as usize]);
+            weight * weight / (mass + self.normal.dot(block * self.normal).max(0.0))
+        };
+        self.vertices.iter().zip(self.weights).map(of_vertex).sum()
+    }
+
+    fn trial(&self, velocity: Vec3) -> Trial {
+        let force = self.multiplier - velocity * self.stiffness;
+        let along = self.normal.dot(force);
+        Trial { along: along + self.stiffness * self.least_velocity, across: force - self.normal * along }
+    }
+
+    /// The impulse at a relative velocity, kg m/s.
+    #[inline]
+    pub fn impulse_at(&self, velocity: Vec3) -> Vec3 {
+        let Trial { along, across } = self.trial(velocity);
+        let squared = across.length_squared();
+        let friction = if squared > self.bound * self.bound { across * (self.bound / sqrt(squared)) } else { across };
+        self.normal * along.max(0.0) + friction
+    }
+
+    /// The impulse at `velocity` and `g . H g` for the change g, where -H is the derivative of the impulse.
+    #[inline]
+    pub fn impulse_and_curvature_at(&self, velocity: Vec3) -> (Vec3, Real) {
+        let Trial { along, across } = self.trial(velocity);
+        let change_along = self.normal.dot(self.change);
+        let change_across = self.change - self.normal * change_along;
+        let (mut impulse, mut squares) = (Vec3::ZERO, 0.0);
+        if along > 0.0 {
+            (impulse, squares) = (self.normal * along, change_along * change_along);
+        }
+        let length = across.length_squared();
+        if length > self.bound * self.bound {
+            let part = self.bound / sqrt(length);
+            let slide = across.dot(change_across);
+            impulse += across * part;
+            squares += part * (change_across.length_squared() - slide * slide / length);
+        } else {
+            impulse += across;
+            squares += change_across.length_squared();
+        }
+        (impulse, self.stiffness * squares)
+    }
+
+    /// Sets the bound of friction from the normal impulse. If the contact `may_slip`, it slips where it would need more
+    /// than the static coefficient allows; it sticks again where it needs less than the kinetic one allows.
+    pub fn update_friction(&mut self, may_slip: bool) {
+        let Trial { along, across } = self.trial(self.velocity);
+        let (along, needed) = (along.max(0.0), sqrt(across.length_squared()));
+        let [at_rest, kinetic] = self.coefficients;
+        self.friction = match self.friction {
+            Friction::Sticks if may_slip && needed > at_rest * along => Friction::Slips,
+            Friction::Slips if needed < kinetic * along => Friction::Sticks,
+            unchanged => unchanged,
+        };
+        self.bound = along * if self.friction == Friction::Slips { kinetic } else { at_rest };
+        self.impulse = self.impulse_at(self.velocity);
+    }
+
+    /// The matrix from relative velocity to impulse that the preconditioner assumes; `None` if the contact does not push.
+    pub fn matrix(&self) -> Option<Mat3> {
+        let Trial { along, across } = self.trial(self.velocity);
+        if along <= 0.0 {
+            return None;
+        }
+        let squared = across.length_squared();
+        let part = if squared > self.bound * self.bound { self.bound / sqrt(squared) } else { 1.0 };
+        let normal = outer(self.normal, self.normal);
+        Some((normal + (scaled_identity(1.0) - normal) * part) * self.stiffness)
+    }
+
+    /// Relative velocity of the nearest points for a column over the cloth's vertices.
+    #[inline]
+    pub fn gather(&self, column: &[Vec3]) -> Vec3 {
+        let parts = self.vertices.iter().zip(self.weights);
+        parts.map(|(&v, weight)| column.get(v as usize).map_or(Vec3::ZERO, |&x| x * weight)).sum()
+    }
+
+    /// Adds the impulse to a column over the cloth's vertices.
+    #[inline]
+    pub fn scatter_impulse(&self, out: &mut [Vec3]) {
+        for (&v, weight) in self.vertices.iter().zip(self.weights) {
+            if let Some(out) = out.get_mut(v as usize) {
+                *out += self.impulse * weight;
+            }
+        }
+    }
+
+    /// Normal impulse, kg m/s.
+    pub fn normal_impulse(&self) -> Real {
+        self.normal.dot(self.impulse)
+    }
+
+    /// Speed of sliding, m/s.
+    pub fn slide(&self) -> Real {
+        sqrt((self.velocity - self.normal * self.normal.dot(self.velocity)).length_squared())
+    }
+}
+
+/// Adds the diagonal blocks of the contacts that push.
+pub fn add_diagonal(contacts: &[AugmentedContact], blocks: &mut [Mat3]) {
+    for contact in contacts {
+        let Some(matrix) = contact.matrix() else { continue };
+        for (&v, weight) in contact.vertices.iter().zip(contact.weights) {
+            if let Some(block) = blocks.get_mut(v as usize) {
+                *block += matrix * (weight * weight);
+            }
+        }
+    }
+}
