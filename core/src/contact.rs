@@ -5,7 +5,7 @@ use crate::audit::Room;
 use crate::broad_phase::{Counts, Grid, Surface};
 use crate::colliders::Colliders;
 use crate::geometry::aabb::Aabb;
-use crate::integrate::augmented_contact::AugmentedContact;
+use crate::integrate::augmented_contact::{AugmentedContact, ContactLine};
 use crate::real::{Real, Vec3};
 use crate::response::constraint::Constraint;
 use crate::response::friction::Law;
@@ -75,6 +75,8 @@ pub struct ContactScratch<'a> {
     pub constraints: &'a mut [Constraint],
     /// The contacts that an implicit step is solved with; the same capacity.
     pub contacts: &'a mut [AugmentedContact],
+    /// Work column of that solve; the same capacity.
+    pub lines: &'a mut [ContactLine],
     /// The forces of contacts in the last step, which the next one starts from; the same capacity.
     pub multipliers: &'a mut [Multiplier],
     /// Indices of constraints; twice the capacity.
@@ -117,8 +119,8 @@ mod owned {
     use alloc::vec::Vec;
 
     use super::{
-        Aabb, AugmentedContact, Constraint, ContactModel, ContactScratch, Counts, Law, Lengths, Multiplier, Pairs,
-        Real, Vec3,
+        Aabb, AugmentedContact, Constraint, ContactLine, ContactModel, ContactScratch, Counts, Law, Lengths,
+        Multiplier, Pairs, Real, Vec3,
     };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
@@ -221,6 +223,7 @@ mod owned {
         lengths: Lengths,
         constraints: Vec<Constraint>,
         contacts: Vec<AugmentedContact>,
+        lines: Vec<ContactLine>,
         multipliers: Vec<Multiplier>,
         order: Vec<u32>,
         grid: GridColumns,
@@ -272,6 +275,7 @@ mod owned {
                 self.constraints.resize(needed + needed / 4, Constraint::default());
                 self.order.resize(2 * self.constraints.len(), 0);
                 self.contacts.resize(self.constraints.len(), AugmentedContact::default());
+                self.lines.resize(self.constraints.len(), ContactLine::default());
                 self.multipliers.resize(self.constraints.len(), Multiplier::default());
             }
         }
@@ -298,6 +302,7 @@ mod owned {
                 + size_of_val(&self.constraints[..])
                 + size_of_val(&self.order[..])
                 + size_of_val(&self.contacts[..])
+                + size_of_val(&self.lines[..])
                 + size_of_val(&self.multipliers[..])
                 + self.grid.bytes()
                 + self.room.bytes()
@@ -320,6 +325,7 @@ mod owned {
                 lengths: &mut self.lengths,
                 constraints: &mut self.constraints,
                 contacts: &mut self.contacts,
+                lines: &mut self.lines,
                 multipliers: &mut self.multipliers,
                 order: &mut self.order,
                 grid: self.grid.view(),

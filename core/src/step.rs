@@ -146,7 +146,8 @@ pub fn couple<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) {
     let contacts = &mut contact.contacts[..contact.lengths.contacts];
-    contact_solve::correct(context, [particles.positions, particles.velocities], contacts, scratch, statistics);
+    let state = [&*particles.positions, &*particles.velocities];
+    contact_solve::correct(context, state, (contacts, contact.lines), scratch, statistics);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
 }
 

@@ -53,7 +53,7 @@ both_precisions! {
     use glam::DVec3;
     use muslin::dispatch::Serial;
     use muslin::forces::matrix;
-    use muslin::integrate::augmented_contact::{self, AugmentedContact, Friction};
+    use muslin::integrate::augmented_contact::{self, AugmentedContact, ContactLine, Friction};
     use muslin::integrate::contact_solve;
     use muslin::integrate::pins::JumpSide;
     use muslin::integrate::{StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
@@ -207,7 +207,8 @@ both_precisions! {
         let residual = if context.defers_solve() { column(s.residual) } else { zero };
         let mut contacts = given.clone();
         let state = [&*particles.positions, &*particles.velocities];
-        contact_solve::correct(&context, state, &mut contacts, s, &mut work);
+        let lines = &mut vec![ContactLine::default(); contacts.len()];
+        contact_solve::correct(&context, state, (&mut contacts, lines), s, &mut work);
         let end = [column(s.next_positions), column(s.next_velocities)];
         let solution = column(s.solution);
         Corrected { matrix, residual, predicted, end, solution, given, contacts, built, work }
@@ -361,9 +362,18 @@ both_precisions! {
             if (left - right).abs() > kit::bound(5e-3, 1e-4) * left.abs().max(right.abs()).max(0.1) {
                 continue;
             }
-            let (impulse, curvature) = contact.impulse_and_curvature_at(contact.velocity);
+            let Some(line) = contact.line(contact.change) else {
+                assert!(now == DVec3::ZERO && after == DVec3::ZERO, "case {case}: {contact:?} has an impulse");
+                continue;
+            };
+            let (_, curvature) = line.slope_and_curvature(0.0);
             worst.see((f64::from(curvature) + 0.5 * (left + right)).abs(), || format!("case {case}: {contact:?}"));
-            worst.vectors(1.0, &[wide(impulse)], &[now], || format!("case {case}: {contact:?}"));
+            // Also far from where the line was taken.
+            for length in [0.0, 1e-3, 2e-3, 4e-3] {
+                let (slope, _) = line.slope_and_curvature(length as Real);
+                let want = at(length).dot(wide(contact.change));
+                worst.see((f64::from(slope) - want).abs(), || format!("case {case}, length {length}: {contact:?}"));
+            }
         }
         worst.check();
     }

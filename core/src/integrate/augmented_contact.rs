@@ -58,6 +58,42 @@ pub struct AugmentedContact {
     pub change: Vec3,
 }
 
+/// A contact along a search direction g: what the derivative of its potential is made of. With the velocity u + a g, its
+/// normal impulse is that of `along - a s change_along`, and the square of the one across is quadratic in a.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactLine {
+    along: Real,
+    change_along: Real,
+    squared: Real,
+    slide: Real,
+    change_squared: Real,
+    stiffness: Real,
+    bound: Real,
+}
+
+impl ContactLine {
+    /// The product of the impulse with g, and `g . H g`, where -H is the derivative of the impulse, at the velocity
+    /// u + `length` g.
+    #[inline]
+    pub fn slope_and_curvature(&self, length: Real) -> (Real, Real) {
+        let Self { change_along, change_squared, stiffness, bound, .. } = *self;
+        let way = stiffness * length;
+        let along = self.along - way * change_along;
+        let slide = self.slide - way * change_squared;
+        let squared = (self.squared - way * (2.0 * self.slide - way * change_squared)).max(0.0);
+        let (mut slope, mut squares) = (0.0, 0.0);
+        if along > 0.0 {
+            (slope, squares) = (along * change_along, change_along * change_along);
+        }
+        if squared > bound * bound {
+            let part = bound / sqrt(squared);
+            (slope + part * slide, stiffness * (squares + part * (change_squared - slide * slide / squared).max(0.0)))
+        } else {
+            (slope + slide, stiffness * (squares + change_squared))
+        }
+    }
+}
+
 /// Impulses before they are cut off: the normal one, and the one across the normal.
 struct Trial {
     along: Real,
@@ -65,16 +101,18 @@ struct Trial {
 }
 
 impl AugmentedContact {
-    /// Sets the stiffness, and the bound of friction from the multiplier. A contact without one sticks until the first
-    /// update.
+    /// Sets the stiffness, and the bound of friction from the multiplier. A contact that pushes without one sticks until
+    /// the first update.
     pub fn start(&mut self, masses: &[Real], matrix: &BlockMatrix<'_>) {
         self.stiffness = STIFFNESS / self.compliance(masses, matrix).max(Real::MIN_POSITIVE);
         self.friction = Friction::Sticks;
         let along = self.normal.dot(self.multiplier);
-        self.bound = match self.coefficients[0] {
-            0.0 => 0.0,
-            coefficient if along > 0.0 => coefficient * along,
-            _ => Real::INFINITY,
+        self.bound = if along > 0.0 {
+            self.coefficients[0] * along
+        } else if self.coefficients[0] > 0.0 {
+            Real::INFINITY
+        } else {
+            0.0
         };
         self.impulse = self.impulse_at(self.velocity);
     }
@@ -104,27 +142,23 @@ impl AugmentedContact {
         self.normal * along.max(0.0) + friction
     }
 
-    /// The impulse at `velocity` and `g . H g` for the change g, where -H is the derivative of the impulse.
+    /// The contact along a search direction that changes u by `change`; `None` if it stays without impulse on it.
     #[inline]
-    pub fn impulse_and_curvature_at(&self, velocity: Vec3) -> (Vec3, Real) {
-        let Trial { along, across } = self.trial(velocity);
-        let change_along = self.normal.dot(self.change);
-        let change_across = self.change - self.normal * change_along;
-        let (mut impulse, mut squares) = (Vec3::ZERO, 0.0);
-        if along > 0.0 {
-            (impulse, squares) = (self.normal * along, change_along * change_along);
-        }
-        let length = across.length_squared();
-        if length > self.bound * self.bound {
-            let part = self.bound / sqrt(length);
-            let slide = across.dot(change_across);
-            impulse += across * part;
-            squares += part * (change_across.length_squared() - slide * slide / length);
-        } else {
-            impulse += across;
-            squares += change_across.length_squared();
-        }
-        (impulse, self.stiffness * squares)
+    pub fn line(&self, change: Vec3) -> Option<ContactLine> {
+        let Trial { along, across } = self.trial(self.velocity);
+        let change_along = self.normal.dot(change);
+        let change_across = change - self.normal * change_along;
+        let line = ContactLine {
+            along,
+            change_along,
+            squared: across.length_squared(),
+            slide: across.dot(change_across),
+            change_squared: change_across.length_squared(),
+            stiffness: self.stiffness,
+            bound: self.bound,
+        };
+        let never_pushes = along <= 0.0 && change_along >= 0.0;
+        (!(never_pushes && self.bound == 0.0)).then_some(line)
     }
 
     /// Sets the bound of friction from the normal impulse. If the contact `may_slip`, it slips where it would need more

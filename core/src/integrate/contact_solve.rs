@@ -8,7 +8,7 @@
 //! Nocedal 2006, ch. 5.2] with an exact line search: contacts that open, close, stick or slip on the way need no solve
 //! of their own. Without contacts these are linear conjugate gradients.
 
-use super::augmented_contact::AugmentedContact;
+use super::augmented_contact::{AugmentedContact, ContactLine};
 use super::conjugate_gradient::{self, FactoredPreconditioner, MOST_ITERATIONS, System};
 use super::newton::{self, ImplicitStage, MOST_STRAIN};
 use super::{IntegratorStatistics, Method, StepInput};
@@ -49,14 +49,14 @@ fn stage_length(method: Method, step: Real, has_history: bool) -> Real {
 
 /// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. `x` and `v` are the state at the
 /// start of the step. Of contacts, the relative displacement and the least displacement along the normal are given in
-/// place of the velocities, m.
+/// place of the velocities, m; `lines` has room for as many.
 ///
 /// If the solve turns or stretches elements by more than [`MOST_STRAIN`], only a part of its step is taken, and the
 /// forces are linearised there again. One linearisation would stretch cloth that a contact turns.
 pub fn correct<D: Dispatch>(
     c: &StepInput<'_, D>,
     [x, v]: [&[Vec3]; 2],
-    contacts: &mut [AugmentedContact],
+    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLine]),
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
@@ -69,7 +69,7 @@ pub fn correct<D: Dispatch>(
     if !c.defers_solve() {
         if contacts.iter().any(|contact| contact.impulse != Vec3::ZERO) {
             s.residual.fill(Vec3::ZERO);
-            solve(c, contacts, c.scheme.tolerance.into(), s, statistics);
+            solve(c, (contacts, lines), c.scheme.tolerance.into(), s, statistics);
             // A contact changes the velocity as much as the displacement over the step. The second-order methods would
             // extrapolate the change, and so return what the contact has stopped.
             add_solution(c, length, length / c.step, s);
@@ -79,7 +79,7 @@ pub fn correct<D: Dispatch>(
     let stage = ImplicitStage { length, positions: x, velocities: v };
     for linearization in 1..=MOST_LINEARIZATIONS {
         let tolerance = Sum::from(c.scheme.tolerance) * newton::weight_factor(c, length, s);
-        solve(c, contacts, tolerance, s, statistics);
+        solve(c, (contacts, lines), tolerance, s, statistics);
         let part = MOST_STRAIN / (length * forces::strain_rate(c.model, s.solution));
         let left = (MOST_LINEARIZATIONS - linearization) as Real;
         // Steps that are much too long for the motion gain nothing.
@@ -122,12 +122,14 @@ struct Iterate<'a, 'b> {
     direction: &'a mut [Vec3],
     product: &'a mut [Vec3],
     partials: &'a mut [Sum],
+    /// The contacts along the direction; room for all of them.
+    lines: &'a mut [ContactLine],
 }
 
 /// Writes y to `s.solution`, and the contacts' impulses. `A y0` is in `s.residual`.
 fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,
-    contacts: &mut [AugmentedContact],
+    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLine]),
     tolerance: Sum,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
@@ -153,6 +155,7 @@ fn solve<D: Dispatch>(
         direction: s.direction,
         product: s.products,
         partials: s.partials,
+        lines,
     };
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
@@ -228,21 +231,26 @@ impl Iterate<'_, '_> {
             self.direction.copy_from_slice(self.preconditioned);
             slope = rho;
         }
-        let Self { system, elastic, direction, product, partials, .. } = self;
+        let Self { system, elastic, direction, product, partials, lines, .. } = self;
         matrix::multiply(system.matrix, system.masses, 1.0, direction, product, dispatch);
         system.pins.filter(product);
         let curvature = conjugate_gradient::dot(direction, product, partials, dispatch);
         let elastic_slope = conjugate_gradient::dot(elastic, direction, partials, dispatch);
+        let mut count = 0;
         for contact in &mut *contacts {
             contact.change = contact.gather(direction);
+            if let Some(line) = contact.line(contact.change) {
+                lines[count] = line;
+                count += 1;
+            }
         }
+        let lines = &lines[..count];
         // The derivative of the function along the direction increases with the length of the step.
         let evaluate = |length: Sum| {
             let (mut derivative, mut second) = (length * curvature - elastic_slope, curvature);
-            for contact in contacts.iter().filter(|contact| contact.change != Vec3::ZERO) {
-                let at = contact.velocity + contact.change * length as Real;
-                let (impulse, curvature) = contact.impulse_and_curvature_at(at);
-                derivative -= Sum::from(impulse.dot(contact.change));
+            for line in lines {
+                let (slope, curvature) = line.slope_and_curvature(length as Real);
+                derivative -= Sum::from(slope);
                 second += Sum::from(curvature);
             }
             (derivative, second)
@@ -261,7 +269,7 @@ impl Iterate<'_, '_> {
                 (false, true) => 0.5 * (low + high),
                 (false, false) => return None,
             };
-            if contacts.is_empty() {
+            if lines.is_empty() {
                 break;
             }
             (derivative, second) = evaluate(length);
