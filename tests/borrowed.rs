@@ -170,9 +170,9 @@ both_precisions! {
             masses: &masses,
             inverse_masses: &inverse_masses,
         };
-        let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 9], [Block::default(); BLOCKS]);
+        let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 10], [Block::default(); BLOCKS]);
         let (mut inverse_diagonal, mut partials) = ([Mat3::ZERO; VERTICES], [0.0; 1]);
-        let [forces, next_positions, next_velocities, stage_positions, solution, residual, direction, products, preconditioned] =
+        let [forces, next_positions, next_velocities, stage_positions, solution, residual, gradient, direction, products, preconditioned] =
             &mut work_columns;
         let mut scratch = Scratch {
             forces,
@@ -181,6 +181,7 @@ both_precisions! {
             next_velocities,
             solution,
             residual,
+            gradient,
             direction,
             products,
             preconditioned,

@@ -42,10 +42,11 @@ pub struct Scratch<'a> {
     pub tangents: &'a mut [Real],
     /// Implicit: change of the velocities, the solution of the linear system, m/s.
     pub solution: &'a mut [Vec3],
-    /// Implicit: residual, kg m/s.
+    /// Implicit: residual without contacts, kg m/s.
     pub residual: &'a mut [Vec3],
-    /// Newton's method with line search: the residual at the start of a linear solve. Contact: the residual with the
-    /// impulses of contacts.
+    /// Implicit: residual with the impulses of contacts, kg m/s.
+    pub gradient: &'a mut [Vec3],
+    /// Newton's method with line search: the residual at the start of a linear solve.
     pub base_residual: &'a mut [Vec3],
     /// Implicit: search direction of conjugate gradients.
     pub direction: &'a mut [Vec3],
@@ -103,6 +104,7 @@ mod owned {
         tangents: Vec<Real>,
         solution: Vec<Vec3>,
         residual: Vec<Vec3>,
+        gradient: Vec<Vec3>,
         base_residual: Vec<Vec3>,
         direction: Vec<Vec3>,
         products: Vec<Vec3>,
@@ -139,7 +141,7 @@ mod owned {
             let (vertices, model) = (scene.particles.positions.len(), &scene.model.view());
             let column = |used: bool| vec![Vec3::ZERO; if used { vertices } else { 0 }];
             let implicit = scheme.method.is_implicit();
-            let searches = implicit && (scheme.newton > 1 || scene.contact.is_some());
+            let searches = implicit && scheme.newton > 1;
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
             let pattern = if implicit { SparsityPattern::build(vertices, model) } else { SparsityPattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
@@ -165,6 +167,7 @@ mod owned {
                 tangents: vec![0.0; if implicit { model.tangent_scratch() } else { 0 }],
                 solution: column(implicit),
                 residual: column(implicit),
+                gradient: column(implicit),
                 base_residual: column(searches),
                 direction: column(implicit),
                 products: column(implicit),
@@ -208,6 +211,7 @@ mod owned {
                 &self.base_velocities,
                 &self.solution,
                 &self.residual,
+                &self.gradient,
                 &self.base_residual,
                 &self.direction,
                 &self.products,
@@ -250,6 +254,7 @@ mod owned {
                 tangents: &mut self.tangents,
                 solution: &mut self.solution,
                 residual: &mut self.residual,
+                gradient: &mut self.gradient,
                 base_residual: &mut self.base_residual,
                 direction: &mut self.direction,
                 products: &mut self.products,

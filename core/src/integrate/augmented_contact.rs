@@ -134,7 +134,7 @@ impl AugmentedContact {
     }
 
     /// The impulse at a relative velocity, kg m/s.
-    #[inline]
+    #[inline(never)]
     pub fn impulse_at(&self, velocity: Vec3) -> Vec3 {
         let Trial { along, across } = self.trial(velocity);
         let squared = across.length_squared();
@@ -177,6 +177,7 @@ impl AugmentedContact {
     }
 
     /// The matrix from relative velocity to impulse that the preconditioner assumes; `None` if the contact does not push.
+    #[inline(never)]
     pub fn matrix(&self) -> Option<Mat3> {
         let Trial { along, across } = self.trial(self.velocity);
         if along <= 0.0 {

@@ -1,18 +1,30 @@
-//! Preconditioned conjugate gradients on the pre-filtered system `(S A S + I - S) y = S b`
-//! [Tamstorf 2015], A = M + S'; the filter S removes the held axes. A solve stops on the
-//! preconditioned residual, on negative curvature (truncated Newton) or on the limit of iterations.
+//! Preconditioned conjugate gradients on the pre-filtered system `(S A S + I - S) y = S b` [Tamstorf 2015], A = M + S'; the
+//! filter S removes the held axes.
+//!
+//! With contacts, the function
+//!
+//! `(y - y0) . A (y - y0) / 2 + sum of the contacts' potentials of u + G y`
+//!
+//! is minimised over the change y of the velocities, where `A y0 = b` is the residual of the step and G y the change of a
+//! contact's relative velocity. The function is convex and piecewise quadratic while the bounds of friction are fixed
+//! ([`AugmentedContact`]). The method is that for nonlinear functions [Polak 1969; Nocedal 2006, ch. 5.2] with an exact
+//! line search: contacts that open, close, stick or slip on the way need no solve of their own. Without contacts these
+//! are linear conjugate gradients.
+//!
+//! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on the limit of iterations.
 
-use super::IntegratorStatistics;
-use super::Preconditioner;
-use super::augmented_contact::{self, AugmentedContact};
+use super::augmented_contact::{self, AugmentedContact, ContactLine};
 use super::coarse::{self, CoarseFactor, Patches};
 use super::pins::Pins;
+use super::{IntegratorStatistics, Preconditioner, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
+use crate::scratch::Scratch;
+use crate::stage::Stage;
 
 /// Limit of iterations. A solve that reaches it is counted as unconverged.
-pub(super) const MOST_ITERATIONS: u32 = 20_000;
+const MOST_ITERATIONS: u32 = 20_000;
 
 /// Number of vertices in each partial sum of an inner product. It is fixed, so that results do not
 /// depend on the number of threads, bit for bit.
@@ -36,31 +48,8 @@ pub struct FactoredPreconditioner<'a, 'b> {
     pub coarse: Option<(Patches<'a>, &'a mut CoarseFactor<'b>)>,
 }
 
-/// The columns that a solve reads and writes.
-pub struct Vectors<'a> {
-    /// y.
-    pub solution: &'a mut [Vec3],
-    /// b with held axes cleared; overwritten.
-    pub residual: &'a mut [Vec3],
-    /// Search direction.
-    pub direction: &'a mut [Vec3],
-    /// S A times the search direction.
-    pub product: &'a mut [Vec3],
-    /// The preconditioned residual.
-    pub preconditioned: &'a mut [Vec3],
-    /// One partial sum for each [`PART`] vertices.
-    pub partials: &'a mut [Sum],
-}
-
-/// When a solve stops.
-#[derive(Clone, Copy, Debug)]
-pub struct StoppingCriterion {
-    /// Norm of the preconditioned residual at which to stop, relative to its norm for y = 0.
-    pub reduction: Sum,
-}
-
 /// Computes the preconditioner of the system with the contacts that push.
-pub(super) fn factor<'a, 'b>(
+fn factor<'a, 'b>(
     system: &System<'_>,
     contacts: &[AugmentedContact],
     kind: Preconditioner,
@@ -114,75 +103,240 @@ fn is_positive_definite(block: &Mat3) -> bool {
     block.x_axis.x > 0.0 && minor > 0.0 && block.determinant() > 0.0
 }
 
-/// Solves the system and writes `vectors.solution`; NaN if the residual is not finite.
-pub fn solve(
-    system: &System<'_>,
-    preconditioner: &mut FactoredPreconditioner<'_, '_>,
-    stopping: StoppingCriterion,
-    vectors: Vectors<'_>,
+/// Iterations after which the bounds of friction are updated, at the latest.
+const UPDATE_AFTER: u32 = 8;
+
+/// The bounds are also updated when the squared residual is this small, relative to that of the last update.
+const UPDATE_BELOW: Sum = 0.01;
+
+/// Updates of a solve that has converged, after which its bounds are no longer changed.
+const MOST_LAST_UPDATES: u32 = 8;
+
+/// Squared residual that the last update of the bounds may leave, relative to that at which the solve stops.
+const LEFT: Sum = 100.0;
+
+/// Slope at the end of a line search, relative to that at its start.
+const SEARCHED: Sum = 0.01;
+
+/// Limit of evaluations in a line search.
+const MOST_EVALUATIONS: u32 = 12;
+
+/// The columns of a solve.
+struct Iterate<'a, 'b> {
+    system: System<'a>,
+    preconditioner: FactoredPreconditioner<'a, 'b>,
+    /// y.
+    solution: &'a mut [Vec3],
+    /// `A (y0 - y)`: the residual without contacts.
+    elastic: &'a mut [Vec3],
+    /// The residual with the impulses of contacts, the negative gradient.
+    residual: &'a mut [Vec3],
+    preconditioned: &'a mut [Vec3],
+    direction: &'a mut [Vec3],
+    product: &'a mut [Vec3],
+    partials: &'a mut [Sum],
+    /// The contacts along the direction; room for all of them.
+    lines: &'a mut [ContactLine],
+}
+
+/// Writes y to `s.solution`, and the impulses of the contacts; NaN if the residual is not finite. `A y0` is in
+/// `s.residual`, and is overwritten. `lines` has room for all contacts. The solve stops at the preconditioned residual
+/// times `tolerance`.
+#[inline(never)]
+pub(super) fn solve<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLine]),
+    tolerance: Sum,
+    s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
-    dispatch: &impl Dispatch,
 ) {
-    let Vectors { solution, residual, direction, product, preconditioned, partials } = vectors;
-    precondition(system, preconditioner, residual, preconditioned, dispatch);
-    let mut rho = dot(residual, preconditioned, partials, dispatch);
-    let target = rho * stopping.reduction * stopping.reduction;
-    solution.fill(Vec3::ZERO);
-    direction.copy_from_slice(preconditioned);
-    let mut iteration = 0;
-    while rho > target && rho > 0.0 {
-        if iteration == MOST_ITERATIONS {
-            statistics.unconverged += 1;
-            return;
+    c.dispatch.enter(Stage::Solve);
+    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
+    let preconditioner =
+        factor(&system, contacts, c.scheme.preconditioner, s.inverse_diagonal, s.patches, &mut s.coarse, c.dispatch);
+    let mut i = Iterate {
+        system,
+        preconditioner,
+        solution: s.solution,
+        elastic: s.residual,
+        residual: s.gradient,
+        preconditioned: s.preconditioned,
+        direction: s.direction,
+        product: s.products,
+        partials: s.partials,
+        lines,
+    };
+    i.solution.fill(Vec3::ZERO);
+    i.residual.copy_from_slice(i.elastic);
+    let free = i.precondition(c.dispatch);
+    let mut rho = i.gradient(contacts, c.dispatch);
+    let target = free.max(rho) * tolerance * tolerance;
+    let (mut updated_at, mut iterations, mut since_update, mut last_updates) = (rho, 0, 0, 0);
+    i.direction.copy_from_slice(i.preconditioned);
+    loop {
+        if rho <= target && contacts.is_empty() {
+            statistics.negative_curvature += u64::from(rho < 0.0);
+            break;
         }
-        iteration += 1;
+        if rho <= target {
+            contacts.iter_mut().for_each(|contact| contact.update_friction(true));
+            rho = i.gradient(contacts, c.dispatch);
+            last_updates += 1;
+            let left = if last_updates > 1 { LEFT * target } else { target };
+            if rho <= left || last_updates == MOST_LAST_UPDATES {
+                break;
+            }
+            i.direction.copy_from_slice(i.preconditioned);
+            (updated_at, since_update) = (rho, 0);
+        }
+        if !rho.is_finite() || iterations == MOST_ITERATIONS {
+            statistics.unconverged += u64::from(rho.is_finite());
+            break;
+        }
+        (iterations, since_update) = (iterations + 1, since_update + 1);
         statistics.cg_iterations += 1;
         statistics.matrix_products += 1;
-        apply(system, direction, product, dispatch);
-        let curvature = dot(direction, product, partials, dispatch);
-        if curvature <= 0.0 {
+        let Some(length) = i.search(contacts, rho, c.dispatch) else {
             statistics.negative_curvature += 1;
-            if iteration == 1 {
-                solution.copy_from_slice(direction);
+            if iterations == 1 {
+                i.solution.copy_from_slice(i.direction);
             }
-            return;
+            break;
+        };
+        i.advance(contacts, length, c.dispatch);
+        if since_update >= UPDATE_AFTER || rho < UPDATE_BELOW * updated_at {
+            contacts.iter_mut().for_each(|contact| contact.update_friction(last_updates > 0));
+            (updated_at, since_update) = (rho, 0);
         }
-        let alpha = (rho / curvature) as Real;
-        let (p, q) = (&*direction, &*product);
-        dispatch.run((&mut *solution, &mut *residual), |start, (y, r)| {
+        rho = i.turn(contacts, rho, c.dispatch);
+    }
+    if !rho.is_finite() {
+        // A solve that fails writes NaN, so that the check after the step rejects it.
+        i.solution.fill(Vec3::NAN);
+    }
+}
+
+impl Iterate<'_, '_> {
+    /// Writes the residual from its elastic part and the impulses, and preconditions it. Returns its squared norm.
+    fn gradient(&mut self, contacts: &[AugmentedContact], dispatch: &impl Dispatch) -> Sum {
+        self.write_residual(contacts);
+        self.precondition(dispatch)
+    }
+
+    fn write_residual(&mut self, contacts: &[AugmentedContact]) {
+        self.residual.copy_from_slice(self.elastic);
+        for contact in contacts.iter().filter(|contact| contact.impulse != Vec3::ZERO) {
+            contact.scatter_impulse(self.residual);
+        }
+        self.system.pins.filter(self.residual);
+    }
+
+    fn precondition(&mut self, dispatch: &impl Dispatch) -> Sum {
+        let Self { system, preconditioner, residual, preconditioned, partials, .. } = self;
+        precondition(system, preconditioner, residual, preconditioned, dispatch);
+        dot(residual, preconditioned, partials, dispatch)
+    }
+
+    /// Length of the step along the direction that minimises the function there; `None` where it has no minimum.
+    fn search(&mut self, contacts: &mut [AugmentedContact], rho: Sum, dispatch: &impl Dispatch) -> Option<Sum> {
+        let mut slope = rho;
+        if !contacts.is_empty() {
+            slope = dot(self.residual, self.direction, self.partials, dispatch);
+            if slope <= 0.0 {
+                self.direction.copy_from_slice(self.preconditioned);
+                slope = rho;
+            }
+        }
+        let Self { system, elastic, direction, product, partials, lines, .. } = self;
+        matrix::multiply(system.matrix, system.masses, 1.0, direction, product, dispatch);
+        system.pins.filter(product);
+        let curvature = dot(direction, product, partials, dispatch);
+        if contacts.is_empty() {
+            return (curvature > 0.0).then(|| slope / curvature);
+        }
+        let elastic_slope = dot(elastic, direction, partials, dispatch);
+        let mut count = 0;
+        for contact in &mut *contacts {
+            contact.change = contact.gather(direction);
+            if let Some(line) = contact.line(contact.change) {
+                lines[count] = line;
+                count += 1;
+            }
+        }
+        let lines = &lines[..count];
+        // The derivative of the function along the direction increases with the length of the step.
+        let evaluate = |length: Sum| {
+            let (mut derivative, mut second) = (length * curvature - elastic_slope, curvature);
+            for line in lines {
+                let (slope, curvature) = line.slope_and_curvature(length as Real);
+                derivative -= Sum::from(slope);
+                second += Sum::from(curvature);
+            }
+            (derivative, second)
+        };
+        let (mut low, mut high, mut length) = (0.0, Sum::INFINITY, 0.0);
+        let (mut derivative, mut second) = (-slope, evaluate(0.0).1);
+        for _ in 0..MOST_EVALUATIONS {
+            if derivative < 0.0 {
+                low = length
+            } else {
+                high = length
+            }
+            let newton = length - derivative / second;
+            length = match (low < newton && newton < high, high.is_finite()) {
+                (true, _) => newton,
+                (false, true) => 0.5 * (low + high),
+                (false, false) => return None,
+            };
+            if lines.is_empty() {
+                break;
+            }
+            (derivative, second) = evaluate(length);
+            if derivative.abs() <= SEARCHED * slope {
+                break;
+            }
+        }
+        Some(length)
+    }
+
+    fn advance(&mut self, contacts: &mut [AugmentedContact], length: Sum, dispatch: &impl Dispatch) {
+        let length = length as Real;
+        let (p, q) = (&*self.direction, &*self.product);
+        dispatch.run((&mut *self.solution, &mut *self.elastic), |start, (y, r)| {
             for (i, (y, r)) in (start..).zip(y.iter_mut().zip(r)) {
-                *y += p[i] * alpha;
-                *r -= q[i] * alpha;
+                *y += p[i] * length;
+                *r -= q[i] * length;
             }
         });
-        precondition(system, preconditioner, residual, preconditioned, dispatch);
-        let next = dot(residual, preconditioned, partials, dispatch);
-        let beta = (next / rho) as Real;
-        rho = next;
-        let z = &*preconditioned;
-        dispatch.run(&mut *direction, |start, part| {
+        for contact in contacts {
+            contact.velocity += contact.change * length;
+            contact.impulse = contact.impulse_at(contact.velocity);
+        }
+    }
+
+    /// Writes the next residual and the next conjugate direction. Returns the squared norm of the residual.
+    fn turn(&mut self, contacts: &[AugmentedContact], rho: Sum, dispatch: &impl Dispatch) -> Sum {
+        self.write_residual(contacts);
+        // Zero for a quadratic function.
+        let crossed = match contacts {
+            [] => 0.0,
+            _ => dot(self.residual, self.preconditioned, self.partials, dispatch),
+        };
+        let next = self.precondition(dispatch);
+        let beta = ((next - crossed) / rho).max(0.0) as Real;
+        let z = &*self.preconditioned;
+        dispatch.run(&mut *self.direction, |start, part| {
             for (p, &z) in part.iter_mut().zip(&z[start..]) {
                 *p = z + *p * beta;
             }
         });
+        next
     }
-    if rho < 0.0 {
-        statistics.negative_curvature += 1;
-    }
-    if !(rho.is_finite() && target.is_finite()) {
-        // A solve that fails writes NaN, so that the check after the step rejects it.
-        solution.fill(Vec3::NAN);
-    }
-}
-
-/// `out = S A p`. The held axes of `p` must be zero.
-fn apply(system: &System<'_>, p: &[Vec3], out: &mut [Vec3], dispatch: &impl Dispatch) {
-    matrix::multiply(system.matrix, system.masses, 1.0, p, out, dispatch);
-    system.pins.filter(out);
 }
 
 /// `out = P residual`, with held axes cleared.
-pub(super) fn precondition(
+#[inline(never)]
+fn precondition(
     system: &System<'_>,
     preconditioner: &mut FactoredPreconditioner<'_, '_>,
     residual: &[Vec3],
@@ -203,6 +357,7 @@ pub(super) fn precondition(
 
 /// Inner product. Sums within parts of [`PART`] vertices in the crate's precision, and over the
 /// parts in double precision.
+#[inline(never)]
 pub fn dot(a: &[Vec3], b: &[Vec3], partials: &mut [Sum], dispatch: &impl Dispatch) -> Sum {
     dispatch.run(&mut *partials, |start, part| {
         for (k, partial) in (start..).zip(part) {

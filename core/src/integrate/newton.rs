@@ -16,14 +16,14 @@
 //! where E is the potential and R the dissipation, which is frozen during a line search. Without
 //! dissipation G is the same function in all iterations, and every accepted step decreases it.
 
-use super::conjugate_gradient::{self, StoppingCriterion, System};
+use super::conjugate_gradient;
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::forces::{self, Model, TangentScale};
 use crate::real::{Real, Sum, Vec3, dot_sum};
 use crate::scratch::Scratch;
-use crate::stage;
+use crate::stage::Stage;
 
 /// A backward Euler stage of `length` g from (xh, vh).
 #[derive(Clone, Copy)]
@@ -91,8 +91,8 @@ fn linearized_step<D: Dispatch>(
     if c.defers_solve() {
         return;
     }
-    let reduction = Sum::from(c.scheme.tolerance) * weight_factor(c, stage.length, s);
-    solve_linear(c, StoppingCriterion { reduction }, s, statistics);
+    let tolerance = Sum::from(c.scheme.tolerance) * weight_factor(c, stage.length, s);
+    solve_linear(c, tolerance, s, statistics);
     add_scaled(c, s.solution, 1.0, s.next_velocities);
 }
 
@@ -148,8 +148,8 @@ fn newton_iterations<D: Dispatch>(
         statistics.newton_iterations += 1;
         // Save the residual, which is the negative gradient of the objective: conjugate gradients overwrite it.
         s.base_residual.copy_from_slice(s.residual);
-        let reduction = c.scheme.tolerance.max(INNER_TOLERANCE).into();
-        solve_linear(c, StoppingCriterion { reduction }, s, statistics);
+        let tolerance = c.scheme.tolerance.max(INNER_TOLERANCE).into();
+        solve_linear(c, tolerance, s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
         match search(c, stage, slope, s, statistics) {
             Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
@@ -191,31 +191,12 @@ fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, 
 /// Solves `(M + S) y = r` and writes y to `s.solution`. S is in `s.matrix` and r is in `s.residual`.
 fn solve_linear<D: Dispatch>(
     c: &StepInput<'_, D>,
-    stopping: StoppingCriterion,
+    tolerance: Sum,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
-    c.dispatch.enter(stage::Stage::Solve);
-    let mut preconditioner = conjugate_gradient::factor(
-        &system,
-        &[],
-        c.scheme.preconditioner,
-        s.inverse_diagonal,
-        s.patches,
-        &mut s.coarse,
-        c.dispatch,
-    );
-    let vectors = conjugate_gradient::Vectors {
-        solution: s.solution,
-        residual: s.residual,
-        direction: s.direction,
-        product: s.products,
-        preconditioned: s.preconditioned,
-        partials: s.partials,
-    };
-    conjugate_gradient::solve(&system, &mut preconditioner, stopping, vectors, statistics, c.dispatch);
-    c.dispatch.enter(stage::Stage::Integrate);
+    conjugate_gradient::solve(c, (&mut [], &mut []), tolerance, s, statistics);
+    c.dispatch.enter(Stage::Integrate);
 }
 
 /// Norm of the impulse of gravity during a stage: sqrt(sum m) times the gravitational acceleration times the length

@@ -33,6 +33,13 @@ impl Constraint {
     }
 }
 
+/// Sorts indices of constraints by the vertices of their features, those of the same features by their index. Not
+/// inlined: a sort is long.
+#[inline(never)]
+pub fn sort_by_vertices(constraints: &[Constraint], order: &mut [u32]) {
+    order.sort_unstable_by_key(|&index| (constraints[index as usize].contact.vertices, index));
+}
+
 /// The inverse mass along the normal; 0 where what could move would have to go more than `lever`
 /// times as far as the contact, which is as good as at what cannot: beside a pin.
 fn movable_mass(contact: &Contact, mobility: &[Vec3], lever: Real) -> Real {

@@ -3,7 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::constraint::Constraint;
+use super::constraint::{self, Constraint};
 use crate::real::{Real, Vec3};
 
 /// The force of a contact in the last step.
@@ -33,7 +33,7 @@ pub fn write(constraints: &[Constraint], step: Real, order: &mut [u32], out: &mu
         }
     }
     let order = &mut order[..pushing];
-    order.sort_unstable_by_key(|&index| (constraints[index as usize].contact.vertices, index));
+    constraint::sort_by_vertices(constraints, order);
     let mut count = 0;
     for &index in &*order {
         let Constraint { contact, normal_impulse, friction_impulse, .. } = constraints[index as usize];

@@ -64,7 +64,7 @@ impl<'a> Known<'a> {
         for (k, slot) in (0..).zip(&mut order[..count]) {
             *slot = k;
         }
-        order[..count].sort_unstable_by_key(|&k| constraints[k as usize].contact.vertices);
+        constraint::sort_by_vertices(constraints, &mut order[..count]);
         Self { order: &order[..count], count }
     }
 
