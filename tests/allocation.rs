@@ -131,7 +131,7 @@ const REFUSED: (&str, &str) = (
 
 /// A motion that needs halved steps: in one step the ball moves farther than the search distance of the cloth
 /// it pushes.
-const FAST: (&str, &str) = ("radius = 0.05", "radius = 0.05\nmotion = { keys = [[0, 0, 0, 0], [1, 0, 40, 0]] }");
+const FAST: (&str, &str) = ("radius = 0.05", "radius = 0.05\nmotion = { keys = [[0, 0, 0, 0], [1, 0, 100, 0]] }");
 
 /// A second sheet that almost touches the first: only an exact test at the end of the step can decide its
 /// pairs.

@@ -81,7 +81,7 @@ mod owned {
     use crate::integrate::patches::PatchColumns;
     use crate::integrate::pins::Pins;
     use crate::integrate::{Method, Preconditioner, Scheme};
-    use crate::real::to_f64;
+    use crate::real::{Lanes, to_f64};
     use crate::scene::BuiltScene;
     use crate::traffic::TrafficSizes;
 
@@ -115,7 +115,9 @@ mod owned {
         coarse_values: Vec<Sum>,
         coarse_own: Vec<Dense>,
         coarse_inverse_diagonal: Vec<Sum>,
-        coarse_vector: Vec<Sum>,
+        coarse_rounded: Vec<Real>,
+        coarse_vector: Vec<Real>,
+        coarse_motions: Vec<[Lanes; 3]>,
     }
 
     /// Patches of a scene. A scene that was not built from a description may lack the ranges of cloths or the
@@ -178,7 +180,9 @@ mod owned {
                 coarse_values: vec![0.0; coarse_values],
                 coarse_own: vec![[[0.0; MODES]; MODES]; coarse_rows / MODES],
                 coarse_inverse_diagonal: vec![0.0; coarse_rows],
+                coarse_rounded: vec![0.0; coarse_values],
                 coarse_vector: vec![0.0; coarse_rows],
+                coarse_motions: vec![[Lanes::ZERO; 3]; coarse_rows / MODES],
             }
         }
 
@@ -226,7 +230,10 @@ mod owned {
                 + self.patches.bytes()
                 + size_of_val(&self.coarse_values[..])
                 + size_of_val(&self.coarse_own[..])
-                + 2 * size_of_val(&self.coarse_vector[..])
+                + size_of_val(&self.coarse_inverse_diagonal[..])
+                + size_of_val(&self.coarse_rounded[..])
+                + size_of_val(&self.coarse_vector[..])
+                + size_of_val(&self.coarse_motions[..])
         }
 
         /// The borrowed view that a step takes.
@@ -266,7 +273,9 @@ mod owned {
                     values: &mut self.coarse_values,
                     own: &mut self.coarse_own,
                     inverse_diagonal: &mut self.coarse_inverse_diagonal,
+                    rounded: &mut self.coarse_rounded,
                     vector: &mut self.coarse_vector,
+                    motions: &mut self.coarse_motions,
                 },
             }
         }

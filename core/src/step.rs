@@ -2,7 +2,7 @@
 //!
 //! [`predict`] (forces, integration) -> [`sweep`] (boxes around the motion) -> [`detect`] (candidates
 //! and their distances) -> [`find_contacts`] and [`couple`] (contacts and elasticity, implicit methods
-//! only) -> [`respond`] (contacts, impacts) -> [`settle`] -> [`new_crossing`], if surfaces
+//! only) -> [`find_impacts`] and [`couple_again`] (impacts and elasticity) -> [`respond`] (contacts, impacts) -> [`settle`] -> [`new_crossing`], if surfaces
 //! [touch](crate::response::Outcome::Touches) -> [`keep_forces`] and [`commit`].
 //!
 //! Backward Euler without Newton's method predicts the motion without any force and leaves its one
@@ -26,7 +26,7 @@ use crate::response::repulsion::REACH;
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
-pub use crate::response::{find_contacts, respond};
+pub use crate::response::{find_contacts, find_impacts, respond};
 
 /// Result of [`predict`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,17 +137,32 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
 }
 
 /// Solves the step together with its contacts. Only for implicit methods, between [`find_contacts`] and [`respond`];
-/// required by [`StepInput::defers_solve`].
+/// required by [`StepInput::defers_solve`]. Returns where the solve stopped, for [`couple_again`].
 pub fn couple<D: Dispatch>(
     context: &StepInput<'_, D>,
     particles: &Particles<'_>,
     contact: &mut ContactScratch<'_>,
     scratch: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
-) {
+) -> Option<Sum> {
     let contacts = &mut contact.contacts[..contact.lengths.contacts];
     let state = [&*particles.positions, &*particles.velocities];
-    contact_solve::correct(context, state, (contacts, contact.lines), scratch, statistics);
+    let target = contact_solve::correct(context, state, (contacts, contact.lines), scratch, statistics);
+    contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+    target
+}
+
+/// Goes on with the solve of [`couple`], which returned `target`, after [`find_impacts`] has added contacts to the first
+/// `known` ones.
+pub fn couple_again<D: Dispatch>(
+    context: &StepInput<'_, D>,
+    (known, target): (usize, Option<Sum>),
+    contact: &mut ContactScratch<'_>,
+    scratch: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
+    let contacts = &mut contact.contacts[..contact.lengths.contacts];
+    contact_solve::resume(context, (contacts, contact.lines), known, target, scratch, statistics);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
 }
 

@@ -7,7 +7,7 @@ use crate::forces::element::Element;
 use crate::forces::matrix::{Block, Mirrored};
 use crate::forces::spring::Springs;
 use crate::integrate::IntegratorStatistics;
-use crate::real::{Mat3, Real, Sum, Vec3};
+use crate::real::{Mat3, Real, Vec3};
 use crate::stage::{Stage, Term};
 
 const SCALAR: usize = size_of::<Real>();
@@ -104,7 +104,7 @@ fn iteration(sizes: TrafficSizes) -> usize {
     // coordinates and a vector.
     let coarse = match sizes.coarse_values {
         0 => 0,
-        values => 2 * values * size_of::<Sum>() + sizes.vertices * 2 * (INDEX + 2 * SCALAR + VECTOR),
+        values => 2 * values * size_of::<Real>() + sizes.vertices * 2 * (INDEX + 2 * SCALAR + VECTOR),
     };
     let matrix = stored * (size_of::<Block>() + INDEX) + mirrored * size_of::<Mirrored>();
     // Vectors: product 2, two inner products 4, solution and residual 6, preconditioner 2, direction 3.

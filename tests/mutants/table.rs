@@ -53,8 +53,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "Conjugate gradients stop ten times too early",
         file: "core/src/integrate/conjugate_gradient.rs",
-        old: "let target = rho * stopping.reduction * stopping.reduction;",
-        new: "let target = rho * stopping.reduction * stopping.reduction * 100.0;",
+        old: "free.max(rho) * tolerance * tolerance,",
+        new: "free.max(rho) * tolerance * tolerance * 100.0,",
         everyday: &["solver", "response"],
         all: &[],
     },

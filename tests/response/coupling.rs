@@ -136,6 +136,7 @@ both_precisions! {
                 weights: weights.map(|w| w as Real),
                 normal: vec3(rng.direction().into()),
                 least_velocity: rng.between(-0.002, 0.005) as Real,
+                slack: 0.001,
                 velocity: vec3(rng.cube(0.005).into()),
                 multiplier: vec3((DVec3::from(rng.cube(1.0)) * rng.pick(&[0.0, 0.002])).into()),
                 coefficients: [at_rest as Real, kinetic as Real],
@@ -145,7 +146,7 @@ both_precisions! {
         (0..count).map(contact).collect()
     }
 
-    /// The input and the result of [`contact_solve::correct`].
+    /// The input and the result of [`contact_solve::correct`] and [`contact_solve::resume`].
     struct Corrected {
         /// The matrix of the step, held axes not yet cleared.
         matrix: DMatrix<f64>,
@@ -166,7 +167,8 @@ both_precisions! {
         built: BuiltScene,
         given: Vec<AugmentedContact>,
     ) -> Corrected {
-        let tolerance = kit::bound(1e-6, 1e-13) as Real;
+        // In single precision the impulse of a contact that became stiffer is rounded by more than 1e-6 of the residual.
+        let tolerance = kit::bound(3e-6, 1e-13) as Real;
         let scheme = Scheme { method: advance.method, newton: 1, tolerance, preconditioner, jacobian: Jacobian::Projected };
         let mut columns = ScratchColumns::build(&built, &scheme);
         let (mut particles, mut work) = (built.particles.clone(), IntegratorStatistics::default());
@@ -208,9 +210,18 @@ both_precisions! {
         let mut contacts = given.clone();
         let state = [&*particles.positions, &*particles.velocities];
         let lines = &mut vec![ContactLine::default(); contacts.len()];
-        contact_solve::correct(&context, state, (&mut contacts, lines), s, &mut work);
+        // The last contact is an impact that is only found in the motion of the others.
+        let known = contacts.len() - 1;
+        let target = contact_solve::correct(&context, state, (&mut contacts[..known], lines), s, &mut work);
+        if target.is_none() {
+            s.solution.fill(Vec3::ZERO);
+        }
+        let first = column(s.solution);
+        let moved = contacts[known].gather(s.solution) * advance.length() as Real;
+        contacts[known].velocity += moved;
+        contact_solve::resume(&context, (&mut contacts, lines), known, target, s, &mut work);
         let end = [column(s.next_positions), column(s.next_velocities)];
-        let solution = column(s.solution);
+        let solution = first.iter().zip(column(s.solution)).map(|(&a, b)| a + b).collect();
         Corrected { matrix, residual, predicted, end, solution, given, contacts, built, work }
     }
 

@@ -40,8 +40,9 @@ pub fn to_mat3(block: &Block) -> Mat3 {
     Mat3::from_cols(x, y, z)
 }
 
+/// The first three lanes.
 #[inline(always)]
-fn to_vec3(lanes: Lanes) -> Vec3 {
+pub fn to_vec3(lanes: Lanes) -> Vec3 {
     let [x, y, z, _] = lanes.to_array();
     Vec3::new(x, y, z)
 }

@@ -6,16 +6,23 @@
 //! across it            q = q0 - s (u - n n . u), shortened to the bound b where it is longer
 //! ```
 //!
-//! where w is the normal velocity that keeps the contact apart, p0 and q0 are the multipliers, which are the impulses
-//! of the step before, and s is a stiffness. The bound b is the coefficient of friction times p. It is updated while
-//! the step is solved; between two updates the impulses are the gradient of a convex function [Simo 1992, Alart 1991].
+//! where w is the normal velocity that keeps the contact apart, p0 and q0 are the multipliers, which start as the
+//! impulses of the step before, and s is a stiffness. The bound b is the coefficient of friction times p. Bounds and
+//! multipliers are updated while the step is solved; between two updates the impulses are the gradient of a convex
+//! function [Simo 1992, Alart 1991].
 
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::real::{Mat3, Real, Vec3, outer, scaled_identity, sqrt};
 
 /// Stiffness of a contact relative to that of the cloth at its vertices. A larger value needs more iterations; a smaller
 /// value leaves more of a sudden contact to the response.
-pub const STIFFNESS: Real = 1.0;
+pub const STIFFNESS: Real = 0.3;
+
+/// Factor of the stiffness of a contact that an update of its multiplier finds violated, or pushing apart.
+const HARDENING: Real = 10.0;
+
+/// How often a contact becomes stiffer in a step. Stiffer ones would only make the solve slow.
+const MOST_HARDENINGS: u32 = 2;
 
 /// Whether a contact slides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,6 +45,8 @@ pub struct AugmentedContact {
     pub normal: Vec3,
     /// w: least normal velocity, m/s.
     pub least_velocity: Real,
+    /// Normal velocity by which the contact may be violated before it becomes stiffer, m/s.
+    pub slack: Real,
     /// u: relative velocity, m/s. Input: that of the start of the solve.
     pub velocity: Vec3,
     /// p0 n + q0, kg m/s.
@@ -48,6 +57,8 @@ pub struct AugmentedContact {
     pub constraint: u32,
     /// s, kg; computed.
     pub stiffness: Real,
+    /// How often the stiffness was raised; computed.
+    pub hardenings: u32,
     /// b, kg m/s; computed.
     pub bound: Real,
     /// Whether it slides; computed.
@@ -159,6 +170,20 @@ impl AugmentedContact {
         };
         let never_pushes = along <= 0.0 && change_along >= 0.0;
         (!(never_pushes && self.bound == 0.0)).then_some(line)
+    }
+
+    /// Makes the impulse the multiplier. A contact that is violated pushes harder afterwards, one that pushes apart pushes
+    /// less [Hestenes 1969]. If it does so by more than its slack, it also becomes stiffer: the multiplier of a landing is
+    /// so large that updates with the stiffness of the cloth would need a hundred steps to remove it.
+    pub fn update_multiplier(&mut self) {
+        let missing = self.least_velocity - self.normal.dot(self.velocity);
+        let is_off = missing > self.slack || missing < -self.slack && self.normal_impulse() > 0.0;
+        if is_off && self.hardenings < MOST_HARDENINGS {
+            self.stiffness *= HARDENING;
+            self.hardenings += 1;
+        }
+        self.multiplier = self.impulse;
+        self.impulse = self.impulse_at(self.velocity);
     }
 
     /// Sets the bound of friction from the normal impulse. If the contact `may_slip`, it slips where it would need more

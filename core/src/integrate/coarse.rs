@@ -8,7 +8,8 @@
 
 use super::augmented_contact::AugmentedContact;
 use super::conjugate_gradient::System;
-use crate::real::{Real, Sum, SumLanes, Vec3, to_f64};
+use crate::forces::matrix::to_vec3;
+use crate::real::{Lanes, Real, Sum, SumLanes, Vec3, lanes};
 
 /// Motions of a patch: three axes times (1, u, v) in its own coordinates.
 pub const MODES: usize = 9;
@@ -32,17 +33,21 @@ pub struct Patches<'a> {
     pub offsets: &'a [u32],
 }
 
-/// The factor of the small matrix and a vector to solve in, borrowed.
+/// The factor of the small matrix and vectors to solve in, borrowed.
 #[derive(Debug, Default)]
 pub struct CoarseFactor<'a> {
-    /// Values of all rows.
+    /// Values of all rows while the matrix is summed and factorised.
     pub values: &'a mut [Sum],
     /// The diagonal block B of each patch while the matrix is summed, stored as X with B = X + X^T.
     pub own: &'a mut [Dense],
     /// 1 / diagonal; zero for motions that are left out.
     pub inverse_diagonal: &'a mut [Sum],
+    /// The factor, rounded: a solve takes as long as reading it.
+    pub rounded: &'a mut [Real],
     /// Right side and solution: one entry per row.
-    pub vector: &'a mut [Sum],
+    pub vector: &'a mut [Real],
+    /// Of each patch, its right side or its motion: one vector for each of (1, u, v).
+    pub motions: &'a mut [[Lanes; 3]],
 }
 
 /// A block that couples the motions of two patches, indexed `[row][column]`.
@@ -53,6 +58,13 @@ impl Patches<'_> {
     fn shape(&self, vertex: usize) -> [Sum; 3] {
         let [u, v] = self.coordinates[vertex];
         [1.0, u.into(), v.into()]
+    }
+
+    /// (u, v) of a vertex in all lanes, and its patch.
+    #[inline(always)]
+    fn place(&self, vertex: usize) -> (Lanes, Lanes, usize) {
+        let [u, v] = self.coordinates[vertex];
+        (Lanes::splat(u), Lanes::splat(v), self.labels[vertex] as usize)
     }
 
     /// Whether the envelope contains the block of two patches; `high` is the larger number.
@@ -93,6 +105,9 @@ pub fn write_factor(
         }
     }
     factorise(patches, factor);
+    for (rounded, &value) in factor.rounded.iter_mut().zip(&*factor.values) {
+        *rounded = value as Real;
+    }
 }
 
 /// Adds a vertex's row of the system. Consecutive columns of one patch are first summed, weighted
@@ -254,25 +269,32 @@ fn factorise(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
 /// Adds `P (P^T A P)^-1 P^T r` to `z`. Held axes of `r` must be zero; the caller clears the held
 /// axes of `z`.
 pub fn add_correction(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>, r: &[Vec3], z: &mut [Vec3]) {
-    restrict(patches, r, factor.vector);
+    restrict(patches, r, factor);
     solve(patches, factor);
+    for (motion, rows) in factor.motions.iter_mut().zip(factor.vector.as_chunks::<MODES>().0) {
+        *motion = core::array::from_fn(|s| Lanes::new([rows[s], rows[3 + s], rows[6 + s], 0.0]));
+    }
     for (vertex, z) in z.iter_mut().enumerate() {
-        let shape = patches.shape(vertex);
-        let motion = &factor.vector[patches.labels[vertex] as usize * MODES..][..MODES];
-        let along = |axis: usize| (0..3).map(|s| motion[3 * axis + s] * shape[s]).sum::<Sum>() as Real;
-        *z += Vec3::new(along(0), along(1), along(2));
+        let (u, v, patch) = patches.place(vertex);
+        let [constant, along_u, along_v] = factor.motions[patch];
+        *z += to_vec3(constant + along_u * u + along_v * v);
     }
 }
 
-fn restrict(patches: &Patches<'_>, r: &[Vec3], vector: &mut [Sum]) {
-    vector.fill(0.0);
+/// Writes `P^T r` to the vector.
+fn restrict(patches: &Patches<'_>, r: &[Vec3], factor: &mut CoarseFactor<'_>) {
+    factor.motions.fill([Lanes::ZERO; 3]);
     for (vertex, &r) in r.iter().enumerate() {
-        let shape = patches.shape(vertex);
-        let motion = &mut vector[patches.labels[vertex] as usize * MODES..][..MODES];
-        for (axis, r) in to_f64(r).into_iter().enumerate() {
-            for s in 0..3 {
-                motion[3 * axis + s] += r * shape[s];
-            }
+        let (u, v, patch) = patches.place(vertex);
+        let (r, [constant, along_u, along_v]) = (lanes(r), &mut factor.motions[patch]);
+        *constant += r;
+        *along_u += r * u;
+        *along_v += r * v;
+    }
+    for (motion, rows) in factor.motions.iter().zip(factor.vector.as_chunks_mut::<MODES>().0) {
+        for (s, motion) in motion.iter().enumerate() {
+            let [x, y, z, _] = motion.to_array();
+            (rows[s], rows[3 + s], rows[6 + s]) = (x, y, z);
         }
     }
 }
@@ -281,19 +303,32 @@ fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     let rows = patches.first_columns.len();
     for row in 0..rows {
         let first = patches.first_columns[row] as usize;
-        let left = &factor.values[patches.row(row)][..row - first];
-        let product = dot(left, &factor.vector[first..row]);
-        factor.vector[row] = (factor.vector[row] - product) * factor.inverse_diagonal[row];
+        let left = &factor.rounded[patches.row(row)][..row - first];
+        let product = rounded_dot(left, &factor.vector[first..row]);
+        factor.vector[row] = (factor.vector[row] - product) * factor.inverse_diagonal[row] as Real;
     }
     for row in (0..rows).rev() {
         let first = patches.first_columns[row] as usize;
-        factor.vector[row] *= factor.inverse_diagonal[row];
+        factor.vector[row] *= factor.inverse_diagonal[row] as Real;
         let solved = factor.vector[row];
-        let left = &factor.values[patches.row(row)][..row - first];
+        let left = &factor.rounded[patches.row(row)][..row - first];
         for (entry, value) in factor.vector[first..row].iter_mut().zip(left) {
             *entry -= value * solved;
         }
     }
+}
+
+/// Inner product in eight interleaved sums.
+#[inline]
+fn rounded_dot(a: &[Real], b: &[Real]) -> Real {
+    let (a, b) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [Lanes::ZERO; 2];
+    for (&[a0, a1, a2, a3, a4, a5, a6, a7], &[b0, b1, b2, b3, b4, b5, b6, b7]) in a.0.iter().zip(b.0) {
+        sums[0] += Lanes::new([a0, a1, a2, a3]) * Lanes::new([b0, b1, b2, b3]);
+        sums[1] += Lanes::new([a4, a5, a6, a7]) * Lanes::new([b4, b5, b6, b7]);
+    }
+    let [x, y, z, w] = (sums[0] + sums[1]).to_array();
+    (x + y) + (z + w) + a.1.iter().zip(b.1).map(|(a, b)| a * b).sum::<Real>()
 }
 
 /// Inner product in four interleaved sums. Not inlined: copies in its callers are longer and no faster.

@@ -48,27 +48,6 @@ pub struct FactoredPreconditioner<'a, 'b> {
     pub coarse: Option<(Patches<'a>, &'a mut CoarseFactor<'b>)>,
 }
 
-/// Computes the preconditioner of the system with the contacts that push.
-fn factor<'a, 'b>(
-    system: &System<'_>,
-    contacts: &[AugmentedContact],
-    kind: Preconditioner,
-    inverse_diagonal: &'a mut [Mat3],
-    patches: Patches<'a>,
-    factor: &'a mut CoarseFactor<'b>,
-    dispatch: &impl Dispatch,
-) -> FactoredPreconditioner<'a, 'b> {
-    write_inverse_diagonal(system, contacts, inverse_diagonal, dispatch);
-    let coarse = match kind {
-        Preconditioner::BlockJacobi => None,
-        Preconditioner::TwoLevel => {
-            coarse::write_factor(&patches, system, contacts, factor);
-            Some((patches, factor))
-        }
-    };
-    FactoredPreconditioner { inverse_diagonal, coarse }
-}
-
 /// Writes the inverse of each diagonal block, with held axes decoupled.
 pub fn write_inverse_diagonal(
     system: &System<'_>,
@@ -103,11 +82,18 @@ fn is_positive_definite(block: &Mat3) -> bool {
     block.x_axis.x > 0.0 && minor > 0.0 && block.determinant() > 0.0
 }
 
-/// Iterations after which the bounds of friction are updated, at the latest.
+/// Iterations after which the bounds of friction are updated, at the latest. If the solve takes long, the update waits for
+/// this part of its iterations: normal impulses and bounds that chase each other need time to settle.
 const UPDATE_AFTER: u32 = 8;
+const UPDATE_PART: u32 = 8;
 
 /// The bounds are also updated when the squared residual is this small, relative to that of the last update.
 const UPDATE_BELOW: Sum = 0.01;
+
+/// Updates of the bounds in a solve that also update the multipliers. More of them need more iterations. Without them a
+/// landing stretches cloth twice as much: what is left of its violation is corrected by the response, which moves single
+/// vertices, and its multiplier throws the cloth back in the next step.
+const MULTIPLIER_UPDATES: u32 = 4;
 
 /// Updates of a solve that has converged, after which its bounds are no longer changed.
 const MOST_LAST_UPDATES: u32 = 8;
@@ -139,21 +125,40 @@ struct Iterate<'a, 'b> {
     lines: &'a mut [ContactLine],
 }
 
+/// When a solve stops.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Goal {
+    /// At the preconditioned residual of the start times this.
+    Reduce(Sum),
+    /// At this square of the preconditioned residual, by the preconditioner of the solve before. It goes on with that
+    /// solve.
+    Reach(Sum),
+}
+
 /// Writes y to `s.solution`, and the impulses of the contacts; NaN if the residual is not finite. `A y0` is in
-/// `s.residual`, and is overwritten. `lines` has room for all contacts. The solve stops at the preconditioned residual
-/// times `tolerance`.
+/// `s.residual`; the solve leaves `A (y0 - y)` there. `lines` has room for all contacts. Returns the square of the
+/// preconditioned residual at which the solve stops.
 #[inline(never)]
 pub(super) fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,
     (contacts, lines): (&mut [AugmentedContact], &mut [ContactLine]),
-    tolerance: Sum,
+    goal: Goal,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
-) {
+) -> Sum {
     c.dispatch.enter(Stage::Solve);
     let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
-    let preconditioner =
-        factor(&system, contacts, c.scheme.preconditioner, s.inverse_diagonal, s.patches, &mut s.coarse, c.dispatch);
+    if let Goal::Reduce(_) = goal {
+        write_inverse_diagonal(&system, contacts, s.inverse_diagonal, c.dispatch);
+        if c.scheme.preconditioner == Preconditioner::TwoLevel {
+            coarse::write_factor(&s.patches, &system, contacts, &mut s.coarse);
+        }
+    }
+    let coarse = match c.scheme.preconditioner {
+        Preconditioner::BlockJacobi => None,
+        Preconditioner::TwoLevel => Some((s.patches, &mut s.coarse)),
+    };
+    let preconditioner = FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
     let mut i = Iterate {
         system,
         preconditioner,
@@ -170,8 +175,12 @@ pub(super) fn solve<D: Dispatch>(
     i.residual.copy_from_slice(i.elastic);
     let free = i.precondition(c.dispatch);
     let mut rho = i.gradient(contacts, c.dispatch);
-    let target = free.max(rho) * tolerance * tolerance;
-    let (mut updated_at, mut iterations, mut since_update, mut last_updates) = (rho, 0, 0, 0);
+    let target = match goal {
+        Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
+        Goal::Reach(target) => target,
+    };
+    let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
+    let (mut updates, mut last_updates) = (0, 0);
     i.direction.copy_from_slice(i.preconditioned);
     loop {
         if rho <= target && contacts.is_empty() {
@@ -204,9 +213,12 @@ pub(super) fn solve<D: Dispatch>(
             break;
         };
         i.advance(contacts, length, c.dispatch);
-        if since_update >= UPDATE_AFTER || rho < UPDATE_BELOW * updated_at {
+        if since_update >= UPDATE_AFTER.max(iterations / UPDATE_PART) || rho < UPDATE_BELOW * updated_at {
             contacts.iter_mut().for_each(|contact| contact.update_friction(last_updates > 0));
-            (updated_at, since_update) = (rho, 0);
+            if updates < MULTIPLIER_UPDATES {
+                contacts.iter_mut().for_each(AugmentedContact::update_multiplier);
+            }
+            (updated_at, since_update, updates) = (rho, 0, updates + 1);
         }
         rho = i.turn(contacts, rho, c.dispatch);
     }
@@ -214,6 +226,7 @@ pub(super) fn solve<D: Dispatch>(
         // A solve that fails writes NaN, so that the check after the step rejects it.
         i.solution.fill(Vec3::NAN);
     }
+    target
 }
 
 impl Iterate<'_, '_> {

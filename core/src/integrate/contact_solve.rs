@@ -2,7 +2,7 @@
 //! ([`conjugate_gradient`]), and more where one linearisation cannot follow the motion.
 
 use super::augmented_contact::{AugmentedContact, ContactLine};
-use super::conjugate_gradient;
+use super::conjugate_gradient::{self, Goal};
 use super::newton::{self, ImplicitStage, MOST_STRAIN};
 use super::{IntegratorStatistics, Method, StepInput};
 use crate::dispatch::Dispatch;
@@ -13,6 +13,9 @@ use crate::stage::Stage;
 
 /// Limit of linearisations in a step.
 const MOST_LINEARIZATIONS: u32 = 8;
+
+/// Relative residual of the solve before [`resume`]. It only has to tell what meets on the way.
+const ROUGH: Sum = 1e-2;
 
 /// Length over which the velocity that the stage was solved for moves the positions, s.
 fn stage_length(method: Method, step: Real, has_history: bool) -> Real {
@@ -28,39 +31,34 @@ fn stage_length(method: Method, step: Real, has_history: bool) -> Real {
 ///
 /// If the solve turns or stretches elements by more than a half, only a part of its step is taken, and the
 /// forces are linearised there again. One linearisation would stretch cloth that a contact turns.
+///
+/// Returns where the solve stopped, for [`resume`]; `None` if nothing had to be solved.
 pub fn correct<D: Dispatch>(
     c: &StepInput<'_, D>,
     [x, v]: [&[Vec3]; 2],
     (contacts, lines): (&mut [AugmentedContact], &mut [ContactLine]),
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
-) {
+) -> Option<Sum> {
     let length = stage_length(c.scheme.method, c.step, s.has_history);
-    for contact in &mut *contacts {
-        contact.velocity /= length;
-        contact.least_velocity /= length;
-        contact.start(c.masses, &s.matrix);
-    }
+    start(c, length, contacts, s);
     if !c.defers_solve() {
-        if contacts.iter().any(|contact| contact.impulse != Vec3::ZERO) {
-            s.residual.fill(Vec3::ZERO);
-            conjugate_gradient::solve(c, (contacts, lines), c.scheme.tolerance.into(), s, statistics);
-            // A contact changes the velocity as much as the displacement over the step. The second-order methods would
-            // extrapolate the change, and so return what the contact has stopped.
-            add_solution(c, length, length / c.step, s);
+        if contacts.iter().all(|contact| contact.impulse == Vec3::ZERO) {
+            return None;
         }
-        return;
+        return Some(solve_change(c, (contacts, lines), rough(c), s, statistics));
     }
     let stage = ImplicitStage { length, positions: x, velocities: v };
     for linearization in 1..=MOST_LINEARIZATIONS {
-        let tolerance = Sum::from(c.scheme.tolerance) * newton::weight_factor(c, length, s);
-        conjugate_gradient::solve(c, (contacts, lines), tolerance, s, statistics);
+        let tolerance = rough(c) * newton::weight_factor(c, length, s);
+        let target = conjugate_gradient::solve(c, (contacts, lines), Goal::Reduce(tolerance), s, statistics);
         let part = MOST_STRAIN / (length * forces::strain_rate(c.model, s.solution));
         let left = (MOST_LINEARIZATIONS - linearization) as Real;
         // Steps that are much too long for the motion gain nothing.
         let is_last = part >= 1.0 || part * left < 1.0 || !part.is_finite();
         if is_last {
-            return add_solution(c, length, 1.0, s);
+            add_solution(c, length, 1.0, s);
+            return Some(target);
         }
         for contact in &mut *contacts {
             contact.velocity -= contact.gather(s.solution) * (1.0 - part);
@@ -69,6 +67,68 @@ pub fn correct<D: Dispatch>(
         add_solution(c, length * part, part, s);
         newton::linearize(c, &stage, s, statistics);
     }
+    None
+}
+
+/// Completes the solve that [`correct`] stopped at `target`, with more contacts: those from `known` on. If there are any,
+/// the impulses of the others become their multipliers.
+pub fn resume<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLine]),
+    known: usize,
+    target: Option<Sum>,
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) {
+    let left = Sum::from(c.scheme.tolerance) / rough(c);
+    let (before, added) = contacts.split_at_mut(known);
+    if added.is_empty() && (left == 1.0 || target.is_none()) {
+        return;
+    }
+    let length = stage_length(c.scheme.method, c.step, s.has_history);
+    if !added.is_empty() {
+        before.iter_mut().for_each(AugmentedContact::update_multiplier);
+        start(c, length, added, s);
+    }
+    let Some(target) = target else {
+        solve_change(c, (contacts, lines), c.scheme.tolerance.into(), s, statistics);
+        return;
+    };
+    conjugate_gradient::solve(c, (contacts, lines), Goal::Reach(target * left * left), s, statistics);
+    let to_velocity = if c.defers_solve() { 1.0 } else { length / c.step };
+    add_solution(c, length, to_velocity, s);
+}
+
+/// Relative residual at which [`correct`] stops.
+fn rough<D: Dispatch>(c: &StepInput<'_, D>) -> Sum {
+    ROUGH.max(c.scheme.tolerance.into())
+}
+
+/// Starts contacts, whose displacements over a stage of `length` become velocities.
+fn start<D: Dispatch>(c: &StepInput<'_, D>, length: Real, contacts: &mut [AugmentedContact], s: &Scratch<'_>) {
+    for contact in contacts {
+        contact.velocity /= length;
+        contact.least_velocity /= length;
+        contact.slack /= length;
+        contact.start(c.masses, &s.matrix);
+    }
+}
+
+/// Solves for the change that contacts make to a step that is complete without them. Returns where the solve stopped.
+fn solve_change<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    contacts: (&mut [AugmentedContact], &mut [ContactLine]),
+    tolerance: Sum,
+    s: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) -> Sum {
+    s.residual.fill(Vec3::ZERO);
+    let target = conjugate_gradient::solve(c, contacts, Goal::Reduce(tolerance), s, statistics);
+    // A contact changes the velocity as much as the displacement over the step. The second-order methods would
+    // extrapolate the change, and so return what the contact has stopped.
+    let length = stage_length(c.scheme.method, c.step, s.has_history);
+    add_solution(c, length, length / c.step, s);
+    target
 }
 
 /// Adds multiples of the solution to the positions and velocities of the candidate state.

@@ -16,7 +16,7 @@
 //! where E is the potential and R the dissipation, which is frozen during a line search. Without
 //! dissipation G is the same function in all iterations, and every accepted step decreases it.
 
-use super::conjugate_gradient;
+use super::conjugate_gradient::{self, Goal};
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
@@ -195,7 +195,7 @@ fn solve_linear<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    conjugate_gradient::solve(c, (&mut [], &mut []), tolerance, s, statistics);
+    conjugate_gradient::solve(c, (&mut [], &mut []), Goal::Reduce(tolerance), s, statistics);
     c.dispatch.enter(Stage::Integrate);
 }
 

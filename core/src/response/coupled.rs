@@ -1,6 +1,8 @@
 //! What the response gives to the solve of an implicit step and takes back from it: contacts with the impulses that
 //! they had in the step before, and the impulses that the solve found.
 
+use core::ops::Range;
+
 use super::constraint::{self, Constraint};
 use super::friction::Grip;
 use super::multiplier;
@@ -12,16 +14,19 @@ use crate::real::{Real, sqrt};
 /// How far from the cone friction may be left, relative to what the cone allows.
 const SLACK: Real = 0.05;
 
+/// Violation of a contact in a solve that makes it stiffer, relative to the thickness.
+const VIOLATION: Real = 0.3;
+
 /// A slide that the response may stop, relative to the thickness. A larger one is as the cloth gives way to friction on
 /// the cone: the response knows only masses, and a little more friction would hold against all tension.
 const SMALL: Real = 0.1;
 
-/// Writes the constraints that something can keep as contacts of the solve, with their displacements in place of
-/// velocities; returns how many. `step` is the length of the step, s.
-pub(super) fn give(scratch: &mut ContactScratch<'_>, count: usize, step: Real) -> usize {
+/// Adds those of the constraints that something can keep to the contacts of the solve, with their displacements in place
+/// of velocities. `step` is the length of the step, s; `thickness` in m.
+pub(super) fn give(scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real, thickness: Real) {
     let multipliers = &scratch.multipliers[..scratch.lengths.multipliers];
-    let mut given = 0;
-    for (index, constraint) in (0..).zip(&scratch.constraints[..count]) {
+    let mut given = scratch.lengths.contacts;
+    for (index, constraint) in (constraints.start as u32..).zip(&scratch.constraints[constraints]) {
         let Constraint { contact, target, grip, inverse_mass, .. } = *constraint;
         if inverse_mass <= 0.0 {
             continue;
@@ -31,6 +36,7 @@ pub(super) fn give(scratch: &mut ContactScratch<'_>, count: usize, step: Real) -
             weights: contact.weights,
             normal: contact.normal,
             least_velocity: target - contact.gap,
+            slack: VIOLATION * thickness,
             velocity: constraint::weighted(&contact, scratch.predicted) - constraint::weighted(&contact, scratch.start),
             multiplier: multiplier::force(multipliers, contact.vertices) * step,
             coefficients: [grip.sticks, grip.slides],
@@ -39,7 +45,7 @@ pub(super) fn give(scratch: &mut ContactScratch<'_>, count: usize, step: Real) -
         };
         given += 1;
     }
-    given
+    scratch.lengths.contacts = given;
 }
 
 /// Gives constraints the impulses that the solve found, from where the response goes on.

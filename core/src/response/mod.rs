@@ -117,9 +117,47 @@ pub fn find_contacts(
     margin: Real,
 ) -> Result<(), Outcome> {
     let count = find_near(model, scratch, step, 0, margin)?;
-    scratch.lengths.contacts = coupled::give(scratch, count, step);
+    scratch.lengths.contacts = 0;
+    coupled::give(scratch, 0..count, step, model.thickness);
     scratch.lengths.constraints = count;
     Ok(())
+}
+
+/// Finds the pairs that the motion of the solve brings nearer than the thickness, and those that meet on the way. Adds
+/// them to `scratch.contacts`, the latter at the place and along the direction of their impact [Otaduy 2009]. Returns how many contacts there were before.
+pub fn find_impacts<D: Dispatch>(
+    model: &ContactModel<'_>,
+    scratch: &mut ContactScratch<'_>,
+    step: Real,
+    dispatch: &D,
+) -> Result<usize, Outcome> {
+    let before = *scratch.lengths;
+    let near = find_near(model, scratch, step, before.constraints, 0.0)?;
+    let ContactScratch { start, end, moves, rounds, counts, constraints, .. } = scratch;
+    let pairs = [counts.vertex_triangle, counts.edge_edge];
+    let motion = Motion { start, end, moves, rounds, step };
+    let mut list = List { all: constraints, count: near, touching: 0 };
+    if model.continuous {
+        let [vertex_triangle, edge_edge] = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
+        impact::find(model, vertex_triangle, edge_edge, pairs, &motion, 0, &mut list, dispatch);
+    }
+    impact::find_planes(model, &motion, 0, &mut list);
+    list.short().map_or(Ok(()), Err)?;
+    let count = list.count;
+    coupled::give(scratch, before.constraints..count, step, model.thickness);
+    scratch.lengths.constraints = count;
+    Ok(before.contacts)
+}
+
+/// Sets the motion that passes correct to the predicted one.
+fn write_motion(scratch: &mut ContactScratch<'_>) {
+    let ContactScratch { start, predicted, end, moves, parting, rounds, .. } = scratch;
+    end.copy_from_slice(predicted);
+    for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
+        *moves = *end - *start;
+    }
+    parting.fill(Vec3::ZERO);
+    rounds.fill(0);
 }
 
 /// Adds what is near to the constraints that there are; returns how many there are then.
@@ -130,13 +168,8 @@ fn find_near(
     before: usize,
     margin: Real,
 ) -> Result<usize, Outcome> {
-    let ContactScratch { start, predicted, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
-    end.copy_from_slice(predicted);
-    for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
-        *moves = *end - *start;
-    }
-    parting.fill(Vec3::ZERO);
-    rounds.fill(0);
+    write_motion(scratch);
+    let ContactScratch { start, end, moves, rounds, counts, constraints, order, .. } = scratch;
     let mut list = List { all: constraints, count: before, touching: 0 };
     let known = repulsion::Known::sort(&list.all[..list.count], order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];

@@ -37,7 +37,7 @@ const PARTINGS: u32 = 10;
 
 /// How much farther apart than the thickness a pair at rest may be that is solved with the step, relative to the
 /// thickness: the response keeps the thickness only within a tolerance.
-const REST: Real = 0.05;
+const REST: Real = 0.2;
 
 /// Why a part of a step cannot be taken, and where.
 pub(super) struct Obstacle {
@@ -152,7 +152,15 @@ impl Simulation {
             masses,
             inverse_masses,
         };
-        step::couple(&context, particles, &mut contact.view(), &mut scratch.view(), statistics);
+        let target = step::couple(&context, particles, &mut contact.view(), &mut scratch.view(), statistics);
+        let known = loop {
+            match step::find_impacts(&touching.view(), &mut contact.view(), step, dispatch) {
+                Ok(known) => break known,
+                Err(Outcome::Short { needed }) => contact.grow_constraints(needed),
+                Err(_) => return,
+            }
+        };
+        step::couple_again(&context, (known, target), &mut contact.view(), &mut scratch.view(), statistics);
     }
 
     /// Whether nothing passes through at the end of the step that did not at its start.
