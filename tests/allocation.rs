@@ -130,8 +130,25 @@ const REFUSED: (&str, &str) = (
 );
 
 /// A motion that needs halved steps: in one step the ball moves farther than the search distance of the cloth
-/// it pushes.
-const FAST: (&str, &str) = ("radius = 0.05", "radius = 0.05\nmotion = { keys = [[0, 0, 0, 0], [1, 0, 100, 0]] }");
+/// it pushes. At which speed, in m/s, depends on the method.
+const SPEEDS: [u32; 6] = [40, 50, 60, 70, 80, 100];
+
+fn fast(speed: u32) -> String {
+    let motion = format!("radius = 0.05\nmotion = {{ keys = [[0, 0, 0, 0], [1, 0, {speed}, 0]] }}");
+    TOUCHING.replace("thickness = 0.004", "thickness = 0.0001").replace("radius = 0.05", &motion)
+}
+
+/// The simulation before its first step that is taken in halves; `None` if there is none like that.
+fn before_halves(mut cloth: Simulation) -> Option<Simulation> {
+    while cloth.time() < 0.2 {
+        let before = cloth.clone();
+        cloth.take_step().ok()?;
+        if cloth.tally().rejected > 0 {
+            return Some(before);
+        }
+    }
+    None
+}
 
 /// A second sheet that almost touches the first: only an exact test at the end of the step can decide its
 /// pairs.
@@ -174,13 +191,10 @@ fn a_step_that_is_taken_back_allocates_nothing() {
             assert!(cloth.take_step().is_err(), "{name}: refused once, then taken");
         });
 
-        let mut halved = build(&TOUCHING.replace("thickness = 0.004", "thickness = 0.0001").replace(FAST.0, FAST.1));
-        let mut before = halved.clone();
-        while halved.tally().rejected == 0 {
-            assert!(halved.time() < 0.2, "{name}: no step is taken in halves, {:?}", halved.tally());
-            before = halved.clone();
-            halved.take_step().expect(taken);
-        }
+        let mut before = SPEEDS
+            .iter()
+            .find_map(|&speed| before_halves(build(&fast(speed))))
+            .unwrap_or_else(|| panic!("{name}: no step is taken in halves"));
         allocated(&mut before, &format!("{name}, halved"), |cloth| cloth.take_step().expect(taken));
 
         let mut nearly = build(&TOUCHING.replace(NEARLY.0, NEARLY.1));

@@ -74,8 +74,8 @@ fn fold(x: &mut [DVec3], rng: &mut Rng) {
 /// fails. The capsule arrives and leaves within three such steps.
 const EXCEPTIONS: [(&str, Method, u32, &str); 4] = [
     ("on a sphere", Method::Bdf2, 1, "++?"),
-    ("folded ribbon", Method::Bdf2, 20, "+?x"),
-    ("fast capsule", Method::BackwardEuler, 1, "++x"),
+    ("folded ribbon", Method::Bdf2, 20, "+??"),
+    ("fast capsule", Method::Bdf2, 20, "++x"),
     ("fast capsule", Method::BackwardEuler, 20, "++x"),
 ];
 

@@ -136,7 +136,7 @@ both_precisions! {
                 weights: weights.map(|w| w as Real),
                 normal: vec3(rng.direction().into()),
                 least_velocity: rng.between(-0.002, 0.005) as Real,
-                slack: 0.001,
+                slack: 0.004,
                 velocity: vec3(rng.cube(0.005).into()),
                 multiplier: vec3((DVec3::from(rng.cube(1.0)) * rng.pick(&[0.0, 0.002])).into()),
                 coefficients: [at_rest as Real, kinetic as Real],

@@ -22,7 +22,7 @@ pub const STIFFNESS: Real = 0.3;
 const HARDENING: Real = 10.0;
 
 /// How often a contact becomes stiffer in a step. Stiffer ones would only make the solve slow.
-const MOST_HARDENINGS: u32 = 2;
+const MOST_HARDENINGS: u32 = 8;
 
 /// Whether a contact slides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

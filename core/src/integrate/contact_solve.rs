@@ -1,5 +1,6 @@
 //! Completes an implicit step with its contacts: one solve of elasticity, contacts and friction together
-//! ([`conjugate_gradient`]), and more where one linearisation cannot follow the motion.
+//! ([`conjugate_gradient`]), and more where one linearisation cannot follow the motion. The solve pauses once, for the
+//! pairs that its motion brings together: they become contacts too [Otaduy 2009].
 
 use super::augmented_contact::{AugmentedContact, ContactLine};
 use super::conjugate_gradient::{self, Goal};

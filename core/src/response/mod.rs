@@ -26,6 +26,7 @@ pub mod repulsion;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3};
+use crate::stage::Stage;
 use constraint::Constraint;
 
 /// Rounds in which only what met is solved.
@@ -124,13 +125,15 @@ pub fn find_contacts(
 }
 
 /// Finds the pairs that the motion of the solve brings nearer than the thickness, and those that meet on the way. Adds
-/// them to `scratch.contacts`, the latter at the place and along the direction of their impact [Otaduy 2009]. Returns how many contacts there were before.
+/// them to `scratch.contacts`, the latter at the place and along the direction of their impact [Otaduy 2009]. Returns how
+/// many contacts there were before.
 pub fn find_impacts<D: Dispatch>(
     model: &ContactModel<'_>,
     scratch: &mut ContactScratch<'_>,
     step: Real,
     dispatch: &D,
 ) -> Result<usize, Outcome> {
+    dispatch.enter(Stage::Response);
     let before = *scratch.lengths;
     let near = find_near(model, scratch, step, before.constraints, 0.0)?;
     let ContactScratch { start, end, moves, rounds, counts, constraints, .. } = scratch;
@@ -149,17 +152,6 @@ pub fn find_impacts<D: Dispatch>(
     Ok(before.contacts)
 }
 
-/// Sets the motion that passes correct to the predicted one.
-fn write_motion(scratch: &mut ContactScratch<'_>) {
-    let ContactScratch { start, predicted, end, moves, parting, rounds, .. } = scratch;
-    end.copy_from_slice(predicted);
-    for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
-        *moves = *end - *start;
-    }
-    parting.fill(Vec3::ZERO);
-    rounds.fill(0);
-}
-
 /// Adds what is near to the constraints that there are; returns how many there are then.
 fn find_near(
     model: &ContactModel<'_>,
@@ -168,8 +160,13 @@ fn find_near(
     before: usize,
     margin: Real,
 ) -> Result<usize, Outcome> {
-    write_motion(scratch);
-    let ContactScratch { start, end, moves, rounds, counts, constraints, order, .. } = scratch;
+    let ContactScratch { start, predicted, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
+    end.copy_from_slice(predicted);
+    for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
+        *moves = *end - *start;
+    }
+    parting.fill(Vec3::ZERO);
+    rounds.fill(0);
     let mut list = List { all: constraints, count: before, touching: 0 };
     let known = repulsion::Known::sort(&list.all[..list.count], order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];
