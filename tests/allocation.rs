@@ -138,7 +138,8 @@ fn fast(speed: u32) -> String {
     TOUCHING.replace("thickness = 0.004", "thickness = 0.0001").replace("radius = 0.05", &motion)
 }
 
-/// The simulation before its first step that is taken in halves; `None` if there is none like that.
+/// Runs a simulation up to its first step that is taken in halves, and returns its state before that step. Returns
+/// `None` if no step is taken in halves or a step fails.
 fn before_halves(mut cloth: Simulation) -> Option<Simulation> {
     while cloth.time() < 0.2 {
         let before = cloth.clone();

@@ -167,8 +167,7 @@ both_precisions! {
         built: BuiltScene,
         given: Vec<AugmentedContact>,
     ) -> Corrected {
-        // In single precision the impulse of a contact that became stiffer is rounded by more than 1e-6 of the residual.
-        let tolerance = kit::bound(3e-6, 1e-13) as Real;
+        let tolerance = kit::bound(1e-6, 1e-13) as Real;
         let scheme = Scheme { method: advance.method, newton: 1, tolerance, preconditioner, jacobian: Jacobian::Projected };
         let mut columns = ScratchColumns::build(&built, &scheme);
         let (mut particles, mut work) = (built.particles.clone(), IntegratorStatistics::default());

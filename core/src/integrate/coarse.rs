@@ -4,7 +4,8 @@
 //! per iteration; the coarse level spreads it across the whole sheet in one iteration.
 //!
 //! The small matrix is stored as the envelope of its lower triangle. Its values are double in both
-//! precisions, because the stiffness inside a patch cancels when they are summed.
+//! precisions, because the stiffness inside a patch cancels when they are summed. Solves use the factor rounded to the
+//! crate's precision.
 
 use super::augmented_contact::AugmentedContact;
 use super::conjugate_gradient::System;

@@ -26,8 +26,8 @@ use crate::stage::Stage;
 /// Limit of iterations. A solve that reaches it is counted as unconverged.
 const MOST_ITERATIONS: u32 = 20_000;
 
-/// The same with contacts: what has not converged by then is left to the response. In single precision, contacts on cloth
-/// that is stretched a thousandfold may never converge.
+/// Limit of iterations of a solve with contacts. The response corrects a solve that reaches it. In single precision, a
+/// solve of cloth that is stretched a thousandfold may never converge.
 const MOST_WITH_CONTACTS: u32 = 2_000;
 
 /// Number of vertices in each partial sum of an inner product. It is fixed, so that results do not

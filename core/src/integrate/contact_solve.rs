@@ -15,7 +15,7 @@ use crate::stage::Stage;
 /// Limit of linearisations in a step.
 const MOST_LINEARIZATIONS: u32 = 8;
 
-/// Relative residual of the solve before [`resume`]. It only has to tell what meets on the way.
+/// Relative residual at which the solve pauses. It suffices to find the impacts of the motion.
 const ROUGH: Sum = 1e-2;
 
 /// Length over which the velocity that the stage was solved for moves the positions, s.
@@ -126,7 +126,7 @@ fn solve_change<D: Dispatch>(
     s.residual.fill(Vec3::ZERO);
     let target = conjugate_gradient::solve(c, contacts, Goal::Reduce(tolerance), s, statistics);
     // A contact changes the velocity as much as the displacement over the step. The second-order methods would
-    // extrapolate the change, and so return what the contact has stopped.
+    // extrapolate the change: the cloth would bounce.
     let length = stage_length(c.scheme.method, c.step, s.has_history);
     add_solution(c, length, length / c.step, s);
     target
