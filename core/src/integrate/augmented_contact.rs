@@ -114,10 +114,14 @@ struct Trial {
 impl AugmentedContact {
     /// Sets the stiffness, and the bound of friction from the multiplier. A contact that pushes without one sticks until
     /// the first update.
+    ///
+    /// The stiffness suffices to remove the normal multiplier within the slack. A softer contact that carries a heavy
+    /// sheet throws a light one far away before it lets go.
     pub fn start(&mut self, masses: &[Real], matrix: &BlockMatrix<'_>) {
-        self.stiffness = STIFFNESS / self.compliance(masses, matrix).max(Real::MIN_POSITIVE);
-        self.friction = Friction::Sticks;
         let along = self.normal.dot(self.multiplier);
+        let of_cloth = STIFFNESS / self.compliance(masses, matrix).max(Real::MIN_POSITIVE);
+        self.stiffness = of_cloth.max(along / self.slack);
+        self.friction = Friction::Sticks;
         self.bound = if along > 0.0 {
             self.coefficients[0] * along
         } else if self.coefficients[0] > 0.0 {
