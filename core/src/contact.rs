@@ -2,7 +2,7 @@
 //! writes. Vertices of the cloth come first, then those of the colliders.
 
 use crate::audit::Room;
-use crate::broad_phase::{Counts, Grid, Surface};
+use crate::broad_phase::{Counts, Grid, KeptPairs, Surface};
 use crate::colliders::Colliders;
 use crate::geometry::aabb::Aabb;
 use crate::integrate::augmented_contact::{AugmentedContact, ContactLine};
@@ -69,7 +69,7 @@ pub struct ContactScratch<'a> {
     pub vertex_triangle: Pairs<'a>,
     /// Pairs of edges.
     pub edge_edge: Pairs<'a>,
-    /// Numbers of valid entries in the three columns below.
+    /// The valid entries in the columns below, and whether the step is quiet.
     pub lengths: &'a mut Lengths,
     /// The constraints; the length of the slice is their capacity.
     pub constraints: &'a mut [Constraint],
@@ -83,11 +83,13 @@ pub struct ContactScratch<'a> {
     pub order: &'a mut [u32],
     /// Of the broad phase.
     pub grid: Grid<'a>,
+    /// Pairs that last over many steps.
+    pub kept: KeptPairs<'a>,
     /// Of the exact test.
     pub room: Room<'a>,
 }
 
-/// Numbers of valid entries in the columns of [`ContactScratch`].
+/// The valid entries in the columns of [`ContactScratch`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lengths {
     /// Constraints that the solve took part in; after the response, all constraints.
@@ -96,6 +98,16 @@ pub struct Lengths {
     pub contacts: usize,
     /// Multipliers.
     pub multipliers: usize,
+    /// Whether the step is [quiet](crate::step::is_quiet): the candidates are the pairs within reach at its start.
+    pub is_quiet: bool,
+}
+
+impl ContactScratch<'_> {
+    /// Whether there is room for so many candidates.
+    pub fn has_room(&self, counts: Counts) -> bool {
+        let Counts { vertex_triangle, edge_edge } = counts;
+        vertex_triangle <= self.vertex_triangle.distances.len() && edge_edge <= self.edge_edge.distances.len()
+    }
 }
 
 /// Candidates of one kind, and what is known of each.
@@ -124,6 +136,7 @@ mod owned {
     };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
+    use crate::broad_phase::kept_pairs::KeptPairColumns;
     use crate::colliders::ColliderColumns;
     use crate::mesh::ownership::SurfaceColumns;
 
@@ -227,6 +240,7 @@ mod owned {
         multipliers: Vec<Multiplier>,
         order: Vec<u32>,
         grid: GridColumns,
+        kept: KeptPairColumns,
         room: RoomColumns,
     }
 
@@ -246,7 +260,8 @@ mod owned {
                 rounds: vec![0; vertices],
                 zones: vec![0; vertices],
                 boxes: vec![Aabb::EMPTY; vertices],
-                grid: GridColumns::build(model.radii.len(), model.surface.triangles.len()),
+                grid: GridColumns::build(vertices, model.surface.triangles.len()),
+                kept: KeptPairColumns::build(vertices, pairs / 4),
                 room: RoomColumns::build(&model.surface),
                 ..Self::default()
             };
@@ -267,6 +282,11 @@ mod owned {
                 }
             }
             grown
+        }
+
+        /// Makes room for the pairs that last, if it was lacking.
+        pub fn grow_kept(&mut self) {
+            self.kept.grow();
         }
 
         /// Makes room for more constraints.
@@ -305,6 +325,7 @@ mod owned {
                 + size_of_val(&self.lines[..])
                 + size_of_val(&self.multipliers[..])
                 + self.grid.bytes()
+                + self.kept.bytes()
                 + self.room.bytes()
         }
 
@@ -329,6 +350,7 @@ mod owned {
                 multipliers: &mut self.multipliers,
                 order: &mut self.order,
                 grid: self.grid.view(),
+                kept: self.kept.view(),
                 room: self.room.view(),
             }
         }

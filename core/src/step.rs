@@ -1,8 +1,9 @@
 //! The phases of one step, in order:
 //!
-//! [`predict`] (forces, integration) -> [`sweep`] (boxes around the motion) -> [`detect`] (candidates
-//! and their distances) -> [`find_contacts`] and [`couple`] (contacts and elasticity, implicit methods
-//! only) -> [`find_impacts`] and [`couple_again`] (impacts and elasticity) -> [`respond`] (contacts, impacts) -> [`settle`] -> [`new_crossing`], if surfaces
+//! [`predict`] (forces, integration) -> [`place`], and [`sweep`] or [`surround_start`] (boxes around the
+//! motion) -> [`detect`] (candidates and their distances) -> [`find_contacts`] and [`couple`] (contacts and
+//! elasticity, implicit methods only) -> [`find_impacts`] and [`couple_again`] (impacts and elasticity) ->
+//! [`respond`] (contacts, impacts) -> [`settle`] -> [`new_crossing`], if surfaces
 //! [touch](crate::response::Outcome::Touches) -> [`keep_forces`] and [`commit`].
 //!
 //! Backward Euler without Newton's method predicts the motion without any force and leaves its one
@@ -20,13 +21,23 @@ use crate::geometry::aabb::Aabb;
 use crate::integrate::{self, IntegratorStatistics, StepInput, contact_solve};
 use crate::narrow_phase::{EdgeEdge, VertexTriangle, proximity};
 use crate::particles::Particles;
-use crate::real::{Real, Sum, Vec3};
+use crate::real::{Real, Sum, Vec3, sqrt};
 use crate::response::multiplier;
 use crate::response::repulsion::REACH;
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
 pub use crate::response::{find_contacts, find_impacts, respond};
+
+/// In a [quiet](is_quiet) step no vertex moves farther than this along an axis, relative to the thickness. It leaves
+/// as much for the response.
+const QUIET: Real = 0.25;
+
+/// Skin of the boxes for which pairs are kept, relative to the thickness.
+const SKIN: Real = 0.05;
+
+/// Reserve for the rounding of distances and widths.
+const ROUNDED: Real = 0.01;
 
 /// Result of [`predict`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,43 +68,51 @@ pub fn predict<D: Dispatch>(
     }
 }
 
-/// Parameters of [`sweep`].
-#[derive(Clone, Copy, Debug)]
-pub struct Sweep {
-    /// Start of the step, s.
-    pub time: Sum,
-    /// Length of the step, s.
-    pub step: Real,
-    /// Width around the motion within which the response may move vertices, m.
-    pub margin: Real,
-    /// Whether to keep the stored positions and boxes, and only widen the boxes.
-    pub widen: bool,
-}
-
-/// Writes the positions of all vertices at both ends of the step, and boxes around their motion, wider
-/// on each side by half the thickness, the radius and the margin.
-pub fn sweep(
+/// Writes the positions of all vertices at both ends of a step that starts at `time` and takes `step`, s.
+pub fn place(
     model: &ContactModel<'_>,
-    sweep: Sweep,
+    [time, step]: [Sum; 2],
     positions: &[Vec3],
     next_positions: &[Vec3],
     contact: &mut ContactScratch<'_>,
 ) {
     let cloth = model.cloth();
-    if !sweep.widen {
-        contact.start[..cloth].copy_from_slice(positions);
-        model.colliders.place(sweep.time, &mut contact.start[cloth..]);
-        contact.predicted[..cloth].copy_from_slice(next_positions);
-        model.colliders.place(sweep.time + Sum::from(sweep.step), &mut contact.predicted[cloth..]);
-        contact.end.copy_from_slice(contact.predicted);
-        contact.boxes.fill(Aabb::EMPTY);
-        (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);
+    contact.start[..cloth].copy_from_slice(positions);
+    model.colliders.place(time, &mut contact.start[cloth..]);
+    contact.predicted[..cloth].copy_from_slice(next_positions);
+    model.colliders.place(time + step, &mut contact.predicted[cloth..]);
+    contact.end.copy_from_slice(contact.predicted);
+    contact.boxes.fill(Aabb::EMPTY);
+    (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);
+}
+
+/// Whether no vertex moves far in the step. Then the candidates can be limited to the pairs within [`REACH`] at its start,
+/// most of which [last](broad_phase::kept_pairs) from step to step.
+pub fn is_quiet(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
+    let mut motion = contact.start.iter().zip(&*contact.predicted);
+    motion.all(|(&start, &end)| (end - start).abs().max_element() <= QUIET * model.thickness)
+}
+
+/// Writes the boxes of a quiet step: around the start, wider on each side by half of [`REACH`] and the radius. Pairs
+/// beyond reach cannot collide as long as no vertex leaves its box: each of the two features moves by at most half the
+/// thickness along each axis.
+pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) {
+    contact.lengths.is_quiet = true;
+    for ((around, &start), &radius) in contact.boxes.iter_mut().zip(&*contact.start).zip(model.radii) {
+        let wide = 0.5 * REACH * model.thickness * (1.0 + ROUNDED) + radius * (1.0 + 4.0 * Real::EPSILON);
+        *around = Aabb { min: start - wide, max: start + wide };
     }
+}
+
+/// Widens the boxes by boxes around the motion of all vertices, wider on each side by half the thickness, the radius and
+/// the `margin` within which the response may move vertices, m.
+pub fn sweep(model: &ContactModel<'_>, margin: Real, contact: &mut ContactScratch<'_>) {
+    contact.lengths.is_quiet = false;
     for (v, around) in contact.boxes.iter_mut().enumerate() {
         let (start, end) = (contact.start[v], contact.end[v]);
         // The factor makes up for the rounding of the width. The corners are rounded monotonically, so boxes that
         // overlap before rounding also overlap after it, at any distance from the origin.
-        let wide = (0.5 * model.thickness + model.radii[v] + sweep.margin) * (1.0 + 4.0 * Real::EPSILON);
+        let wide = (0.5 * model.thickness + model.radii[v] + margin) * (1.0 + 4.0 * Real::EPSILON);
         let swept = Aabb { min: start.min(end) - wide, max: start.max(end) + wide };
         *around = around.union(&swept);
     }
@@ -116,16 +135,54 @@ pub async fn await_candidates<D: Dispatch>(
 /// incomplete: the caller must grow the columns and call again.
 pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
     dispatch.enter(Stage::BroadPhase);
+    if contact.lengths.is_quiet {
+        return detect_quiet(model, contact, dispatch);
+    }
     let mut out =
         Candidates { vertex_triangle: contact.vertex_triangle.candidates, edge_edge: contact.edge_edge.candidates };
     let counts = broad_phase::candidates(contact.boxes, &model.surface, &mut contact.grid, &mut out, dispatch);
     *contact.counts = counts;
-    let room = [contact.vertex_triangle.distances.len(), contact.edge_edge.distances.len()];
-    if counts.vertex_triangle > room[0] || counts.edge_edge > room[1] {
-        return counts;
+    if contact.has_room(counts) {
+        measure(model, REACH * model.thickness, contact, dispatch);
     }
+    counts
+}
+
+/// [`detect`] for a quiet step: the candidates are all pairs within [`REACH`] at its start.
+fn detect_quiet(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
+    let (reach, skin) = (REACH * model.thickness, SKIN * model.thickness);
+    let ContactScratch { vertex_triangle, edge_edge, kept, .. } = contact;
+    let mut out = Candidates { vertex_triangle: vertex_triangle.candidates, edge_edge: edge_edge.candidates };
+    if kept.cover(contact.boxes) {
+        *contact.counts = kept.take(&mut out);
+        if !contact.has_room(*contact.counts) {
+            return *contact.counts;
+        }
+        measure(model, reach, contact, dispatch);
+    } else {
+        kept.widen(contact.boxes, skin);
+        let counts = broad_phase::candidates(kept.boxes, &model.surface, &mut contact.grid, &mut out, dispatch);
+        *contact.counts = counts;
+        if !contact.has_room(counts) {
+            return counts;
+        }
+        // Each of two features moves by at most the diagonal of the skin before a wide box is left.
+        let far = (reach + 2.0 * sqrt(3.0) * skin) * (1.0 + ROUNDED);
+        measure(model, far, contact, dispatch);
+        drop_far(far, contact);
+        let Counts { vertex_triangle, edge_edge } = *contact.counts;
+        let pairs =
+            [&contact.vertex_triangle.candidates[..vertex_triangle], &contact.edge_edge.candidates[..edge_edge]];
+        contact.kept.put(pairs);
+    }
+    drop_far(reach, contact);
+    *contact.counts
+}
+
+/// Writes the distances of the candidates at the start of the step; beyond `reach`, a lower bound.
+fn measure(model: &ContactModel<'_>, reach: Real, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) {
     dispatch.enter(Stage::NarrowPhase);
-    let (reach, surface, x) = (REACH * model.thickness, &model.surface, &*contact.start);
+    let (counts, surface, x) = (*contact.counts, &model.surface, &*contact.start);
     let pairs = &mut contact.vertex_triangle;
     let (candidates, distances) =
         (&pairs.candidates[..counts.vertex_triangle], &mut pairs.distances[..counts.vertex_triangle]);
@@ -133,7 +190,13 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
     let pairs = &mut contact.edge_edge;
     let (candidates, distances) = (&pairs.candidates[..counts.edge_edge], &mut pairs.distances[..counts.edge_edge]);
     proximity::distances::<EdgeEdge>(candidates, surface, x, model.radii, reach, distances, dispatch);
-    counts
+}
+
+/// Drops the candidates that are farther apart than `reach`, m.
+fn drop_far(reach: Real, contact: &mut ContactScratch<'_>) {
+    let Counts { vertex_triangle, edge_edge } = &mut *contact.counts;
+    *vertex_triangle = proximity::drop_far(&mut contact.vertex_triangle, *vertex_triangle, reach);
+    *edge_edge = proximity::drop_far(&mut contact.edge_edge, *edge_edge, reach);
 }
 
 /// Solves the step together with its contacts. Only for implicit methods, between [`find_contacts`] and [`respond`];

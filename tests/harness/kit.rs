@@ -45,7 +45,7 @@ macro_rules! kit {
             use $muslin::scene::{BuiltScene, Content, Resource, SceneDesc};
             use $muslin::scratch::{Scratch, ScratchColumns};
             use $muslin::simulation::Simulation;
-            use $muslin::step::{self, Sweep};
+            use $muslin::step;
 
             use std::cell::Cell;
 
@@ -380,9 +380,9 @@ macro_rules! kit {
                 contact.material = from.clone();
                 (contact.radii, contact.law_of) = (vec![0.0; count], vec![0; count]);
                 let (model, mut columns) = (contact.view(), ContactScratchColumns::build(&contact.view(), 20_000));
-                let sweep = Sweep { time: 0.0, step: 1.0, margin: 10.0, widen: false };
                 let (mut scratch, mut tally) = (columns.view(), Tally::default());
-                step::sweep(&model, sweep, &from, &to, &mut scratch);
+                step::place(&model, [0.0, 1.0], &from, &to, &mut scratch);
+                step::sweep(&model, 10.0, &mut scratch);
                 step::detect(&model, &mut scratch, &Serial);
                 change(scratch.predicted);
                 let outcome = step::respond(&model, &mut scratch, settings, &mut tally, &Serial);

@@ -9,6 +9,7 @@ mod fuzz;
 mod lattice;
 mod local_minimum;
 mod never_missed;
+mod quiet;
 mod tight_inclusion;
 mod times;
 mod truth;

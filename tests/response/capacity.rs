@@ -41,7 +41,7 @@ both_precisions! {
     use muslin::integrate::IntegratorStatistics;
     use muslin::real::{Real, Vec3, vec3};
     use muslin::response::{Outcome, Settings, Tally};
-    use muslin::step::{self, Sweep};
+    use muslin::step;
     use harness::rng::Rng;
 
     /// Where a step ends that begins with so much room, how many constraints it has, and how often
@@ -54,8 +54,8 @@ both_precisions! {
         let from = &built.particles.positions;
         let to: Vec<Vec3> = from.iter().map(|&x| x * 0.7 as Real + vec3(rng.cube(0.01).into())).collect();
         let mut columns = ContactScratchColumns::build(&model, room);
-        let sweep = Sweep { time: 0.0, step: 0.005, margin: 0.5, widen: false };
-        step::sweep(&model, sweep, from, &to, &mut columns.view());
+        step::place(&model, [0.0, 0.005], from, &to, &mut columns.view());
+        step::sweep(&model, 0.5, &mut columns.view());
         let (mut short, mut tally) = (0, Tally::default());
         let counts = step::detect(&model, &mut columns.view(), &Serial);
         if columns.grow_pairs(counts) {

@@ -36,7 +36,7 @@ both_precisions! {
     use muslin::real::{Real, Vec3, to_f64, vec3};
     use muslin::response::friction::Law;
     use muslin::response::{Settings, Tally};
-    use muslin::step::{self, Sweep};
+    use muslin::step;
     use glam::DVec3;
     use harness::rng::Rng;
 
@@ -88,8 +88,8 @@ both_precisions! {
         let to: Vec<Vec3> = from.iter().map(|&x| x + vec3((rng.cube(0.002) - DVec3::Y * 0.002).into())).collect();
         let mut columns = ContactScratchColumns::build(&model, 2_000_000);
         let mut scratch = columns.view();
-        let sweep = Sweep { time: 0.0, step: 0.001, margin: 0.01, widen: false };
-        step::sweep(&model, sweep, from, &to, &mut scratch);
+        step::place(&model, [0.0, 0.001], from, &to, &mut scratch);
+        step::sweep(&model, 0.01, &mut scratch);
         step::detect(&model, &mut scratch, &Serial);
         let settings = Settings { step: 0.001, hold: false };
         step::respond(&model, &mut scratch, settings, &mut Tally::default(), &Serial);

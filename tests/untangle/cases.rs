@@ -10,7 +10,7 @@ both_precisions! {
     use harness::steps::Steps;
     use muslin::real::{NAME, Real, Vec3, to_f64, vec3};
     use muslin::simulation::Simulation;
-    use muslin::step::{self, Sweep};
+    use muslin::step;
     use muslin::untangle::Untangled;
     use harness::rng::Rng;
 
@@ -43,8 +43,8 @@ both_precisions! {
     fn least_distance(sim: &Simulation) -> Real {
         let model = sim.contact().expect("the scene has contact").view();
         let mut columns = ContactScratchColumns::build(&model, 100_000);
-        let sweep = Sweep { time: 0.0, step: 0.0, margin: 0.0, widen: false };
-        step::sweep(&model, sweep, sim.positions(), sim.positions(), &mut columns.view());
+        step::place(&model, [0.0, 0.0], sim.positions(), sim.positions(), &mut columns.view());
+        step::sweep(&model, 0.0, &mut columns.view());
         let counts = step::detect(&model, &mut columns.view(), &Serial);
         let view = columns.view();
         let distances = |of: &[Real]| of.iter().copied().fold(Real::INFINITY, Real::min);

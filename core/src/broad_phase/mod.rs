@@ -4,7 +4,8 @@
 //! A *candidate* is a pair of features, either a vertex and a triangle or two edges, that share no vertex, are not
 //! sewn together, and have overlapping boxes. Every method returns exactly this set.
 //!
-//! The [`grid`] computes the candidates from the boxes; its steps are the modules below, in order.
+//! The [`grid`] computes the candidates from the boxes; its steps are the modules below, in order. Where little moves,
+//! [`kept_pairs`] spares it for many steps.
 //! [`reference_cell`] and [`brute_force`] compute the same set by simpler rules, and the tests compare the grid
 //! with them. A box that has a NaN, or a low corner above its high corner, overlaps nothing, and neither does any
 //! feature with a vertex that has such a box.
@@ -31,6 +32,8 @@ pub mod features;
 
 pub mod grid;
 
+pub mod kept_pairs;
+
 #[cfg(feature = "alloc")]
 pub mod brute_force;
 #[cfg(feature = "alloc")]
@@ -39,6 +42,7 @@ pub mod reference_cell;
 #[cfg(feature = "alloc")]
 pub use grid::GridColumns;
 pub use grid::{Grid, candidates};
+pub use kept_pairs::KeptPairs;
 
 use crate::mesh::Incidence;
 

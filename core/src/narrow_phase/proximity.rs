@@ -2,6 +2,7 @@
 
 use super::{Pairing, gather};
 use crate::broad_phase::Surface;
+use crate::contact::Pairs;
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3, sqrt};
 
@@ -24,4 +25,17 @@ pub fn distances<P: Pairing>(
             *distance = if bound > reach { bound } else { sqrt(P::nearest(x).between.length_squared()) - radius };
         }
     });
+}
+
+/// Drops those of the first `count` candidates that are farther apart than `reach`, m. Returns how many are left.
+pub fn drop_far(pairs: &mut Pairs<'_>, count: usize, reach: Real) -> usize {
+    let mut left = 0;
+    for k in 0..count {
+        if pairs.distances[k] <= reach {
+            pairs.candidates[left] = pairs.candidates[k];
+            pairs.distances[left] = pairs.distances[k];
+            left += 1;
+        }
+    }
+    left
 }

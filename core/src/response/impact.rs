@@ -51,6 +51,7 @@ fn find_pairs<P: Pairing, D: Dispatch>(
     dispatch.enter(Stage::NarrowPhase);
     continuous::times::<P>(candidates, pairs.distances, &model.surface, swept, separation, times, dispatch);
     dispatch.enter(Stage::Response);
+    let first = list.count;
     for (&candidate, &time) in candidates.iter().zip(&*times) {
         let touch = time == continuous::TOUCHING;
         if time > 1.0 && !touch {
@@ -75,6 +76,7 @@ fn find_pairs<P: Pairing, D: Dispatch>(
         let target = thickness::<P>(model, vertices).min(before.gap);
         list.push(Constraint::new(met, target, grip(model, &met, motion), model.mobility, MOST_LEVER));
     }
+    list.sort_from(first);
 }
 
 /// Adds a constraint for each vertex that meets a plane, of those moved in `round`; 0: of all.

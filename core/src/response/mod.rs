@@ -104,6 +104,13 @@ impl List<'_> {
         self.count += 1;
     }
 
+    /// Sorts those from `first` on by their vertices: bits must not depend on the order of the candidates.
+    pub fn sort_from(&mut self, first: usize) {
+        if let Some(added) = self.all.get_mut(first..self.count) {
+            added.sort_unstable_by_key(|constraint| constraint.contact.vertices);
+        }
+    }
+
     pub fn short(&self) -> Option<Outcome> {
         (self.count > self.all.len()).then_some(Outcome::Short { needed: self.count })
     }

@@ -84,6 +84,7 @@ fn find_pairs<P: Pairing>(
     margin: Real,
     list: &mut List<'_>,
 ) {
+    let first = list.count;
     for (&candidate, &distance) in pairs.candidates[..count].iter().zip(&*pairs.distances) {
         if distance > REACH * model.thickness {
             continue;
@@ -102,6 +103,7 @@ fn find_pairs<P: Pairing>(
             list.push(Constraint::new(contact, least.min(contact.gap), grip, model.mobility, MOST_LEVER));
         }
     }
+    list.sort_from(first);
 }
 
 /// Adds a constraint for each vertex that ends nearer to a plane than `least` of the gap at its

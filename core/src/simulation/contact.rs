@@ -4,16 +4,13 @@
 use super::{Cause, Simulation, Substep};
 use crate::audit;
 use crate::broad_phase::Counts;
-use crate::contact::{ContactModel, ContactScratchColumns};
+use crate::contact::{ContactModel, ContactScratch, ContactScratchColumns};
 use crate::dispatch::{Dispatch, Here, block_on};
-use crate::integrate::StepInput;
-use crate::particles::Particles;
 use crate::real::{Real, Vec3, sqrt};
 use crate::response::impact::SEPARATION;
 use crate::response::{Outcome, Settings, Tally};
-use crate::scene::BuiltScene;
 use crate::stage::Stage;
-use crate::step::{self, Sweep};
+use crate::step;
 use crate::untangle::{self, Untangled};
 
 /// How often the boxes around the motion are widened before the step is halved.
@@ -84,10 +81,12 @@ impl Simulation {
     pub fn sweep(&mut self, part: Substep, widened: u32) {
         let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
         let (Some(model), Some(contact)) = (&self.built.contact, &mut self.contact) else { return };
-        let margin = 0.5 * model.thickness * (1 << widened) as Real;
-        let sweep = Sweep { time, step, margin, widen: widened > 0 };
-        let positions = &self.built.particles.positions;
-        step::sweep(&model.view(), sweep, positions, &self.scratch.next_positions, &mut contact.view());
+        let (model, contact) = (&model.view(), &mut contact.view());
+        if widened == 0 {
+            let (positions, next_positions) = (&self.built.particles.positions, &self.scratch.next_positions);
+            step::place(model, [time, step.into()], positions, next_positions, contact);
+        }
+        sweep(model, widened, contact);
     }
 
     /// Contact: finds candidates, with more room where there was too little; false where there are too
@@ -116,51 +115,30 @@ impl Simulation {
 
     /// Contact: solves an implicit step together with its contacts, with more room where there was too little for them.
     pub fn couple(&mut self, part: Substep, dispatch: &impl Dispatch) {
-        let (time, step) = (self.time_at(part.from), self.step * part.length as Real);
-        let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);
-        let Self { built, scratch, contact, statistics, .. } = self;
-        let (Some(touching), Some(contact)) = (&built.contact, contact) else { return };
-        if !scheme.method.is_implicit() {
+        if !self.scheme.method.is_implicit() {
             return;
         }
-        let BuiltScene { particles, model, pins, .. } = built;
-        let (model, pins) = (&model.view(), &pins.view());
         dispatch.enter(Stage::Response);
-        // Backward Euler predicts without gravity, which closes a gap by half of this in a step.
-        let fall = 2.0 * sqrt(model.gravity.unwrap_or(Vec3::ZERO).length_squared()) * step * step;
-        let margin = fall + REST * touching.thickness;
-        while let Err(outcome) = step::find_contacts(&touching.view(), &mut contact.view(), step, margin) {
-            let Outcome::Short { needed } = outcome else { return };
-            contact.grow_constraints(needed);
-        }
-        let (masses, inverse_masses) = (&particles.masses, &particles.inverse_masses);
-        let context = StepInput {
-            model,
-            pins,
-            masses,
-            inverse_masses,
-            time,
-            step,
-            scheme,
-            extrapolates,
-            has_contact: true,
-            dispatch,
-        };
-        let particles = &Particles {
-            positions: &mut particles.positions,
-            velocities: &mut particles.velocities,
-            masses,
-            inverse_masses,
-        };
-        let target = step::couple(&context, particles, &mut contact.view(), &mut scratch.view(), statistics);
-        let known = loop {
-            match step::find_impacts(&touching.view(), &mut contact.view(), step, dispatch) {
-                Ok(known) => break known,
-                Err(Outcome::Short { needed }) => contact.grow_constraints(needed),
-                Err(_) => return,
+        self.with_input(part, dispatch, |input, particles, scratch, statistics, contact| {
+            let Some((model, contact)) = contact else { return };
+            // Backward Euler predicts without gravity, which closes a gap by half of this in a step.
+            let gravity = input.model.gravity.unwrap_or(Vec3::ZERO);
+            let fall = 2.0 * sqrt(gravity.length_squared()) * input.step * input.step;
+            let margin = fall + REST * model.thickness;
+            while let Err(outcome) = step::find_contacts(model, &mut contact.view(), input.step, margin) {
+                let Outcome::Short { needed } = outcome else { return };
+                contact.grow_constraints(needed);
             }
-        };
-        step::couple_again(&context, (known, target), &mut contact.view(), &mut scratch.view(), statistics);
+            let target = step::couple(input, particles, &mut contact.view(), scratch, statistics);
+            let known = loop {
+                match step::find_impacts(model, &mut contact.view(), input.step, dispatch) {
+                    Ok(known) => break known,
+                    Err(Outcome::Short { needed }) => contact.grow_constraints(needed),
+                    Err(_) => return,
+                }
+            };
+            step::couple_again(input, (known, target), &mut contact.view(), scratch, statistics);
+        });
     }
 
     /// Whether nothing passes through at the end of the step that did not at its start.
@@ -233,9 +211,10 @@ impl Simulation {
         let (Some(model), Some(contact)) = (&built.contact, contact) else { return false };
         let (model, positions) = (&model.view(), &mut built.particles.positions);
         for widened in 0..MOST_WIDENINGS {
-            let margin = 0.5 * model.thickness * (1 << widened) as Real;
-            let sweep = Sweep { time, step: 0.0, margin, widen: widened > 0 };
-            step::sweep(model, sweep, positions, positions, &mut contact.view());
+            if widened == 0 {
+                step::place(model, [time, 0.0], positions, positions, &mut contact.view());
+            }
+            sweep(model, widened, &mut contact.view());
             let Some(counts) = block_on(detect(model, contact, &Here(dispatch))) else { return false };
             let view = contact.view();
             let pairs = [(&view.vertex_triangle, counts.vertex_triangle), (&view.edge_edge, counts.edge_edge)];
@@ -258,6 +237,15 @@ impl Simulation {
     }
 }
 
+/// Writes the boxes around the motion, or widens them.
+fn sweep(model: &ContactModel<'_>, widened: u32, contact: &mut ContactScratch<'_>) {
+    if widened == 0 && step::is_quiet(model, contact) {
+        step::surround_start(model, contact);
+    } else {
+        step::sweep(model, 0.5 * model.thickness * (1 << widened) as Real, contact);
+    }
+}
+
 /// Candidates of each kind that are looked at.
 fn most_pairs(model: &ContactModel<'_>) -> usize {
     MOST_PAIRS.max(MOST_PAIRS_PER_VERTEX * model.radii.len())
@@ -272,6 +260,7 @@ async fn detect<D: Dispatch>(
     if counts.vertex_triangle.max(counts.edge_edge) > most_pairs(model) {
         return None;
     }
+    contact.grow_kept();
     if contact.grow_pairs(counts) {
         return Some(step::await_candidates(model, &mut contact.view(), dispatch).await);
     }

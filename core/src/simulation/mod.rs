@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use crate::audit;
-use crate::contact::{ContactColumns, ContactScratchColumns};
+use crate::contact::{ContactColumns, ContactModel, ContactScratchColumns};
 use crate::diagnostics::{self, Stretch};
 use crate::dispatch::{Dispatch, block_on};
 use crate::error::SceneError;
@@ -17,7 +17,7 @@ use crate::real::{Real, Sum, Vec3};
 use crate::response::Tally;
 use crate::response::multiplier::Multiplier;
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
-use crate::scratch::ScratchColumns;
+use crate::scratch::{Scratch, ScratchColumns};
 use crate::stage::Term;
 use crate::step::{self, Prediction};
 use crate::traffic::{self, TrafficSizes};
@@ -200,10 +200,29 @@ impl Simulation {
         if part != Substep::WHOLE || self.scratch.has_history && self.pins().jump(time) {
             self.scratch.has_history = false;
         }
-        let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);
-        let Self { built, scratch, step, statistics, .. } = self;
-        let BuiltScene { particles, model, pins, .. } = built;
-        let context = StepInput {
+        self.with_input(part, dispatch, |input, particles, scratch, statistics, _| {
+            step::predict(input, particles, scratch, statistics)
+        })
+    }
+
+    /// Calls a phase of a step with its input and the columns.
+    fn with_input<D: Dispatch, R>(
+        &mut self,
+        part: Substep,
+        dispatch: &D,
+        phase: impl FnOnce(
+            &StepInput<'_, D>,
+            &Particles<'_>,
+            &mut Scratch<'_>,
+            &mut IntegratorStatistics,
+            Option<(&ContactModel<'_>, &mut ContactScratchColumns)>,
+        ) -> R,
+    ) -> R {
+        let (time, scheme, extrapolates) = (self.time_at(part.from), &self.scheme_of(part), !self.after_contact);
+        let Self { built, scratch, contact, step, statistics, .. } = self;
+        let BuiltScene { particles, model, pins, contact: contact_model, .. } = built;
+        let (contact_model, contact) = (contact_model.as_ref().map(|model| model.view()), contact.as_mut());
+        let input = StepInput {
             model: &model.view(),
             pins: &pins.view(),
             masses: &particles.masses,
@@ -212,7 +231,7 @@ impl Simulation {
             step: *step * part.length as Real,
             scheme,
             extrapolates,
-            has_contact: self.contact.is_some(),
+            has_contact: contact.is_some(),
             dispatch,
         };
         let particles = Particles {
@@ -221,7 +240,7 @@ impl Simulation {
             masses: &particles.masses,
             inverse_masses: &particles.inverse_masses,
         };
-        step::predict(&context, &particles, &mut scratch.view(), statistics)
+        phase(&input, &particles, &mut scratch.view(), statistics, contact_model.as_ref().zip(contact))
     }
 
     /// Last phase of a step: the candidate becomes the state. Does the same as [`step::commit`], with
