@@ -1,5 +1,5 @@
 //! Copies the shaders to `OUT_DIR`, where `shaders.rs` includes them. For wasm32 it strips comments and
-//! indentation, because they would be sent over the network.
+//! spaces, because they would be sent over the network.
 
 use std::path::Path;
 use std::{env, fs, io};
@@ -22,8 +22,27 @@ fn main() -> io::Result<()> {
     Ok(())
 }
 
-/// The text without comments, indentation and empty lines. WGSL has no strings, so two slashes always begin a comment.
+/// The text without comments, indentation, empty lines and the spaces that separate nothing. WGSL has no strings, so two
+/// slashes always begin a comment.
 fn bare(text: &str) -> String {
     let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default().trim());
-    lines.filter(|line| !line.is_empty()).flat_map(|line| [line, "\n"]).collect()
+    let mut bare = String::new();
+    for line in lines.filter(|line| !line.is_empty()) {
+        let mut characters = line.chars().peekable();
+        while let Some(character) = characters.next() {
+            if character != ' ' || separates(bare.chars().next_back(), characters.peek().copied()) {
+                bare.push(character);
+            }
+        }
+        if !line.ends_with([';', '{', '}', ',']) {
+            bare.push('\n');
+        }
+    }
+    bare
+}
+
+/// Whether a space between two characters separates two names, or two signs that are no operator together.
+fn separates(before: Option<char>, after: Option<char>) -> bool {
+    let both = |are: fn(char) -> bool| before.is_some_and(are) && after.is_some_and(are);
+    both(|c| c.is_alphanumeric() || "_@".contains(c)) || both(|c| "+-".contains(c))
 }

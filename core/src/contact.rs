@@ -290,6 +290,7 @@ mod owned {
         }
 
         /// Makes room for more constraints.
+        #[cfg_attr(small, optimize(size))]
         pub fn grow_constraints(&mut self, needed: usize) {
             if needed > self.constraints.len() {
                 self.constraints.resize(needed + needed / 4, Constraint::default());

@@ -128,7 +128,10 @@ pub async fn await_candidates<D: Dispatch>(
     dispatch.enter(Stage::BroadPhase);
     let Some(counts) = dispatch.detect(model, contact).await else { return detect(model, contact, dispatch) };
     *contact.counts = counts;
-    counts
+    if contact.lengths.is_quiet && contact.has_room(counts) {
+        drop_far(REACH * model.thickness, contact);
+    }
+    *contact.counts
 }
 
 /// Finds the candidates and their distances. If the returned counts exceed the capacity, the result is

@@ -315,9 +315,9 @@ macro_rules! kit {
                 };
                 match query.pair {
                     Pair::VertexTriangle => {
-                        advance::<1>(&start, &end, separation, tolerance, counted(vertex_triangle_ccd::apart))
+                        advance(1, &start, &end, separation, tolerance, &counted(vertex_triangle_ccd::apart))
                     }
-                    Pair::EdgeEdge => advance::<2>(&start, &end, separation, tolerance, counted(edge_edge_ccd::apart)),
+                    Pair::EdgeEdge => advance(2, &start, &end, separation, tolerance, &counted(edge_edge_ccd::apart)),
                 };
                 count.get()
             }

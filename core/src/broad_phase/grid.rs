@@ -92,6 +92,7 @@ pub struct GridColumns {
 #[cfg(feature = "alloc")]
 impl GridColumns {
     /// Allocates columns that suffice for every surface with `vertices` vertices and `triangles` triangles.
+    #[cfg_attr(small, optimize(size))]
     pub fn build(vertices: usize, triangles: usize) -> Self {
         use alloc::vec;
         Self {

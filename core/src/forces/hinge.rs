@@ -211,6 +211,7 @@ impl Element<4> for Hinges<'_> {
         outer(t[a], t[b])
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn exact(&self, hinge: usize, x: &[Vec3; 4], v: &[Vec3; 4], scale: TangentScale) -> [[Mat3; 4]; 4] {
         let Some(fold) = fold(x, self.least_heights[hinge]) else { return [[Mat3::ZERO; 4]; 4] };
         let (gradient, hessian) = (fold.gradient(), fold.hessian(x));

@@ -247,6 +247,7 @@ impl Element<3> for Membrane<'_> {
         t[0] * (pa * pb) + t[1] * (pa * qb) + t[1].transpose() * (qa * pb) + t[2] * (qa * qb)
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn exact(&self, triangle: usize, x: &[Vec3; 3], v: &[Vec3; 3], scale: TangentScale) -> [[Mat3; 3]; 3] {
         let (w, area) = (&self.weights[triangle], self.areas[triangle]);
         let ((wu, wv), (ru, rv)) = (gradient(w, x), gradient(w, v));

@@ -33,19 +33,20 @@ const TARGET: Real = 0.9;
 const LEAST_SQUARED: Real = Real::MIN_POSITIVE / Real::EPSILON;
 
 /// The time in [0, 1] at which two features come within `separation + tolerance`, m. The first feature consists of
-/// the first `FIRST` of the four vertices; `apart` returns the vector between the nearest points.
+/// the first `first` of the four vertices: 1, a vertex and a triangle, or 2, two edges; `apart` returns the vector between
+/// the nearest points. It is one function for both kinds because the page has to be small.
 ///
 /// `None` means that the features stay farther apart than `separation`. A time is never late: until then, the
 /// features were farther apart than `separation`. The time is 0 if they start within `separation`. A tolerance
 /// below [`ROUNDING`] times the largest coordinate is raised to that value. Positions that are not finite, or too
 /// large to square, count as a hit at time 0.
-#[inline]
-pub fn advance<const FIRST: usize>(
+pub fn advance(
+    first: usize,
     start: &[Vec3; 4],
     end: &[Vec3; 4],
     separation: Real,
     tolerance: Real,
-    apart: impl Fn(&[Vec3; 4]) -> Vec3,
+    apart: &dyn Fn(&[Vec3; 4]) -> Vec3,
 ) -> Option<Real> {
     let (start, end) = (start.map(|x| x - start[0]), end.map(|x| x - end[0]));
     let size = largest([&start, &end]);
@@ -64,13 +65,13 @@ pub fn advance<const FIRST: usize>(
         if distance <= hit {
             return Some(time);
         }
-        let mut next = closing::<FIRST>(between, &now, &end, time, target);
+        let mut next = closing(first, between, &now, &end, time, target);
         if next < 1.0 {
             if advances == 0 {
-                speed = fastest::<FIRST>(&start, &end);
+                speed = fastest(first, &start, &end);
             }
-            let upright = upright::<FIRST>(&now, between);
-            next = next.max(closing::<FIRST>(upright, &now, &end, time, target));
+            let upright = upright(first, &now, between);
+            next = next.max(closing(first, upright, &now, &end, time, target));
             next = next.max(time + (distance - target) / speed);
         }
         if next >= 1.0 {
@@ -100,13 +101,13 @@ pub fn largest<const N: usize>(local: [&[Vec3; 4]; N]) -> Real {
 /// The earliest time at which the slab between the features, perpendicular to `direction`, is as thin as `target`.
 /// Returns 1 if this never happens, and `time` if the slab is already that thin or the direction is too short.
 #[inline]
-fn closing<const FIRST: usize>(direction: Vec3, now: &[Vec3; 4], end: &[Vec3; 4], time: Real, target: Real) -> Real {
+fn closing(first: usize, direction: Vec3, now: &[Vec3; 4], end: &[Vec3; 4], time: Real, target: Real) -> Real {
     let squared = direction.length_squared();
     if squared < LEAST_SQUARED {
         return time;
     }
     let length = sqrt(squared);
-    let (gap, last) = (slab::<FIRST>(direction, now) / length, slab::<FIRST>(direction, end) / length);
+    let (gap, last) = (slab(first, direction, now) / length, slab(first, direction, end) / length);
     if gap > target && last >= target {
         1.0
     } else if gap > target {
@@ -118,24 +119,24 @@ fn closing<const FIRST: usize>(direction: Vec3, now: &[Vec3; 4], end: &[Vec3; 4]
 
 /// The thickness of the slab between the features, times the length of `direction`.
 #[inline]
-fn slab<const FIRST: usize>(direction: Vec3, x: &[Vec3; 4]) -> Real {
+fn slab(first: usize, direction: Vec3, x: &[Vec3; 4]) -> Real {
     let heights = x.map(|x| direction.dot(x));
-    let (first, second) = heights.split_at(FIRST);
+    let (first, second) = heights.split_at(first);
     first.iter().fold(Real::INFINITY, |a, &b| a.min(b)) - second.iter().fold(Real::NEG_INFINITY, |a, &b| a.max(b))
 }
 
 /// A vector perpendicular to the triangle or to both edges that points towards the first feature.
 #[inline]
-fn upright<const FIRST: usize>(&[a, b, c, d]: &[Vec3; 4], between: Vec3) -> Vec3 {
-    let upright = if FIRST == 1 { (c - b).cross(d - b) } else { (b - a).cross(d - c) };
+fn upright(first: usize, &[a, b, c, d]: &[Vec3; 4], between: Vec3) -> Vec3 {
+    let upright = if first == 1 { (c - b).cross(d - b) } else { (b - a).cross(d - c) };
     if upright.dot(between) < 0.0 { -upright } else { upright }
 }
 
 /// The largest displacement of a vertex of one feature relative to a vertex of the other.
 #[inline]
-fn fastest<const FIRST: usize>(start: &[Vec3; 4], end: &[Vec3; 4]) -> Real {
+fn fastest(first: usize, start: &[Vec3; 4], end: &[Vec3; 4]) -> Real {
     let motion: [Vec3; 4] = core::array::from_fn(|i| end[i] - start[i]);
-    let (first, second) = motion.split_at(FIRST);
+    let (first, second) = motion.split_at(first);
     let pairs = first.iter().flat_map(|&a| second.iter().map(move |&b| (a - b).length_squared()));
     sqrt(pairs.fold(0.0, Real::max))
 }

@@ -7,7 +7,7 @@ use crate::real::{Real, Vec3};
 /// The time of impact in [0, 1], or `None` if the edges stay farther apart than `separation`, m. The positions are
 /// `[a0, a1, b0, b1]` and move linearly. [`advance`] describes the other parameters.
 pub fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
-    advance::<2>(start, end, separation, tolerance, apart)
+    advance(2, start, end, separation, tolerance, &apart)
 }
 
 /// The vector from the nearest point of edge b to the nearest point of edge a.
