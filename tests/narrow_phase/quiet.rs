@@ -96,7 +96,7 @@ harness::both_precisions! {
     #[test]
     fn pairs_beyond_reach_do_not_collide_in_a_quiet_step() {
         let mut rng = Rng::new(5);
-        let (mut beyond, mut nearest) = (0, f64::INFINITY);
+        let (mut beyond, mut nearest) = (0, Real::INFINITY);
         for _ in 0..20_000 {
             for pair in [Pair::VertexTriangle, Pair::EdgeEdge] {
                 let size = rng.magnitude(0.1, 100.0);
@@ -107,8 +107,8 @@ harness::both_precisions! {
                     Pair::VertexTriangle => VertexTriangle::nearest(&x).between,
                     Pair::EdgeEdge => EdgeEdge::nearest(&x).between,
                 };
-                let distance = f64::from(apart.length_squared()).sqrt();
-                if distance <= f64::from(REACH) {
+                let distance = apart.length_squared().sqrt();
+                if distance <= REACH {
                     continue;
                 }
                 (beyond, nearest) = (beyond + 1, distance.min(nearest));
