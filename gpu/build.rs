@@ -1,6 +1,9 @@
 //! Copies the shaders to `OUT_DIR`, where `shaders.rs` includes them. For wasm32 it strips comments and
 //! spaces, because they would be sent over the network.
 
+#[path = "minify.rs"]
+mod minify;
+
 use std::path::Path;
 use std::{env, fs, io};
 
@@ -16,33 +19,8 @@ fn main() -> io::Result<()> {
         for file in fs::read_dir(&from)? {
             let file = file?;
             let text = fs::read_to_string(file.path())?;
-            fs::write(to.join(file.file_name()), if sent { bare(&text) } else { text })?;
+            fs::write(to.join(file.file_name()), if sent { minify::minify(&text) } else { text })?;
         }
     }
     Ok(())
-}
-
-/// The text without comments, indentation, empty lines and the spaces that separate nothing. WGSL has no strings, so two
-/// slashes always begin a comment.
-fn bare(text: &str) -> String {
-    let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default().trim());
-    let mut bare = String::new();
-    for line in lines.filter(|line| !line.is_empty()) {
-        let mut characters = line.chars().peekable();
-        while let Some(character) = characters.next() {
-            if character != ' ' || separates(bare.chars().next_back(), characters.peek().copied()) {
-                bare.push(character);
-            }
-        }
-        if !line.ends_with([';', '{', '}', ',']) {
-            bare.push('\n');
-        }
-    }
-    bare
-}
-
-/// Whether a space between two characters separates two names, or two signs that are no operator together.
-fn separates(before: Option<char>, after: Option<char>) -> bool {
-    let both = |are: fn(char) -> bool| before.is_some_and(are) && after.is_some_and(are);
-    both(|c| c.is_alphanumeric() || "_@".contains(c)) || both(|c| "+-".contains(c))
 }

@@ -61,7 +61,7 @@ pub struct ContactScratch<'a> {
     pub rounds: &'a mut [u32],
     /// Union-find over vertices.
     pub zones: &'a mut [u32],
-    /// Around each vertex's motion.
+    /// Around each vertex's motion; in a quiet step, around its start.
     pub boxes: &'a mut [Aabb],
     /// How many of the candidates are valid.
     pub counts: &'a mut Counts,
@@ -89,7 +89,7 @@ pub struct ContactScratch<'a> {
     pub room: Room<'a>,
 }
 
-/// The valid entries in the columns of [`ContactScratch`].
+/// The valid entries in the columns of [`ContactScratch`], and the kind of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lengths {
     /// Constraints that the solve took part in; after the response, all constraints.

@@ -19,6 +19,7 @@ use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::integrate::{self, IntegratorStatistics, StepInput, contact_solve};
+use crate::narrow_phase::advance::ROUNDING;
 use crate::narrow_phase::{EdgeEdge, VertexTriangle, proximity};
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3, sqrt};
@@ -36,8 +37,11 @@ const QUIET: Real = 0.25;
 /// Skin of the boxes for which pairs are kept, relative to the thickness.
 const SKIN: Real = 0.05;
 
-/// Reserve for the rounding of distances and widths.
-const ROUNDED: Real = 0.01;
+/// How much wider than needed the boxes of a quiet step are, relative to the thickness.
+const WIDER: Real = 0.01;
+
+/// Largest error of a distance in a quiet step, relative to the thickness.
+const MOST_ROUNDED: Real = 0.1;
 
 /// Result of [`predict`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,23 +87,35 @@ pub fn place(
     model.colliders.place(time + step, &mut contact.predicted[cloth..]);
     contact.end.copy_from_slice(contact.predicted);
     contact.boxes.fill(Aabb::EMPTY);
+    contact.lengths.is_quiet = false;
     (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);
 }
 
-/// Whether no vertex moves far in the step. Then the candidates can be limited to the pairs within [`REACH`] at its start,
-/// most of which [last](broad_phase::kept_pairs) from step to step.
+/// Whether no vertex moves far in the step, and none is so far from the origin, or so large, that rounding could matter.
+/// Then the candidates can be limited to the pairs within [`REACH`] at its start, most of which
+/// [last](broad_phase::kept_pairs) from step to step.
 pub fn is_quiet(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
     let mut motion = contact.start.iter().zip(&*contact.predicted);
     motion.all(|(&start, &end)| (end - start).abs().max_element() <= QUIET * model.thickness)
+        && rounding(model, contact.start) <= MOST_ROUNDED * model.thickness
+}
+
+/// Bound of the errors of distances and of the corners of boxes, m.
+fn rounding(model: &ContactModel<'_>, positions: &[Vec3]) -> Real {
+    let vertices = positions.iter().zip(model.radii);
+    let largest = vertices.fold(0.0, |largest: Real, (x, radius)| largest.max(x.abs().max_element() + radius));
+    // Coordinates relative to another vertex are at most twice as large.
+    2.0 * ROUNDING * largest
 }
 
 /// Writes the boxes of a quiet step: around the start, wider on each side by half of [`REACH`] and the radius. Pairs
-/// beyond reach cannot collide as long as no vertex leaves its box: each of the two features moves by at most half the
-/// thickness along each axis.
+/// beyond reach cannot collide as long as no vertex leaves its box. Each of the two features moves by at most 0.51
+/// thicknesses along each axis. That brings them nearer by 2 sqrt(3) 0.51 < 1.77 thicknesses, less than reach without the
+/// distance at which they collide and the reserve for rounding.
 pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) {
     contact.lengths.is_quiet = true;
     for ((around, &start), &radius) in contact.boxes.iter_mut().zip(&*contact.start).zip(model.radii) {
-        let wide = 0.5 * REACH * model.thickness * (1.0 + ROUNDED) + radius * (1.0 + 4.0 * Real::EPSILON);
+        let wide = 0.5 * REACH * model.thickness * (1.0 + WIDER) + radius * (1.0 + 4.0 * Real::EPSILON);
         *around = Aabb { min: start - wide, max: start + wide };
     }
 }
@@ -154,6 +170,9 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
 /// [`detect`] for a quiet step: the candidates are all pairs within [`REACH`] at its start.
 fn detect_quiet(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
     let (reach, skin) = (REACH * model.thickness, SKIN * model.thickness);
+    // Each of two features moves by at most the diagonal of the skin before a wide box is left. Distances up to here are
+    // measured, not bounded: whether a pair is within reach must not depend on the pairs that were kept.
+    let far = reach + 2.0 * (sqrt(3.0) * skin + rounding(model, contact.start));
     let ContactScratch { vertex_triangle, edge_edge, kept, .. } = contact;
     let mut out = Candidates { vertex_triangle: vertex_triangle.candidates, edge_edge: edge_edge.candidates };
     if kept.cover(contact.boxes) {
@@ -161,7 +180,7 @@ fn detect_quiet(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, disp
         if !contact.has_room(*contact.counts) {
             return *contact.counts;
         }
-        measure(model, reach, contact, dispatch);
+        measure(model, far, contact, dispatch);
     } else {
         kept.widen(contact.boxes, skin);
         let counts = broad_phase::candidates(kept.boxes, &model.surface, &mut contact.grid, &mut out, dispatch);
@@ -169,8 +188,6 @@ fn detect_quiet(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, disp
         if !contact.has_room(counts) {
             return counts;
         }
-        // Each of two features moves by at most the diagonal of the skin before a wide box is left.
-        let far = (reach + 2.0 * sqrt(3.0) * skin) * (1.0 + ROUNDED);
         measure(model, far, contact, dispatch);
         drop_far(far, contact);
         let Counts { vertex_triangle, edge_edge } = *contact.counts;

@@ -1,5 +1,8 @@
 //! Every shader parses, is valid within the limits that browsers guarantee, and matches the table.
 
+#[path = "../../gpu/minify.rs"]
+mod minify;
+
 use muslin_gpu::shaders::{self, Shader};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess};
@@ -23,6 +26,28 @@ fn all_are_valid_without_extensions() {
         if let Err(error) = validator.validate(&module) {
             panic!("{}: {}", shader.name, error.emit_to_string(&shader.source()));
         }
+    }
+}
+
+/// The module as text, without the places in its source.
+fn without_places(source: &str, name: &str) -> String {
+    let module =
+        naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
+    let text = format!("{module:?}");
+    let mut parts = text.split("Span {");
+    let first = parts.next().unwrap_or_default();
+    let rest = parts.map(|part| part.split_once('}').map_or(part, |(_, after)| after));
+    [first].into_iter().chain(rest).collect()
+}
+
+#[test]
+fn minified_text_is_the_same_shader() {
+    for shader in shaders::ALL {
+        let source = shader.source();
+        let small = minify::minify(&source);
+        assert!(small.len() < source.len(), "{}: nothing was left out", shader.name);
+        let [full, short] = [&source, &small].map(|text| without_places(text, shader.name));
+        assert!(full == short, "{}: without spaces it is another shader", shader.name);
     }
 }
 

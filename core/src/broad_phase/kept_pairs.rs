@@ -5,7 +5,8 @@ use super::{Candidates, Counts};
 use crate::geometry::aabb::Aabb;
 use crate::real::Real;
 
-/// The pairs, borrowed. The lengths of the slices of pairs are their capacity.
+/// The pairs, borrowed. The lengths of the slices of pairs are their capacity. Start with boxes that are
+/// [`NOWHERE`](super::bounds::NOWHERE): they contain no vertex, so no pairs are taken for kept.
 #[derive(Debug)]
 pub struct KeptPairs<'a> {
     /// Wide box of each vertex.

@@ -273,10 +273,11 @@ impl Iterate<'_, '_> {
             return (curvature > 0.0).then(|| slope / curvature);
         }
         let elastic_slope = dot(elastic, direction, partials, dispatch);
-        let mut count = 0;
+        let (mut second, mut count) = (curvature, 0);
         for contact in &mut *contacts {
             contact.change = contact.gather(direction);
             if let Some(line) = contact.line(contact.change) {
+                second += Sum::from(line.slope_and_curvature(0.0).1);
                 lines[count] = line;
                 count += 1;
             }
@@ -293,7 +294,7 @@ impl Iterate<'_, '_> {
             (derivative, second)
         };
         let (mut low, mut high, mut length) = (0.0, Sum::INFINITY, 0.0);
-        let (mut derivative, mut second) = (-slope, evaluate(0.0).1);
+        let mut derivative = -slope;
         for _ in 0..MOST_EVALUATIONS {
             if derivative < 0.0 {
                 low = length

@@ -25,6 +25,9 @@ const MOST_PAIRS: usize = 1 << 17;
 /// And so many for each vertex: sheets lying flat on themselves have a tenth of it.
 const MOST_PAIRS_PER_VERTEX: usize = 1 << 10;
 
+/// Room for the search of a quiet step, relative to that.
+const QUIET_ROOM: usize = 4;
+
 /// How often as many candidates may be looked at in one step, over all its halves and widenings: what
 /// still boils then does not settle.
 const MOST_LOOKS: u64 = 1 << 7;
@@ -257,7 +260,9 @@ async fn detect<D: Dispatch>(
     dispatch: &D,
 ) -> Option<Counts> {
     let counts = step::await_candidates(model, &mut contact.view(), dispatch).await;
-    if counts.vertex_triangle.max(counts.edge_edge) > most_pairs(model) {
+    // A quiet step needs room for more pairs than it keeps.
+    let room = if contact.view().lengths.is_quiet { QUIET_ROOM } else { 1 };
+    if counts.vertex_triangle.max(counts.edge_edge) > room * most_pairs(model) {
         return None;
     }
     contact.grow_kept();
