@@ -163,6 +163,14 @@ pub const MUTANTS: &[Mutant] = &[
         all: &[],
     },
     Mutant {
+        what: "Kept pairs outlive their boxes",
+        file: "core/src/broad_phase/kept_pairs.rs",
+        old: "wide.contains(narrow)",
+        new: "wide.overlaps(narrow)",
+        everyday: &["narrow_phase"],
+        all: &[],
+    },
+    Mutant {
         what: "A step allocates",
         file: "core/src/simulation/contact.rs",
         old: "        let most = if hold { LAST_WIDENINGS } else { MOST_WIDENINGS };",
