@@ -13,9 +13,10 @@ use super::methods::gpu;
 use super::stages::evenly;
 
 /// Files without a twin on the device, and the reasons.
-const WITHOUT: [(&str, &str); 8] = [
+const WITHOUT: [(&str, &str); 9] = [
     ("broad_phase/mod", "types"),
     ("broad_phase/grid", "the order of the stages: gpu/src/schedule.rs"),
+    ("broad_phase/kept_pairs", "pairs from one step to the next, which the core keeps"),
     ("broad_phase/brute_force", "what the core is tested against"),
     ("broad_phase/reference_cell", "what the core is tested against"),
     ("narrow_phase/mod", "types"),
