@@ -245,7 +245,7 @@ mod owned {
     }
 
     impl ContactScratchColumns {
-        /// Columns for a model, with room for `pairs` candidates of each kind and a quarter as many
+        /// Columns for a model, with room for `pairs` candidates of each kind and an eighth as many
         /// constraints; they grow where a step needs more.
         #[cfg_attr(small, optimize(size))]
         pub fn build(model: &ContactModel<'_>, pairs: usize) -> Self {
@@ -261,12 +261,12 @@ mod owned {
                 zones: vec![0; vertices],
                 boxes: vec![Aabb::EMPTY; vertices],
                 grid: GridColumns::build(vertices, model.surface.triangles.len()),
-                kept: KeptPairColumns::build(vertices, pairs / 4),
+                kept: KeptPairColumns::build(vertices, pairs / 2),
                 room: RoomColumns::build(&model.surface),
                 ..Self::default()
             };
             columns.grow_pairs(Counts { vertex_triangle: pairs, edge_edge: pairs });
-            columns.grow_constraints(pairs / 4);
+            columns.grow_constraints(pairs / 8);
             columns
         }
 

@@ -1,5 +1,4 @@
-// The module built to count calls to its allocator: once columns of contact have grown, 1,000 steps make none, and the
-// memory does not grow.
+// The module built to count calls to its allocator: 1,000 steps make none, and the memory does not grow.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -24,13 +23,12 @@ after(() => folder && rmSync(folder, { recursive: true, force: true }));
 for (const [scene, changes] of [["cantilever", {}], ["fold", { "cloth.grid.cells": [5, 26] }]]) {
   test(`${scene}: 1,000 steps ask for no memory`, () => {
     const cloth = new muslin.Cloth(muslin.changed(muslin.scene(scene), changes));
-    // Columns of contact grow until they hold the most pairs of the scene: `fold` closes in its first 270 steps.
-    cloth.step(300);
+    cloth.step(10);
     const [asked, bytes] = [muslin.allocations(), cloth.positions().buffer.byteLength];
     cloth.step(1000);
     assert.equal(muslin.allocations() - asked, 0);
     assert.equal(cloth.positions().buffer.byteLength, bytes);
-    assert.ok(cloth.steps === 1300 && muslin.allocations() > 0);
+    assert.ok(cloth.steps === 1010 && muslin.allocations() > 0);
     cloth.free();
   });
 }

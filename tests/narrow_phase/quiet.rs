@@ -157,7 +157,7 @@ harness::both_precisions! {
                 let size = rng.magnitude(0.1, 100.0);
                 let x: [DVec3; 4] = std::array::from_fn(|_| size * rng.direction());
                 // In units of the thickness.
-                let x = x.map(|x| vec3((x).into()));
+                let x = x.map(|x| vec3(x.into()));
                 let apart = match pair {
                     Pair::VertexTriangle => VertexTriangle::nearest(&x).between,
                     Pair::EdgeEdge => EdgeEdge::nearest(&x).between,

@@ -34,7 +34,7 @@ const LEAST_SQUARED: Real = Real::MIN_POSITIVE / Real::EPSILON;
 
 /// The time in [0, 1] at which two features come within `separation + tolerance`, m. The first feature consists of
 /// the first `first` of the four vertices: 1, a vertex and a triangle, or 2, two edges; `apart` returns the vector between
-/// the nearest points. It is one function for both kinds because the page has to be small.
+/// the nearest points.
 ///
 /// `None` means that the features stay farther apart than `separation`. A time is never late: until then, the
 /// features were farther apart than `separation`. The time is 0 if they start within `separation`. A tolerance

@@ -33,7 +33,7 @@ use contact::Obstacle;
 use halving::Kept;
 
 /// Initial capacity: candidates of each kind per vertex.
-const PAIRS_PER_VERTEX: usize = 32;
+const PAIRS_PER_VERTEX: usize = 64;
 
 /// A simulation that the host advances step by step.
 #[derive(Clone, Debug)]
