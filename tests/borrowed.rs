@@ -171,7 +171,7 @@ both_precisions! {
             inverse_masses: &inverse_masses,
         };
         let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 10], [Block::default(); BLOCKS]);
-        let (mut inverse_diagonal, mut partials) = ([Mat3::ZERO; VERTICES], [0.0; 1]);
+        let (mut inverse_diagonal, mut partials) = ([Mat3::ZERO; VERTICES], [[0.0; 2]; 1]);
         let [forces, next_positions, next_velocities, stage_positions, solution, residual, gradient, direction, products, preconditioned] =
             &mut work_columns;
         let mut scratch = Scratch {

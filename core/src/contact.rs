@@ -5,7 +5,7 @@ use crate::audit::Room;
 use crate::broad_phase::{Counts, Grid, KeptPairs, Surface};
 use crate::colliders::Colliders;
 use crate::geometry::aabb::Aabb;
-use crate::integrate::augmented_contact::{AugmentedContact, ContactLine};
+use crate::integrate::augmented_contact::{AugmentedContact, ContactLines};
 use crate::real::{Real, Vec3};
 use crate::response::constraint::Constraint;
 use crate::response::friction::Law;
@@ -75,8 +75,8 @@ pub struct ContactScratch<'a> {
     pub constraints: &'a mut [Constraint],
     /// The contacts that an implicit step is solved with; the same capacity.
     pub contacts: &'a mut [AugmentedContact],
-    /// Work column of that solve; the same capacity.
-    pub lines: &'a mut [ContactLine],
+    /// Work column of that solve, four contacts in each entry.
+    pub lines: &'a mut [ContactLines],
     /// The forces of contacts in the last step, which the next one starts from; the same capacity.
     pub multipliers: &'a mut [Multiplier],
     /// Indices of constraints; twice the capacity.
@@ -131,7 +131,7 @@ mod owned {
     use alloc::vec::Vec;
 
     use super::{
-        Aabb, AugmentedContact, Constraint, ContactLine, ContactModel, ContactScratch, Counts, Law, Lengths,
+        Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactScratch, Counts, Law, Lengths,
         Multiplier, Pairs, Real, Vec3,
     };
     use crate::audit::RoomColumns;
@@ -236,7 +236,7 @@ mod owned {
         lengths: Lengths,
         constraints: Vec<Constraint>,
         contacts: Vec<AugmentedContact>,
-        lines: Vec<ContactLine>,
+        lines: Vec<ContactLines>,
         multipliers: Vec<Multiplier>,
         order: Vec<u32>,
         grid: GridColumns,
@@ -296,7 +296,7 @@ mod owned {
                 self.constraints.resize(needed + needed / 4, Constraint::default());
                 self.order.resize(2 * self.constraints.len(), 0);
                 self.contacts.resize(self.constraints.len(), AugmentedContact::default());
-                self.lines.resize(self.constraints.len(), ContactLine::default());
+                self.lines.resize(self.constraints.len().div_ceil(4), ContactLines::default());
                 self.multipliers.resize(self.constraints.len(), Multiplier::default());
             }
         }

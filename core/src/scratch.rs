@@ -3,6 +3,7 @@
 
 use crate::forces::matrix::{AssemblyMap, BlockMatrix};
 use crate::integrate::coarse::{CoarseFactor, Patches};
+use crate::integrate::columns::Sums;
 use crate::real::{Mat3, Real, Sum, Vec3};
 
 /// Work columns, borrowed. They have one entry per vertex unless stated otherwise.
@@ -60,8 +61,8 @@ pub struct Scratch<'a> {
     pub patches: Patches<'a>,
     /// Two-level preconditioner: the factor of the small matrix of the patches.
     pub coarse: CoarseFactor<'a>,
-    /// Implicit: partial sums, one per [`PART`](crate::integrate::conjugate_gradient::PART) vertices.
-    pub partials: &'a mut [Sum],
+    /// Implicit: partial sums, one entry per [`PART`](crate::integrate::columns::PART) vertices.
+    pub partials: &'a mut [Sums],
 }
 
 /// The owned columns of [`Scratch`].
@@ -77,7 +78,7 @@ mod owned {
     use crate::forces::matrix::Block;
     use crate::forces::sparsity::SparsityPattern;
     use crate::integrate::coarse::{Dense, MODES};
-    use crate::integrate::conjugate_gradient::PART;
+    use crate::integrate::columns::{PART, Sums};
     use crate::integrate::patches::PatchColumns;
     use crate::integrate::pins::Pins;
     use crate::integrate::{Method, Preconditioner, Scheme};
@@ -110,7 +111,7 @@ mod owned {
         products: Vec<Vec3>,
         preconditioned: Vec<Vec3>,
         inverse_diagonal: Vec<Mat3>,
-        partials: Vec<Sum>,
+        partials: Vec<Sums>,
         patches: PatchColumns,
         coarse_values: Vec<Sum>,
         coarse_own: Vec<Dense>,
@@ -175,7 +176,7 @@ mod owned {
                 products: column(implicit),
                 preconditioned: column(implicit),
                 inverse_diagonal: vec![Mat3::ZERO; if implicit { vertices } else { 0 }],
-                partials: vec![0.0; if implicit { vertices.div_ceil(PART) } else { 0 }],
+                partials: vec![[0.0; 2]; if implicit { vertices.div_ceil(PART) } else { 0 }],
                 patches,
                 coarse_values: vec![0.0; coarse_values],
                 coarse_own: vec![[[0.0; MODES]; MODES]; coarse_rows / MODES],

@@ -53,7 +53,7 @@ both_precisions! {
     use glam::DVec3;
     use muslin::dispatch::Serial;
     use muslin::forces::matrix;
-    use muslin::integrate::augmented_contact::{self, AugmentedContact, ContactLine, Friction};
+    use muslin::integrate::augmented_contact::{self, AugmentedContact, ContactLines, Friction};
     use muslin::integrate::contact_solve;
     use muslin::integrate::pins::JumpSide;
     use muslin::integrate::{StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
@@ -208,7 +208,7 @@ both_precisions! {
         let residual = if context.defers_solve() { column(s.residual) } else { zero };
         let mut contacts = given.clone();
         let state = [&*particles.positions, &*particles.velocities];
-        let lines = &mut vec![ContactLine::default(); contacts.len()];
+        let lines = &mut vec![ContactLines::default(); contacts.len().div_ceil(4)];
         // The last contact is an impact that is only found in the motion of the others.
         let known = contacts.len() - 1;
         let target = contact_solve::correct(&context, state, (&mut contacts[..known], lines), s, &mut work);
@@ -376,13 +376,14 @@ both_precisions! {
                 assert!(now == DVec3::ZERO && after == DVec3::ZERO, "case {case}: {contact:?} has an impulse");
                 continue;
             };
-            let (_, curvature) = line.slope_and_curvature(0.0);
-            worst.see((f64::from(curvature) + 0.5 * (left + right)).abs(), || format!("case {case}: {contact:?}"));
+            let mut lines = ContactLines::default();
+            lines.set(case % 4, &line);
+            let along = |length: f64| augmented_contact::slope_and_curvature(&[lines], length as Real);
+            worst.see((along(0.0)[1] + 0.5 * (left + right)).abs(), || format!("case {case}: {contact:?}"));
             // Also far from where the line was taken.
             for length in [0.0, 1e-3, 2e-3, 4e-3] {
-                let (slope, _) = line.slope_and_curvature(length as Real);
                 let want = at(length).dot(wide(contact.change));
-                worst.see((f64::from(slope) - want).abs(), || format!("case {case}, length {length}: {contact:?}"));
+                worst.see((along(length)[0] - want).abs(), || format!("case {case}, length {length}: {contact:?}"));
             }
         }
         worst.check();

@@ -132,29 +132,39 @@ pub fn multiply(
     out: &mut [Vec3],
     dispatch: &impl Dispatch,
 ) {
+    dispatch.run(out, |start, part| multiply_rows(matrix, masses, mass_factor, p, start, part));
+}
+
+/// Some rows of the [product](multiply); `start` is the first.
+pub fn multiply_rows(
+    matrix: &BlockMatrix<'_>,
+    masses: &[Real],
+    mass_factor: Real,
+    p: &[Vec3],
+    start: usize,
+    out: &mut [Vec3],
+) {
     let (offsets, columns, blocks) = (matrix.offsets, matrix.columns, &*matrix.blocks);
-    dispatch.run(out, |start, part| {
-        for (i, out) in (start..).zip(part) {
-            let left = matrix.mirrored_offsets[i] as usize..matrix.mirrored_offsets[i + 1] as usize;
-            let mut within = Block::default();
-            for entry in &matrix.mirrored[left] {
-                let (block, p) = (&blocks[entry.block as usize], lanes(p[entry.column as usize]));
-                for column in 0..3 {
-                    within[column] += block[column] * p;
-                }
+    for (i, out) in (start..).zip(out) {
+        let left = matrix.mirrored_offsets[i] as usize..matrix.mirrored_offsets[i + 1] as usize;
+        let mut within = Block::default();
+        for entry in &matrix.mirrored[left] {
+            let (block, p) = (&blocks[entry.block as usize], lanes(p[entry.column as usize]));
+            for column in 0..3 {
+                within[column] += block[column] * p;
             }
-            let row = offsets[i] as usize..offsets[i + 1] as usize;
-            let mut over = Block::default();
-            for (block, &column) in blocks[row.clone()].iter().zip(&columns[row]) {
-                let p = p[column as usize];
-                over[0] += block[0] * Lanes::splat(p.x);
-                over[1] += block[1] * Lanes::splat(p.y);
-                over[2] += block[2] * Lanes::splat(p.z);
-            }
-            // Transposed blocks give one component per column, summed over the lanes. Stored blocks give a
-            // sum over the columns.
-            let [x, y, z] = within.map(to_vec3).map(|v| v.x + v.y + v.z);
-            *out = p[i] * (mass_factor * masses[i]) + to_vec3(over[0] + over[1] + over[2]) + Vec3::new(x, y, z);
         }
-    });
+        let row = offsets[i] as usize..offsets[i + 1] as usize;
+        let mut over = Block::default();
+        for (block, &column) in blocks[row.clone()].iter().zip(&columns[row]) {
+            let p = p[column as usize];
+            over[0] += block[0] * Lanes::splat(p.x);
+            over[1] += block[1] * Lanes::splat(p.y);
+            over[2] += block[2] * Lanes::splat(p.z);
+        }
+        // Transposed blocks give one component per column, summed over the lanes. Stored blocks give a
+        // sum over the columns.
+        let [x, y, z] = within.map(to_vec3).map(|v| v.x + v.y + v.z);
+        *out = p[i] * (mass_factor * masses[i]) + to_vec3(over[0] + over[1] + over[2]) + Vec3::new(x, y, z);
+    }
 }

@@ -12,7 +12,7 @@
 //! function [Simo 1992, Alart 1991].
 
 use crate::forces::matrix::{self, BlockMatrix};
-use crate::real::{Mat3, Real, Vec3, outer, scaled_identity, sqrt};
+use crate::real::{Lanes, Mat3, Real, Sum, Vec3, outer, scaled_identity, sqrt};
 
 /// Stiffness of a contact relative to that of the cloth at its vertices. A larger value needs more iterations; a smaller
 /// value leaves more of a sudden contact to the response.
@@ -82,27 +82,61 @@ pub struct ContactLine {
     bound: Real,
 }
 
-impl ContactLine {
-    /// The product of the impulse with g, and `g . H g`, where -H is the derivative of the impulse, at the velocity
+/// Four [contacts along a search direction](ContactLine), one in each lane. A line of zeros adds nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactLines {
+    along: Lanes,
+    change_along: Lanes,
+    squared: Lanes,
+    slide: Lanes,
+    change_squared: Lanes,
+    stiffness: Lanes,
+    bound: Lanes,
+}
+
+impl ContactLines {
+    /// Writes one lane.
+    #[inline]
+    pub fn set(&mut self, lane: usize, line: &ContactLine) {
+        self.along.as_mut_array()[lane] = line.along;
+        self.change_along.as_mut_array()[lane] = line.change_along;
+        self.squared.as_mut_array()[lane] = line.squared;
+        self.slide.as_mut_array()[lane] = line.slide;
+        self.change_squared.as_mut_array()[lane] = line.change_squared;
+        self.stiffness.as_mut_array()[lane] = line.stiffness;
+        self.bound.as_mut_array()[lane] = line.bound;
+    }
+
+    /// The products of the impulses with g, and `g . H g`, where -H is the derivative of an impulse, at the velocities
     /// u + `length` g.
     #[inline]
-    pub fn slope_and_curvature(&self, length: Real) -> (Real, Real) {
+    fn slopes_and_curvatures(&self, length: Real) -> [Lanes; 2] {
         let Self { change_along, change_squared, stiffness, bound, .. } = *self;
-        let way = stiffness * length;
+        let way = stiffness * Lanes::splat(length);
         let along = self.along - way * change_along;
         let slide = self.slide - way * change_squared;
-        let squared = (self.squared - way * (2.0 * self.slide - way * change_squared)).max(0.0);
-        let (mut slope, mut squares) = (0.0, 0.0);
-        if along > 0.0 {
-            (slope, squares) = (along * change_along, change_along * change_along);
-        }
-        if squared > bound * bound {
-            let part = bound / sqrt(squared);
-            (slope + part * slide, stiffness * (squares + part * (change_squared - slide * slide / squared).max(0.0)))
-        } else {
-            (slope + slide, stiffness * (squares + change_squared))
+        let squared = self.squared - way * (self.slide + self.slide - way * change_squared);
+        let pushes = along.simd_gt(Lanes::ZERO);
+        let slips = squared.simd_gt(bound * bound);
+        let part = bound / squared.sqrt();
+        let curved = change_squared - slide * slide / squared;
+        let curved = curved.simd_gt(Lanes::ZERO).bitselect(part * curved, Lanes::ZERO);
+        let slope = pushes.bitselect(along * change_along, Lanes::ZERO) + slips.bitselect(part * slide, slide);
+        let squares = pushes.bitselect(change_along * change_along, Lanes::ZERO);
+        [slope, stiffness * (squares + slips.bitselect(curved, change_squared))]
+    }
+}
+
+/// The sums of [`ContactLines::slopes_and_curvatures`] over all contacts.
+pub fn slope_and_curvature(lines: &[ContactLines], length: Real) -> [Sum; 2] {
+    let mut sums = [0.0; 2];
+    for line in lines {
+        for (sum, lanes) in sums.iter_mut().zip(line.slopes_and_curvatures(length)) {
+            let [a, b, c, d] = lanes.to_array().map(Sum::from);
+            *sum += (a + b) + (c + d);
         }
     }
+    sums
 }
 
 /// Impulses before they are cut off: the normal one, and the one across the normal.

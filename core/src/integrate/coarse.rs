@@ -8,6 +8,7 @@
 //! crate's precision.
 
 use super::augmented_contact::AugmentedContact;
+use super::columns::interleaved_dot;
 use super::conjugate_gradient::System;
 use crate::forces::matrix::to_vec3;
 use crate::real::{Lanes, Real, Sum, SumLanes, Vec3, lanes};
@@ -267,17 +268,20 @@ fn factorise(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     }
 }
 
-/// Adds `P (P^T A P)^-1 P^T r` to `z`. Held axes of `r` must be zero; the caller clears the held
-/// axes of `z`.
-pub fn add_correction(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>, r: &[Vec3], z: &mut [Vec3]) {
+/// Writes the motions `(P^T A P)^-1 P^T r` of the patches. Held axes of `r` must be zero.
+pub fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>, r: &[Vec3]) {
     restrict(patches, r, factor);
-    solve(patches, factor);
+    substitute(patches, factor);
     for (motion, rows) in factor.motions.iter_mut().zip(factor.vector.as_chunks::<MODES>().0) {
         *motion = core::array::from_fn(|s| Lanes::new([rows[s], rows[3 + s], rows[6 + s], 0.0]));
     }
-    for (vertex, z) in z.iter_mut().enumerate() {
+}
+
+/// Adds the motions of the patches to `z`, whose first vertex is `start`. The caller clears the held axes.
+pub fn add_motions(patches: &Patches<'_>, motions: &[[Lanes; 3]], start: usize, z: &mut [Vec3]) {
+    for (vertex, z) in (start..).zip(z) {
         let (u, v, patch) = patches.place(vertex);
-        let [constant, along_u, along_v] = factor.motions[patch];
+        let [constant, along_u, along_v] = motions[patch];
         *z += to_vec3(constant + along_u * u + along_v * v);
     }
 }
@@ -300,12 +304,13 @@ fn restrict(patches: &Patches<'_>, r: &[Vec3], factor: &mut CoarseFactor<'_>) {
     }
 }
 
-fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
+/// Solves with the factor, in place.
+fn substitute(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     let rows = patches.first_columns.len();
     for row in 0..rows {
         let first = patches.first_columns[row] as usize;
         let left = &factor.rounded[patches.row(row)][..row - first];
-        let product = rounded_dot(left, &factor.vector[first..row]);
+        let product = interleaved_dot(left, &factor.vector[first..row]);
         factor.vector[row] = (factor.vector[row] - product) * factor.inverse_diagonal[row] as Real;
     }
     for row in (0..rows).rev() {
@@ -317,19 +322,6 @@ fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
             *entry -= value * solved;
         }
     }
-}
-
-/// Inner product in eight interleaved sums.
-#[inline]
-fn rounded_dot(a: &[Real], b: &[Real]) -> Real {
-    let (a, b) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    let mut sums = [Lanes::ZERO; 2];
-    for (&[a0, a1, a2, a3, a4, a5, a6, a7], &[b0, b1, b2, b3, b4, b5, b6, b7]) in a.0.iter().zip(b.0) {
-        sums[0] += Lanes::new([a0, a1, a2, a3]) * Lanes::new([b0, b1, b2, b3]);
-        sums[1] += Lanes::new([a4, a5, a6, a7]) * Lanes::new([b4, b5, b6, b7]);
-    }
-    let [x, y, z, w] = (sums[0] + sums[1]).to_array();
-    (x + y) + (z + w) + a.1.iter().zip(b.1).map(|(a, b)| a * b).sum::<Real>()
 }
 
 /// Inner product in four interleaved sums. Not inlined: copies in its callers are longer and no faster.

@@ -13,13 +13,14 @@
 //!
 //! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on the limit of iterations.
 
-use super::augmented_contact::{self, AugmentedContact, ContactLine};
+use super::augmented_contact::{self, AugmentedContact, ContactLines};
 use super::coarse::{self, CoarseFactor, Patches};
+use super::columns::{Sums, dot, sum_parts};
 use super::pins::Pins;
 use super::{IntegratorStatistics, Preconditioner, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
-use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
+use crate::real::{Mat3, Real, Sum, Vec3, dot_sum, scaled_identity};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
@@ -29,10 +30,6 @@ const MOST_ITERATIONS: u32 = 20_000;
 /// Limit of iterations of a solve with contacts. The response corrects a solve that reaches it. In single precision, a
 /// solve of cloth that is stretched a thousandfold may never converge.
 const MOST_WITH_CONTACTS: u32 = 2_000;
-
-/// Number of vertices in each partial sum of an inner product. It is fixed, so that results do not
-/// depend on the number of threads, bit for bit.
-pub const PART: usize = 1024;
 
 /// The system matrix `M + S'` with the held axes.
 pub struct System<'a> {
@@ -124,9 +121,11 @@ struct Iterate<'a, 'b> {
     preconditioned: &'a mut [Vec3],
     direction: &'a mut [Vec3],
     product: &'a mut [Vec3],
-    partials: &'a mut [Sum],
+    /// The product of the residual with the direction.
+    slope: Sum,
+    partials: &'a mut [Sums],
     /// The contacts along the direction; room for all of them.
-    lines: &'a mut [ContactLine],
+    lines: &'a mut [ContactLines],
 }
 
 /// When a solve stops.
@@ -140,12 +139,12 @@ pub(super) enum Goal {
 }
 
 /// Writes y to `s.solution`, and the impulses of the contacts; NaN if the residual is not finite. `A y0` is in
-/// `s.residual`; the solve leaves `A (y0 - y)` there. `lines` has room for all contacts. Returns the square of the
+/// `s.residual`; the solve leaves `A (y0 - y)` there. `lines` has room for all contacts, in fours. Returns the square of the
 /// preconditioned residual at which the solve stops.
 #[inline(never)]
 pub(super) fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,
-    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLine]),
+    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
     goal: Goal,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
@@ -172,13 +171,14 @@ pub(super) fn solve<D: Dispatch>(
         preconditioned: s.preconditioned,
         direction: s.direction,
         product: s.products,
+        slope: 0.0,
         partials: s.partials,
         lines,
     };
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
-    let free = i.precondition(c.dispatch);
-    let mut rho = i.gradient(contacts, c.dispatch);
+    let [_, free] = i.precondition(c.dispatch);
+    let mut rho = if contacts.is_empty() { free } else { i.gradient(contacts, c.dispatch) };
     let target = match goal {
         Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
         Goal::Reach(target) => target,
@@ -186,7 +186,7 @@ pub(super) fn solve<D: Dispatch>(
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
     let (mut updates, mut last_updates) = (0, 0);
     let most = if contacts.is_empty() { MOST_ITERATIONS } else { MOST_WITH_CONTACTS };
-    i.direction.copy_from_slice(i.preconditioned);
+    i.restart(rho);
     loop {
         if rho <= target && contacts.is_empty() {
             statistics.negative_curvature += u64::from(rho < 0.0);
@@ -200,7 +200,7 @@ pub(super) fn solve<D: Dispatch>(
             if rho <= left || last_updates == MOST_LAST_UPDATES {
                 break;
             }
-            i.direction.copy_from_slice(i.preconditioned);
+            i.restart(rho);
             (updated_at, since_update) = (rho, 0);
         }
         if !rho.is_finite() || iterations == most {
@@ -210,7 +210,7 @@ pub(super) fn solve<D: Dispatch>(
         (iterations, since_update) = (iterations + 1, since_update + 1);
         statistics.cg_iterations += 1;
         statistics.matrix_products += 1;
-        let Some(length) = i.search(contacts, rho, c.dispatch) else {
+        let Some(length) = i.search(contacts, c.dispatch) else {
             statistics.negative_curvature += 1;
             if iterations == 1 {
                 i.solution.copy_from_slice(i.direction);
@@ -237,64 +237,84 @@ pub(super) fn solve<D: Dispatch>(
 impl Iterate<'_, '_> {
     /// Writes the residual from its elastic part and the impulses, and preconditions it. Returns its squared norm.
     fn gradient(&mut self, contacts: &[AugmentedContact], dispatch: &impl Dispatch) -> Sum {
-        self.write_residual(contacts);
-        self.precondition(dispatch)
+        self.residual.copy_from_slice(self.elastic);
+        self.add_impulses(contacts);
+        let [_, rho] = self.precondition(dispatch);
+        rho
     }
 
-    fn write_residual(&mut self, contacts: &[AugmentedContact]) {
-        self.residual.copy_from_slice(self.elastic);
+    /// Adds the impulses to the residual.
+    fn add_impulses(&mut self, contacts: &[AugmentedContact]) {
         for contact in contacts.iter().filter(|contact| contact.impulse != Vec3::ZERO) {
             contact.scatter_impulse(self.residual);
         }
         self.system.pins.filter(self.residual);
     }
 
-    fn precondition(&mut self, dispatch: &impl Dispatch) -> Sum {
+    /// Makes the preconditioned residual the direction; `rho` is its slope.
+    fn restart(&mut self, rho: Sum) {
+        self.direction.copy_from_slice(self.preconditioned);
+        self.slope = rho;
+    }
+
+    /// Writes `P residual`. Returns the products of the residual with the preconditioned residual before and now.
+    #[inline(never)]
+    fn precondition(&mut self, dispatch: &impl Dispatch) -> Sums {
         let Self { system, preconditioner, residual, preconditioned, partials, .. } = self;
-        precondition(system, preconditioner, residual, preconditioned, dispatch);
-        dot(residual, preconditioned, partials, dispatch)
+        let (inverse, residual) = (preconditioner.inverse_diagonal, &**residual);
+        if let Some((patches, factor)) = &mut preconditioner.coarse {
+            coarse::solve(patches, factor, residual);
+        }
+        let coarse = preconditioner.coarse.as_ref().map(|(patches, factor)| (patches, &*factor.motions));
+        let products = sum_parts(preconditioned, partials, dispatch, |range, z| {
+            let r = &residual[range.clone()];
+            let before = dot(r, z);
+            for ((z, &r), inverse) in z.iter_mut().zip(r).zip(&inverse[range.clone()]) {
+                *z = *inverse * r;
+            }
+            if let Some((patches, motions)) = coarse {
+                coarse::add_motions(patches, motions, range.start, z);
+            }
+            // Held axes of the residual are zero.
+            [before, dot(r, z)]
+        });
+        system.pins.filter(preconditioned);
+        products
     }
 
     /// Length of the step along the direction that minimises the function there; `None` where it has no minimum.
-    fn search(&mut self, contacts: &mut [AugmentedContact], rho: Sum, dispatch: &impl Dispatch) -> Option<Sum> {
-        let mut slope = rho;
-        if !contacts.is_empty() {
-            slope = dot(self.residual, self.direction, self.partials, dispatch);
-            if slope <= 0.0 {
-                self.direction.copy_from_slice(self.preconditioned);
-                slope = rho;
-            }
-        }
-        let Self { system, elastic, direction, product, partials, lines, .. } = self;
-        matrix::multiply(system.matrix, system.masses, 1.0, direction, product, dispatch);
+    fn search(&mut self, contacts: &mut [AugmentedContact], dispatch: &impl Dispatch) -> Option<Sum> {
+        let Self { system, direction, product, partials, lines, slope, .. } = self;
+        let (slope, direction) = (*slope, &**direction);
+        let [curvature, _] = sum_parts(product, partials, dispatch, |range, q| {
+            matrix::multiply_rows(system.matrix, system.masses, 1.0, direction, range.start, q);
+            // Held axes of the direction are zero.
+            [dot(&direction[range], q), 0.0]
+        });
         system.pins.filter(product);
-        let curvature = dot(direction, product, partials, dispatch);
         if contacts.is_empty() {
             return (curvature > 0.0).then(|| slope / curvature);
         }
-        let elastic_slope = dot(elastic, direction, partials, dispatch);
-        let (mut second, mut count) = (curvature, 0);
+        let (mut elastic_slope, mut count) = (slope, 0_usize);
         for contact in &mut *contacts {
             contact.change = contact.gather(direction);
+            elastic_slope -= dot_sum(contact.impulse, contact.change);
             if let Some(line) = contact.line(contact.change) {
-                second += Sum::from(line.slope_and_curvature(0.0).1);
-                lines[count] = line;
+                if count.is_multiple_of(4) {
+                    lines[count / 4] = ContactLines::default();
+                }
+                lines[count / 4].set(count % 4, &line);
                 count += 1;
             }
         }
-        let lines = &lines[..count];
+        let lines = &lines[..count.div_ceil(4)];
         // The derivative of the function along the direction increases with the length of the step.
         let evaluate = |length: Sum| {
-            let (mut derivative, mut second) = (length * curvature - elastic_slope, curvature);
-            for line in lines {
-                let (slope, curvature) = line.slope_and_curvature(length as Real);
-                derivative -= Sum::from(slope);
-                second += Sum::from(curvature);
-            }
-            (derivative, second)
+            let [slope, second] = augmented_contact::slope_and_curvature(lines, length as Real);
+            (length * curvature - elastic_slope - slope, curvature + second)
         };
         let (mut low, mut high, mut length) = (0.0, Sum::INFINITY, 0.0);
-        let mut derivative = -slope;
+        let (mut derivative, mut second) = evaluate(0.0);
         for _ in 0..MOST_EVALUATIONS {
             if derivative < 0.0 {
                 low = length
@@ -318,13 +338,17 @@ impl Iterate<'_, '_> {
         Some(length)
     }
 
+    /// Moves along the direction. The residual becomes its elastic part.
     fn advance(&mut self, contacts: &mut [AugmentedContact], length: Sum, dispatch: &impl Dispatch) {
         let length = length as Real;
         let (p, q) = (&*self.direction, &*self.product);
-        dispatch.run((&mut *self.solution, &mut *self.elastic), |start, (y, r)| {
-            for (i, (y, r)) in (start..).zip(y.iter_mut().zip(r)) {
-                *y += p[i] * length;
-                *r -= q[i] * length;
+        let columns = (&mut *self.solution, &mut *self.elastic, &mut *self.residual);
+        dispatch.run(columns, |start, (y, elastic, residual)| {
+            let columns = y.iter_mut().zip(elastic).zip(residual);
+            for (((y, elastic), residual), (&p, &q)) in columns.zip(p[start..].iter().zip(&q[start..])) {
+                *y += p * length;
+                *elastic -= q * length;
+                *residual = *elastic;
             }
         });
         for contact in contacts {
@@ -333,57 +357,23 @@ impl Iterate<'_, '_> {
         }
     }
 
-    /// Writes the next residual and the next conjugate direction. Returns the squared norm of the residual.
+    /// Completes the residual and writes the next conjugate direction. Returns the squared norm of the residual.
     fn turn(&mut self, contacts: &[AugmentedContact], rho: Sum, dispatch: &impl Dispatch) -> Sum {
-        self.write_residual(contacts);
+        self.add_impulses(contacts);
+        let [crossed, next] = self.precondition(dispatch);
         // Zero for a quadratic function.
-        let crossed = match contacts {
-            [] => 0.0,
-            _ => dot(self.residual, self.preconditioned, self.partials, dispatch),
-        };
-        let next = self.precondition(dispatch);
+        let crossed = if contacts.is_empty() { 0.0 } else { crossed };
         let beta = ((next - crossed) / rho).max(0.0) as Real;
-        let z = &*self.preconditioned;
-        dispatch.run(&mut *self.direction, |start, part| {
-            for (p, &z) in part.iter_mut().zip(&z[start..]) {
+        let (r, z) = (&*self.residual, &*self.preconditioned);
+        [self.slope, _] = sum_parts(self.direction, self.partials, dispatch, |range, p| {
+            for (p, &z) in p.iter_mut().zip(&z[range.clone()]) {
                 *p = z + *p * beta;
             }
+            [dot(&r[range], p), 0.0]
         });
+        if self.slope <= 0.0 {
+            self.restart(next);
+        }
         next
     }
-}
-
-/// `out = P residual`, with held axes cleared.
-#[inline(never)]
-fn precondition(
-    system: &System<'_>,
-    preconditioner: &mut FactoredPreconditioner<'_, '_>,
-    residual: &[Vec3],
-    out: &mut [Vec3],
-    dispatch: &impl Dispatch,
-) {
-    let inverse = preconditioner.inverse_diagonal;
-    dispatch.run(&mut *out, |start, part| {
-        for (i, out) in (start..).zip(part) {
-            *out = inverse[i] * residual[i];
-        }
-    });
-    if let Some((patches, factor)) = &mut preconditioner.coarse {
-        coarse::add_correction(patches, factor, residual, out);
-        system.pins.filter(out);
-    }
-}
-
-/// Inner product. Sums within parts of [`PART`] vertices in the crate's precision, and over the
-/// parts in double precision.
-#[inline(never)]
-pub fn dot(a: &[Vec3], b: &[Vec3], partials: &mut [Sum], dispatch: &impl Dispatch) -> Sum {
-    dispatch.run(&mut *partials, |start, part| {
-        for (k, partial) in (start..).zip(part) {
-            let range = k * PART..((k + 1) * PART).min(a.len());
-            let sum = a[range.clone()].iter().zip(&b[range]).fold(Vec3::ZERO, |sum, (&a, &b)| sum + a * b);
-            *partial = Sum::from(sum.x) + Sum::from(sum.y) + Sum::from(sum.z);
-        }
-    });
-    partials.iter().sum()
 }

@@ -2,7 +2,7 @@
 //! ([`conjugate_gradient`]), and more where one linearisation cannot follow the motion. The solve pauses once, for the
 //! pairs that its motion brings together: they become contacts too [Otaduy 2009].
 
-use super::augmented_contact::{AugmentedContact, ContactLine};
+use super::augmented_contact::{AugmentedContact, ContactLines};
 use super::conjugate_gradient::{self, Goal};
 use super::newton::{self, ImplicitStage, MOST_STRAIN};
 use super::{IntegratorStatistics, Method, StepInput};
@@ -28,7 +28,7 @@ fn stage_length(method: Method, step: Real, has_history: bool) -> Real {
 
 /// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. `x` and `v` are the state at the
 /// start of the step. Of contacts, the relative displacement and the least displacement along the normal are given in
-/// place of the velocities, m; `lines` has room for as many.
+/// place of the velocities, m; `lines` has room for as many, in fours.
 ///
 /// If the solve turns or stretches elements by more than a half, only a part of its step is taken, and the
 /// forces are linearised there again. One linearisation would stretch cloth that a contact turns.
@@ -37,7 +37,7 @@ fn stage_length(method: Method, step: Real, has_history: bool) -> Real {
 pub fn correct<D: Dispatch>(
     c: &StepInput<'_, D>,
     [x, v]: [&[Vec3]; 2],
-    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLine]),
+    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) -> Option<Sum> {
@@ -75,7 +75,7 @@ pub fn correct<D: Dispatch>(
 /// the impulses of the others become their multipliers.
 pub fn resume<D: Dispatch>(
     c: &StepInput<'_, D>,
-    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLine]),
+    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
     known: usize,
     target: Option<Sum>,
     s: &mut Scratch<'_>,
@@ -118,7 +118,7 @@ fn start<D: Dispatch>(c: &StepInput<'_, D>, length: Real, contacts: &mut [Augmen
 /// Solves for the change that contacts make to a step that is complete without them. Returns where the solve stopped.
 fn solve_change<D: Dispatch>(
     c: &StepInput<'_, D>,
-    contacts: (&mut [AugmentedContact], &mut [ContactLine]),
+    contacts: (&mut [AugmentedContact], &mut [ContactLines]),
     tolerance: Sum,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,

@@ -7,6 +7,7 @@ pub mod augmented_contact;
 pub mod backward_euler;
 pub mod bdf2;
 pub mod coarse;
+pub mod columns;
 pub mod conjugate_gradient;
 pub mod contact_solve;
 pub mod explicit_euler;
