@@ -1,5 +1,5 @@
 //! A step needs no allocator: a small spring cloth whose columns are all arrays on the stack is advanced by
-//! `step::predict` and `step::commit`. It passes through the same bits as the owned `Simulation`, in both
+//! `step::take`. It passes through the same bits as the owned `Simulation`, in both
 //! precisions.
 //!
 //! Run: `cargo test -p muslin-tests --test borrowed`. A failure names method and step.
@@ -38,7 +38,8 @@ const fn springs() -> [[u32; 2]; SPRINGS] {
 
 both_precisions! {
     use super::{BLOCKS, ENDS, SIDE, SPRINGS, STEP, STEPS, VERTICES, springs};
-    use muslin::dispatch::Serial;
+    use muslin::contact::NoContact;
+    use muslin::dispatch::{Serial, block_on};
     use harness::steps::Steps;
     use muslin::forces::spring::{Spring, SpringColumns, Springs};
     use muslin::forces::{Model, ModelColumns};
@@ -46,11 +47,12 @@ both_precisions! {
     use muslin::integrate::pins::{AT_REST, Key, Motion, PinColumns, Pins};
     use muslin::integrate::{StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
     use muslin::particles::{ParticleColumns, Particles};
+    use muslin::response::Tally;
     use muslin::real::{Mat3, Real, Sum, Vec3, vec3};
     use muslin::scene::BuiltScene;
     use muslin::scratch::Scratch;
     use muslin::simulation::Simulation;
-    use muslin::step::{self, Prediction};
+    use muslin::step::{self, StepContact, Work};
 
     const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
     const HELD: [u32; 2] = [0, SIDE as u32 - 1];
@@ -197,7 +199,7 @@ both_precisions! {
             partials: &mut partials,
             ..Scratch::default()
         };
-        let (scheme, mut work) = (scheme(method), IntegratorStatistics::default());
+        let (scheme, mut statistics) = (scheme(method), IntegratorStatistics::default());
         for n in 0..STEPS {
             let context = StepInput {
                 model: &model,
@@ -211,8 +213,10 @@ both_precisions! {
                 has_contact: false,
                 dispatch: &Serial,
             };
-            assert_eq!(step::predict(&context, &particles, &mut scratch, &mut work), Prediction::Fine);
-            step::commit(&mut particles, &mut scratch);
+            let work = Work { integrator: &mut statistics, contact: &mut Tally::default(), searched: &mut 0 };
+            let contact = None::<StepContact<'_, NoContact>>;
+            let taken = block_on(step::take(&context, &mut particles, &mut scratch, contact, work));
+            assert_eq!(taken, Ok(false), "{} {}, step {n}", muslin::real::NAME, method.name());
             see(n + 1, particles.positions, particles.velocities);
         }
     }

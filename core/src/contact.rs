@@ -98,7 +98,7 @@ pub struct Lengths {
     pub contacts: usize,
     /// Multipliers.
     pub multipliers: usize,
-    /// Whether the step is [quiet](crate::step::is_quiet): the candidates are the pairs within reach at its start.
+    /// Whether the step is [quiet](crate::detection::is_quiet): the candidates are the pairs within reach at its start.
     pub is_quiet: bool,
 }
 
@@ -107,6 +107,34 @@ impl ContactScratch<'_> {
     pub fn has_room(&self, counts: Counts) -> bool {
         let Counts { vertex_triangle, edge_edge } = counts;
         vertex_triangle <= self.vertex_triangle.distances.len() && edge_edge <= self.edge_edge.distances.len()
+    }
+}
+
+/// The owner of the columns of contact, which a step asks for more room. An owner without a heap has no more.
+pub trait ContactRoom {
+    /// The columns.
+    fn columns(&mut self) -> ContactScratch<'_>;
+    /// Makes room for so many candidates; false if it cannot.
+    fn grow_pairs(&mut self, needed: Counts) -> bool;
+    /// Makes room for so many constraints; false if it cannot.
+    fn grow_constraints(&mut self, needed: usize) -> bool;
+    /// Makes room for the pairs that last, if the last search lacked it. Without room, each step searches anew.
+    fn grow_kept(&mut self) {}
+}
+
+/// The owner of the columns of a scene without contact: there is none.
+#[derive(Debug)]
+pub enum NoContact {}
+
+impl ContactRoom for NoContact {
+    fn columns(&mut self) -> ContactScratch<'_> {
+        match *self {}
+    }
+    fn grow_pairs(&mut self, _: Counts) -> bool {
+        match *self {}
+    }
+    fn grow_constraints(&mut self, _: usize) -> bool {
+        match *self {}
     }
 }
 
@@ -131,8 +159,8 @@ mod owned {
     use alloc::vec::Vec;
 
     use super::{
-        Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactScratch, Counts, Law, Lengths,
-        Multiplier, Pairs, Real, Vec3,
+        Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactRoom, ContactScratch, Counts, Law,
+        Lengths, Multiplier, Pairs, Real, Vec3,
     };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
@@ -284,11 +312,6 @@ mod owned {
             grown
         }
 
-        /// Makes room for the pairs that last, if it was lacking.
-        pub fn grow_kept(&mut self) {
-            self.kept.grow();
-        }
-
         /// Makes room for more constraints.
         #[cfg_attr(small, optimize(size))]
         pub fn grow_constraints(&mut self, needed: usize) {
@@ -354,6 +377,22 @@ mod owned {
                 kept: self.kept.view(),
                 room: self.room.view(),
             }
+        }
+    }
+
+    impl ContactRoom for ContactScratchColumns {
+        fn columns(&mut self) -> ContactScratch<'_> {
+            self.view()
+        }
+        fn grow_pairs(&mut self, needed: Counts) -> bool {
+            Self::grow_pairs(self, needed)
+        }
+        fn grow_constraints(&mut self, needed: usize) -> bool {
+            Self::grow_constraints(self, needed);
+            true
+        }
+        fn grow_kept(&mut self) {
+            self.kept.grow();
         }
     }
 }

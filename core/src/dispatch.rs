@@ -60,9 +60,9 @@ pub trait Dispatch: Sync {
     /// `start` is the index of the part's first slot in `out`.
     fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K);
 
-    /// Finds candidates and their distances as [`step::detect`](crate::step::detect) does, but elsewhere, for
+    /// Finds candidates and their distances as [`detection::detect`](crate::detection::detect) does, but elsewhere, for
     /// example on a GPU that answers later. In a quiet step the caller drops the candidates beyond reach. `None`: the
-    /// caller must call [`step::detect`](crate::step::detect).
+    /// caller must call [`detection::detect`](crate::detection::detect).
     #[inline]
     fn detect(&self, _: &ContactModel<'_>, _: &mut ContactScratch<'_>) -> impl Future<Output = Option<Counts>> {
         ready(None)

@@ -17,9 +17,10 @@
 //!    surfaces that are not cloth.
 //! 7. [`broad_phase`]: boxes around the motion become candidates, pairs of features that may touch.
 //! 8. [`narrow_phase`]: candidates become contacts, with distances and times of impact, by the
-//!    distances of [`geometry`].
+//!    distances of [`geometry`]. [`detection`] does 7 and 8 at the start of a step.
 //! 9. [`response`]: contacts correct the motion.
-//! 10. [`step`]: the only module that knows the order; it works in [`scratch`] columns sized once.
+//! 10. [`step`]: the only module that knows the order; it works in [`scratch`] columns sized once. [`refusal`]: why a
+//!     step fails.
 //! 11. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash;
 //!     [`audit`]: an exact test for intersections; [`untangle`]: removes the intersections of a start
 //!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods.
@@ -102,8 +103,10 @@ pub mod narrow_phase;
 
 pub mod colliders;
 pub mod contact;
+pub mod detection;
 pub mod response;
 
+pub mod refusal;
 pub mod step;
 
 pub mod scratch;

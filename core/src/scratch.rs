@@ -4,7 +4,7 @@
 use crate::forces::matrix::{AssemblyMap, BlockMatrix};
 use crate::integrate::coarse::{CoarseFactor, Patches};
 use crate::integrate::columns::Sums;
-use crate::real::{Mat3, Real, Sum, Vec3};
+use crate::real::{Mat3, Real, Vec3};
 
 /// Work columns, borrowed. They have one entry per vertex unless stated otherwise.
 #[derive(Debug, Default)]
@@ -74,7 +74,7 @@ mod owned {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    use super::{BlockMatrix, CoarseFactor, Mat3, Real, Scratch, Sum, Vec3};
+    use super::{BlockMatrix, CoarseFactor, Mat3, Real, Scratch, Vec3};
     use crate::forces::matrix::Block;
     use crate::forces::sparsity::SparsityPattern;
     use crate::integrate::coarse::{Dense, MODES};
@@ -82,7 +82,7 @@ mod owned {
     use crate::integrate::patches::PatchColumns;
     use crate::integrate::pins::Pins;
     use crate::integrate::{Method, Preconditioner, Scheme};
-    use crate::real::{Lanes, to_f64};
+    use crate::real::{Lanes, Sum, to_f64};
     use crate::scene::BuiltScene;
     use crate::traffic::TrafficSizes;
 

@@ -1,269 +1,208 @@
-//! The phases of one step, in order:
+//! The order of a step: one driver over borrowed columns, for every host.
 //!
-//! [`predict`] (forces, integration) -> [`place`], and [`sweep`] or [`surround_start`] (boxes around the
-//! motion) -> [`detect`] (candidates and their distances) -> [`find_contacts`] and [`couple`] (contacts and
-//! elasticity, implicit methods only) -> [`find_impacts`] and [`couple_again`] (impacts and elasticity) ->
-//! [`respond`] (contacts, impacts) -> [`settle`] -> [`new_crossing`], if surfaces
-//! [touch](crate::response::Outcome::Touches) -> [`keep_forces`] and [`commit`].
+//! [`predict`] (forces, integration) -> [`place`], [`search`](detection::search) (candidates and their distances) ->
+//! [`couple`](fn@couple) (contacts, impacts and elasticity, implicit methods only) -> [`respond`](response::respond)
+//! (contacts, impacts) -> [`settle`] -> [`new_crossing`](audit::new_crossing), if surfaces [touch](Outcome::Touches) ->
+//! [`keep_forces`] and [`commit`]. Without contact a step consists of the first and the last phase.
 //!
-//! Backward Euler without Newton's method predicts the motion without any force and leaves its one
-//! linear solve to [`couple`].
+//! Backward Euler without Newton's method predicts the motion without any force and leaves its one linear solve to
+//! [`couple`](fn@couple).
 //!
-//! A candidate state that is not committed does not change the state. Without contact a step consists
-//! of the first and the last phase.
+//! The driver asks its host for more room in the columns of contact ([`ContactRoom`]), for candidates that are found
+//! elsewhere ([`Dispatch::detect`]) and for a shorter step ([`Obstacle`]). A step that fails does not change the state.
 
 use crate::audit;
-use crate::broad_phase::{self, Candidates, Counts};
-use crate::contact::{ContactModel, ContactScratch};
+use crate::contact::{ContactModel, ContactRoom, ContactScratch};
+use crate::detection::{self, place};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
-use crate::geometry::aabb::Aabb;
 use crate::integrate::{self, IntegratorStatistics, StepInput, contact_solve};
-use crate::narrow_phase::advance::ROUNDING;
-use crate::narrow_phase::{EdgeEdge, VertexTriangle, proximity};
 use crate::particles::Particles;
-use crate::real::{Real, Sum, Vec3, sqrt};
-use crate::response::multiplier;
-use crate::response::repulsion::REACH;
+use crate::real::{Real, Vec3, sqrt};
+use crate::refusal::{Cause, Obstacle};
+use crate::response::{self, Outcome, Settings, Tally, multiplier};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
-pub use crate::response::{find_contacts, find_impacts, respond};
+/// How often the boxes around the motion are widened before the step fails.
+const MOST_WIDENINGS: u32 = 6;
 
-/// In a [quiet](is_quiet) step no vertex moves farther than this along an axis, relative to the thickness. It leaves
-/// as much for the response.
-const QUIET: Real = 0.25;
+/// How often they are widened with the last resort of the response.
+const LAST_WIDENINGS: u32 = 20;
 
-/// Skin of the boxes for which pairs are kept, relative to the thickness.
-const SKIN: Real = 0.05;
+/// Limit of candidates in one step, over all its attempts, relative to [`most_pairs`](detection::most_pairs).
+const MOST_SEARCHED: u64 = 1 << 7;
 
-/// How much wider than needed the boxes of a quiet step are, relative to the thickness.
-const WIDER: Real = 0.01;
+/// How much farther apart than the thickness a pair at rest may be that is solved with the step, relative to the
+/// thickness. The response keeps the thickness only within a tolerance.
+const REST: Real = 0.2;
 
-/// Largest error of a distance in a quiet step, relative to the thickness.
-const MOST_ROUNDED: Real = 0.1;
-
-/// Result of [`predict`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Prediction {
-    /// The candidate state is finite.
-    Fine,
-    /// The candidate state of a particle is NaN or infinite.
-    NotFinite {
-        /// Index of the first particle that is not finite.
-        particle: u32,
-    },
+/// Contact in a step.
+pub struct StepContact<'a, R> {
+    /// What can touch.
+    pub model: &'a ContactModel<'a>,
+    /// The columns of contact.
+    pub columns: &'a mut R,
+    /// Whether the response may hold vertices back, as its last resort.
+    pub hold: bool,
 }
 
-/// Writes the candidate state to `scratch`. Call [`Pins::set_out`] before the first step, to set the
-/// initial velocities of pins.
-///
-/// [`Pins::set_out`]: crate::integrate::pins::Pins::set_out
-pub fn predict<D: Dispatch>(
-    context: &StepInput<'_, D>,
+/// Counts of the work, to which a step adds.
+pub struct Work<'a> {
+    /// Work of the integrator.
+    pub integrator: &'a mut IntegratorStatistics,
+    /// Work of contact.
+    pub contact: &'a mut Tally,
+    /// Candidates found in this step, over all its attempts. Zero before the first one.
+    pub searched: &'a mut u64,
+}
+
+/// Takes one step. Returns whether contact corrected it: then the next step [extrapolates](StepInput::extrapolates) nothing.
+/// Call [`Pins::set_out`](crate::integrate::pins::Pins::set_out) before the first step, to set the initial velocities of
+/// pins.
+pub async fn take<D: Dispatch, R: ContactRoom>(
+    input: &StepInput<'_, D>,
+    particles: &mut Particles<'_>,
+    scratch: &mut Scratch<'_>,
+    contact: Option<StepContact<'_, R>>,
+    mut work: Work<'_>,
+) -> Result<bool, Obstacle> {
+    predict(input, particles, scratch, work.integrator)?;
+    let mut corrected = false;
+    if let Some(mut contact) = contact {
+        corrected = resolve(input, particles, scratch, &mut contact, &mut work).await?;
+        // The response decides by comparisons, which do not detect NaN.
+        test_finite(scratch)?;
+        keep_forces(input.step, &mut contact.columns.columns());
+    }
+    commit(particles, scratch);
+    Ok(corrected)
+}
+
+/// Writes the candidate state without contact to `scratch`.
+fn predict<D: Dispatch>(
+    input: &StepInput<'_, D>,
     particles: &Particles<'_>,
     scratch: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
-) -> Prediction {
-    integrate::advance(context, particles.positions, particles.velocities, scratch, statistics);
+) -> Result<(), Obstacle> {
+    integrate::advance(input, particles.positions, particles.velocities, scratch, statistics);
+    test_finite(scratch)
+}
+
+fn test_finite(scratch: &Scratch<'_>) -> Result<(), Obstacle> {
     match diagnostics::first_non_finite(scratch.next_positions, scratch.next_velocities) {
-        Some(particle) => Prediction::NotFinite { particle },
-        None => Prediction::Fine,
+        Some(particle) => Err(Obstacle { cause: Cause::NotFinite, particle }),
+        None => Ok(()),
     }
 }
 
-/// Writes the positions of all vertices at both ends of a step that starts at `time` and takes `step`, s.
-pub fn place(
-    model: &ContactModel<'_>,
-    [time, step]: [Sum; 2],
-    positions: &[Vec3],
-    next_positions: &[Vec3],
-    contact: &mut ContactScratch<'_>,
-) {
-    let cloth = model.cloth();
-    contact.start[..cloth].copy_from_slice(positions);
-    model.colliders.place(time, &mut contact.start[cloth..]);
-    contact.predicted[..cloth].copy_from_slice(next_positions);
-    model.colliders.place(time + step, &mut contact.predicted[cloth..]);
-    contact.end.copy_from_slice(contact.predicted);
-    contact.boxes.fill(Aabb::EMPTY);
-    contact.lengths.is_quiet = false;
-    (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);
-}
-
-/// Whether no vertex moves far in the step, and none is so far from the origin, or so large, that rounding could matter.
-/// Then the candidates can be limited to the pairs within [`REACH`] at its start, most of which
-/// [last](broad_phase::kept_pairs) from step to step.
-pub fn is_quiet(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
-    let mut motion = contact.start.iter().zip(&*contact.predicted);
-    motion.all(|(&start, &end)| (end - start).abs().max_element() <= QUIET * model.thickness)
-        && rounding(model, contact.start) <= MOST_ROUNDED * model.thickness
-}
-
-/// Bound of the errors of distances and of the corners of boxes, m.
-fn rounding(model: &ContactModel<'_>, positions: &[Vec3]) -> Real {
-    let vertices = positions.iter().zip(model.radii);
-    let largest = vertices.fold(0.0, |largest: Real, (x, radius)| largest.max(x.abs().max_element() + radius));
-    // Coordinates relative to another vertex are at most twice as large.
-    2.0 * ROUNDING * largest
-}
-
-/// Writes the boxes of a quiet step: around the start, wider on each side by half of [`REACH`] and the radius. Pairs
-/// beyond reach cannot collide as long as no vertex leaves its box. Each of the two features moves by at most 0.51
-/// thicknesses along each axis. That brings them nearer by 2 sqrt(3) 0.51 < 1.77 thicknesses, less than reach without the
-/// distance at which they collide and the reserve for rounding.
-pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) {
-    contact.lengths.is_quiet = true;
-    for ((around, &start), &radius) in contact.boxes.iter_mut().zip(&*contact.start).zip(model.radii) {
-        let wide = 0.5 * REACH * model.thickness * (1.0 + WIDER) + radius * (1.0 + 4.0 * Real::EPSILON);
-        *around = Aabb { min: start - wide, max: start + wide };
-    }
-}
-
-/// Widens the boxes by boxes around the motion of all vertices, wider on each side by half the thickness, the radius and
-/// the `margin` within which the response may move vertices, m.
-pub fn sweep(model: &ContactModel<'_>, margin: Real, contact: &mut ContactScratch<'_>) {
-    contact.lengths.is_quiet = false;
-    for (v, around) in contact.boxes.iter_mut().enumerate() {
-        let (start, end) = (contact.start[v], contact.end[v]);
-        // The factor makes up for the rounding of the width. The corners are rounded monotonically, so boxes that
-        // overlap before rounding also overlap after it, at any distance from the origin.
-        let wide = (0.5 * model.thickness + model.radii[v] + margin) * (1.0 + 4.0 * Real::EPSILON);
-        let swept = Aabb { min: start.min(end) - wide, max: start.max(end) + wide };
-        *around = around.union(&swept);
-    }
-}
-
-/// Finds the candidates and their distances: awaits [`Dispatch::detect`], or calls [`detect`] if the host
-/// does not provide it.
-pub async fn await_candidates<D: Dispatch>(
-    model: &ContactModel<'_>,
-    contact: &mut ContactScratch<'_>,
-    dispatch: &D,
-) -> Counts {
-    dispatch.enter(Stage::BroadPhase);
-    let Some(counts) = dispatch.detect(model, contact).await else { return detect(model, contact, dispatch) };
-    *contact.counts = counts;
-    if contact.lengths.is_quiet && contact.has_room(counts) {
-        drop_far(REACH * model.thickness, contact);
-    }
-    *contact.counts
-}
-
-/// Finds the candidates and their distances. If the returned counts exceed the capacity, the result is
-/// incomplete: the caller must grow the columns and call again.
-pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
-    dispatch.enter(Stage::BroadPhase);
-    if contact.lengths.is_quiet {
-        return detect_quiet(model, contact, dispatch);
-    }
-    let mut out =
-        Candidates { vertex_triangle: contact.vertex_triangle.candidates, edge_edge: contact.edge_edge.candidates };
-    let counts = broad_phase::candidates(contact.boxes, &model.surface, &mut contact.grid, &mut out, dispatch);
-    *contact.counts = counts;
-    if contact.has_room(counts) {
-        measure(model, REACH * model.thickness, contact, dispatch);
-    }
-    counts
-}
-
-/// [`detect`] for a quiet step: the candidates are all pairs within [`REACH`] at its start.
-fn detect_quiet(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
-    let (reach, skin) = (REACH * model.thickness, SKIN * model.thickness);
-    // Each of two features moves by at most the diagonal of the skin before a wide box is left. Distances up to here are
-    // measured, not bounded: whether a pair is within reach must not depend on the pairs that were kept.
-    let far = reach + 2.0 * (sqrt(3.0) * skin + rounding(model, contact.start));
-    let ContactScratch { vertex_triangle, edge_edge, kept, .. } = contact;
-    let mut out = Candidates { vertex_triangle: vertex_triangle.candidates, edge_edge: edge_edge.candidates };
-    if kept.cover(contact.boxes) {
-        *contact.counts = kept.take(&mut out);
-        if !contact.has_room(*contact.counts) {
-            return *contact.counts;
-        }
-        measure(model, far, contact, dispatch);
-    } else {
-        kept.widen(contact.boxes, skin);
-        let counts = broad_phase::candidates(kept.boxes, &model.surface, &mut contact.grid, &mut out, dispatch);
-        *contact.counts = counts;
-        if !contact.has_room(counts) {
-            return counts;
-        }
-        measure(model, far, contact, dispatch);
-        drop_far(far, contact);
-        let Counts { vertex_triangle, edge_edge } = *contact.counts;
-        let pairs =
-            [&contact.vertex_triangle.candidates[..vertex_triangle], &contact.edge_edge.candidates[..edge_edge]];
-        contact.kept.put(pairs);
-    }
-    drop_far(reach, contact);
-    *contact.counts
-}
-
-/// Writes the distances of the candidates at the start of the step; beyond `reach`, a lower bound.
-fn measure(model: &ContactModel<'_>, reach: Real, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) {
-    dispatch.enter(Stage::NarrowPhase);
-    let (counts, surface, x) = (*contact.counts, &model.surface, &*contact.start);
-    let pairs = &mut contact.vertex_triangle;
-    let (candidates, distances) =
-        (&pairs.candidates[..counts.vertex_triangle], &mut pairs.distances[..counts.vertex_triangle]);
-    proximity::distances::<VertexTriangle>(candidates, surface, x, model.radii, reach, distances, dispatch);
-    let pairs = &mut contact.edge_edge;
-    let (candidates, distances) = (&pairs.candidates[..counts.edge_edge], &mut pairs.distances[..counts.edge_edge]);
-    proximity::distances::<EdgeEdge>(candidates, surface, x, model.radii, reach, distances, dispatch);
-}
-
-/// Drops the candidates that are farther apart than `reach`, m.
-fn drop_far(reach: Real, contact: &mut ContactScratch<'_>) {
-    let Counts { vertex_triangle, edge_edge } = &mut *contact.counts;
-    *vertex_triangle = proximity::drop_far(&mut contact.vertex_triangle, *vertex_triangle, reach);
-    *edge_edge = proximity::drop_far(&mut contact.edge_edge, *edge_edge, reach);
-}
-
-/// Solves the step together with its contacts. Only for implicit methods, between [`find_contacts`] and [`respond`];
-/// required by [`StepInput::defers_solve`]. Returns where the solve stopped, for [`couple_again`].
-pub fn couple<D: Dispatch>(
-    context: &StepInput<'_, D>,
+/// The phases between prediction and commit. Searches again with wider boxes if the response leaves them. Returns whether
+/// any vertex was corrected.
+async fn resolve<D: Dispatch, R: ContactRoom>(
+    input: &StepInput<'_, D>,
     particles: &Particles<'_>,
-    contact: &mut ContactScratch<'_>,
     scratch: &mut Scratch<'_>,
+    contact: &mut StepContact<'_, R>,
+    work: &mut Work<'_>,
+) -> Result<bool, Obstacle> {
+    let StepContact { model, columns, hold } = contact;
+    let (dispatch, times) = (input.dispatch, [input.time, input.step.into()]);
+    let settings = Settings { step: input.step, hold: *hold };
+    dispatch.enter(Stage::BroadPhase);
+    place(model, times, particles.positions, scratch.next_positions, &mut columns.columns());
+    for widened in 0..=if *hold { LAST_WIDENINGS } else { MOST_WIDENINGS } {
+        dispatch.enter(Stage::BroadPhase);
+        let found = detection::search(model, widened, *columns, dispatch).await;
+        let counts = found.map_err(|cause| farthest(cause, particles, scratch))?;
+        let count = (counts.vertex_triangle + counts.edge_edge) as u64;
+        work.contact.candidates += count;
+        *work.searched += count;
+        if *work.searched > MOST_SEARCHED * detection::most_pairs(model) as u64 {
+            break;
+        }
+        if dispatch.stopped() {
+            return Err(Obstacle::STOPPED);
+        }
+        dispatch.enter(Stage::Response);
+        if widened == 0 && input.scheme.method.is_implicit() {
+            let coupled = couple(input, particles, scratch, model, *columns, work.integrator);
+            coupled.map_err(|cause| farthest(cause, particles, scratch))?;
+        }
+        dispatch.enter(Stage::Response);
+        let responded =
+            with_room(*columns, |contact| response::respond(model, contact, settings, work.contact, dispatch));
+        let outcome = responded.map_err(|cause| farthest(cause, particles, scratch))?;
+        let contact = &mut columns.columns();
+        match outcome {
+            Outcome::Free => return Ok(settle(input.step, contact, scratch)),
+            Outcome::Touches => {
+                let corrected = settle(input.step, contact, scratch);
+                return match audit::new_crossing(&model.surface, contact.start, contact.end, &mut contact.room) {
+                    Some(crossing) => Err(Obstacle::at_crossing(model, crossing)),
+                    None => Ok(corrected),
+                };
+            }
+            Outcome::Meets(vertices) => return Err(Obstacle::between(model, vertices)),
+            Outcome::Stopped => return Err(Obstacle::STOPPED),
+            Outcome::Left => {}
+        }
+    }
+    Err(farthest(Cause::TooMuch, particles, scratch))
+}
+
+/// Solves an implicit step together with its contacts, and goes on with the impacts of the motion found.
+fn couple<D: Dispatch>(
+    input: &StepInput<'_, D>,
+    particles: &Particles<'_>,
+    scratch: &mut Scratch<'_>,
+    model: &ContactModel<'_>,
+    columns: &mut impl ContactRoom,
     statistics: &mut IntegratorStatistics,
-) -> Option<Sum> {
-    let contacts = &mut contact.contacts[..contact.lengths.contacts];
+) -> Result<(), Cause> {
+    // Backward Euler predicts without gravity, which closes a gap by half of this in a step.
+    let gravity = input.model.gravity.unwrap_or(Vec3::ZERO);
+    let fall = 2.0 * sqrt(gravity.length_squared()) * input.step * input.step;
+    let margin = fall + REST * model.thickness;
+    with_room(columns, |contact| response::find_contacts(model, contact, input.step, margin))?;
+    let contact = &mut columns.columns();
     let state = [&*particles.positions, &*particles.velocities];
-    let target = contact_solve::correct(context, state, (contacts, contact.lines), scratch, statistics);
+    let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
+    let target = contact_solve::correct(input, state, contacts, scratch, statistics);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
-    target
-}
-
-/// Goes on with the solve of [`couple`], which returned `target`, after [`find_impacts`] has added contacts to the first
-/// `known` ones.
-pub fn couple_again<D: Dispatch>(
-    context: &StepInput<'_, D>,
-    (known, target): (usize, Option<Sum>),
-    contact: &mut ContactScratch<'_>,
-    scratch: &mut Scratch<'_>,
-    statistics: &mut IntegratorStatistics,
-) {
-    let contacts = &mut contact.contacts[..contact.lengths.contacts];
-    contact_solve::resume(context, (contacts, contact.lines), known, target, scratch, statistics);
+    let known = with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
+    let contact = &mut columns.columns();
+    let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
+    contact_solve::resume(input, contacts, known, target, scratch, statistics);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+    Ok(())
 }
 
-/// Keeps the forces of the contacts of an accepted step, from which the next one starts. `step` is its length, s.
-pub fn keep_forces(step: Real, contact: &mut ContactScratch<'_>) {
-    let constraints = &contact.constraints[..contact.lengths.constraints];
-    contact.lengths.multipliers = multiplier::write(constraints, step, contact.order, contact.multipliers);
+/// Calls a phase again with more room as long as it fails with the number of constraints that it needs room for.
+pub(crate) fn with_room<T>(
+    columns: &mut impl ContactRoom,
+    mut phase: impl FnMut(&mut ContactScratch<'_>) -> Result<T, usize>,
+) -> Result<T, Cause> {
+    loop {
+        match phase(&mut columns.columns()) {
+            Ok(result) => return Ok(result),
+            Err(constraints) if columns.grow_constraints(constraints) => {}
+            Err(constraints) => return Err(Cause::Short { pairs: 0, constraints }),
+        }
+    }
 }
 
-/// Returns an edge and a triangle that cross at the end of the step but not at its start. If there is a
-/// pair like this, the step must be rejected.
-pub fn new_crossing(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) -> Option<[u32; 2]> {
-    audit::new_crossing(&model.surface, contact.start, contact.end, &mut contact.room)
+/// An obstacle at the particle whose candidate state is farthest from its position.
+fn farthest(cause: Cause, particles: &Particles<'_>, scratch: &Scratch<'_>) -> Obstacle {
+    let moved = |v: usize| (scratch.next_positions[v] - particles.positions[v]).length_squared();
+    let all = 0..particles.positions.len();
+    let particle = all.max_by(|&a, &b| moved(a).total_cmp(&moved(b))).unwrap_or_default() as u32;
+    Obstacle { cause, particle }
 }
 
 /// Copies the positions that the response corrected. The velocities change by the correction over `step`,
 /// without the part that only separates surfaces or rounds. Returns whether any vertex was corrected.
-pub fn settle(step: Real, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_>) -> bool {
+fn settle(step: Real, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_>) -> bool {
     let mut any = false;
     for (v, next) in scratch.next_positions.iter_mut().enumerate() {
         if contact.rounds[v] > 0 {
@@ -275,14 +214,19 @@ pub fn settle(step: Real, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_
     any
 }
 
-/// Makes the candidate the state by exchanging columns. For a method with history (BDF2) the old state
-/// becomes the history.
-pub fn commit<'a>(particles: &mut Particles<'a>, scratch: &mut Scratch<'a>) {
-    core::mem::swap(&mut particles.positions, &mut scratch.next_positions);
-    core::mem::swap(&mut particles.velocities, &mut scratch.next_velocities);
+/// Keeps the forces of the contacts of an accepted step, from which the next one starts. `step` is its length, s.
+fn keep_forces(step: Real, contact: &mut ContactScratch<'_>) {
+    let constraints = &contact.constraints[..contact.lengths.constraints];
+    contact.lengths.multipliers = multiplier::write(constraints, step, contact.order, contact.multipliers);
+}
+
+/// Makes the candidate state the state. For a method with history (BDF2) the old state becomes the history.
+fn commit(particles: &mut Particles<'_>, scratch: &mut Scratch<'_>) {
     if !scratch.previous_positions.is_empty() {
-        core::mem::swap(&mut scratch.previous_positions, &mut scratch.next_positions);
-        core::mem::swap(&mut scratch.previous_velocities, &mut scratch.next_velocities);
+        scratch.previous_positions.copy_from_slice(particles.positions);
+        scratch.previous_velocities.copy_from_slice(particles.velocities);
         scratch.has_history = true;
     }
+    particles.positions.copy_from_slice(scratch.next_positions);
+    particles.velocities.copy_from_slice(scratch.next_velocities);
 }

@@ -46,7 +46,7 @@ impl StepDetector {
         self.detector = None;
     }
 
-    /// Finds candidates and their distances, as `muslin_core::step::detect` does. Pairs that do not fit their
+    /// Finds candidates and their distances, as `muslin_core::detection::detect` does. Pairs that do not fit their
     /// column are only counted. If the device is lost, it is opened again and the detection is repeated once.
     pub async fn detect(
         &mut self,

@@ -304,6 +304,8 @@ macro_rules! engine {
                                 "leave the cloth room between the surfaces that close in on it, slow them down, or \
                                  take a smaller integrator.step"
                             }
+                            // The columns of `Simulation` grow.
+                            Cause::Short { .. } => "report this as a fault of Muslin, with the scene",
                             Cause::Stopped => return Halt::Stopped,
                         };
                         let is_instability = matches!(diverged.cause, Cause::NotFinite | Cause::TooMuch);

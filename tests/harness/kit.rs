@@ -25,6 +25,7 @@ macro_rules! kit {
         pub mod $name {
             use $crate::steps::Steps;
             use $muslin::contact::{ContactColumns, ContactScratchColumns};
+            use $muslin::detection;
             use $muslin::dispatch::Serial;
             use $muslin::forces::element::Element;
             use $muslin::forces::hinge::{HingeColumns, Hinges};
@@ -41,11 +42,10 @@ macro_rules! kit {
             use $muslin::narrow_phase::{edge_edge_ccd, vertex_triangle_ccd};
             use $muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
             use $muslin::response::friction::Law;
-            use $muslin::response::{Settings, Tally};
+            use $muslin::response::{self, Settings, Tally};
             use $muslin::scene::{BuiltScene, Content, Resource, SceneDesc};
             use $muslin::scratch::{Scratch, ScratchColumns};
             use $muslin::simulation::Simulation;
-            use $muslin::step;
 
             use std::cell::Cell;
 
@@ -381,11 +381,11 @@ macro_rules! kit {
                 (contact.radii, contact.law_of) = (vec![0.0; count], vec![0; count]);
                 let (model, mut columns) = (contact.view(), ContactScratchColumns::build(&contact.view(), 20_000));
                 let (mut scratch, mut tally) = (columns.view(), Tally::default());
-                step::place(&model, [0.0, 1.0], &from, &to, &mut scratch);
-                step::sweep(&model, 10.0, &mut scratch);
-                step::detect(&model, &mut scratch, &Serial);
+                detection::place(&model, [0.0, 1.0], &from, &to, &mut scratch);
+                detection::sweep(&model, 10.0, &mut scratch);
+                detection::detect(&model, &mut scratch, &Serial);
                 change(scratch.predicted);
-                let outcome = step::respond(&model, &mut scratch, settings, &mut tally, &Serial);
+                let outcome = response::respond(&model, &mut scratch, settings, &mut tally, &Serial);
                 let wide = |column: &[Vec3]| column.iter().map(|&x| to_f64(x).into()).collect();
                 let kept = scratch.constraints.iter().filter(|c| c.contact.normal != Vec3::ZERO).map(|c| Kept {
                     vertices: c.contact.vertices.map(|v| v as usize),
@@ -397,7 +397,8 @@ macro_rules! kit {
                     friction: to_f64(c.friction_impulse).into(),
                 });
                 Response {
-                    outcome: format!("{outcome:?}"),
+                    outcome: outcome
+                        .map_or_else(|needed| format!("no room for {needed}"), |outcome| format!("{outcome:?}")),
                     counts: [tally.proximity, tally.impacts, tally.zones],
                     failsafe: tally.failsafe,
                     start: wide(scratch.start),

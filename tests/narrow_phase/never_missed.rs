@@ -17,7 +17,7 @@ harness::both_precisions! {
     use muslin::real::{NAME, Real, Vec3, vec3};
     use muslin::response::friction::Law;
     use muslin::response::impact::SEPARATION;
-    use muslin::step;
+    use muslin::detection;
     use harness::crumpled;
     use harness::query::{Pair, Query};
     use harness::rng::Rng;
@@ -110,13 +110,13 @@ harness::both_precisions! {
             columns.radii[..first].fill(radius as Real);
             columns.thickness = (query.size() * rng.magnitude(1e-6, 1e-1)) as Real;
             let (model, mut scratch) = (columns.view(), scratch.view());
-            step::place(&model, [0.0, 1.0], &kit::narrow(&query.start), &kit::narrow(&query.end), &mut scratch);
-            if step::is_quiet(&model, &scratch) {
-                step::surround_start(&model, &mut scratch);
+            detection::place(&model, [0.0, 1.0], &kit::narrow(&query.start), &kit::narrow(&query.end), &mut scratch);
+            if detection::is_quiet(&model, &scratch) {
+                detection::surround_start(&model, &mut scratch);
             } else {
-                step::sweep(&model, 0.5 * model.thickness, &mut scratch);
+                detection::sweep(&model, 0.5 * model.thickness, &mut scratch);
             }
-            let counts = step::detect(&model, &mut scratch, &Serial);
+            let counts = detection::detect(&model, &mut scratch, &Serial);
             let displacements: Vec<Vec3> =
                 scratch.end.iter().zip(&*scratch.start).map(|(end, start)| *end - *start).collect();
             let (start, end, rounds) = (&*scratch.start, &*scratch.end, &*scratch.rounds);

@@ -6,13 +6,13 @@ harness::both_precisions! {
     use harness::query::Pair;
     use harness::rng::Rng;
     use harness::steps::Steps;
-    use muslin::contact::{ContactModel, ContactScratch, ContactScratchColumns};
+    use muslin::contact::{ContactRoom, ContactModel, ContactScratch, ContactScratchColumns};
     use muslin::dispatch::Serial;
     use muslin::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
     use muslin::real::{Real, Vec3, vec3};
     use muslin::response::impact::SEPARATION;
     use muslin::response::repulsion::REACH;
-    use muslin::step;
+    use muslin::detection;
 
     /// The sheet that comes to rest, coarser and in contact at once.
     fn rest() -> String {
@@ -40,7 +40,7 @@ harness::both_precisions! {
     /// Detects as the simulation does, with columns that grow.
     fn detect(model: &ContactModel<'_>, columns: &mut ContactScratchColumns) {
         loop {
-            let counts = step::detect(model, &mut columns.view(), &Serial);
+            let counts = detection::detect(model, &mut columns.view(), &Serial);
             columns.grow_kept();
             if !columns.grow_pairs(counts) {
                 return;
@@ -79,15 +79,15 @@ harness::both_precisions! {
             sim.take_step().expect("a step");
             let times = [time, sim.time() - time];
             let mut view = ours.view();
-            step::place(&model, times, &start, sim.positions(), &mut view);
-            if !step::is_quiet(&model, &view) {
+            detection::place(&model, times, &start, sim.positions(), &mut view);
+            if !detection::is_quiet(&model, &view) {
                 continue;
             }
-            step::surround_start(&model, &mut view);
+            detection::surround_start(&model, &mut view);
             (quiet, kept) = (quiet + 1, kept + u32::from(view.kept.cover(view.boxes)));
             detect(&model, &mut ours);
-            step::place(&model, times, &start, sim.positions(), &mut fresh.view());
-            step::sweep(&model, model.thickness, &mut fresh.view());
+            detection::place(&model, times, &start, sim.positions(), &mut fresh.view());
+            detection::sweep(&model, model.thickness, &mut fresh.view());
             detect(&model, &mut fresh);
             let (ours, fresh) = (ours.view(), fresh.view());
             last = near(&model, &ours);
@@ -133,8 +133,8 @@ harness::both_precisions! {
         let (model, mut contact) = (columns.view(), ContactScratchColumns::build(&columns.view(), 8));
         for (far, quiet) in [(0.0, true), (1.0, true), (kit::bound(100.0, 1e12) as Real, false)] {
             let positions: Vec<_> = sim.positions().iter().map(|&x| x + far).collect();
-            step::place(&model, [0.0, 0.0], &positions, &positions, &mut contact.view());
-            assert_eq!(step::is_quiet(&model, &contact.view()), quiet, "{far} m from the origin");
+            detection::place(&model, [0.0, 0.0], &positions, &positions, &mut contact.view());
+            assert_eq!(detection::is_quiet(&model, &contact.view()), quiet, "{far} m from the origin");
         }
     }
 

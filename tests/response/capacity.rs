@@ -35,13 +35,20 @@ const FALLING: &str = r#"
 
 both_precisions! {
     use super::FALLING;
-    use muslin::contact::ContactScratchColumns;
+    use muslin::broad_phase::Counts;
+    use muslin::contact::{ContactRoom, ContactScratch, ContactScratchColumns};
     use muslin::diagnostics::StateHash;
-    use muslin::dispatch::Serial;
-    use muslin::integrate::IntegratorStatistics;
+    use muslin::dispatch::{Serial, block_on};
+    use muslin::integrate::{IntegratorStatistics, StepInput};
+    use muslin::particles::{ParticleColumns, Particles};
     use muslin::real::{Real, Vec3, vec3};
-    use muslin::response::{Outcome, Settings, Tally};
-    use muslin::step;
+    use muslin::refusal::{Cause, Obstacle};
+    use muslin::response::{self, Outcome, Settings, Tally};
+    use muslin::scene::BuiltScene;
+    use muslin::scratch::ScratchColumns;
+    use muslin::step::{self, StepContact, Work};
+    use muslin::detection;
+    use harness::steps::Steps;
     use harness::rng::Rng;
 
     /// Where a step ends that begins with so much room, how many constraints it has, and how often
@@ -54,19 +61,19 @@ both_precisions! {
         let from = &built.particles.positions;
         let to: Vec<Vec3> = from.iter().map(|&x| x * 0.7 as Real + vec3(rng.cube(0.01).into())).collect();
         let mut columns = ContactScratchColumns::build(&model, room);
-        step::place(&model, [0.0, 0.005], from, &to, &mut columns.view());
-        step::sweep(&model, 0.5, &mut columns.view());
+        detection::place(&model, [0.0, 0.005], from, &to, &mut columns.view());
+        detection::sweep(&model, 0.5, &mut columns.view());
         let (mut short, mut tally) = (0, Tally::default());
-        let counts = step::detect(&model, &mut columns.view(), &Serial);
+        let counts = detection::detect(&model, &mut columns.view(), &Serial);
         if columns.grow_pairs(counts) {
             short += 1;
-            assert_eq!(step::detect(&model, &mut columns.view(), &Serial), counts, "counts depend on the room");
+            assert_eq!(detection::detect(&model, &mut columns.view(), &Serial), counts, "counts depend on the room");
         }
         let settings = Settings { step: 0.005, hold: false };
         loop {
-            match step::respond(&model, &mut columns.view(), settings, &mut tally, &Serial) {
-                Outcome::Short { needed } => columns.grow_constraints(needed),
-                Outcome::Free => break,
+            match response::respond(&model, &mut columns.view(), settings, &mut tally, &Serial) {
+                Err(needed) => columns.grow_constraints(needed),
+                Ok(Outcome::Free) => break,
                 other => panic!("with room for {room}: {other:?}"),
             }
             short += 1;
@@ -106,5 +113,83 @@ both_precisions! {
         let (roomy, bytes) = hash(&mut sim);
         assert_eq!(bytes[0], bytes[1], "the same run needs more room the second time");
         assert_eq!(grown, roomy, "with and without growth the hashes differ");
+    }
+
+    /// Columns that do not grow, as those of a host without a heap.
+    struct Fixed(ContactScratchColumns);
+
+    impl ContactRoom for Fixed {
+        fn columns(&mut self) -> ContactScratch<'_> {
+            self.0.view()
+        }
+        fn grow_pairs(&mut self, _: Counts) -> bool {
+            false
+        }
+        fn grow_constraints(&mut self, _: usize) -> bool {
+            false
+        }
+    }
+
+    /// Drives steps of the falling sheet with columns for so many candidates. Calls `see` after each step, until one fails.
+    fn drive(room: usize, steps: u32, mut see: impl FnMut(&BuiltScene)) -> Result<(), Obstacle> {
+        let sim = kit::simulation(FALLING, &[]);
+        let (mut built, scheme, length) = (kit::build(FALLING), *sim.scheme(), sim.step_length());
+        let mut scratch = ScratchColumns::build(&built, &scheme);
+        let model = built.contact.clone().expect("the scene has contact");
+        let model = model.view();
+        let mut columns = Fixed(ContactScratchColumns::build(&model, room));
+        let (mut statistics, mut tally, mut corrected) = (IntegratorStatistics::default(), Tally::default(), false);
+        for n in 0..steps {
+            let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
+            let input = StepInput {
+                model: &built.model.view(),
+                pins: &built.pins.view(),
+                masses,
+                inverse_masses,
+                time: f64::from(n) * f64::from(length),
+                step: length,
+                scheme: &scheme,
+                extrapolates: !corrected,
+                has_contact: true,
+                dispatch: &Serial,
+            };
+            let mut particles = Particles { positions, velocities, masses, inverse_masses };
+            let contact = Some(StepContact { model: &model, columns: &mut columns, hold: false });
+            let work = Work { integrator: &mut statistics, contact: &mut tally, searched: &mut 0 };
+            corrected = block_on(step::take(&input, &mut particles, &mut scratch.view(), contact, work))?;
+            see(&built);
+        }
+        assert!(tally.proximity > 1000, "nothing touches: {tally:?}");
+        Ok(())
+    }
+
+    #[test]
+    fn a_host_without_a_heap_takes_the_same_steps() {
+        let mut sim = kit::simulation(FALLING, &[]);
+        let mut steps = 0;
+        let driven = drive(100_000, 60, |built| {
+            sim.take_step().expect("the sheet falls");
+            steps += 1;
+            let same = built.particles.positions == sim.positions() && built.particles.velocities == sim.velocities();
+            assert!(same, "{}: step {steps} differs from that of `Simulation`", muslin::real::NAME);
+        });
+        assert_eq!(driven, Ok(()), "after {steps} steps");
+        assert_eq!(sim.tally().rejected, 0, "the host takes no halves");
+    }
+
+    #[test]
+    fn a_host_without_room_learns_what_it_lacks() {
+        let mut room = 10;
+        for attempt in 0.. {
+            let Err(obstacle) = drive(room, 60, |_| ()) else {
+                assert!(attempt > 1, "room for 10 candidates was enough");
+                return;
+            };
+            let Cause::Short { pairs, constraints } = obstacle.cause else { panic!("{obstacle:?}") };
+            // There is an eighth as much room for constraints.
+            let needed = pairs.max(8 * constraints);
+            assert!(needed > room, "room for {room} candidates, and {obstacle:?}");
+            room = needed;
+        }
     }
 }

@@ -35,8 +35,8 @@ both_precisions! {
     use muslin::dispatch::Serial;
     use muslin::real::{Real, Vec3, to_f64, vec3};
     use muslin::response::friction::Law;
-    use muslin::response::{Settings, Tally};
-    use muslin::step;
+    use muslin::response::{self, Settings, Tally};
+    use muslin::detection;
     use glam::DVec3;
     use harness::rng::Rng;
 
@@ -88,11 +88,11 @@ both_precisions! {
         let to: Vec<Vec3> = from.iter().map(|&x| x + vec3((rng.cube(0.002) - DVec3::Y * 0.002).into())).collect();
         let mut columns = ContactScratchColumns::build(&model, 2_000_000);
         let mut scratch = columns.view();
-        step::place(&model, [0.0, 0.001], from, &to, &mut scratch);
-        step::sweep(&model, 0.01, &mut scratch);
-        step::detect(&model, &mut scratch, &Serial);
+        detection::place(&model, [0.0, 0.001], from, &to, &mut scratch);
+        detection::sweep(&model, 0.01, &mut scratch);
+        detection::detect(&model, &mut scratch, &Serial);
         let settings = Settings { step: 0.001, hold: false };
-        step::respond(&model, &mut scratch, settings, &mut Tally::default(), &Serial);
+        response::respond(&model, &mut scratch, settings, &mut Tally::default(), &Serial).expect("there is room");
         let mut steepest = [0.0_f64; 2];
         for constraint in scratch.constraints.iter() {
             let [normal, across] =

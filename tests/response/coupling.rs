@@ -56,12 +56,12 @@ both_precisions! {
     use muslin::integrate::augmented_contact::{self, AugmentedContact, ContactLines, Friction};
     use muslin::integrate::contact_solve;
     use muslin::integrate::pins::JumpSide;
-    use muslin::integrate::{StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
+    use muslin::integrate::{self, StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
     use muslin::particles::Particles;
     use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
     use muslin::scene::BuiltScene;
     use muslin::scratch::{Scratch, ScratchColumns};
-    use muslin::step;
+
     use nalgebra::DMatrix;
     use harness::rng::Rng;
     use harness::worst::Worst;
@@ -201,7 +201,7 @@ both_precisions! {
             }
             pins.impose(0.0, JumpSide::After, s.previous_positions, s.previous_velocities);
         }
-        step::predict(&context, &particles, s, &mut work);
+        integrate::advance(&context, particles.positions, particles.velocities, s, &mut work);
         let predicted = [column(s.next_positions), column(s.next_velocities)];
         let matrix = dense(s, &built.particles.masses);
         let zero = vec![DVec3::ZERO; VERTICES as usize];

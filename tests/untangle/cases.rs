@@ -10,7 +10,7 @@ both_precisions! {
     use harness::steps::Steps;
     use muslin::real::{NAME, Real, Vec3, to_f64, vec3};
     use muslin::simulation::Simulation;
-    use muslin::step;
+    use muslin::detection;
     use muslin::untangle::Untangled;
     use harness::rng::Rng;
 
@@ -43,9 +43,9 @@ both_precisions! {
     fn least_distance(sim: &Simulation) -> Real {
         let model = sim.contact().expect("the scene has contact").view();
         let mut columns = ContactScratchColumns::build(&model, 100_000);
-        step::place(&model, [0.0, 0.0], sim.positions(), sim.positions(), &mut columns.view());
-        step::sweep(&model, 0.0, &mut columns.view());
-        let counts = step::detect(&model, &mut columns.view(), &Serial);
+        detection::place(&model, [0.0, 0.0], sim.positions(), sim.positions(), &mut columns.view());
+        detection::sweep(&model, 0.0, &mut columns.view());
+        let counts = detection::detect(&model, &mut columns.view(), &Serial);
         let view = columns.view();
         let distances = |of: &[Real]| of.iter().copied().fold(Real::INFINITY, Real::min);
         distances(&view.vertex_triangle.distances[..counts.vertex_triangle])

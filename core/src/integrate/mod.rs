@@ -146,7 +146,7 @@ pub struct StepInput<'a, D> {
     /// Whether the single linear solve may linearise the forces at positions extrapolated by the velocities.
     /// False after contact, which changes the velocities abruptly.
     pub extrapolates: bool,
-    /// Whether contacts are solved after the candidate state is written ([`step::couple`](crate::step::couple)).
+    /// Whether contacts are solved after the candidate state is written ([`contact_solve`]).
     pub has_contact: bool,
     /// Runs the kernels.
     pub dispatch: &'a D,

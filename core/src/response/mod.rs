@@ -42,7 +42,7 @@ pub enum Outcome {
     /// Nothing meets.
     Free,
     /// Nothing meets as far as rounding tells: pairs touch, and only
-    /// [an exact test](crate::step::new_crossing) of the end tells whether they pass through one another.
+    /// [an exact test](crate::audit::new_crossing) of the end tells whether they pass through one another.
     Touches,
     /// A vertex was moved out of the box that its candidates were found for: sweep again, wider.
     Left,
@@ -51,11 +51,6 @@ pub enum Outcome {
     Meets([u32; 4]),
     /// The host gave it up.
     Stopped,
-    /// There is no room for so many constraints.
-    Short {
-        /// At least so many are needed.
-        needed: usize,
-    },
 }
 
 /// Counts of contact, over all steps.
@@ -111,8 +106,9 @@ impl List<'_> {
         }
     }
 
-    pub fn short(&self) -> Option<Outcome> {
-        (self.count > self.all.len()).then_some(Outcome::Short { needed: self.count })
+    /// The number of constraints; if there is no room for them, as an error.
+    pub fn count(&self) -> Result<usize, usize> {
+        if self.count > self.all.len() { Err(self.count) } else { Ok(self.count) }
     }
 }
 
@@ -123,7 +119,7 @@ pub fn find_contacts(
     scratch: &mut ContactScratch<'_>,
     step: Real,
     margin: Real,
-) -> Result<(), Outcome> {
+) -> Result<(), usize> {
     let count = find_near(model, scratch, step, 0, margin)?;
     scratch.lengths.contacts = 0;
     coupled::give(scratch, 0..count, step, model.thickness);
@@ -139,7 +135,7 @@ pub fn find_impacts<D: Dispatch>(
     scratch: &mut ContactScratch<'_>,
     step: Real,
     dispatch: &D,
-) -> Result<usize, Outcome> {
+) -> Result<usize, usize> {
     dispatch.enter(Stage::Response);
     let before = *scratch.lengths;
     let near = find_near(model, scratch, step, before.constraints, 0.0)?;
@@ -152,8 +148,7 @@ pub fn find_impacts<D: Dispatch>(
         impact::find(model, vertex_triangle, edge_edge, pairs, &motion, 0, &mut list, dispatch);
     }
     impact::find_planes(model, &motion, 0, &mut list);
-    list.short().map_or(Ok(()), Err)?;
-    let count = list.count;
+    let count = list.count()?;
     coupled::give(scratch, before.constraints..count, step, model.thickness);
     scratch.lengths.constraints = count;
     Ok(before.contacts)
@@ -166,7 +161,7 @@ fn find_near(
     step: Real,
     before: usize,
     margin: Real,
-) -> Result<usize, Outcome> {
+) -> Result<usize, usize> {
     let ContactScratch { start, predicted, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
     end.copy_from_slice(predicted);
     for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
@@ -179,23 +174,20 @@ fn find_near(
     let pairs = [counts.vertex_triangle, counts.edge_edge];
     let motion = Motion { start, end, moves, rounds, step };
     repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &known, margin, &mut list);
-    list.short().map_or(Ok(list.count), Err)
+    list.count()
 }
 
-/// Corrects the way from `scratch.start` to `scratch.predicted` until nothing meets, and writes where
-/// it ends to `scratch.end`.
+/// Corrects the motion from `scratch.start` to `scratch.predicted` until no features collide, and writes its end to
+/// `scratch.end`. Without room for all constraints, returns the number that needs room as an error.
 pub fn respond<D: Dispatch>(
     model: &ContactModel<'_>,
     scratch: &mut ContactScratch<'_>,
     settings: Settings,
     tally: &mut Tally,
     dispatch: &D,
-) -> Outcome {
+) -> Result<Outcome, usize> {
     coupled::take(model, scratch, settings.step);
-    let near = match find_near(model, scratch, settings.step, scratch.lengths.constraints, 0.0) {
-        Ok(near) => near,
-        Err(outcome) => return outcome,
-    };
+    let near = find_near(model, scratch, settings.step, scratch.lengths.constraints, 0.0)?;
     let ContactScratch { start, end, moves, parting, rounds, zones, boxes, counts, constraints, order, .. } = scratch;
     let mut list = List { all: constraints, count: near, touching: 0 };
     let pairs = [counts.vertex_triangle, counts.edge_edge];
@@ -209,7 +201,7 @@ pub fn respond<D: Dispatch>(
         let context = Context { round: round + 1, ..context };
         motion.land(round, parting);
         if motion.left(boxes, model, round) {
-            return Outcome::Left;
+            return Ok(Outcome::Left);
         }
         let first = list.count;
         let tested = if round == 1 { 0 } else { round };
@@ -218,22 +210,20 @@ pub fn respond<D: Dispatch>(
             impact::find(model, vertex_triangle, edge_edge, pairs, &motion, tested, &mut list, dispatch);
         }
         impact::find_planes(model, &motion, tested, &mut list);
-        if let Some(short) = list.short() {
-            return short;
-        }
+        list.count()?;
         let met = &list.all[first..list.count];
         let Some(last) = met.last() else {
             now.touching = list.touching;
             scratch.lengths.constraints = list.count;
             tally.add(&now);
-            return if list.touching > 0 { Outcome::Touches } else { Outcome::Free };
+            return Ok(if list.touching > 0 { Outcome::Touches } else { Outcome::Free });
         };
         let stuck = met.iter().find(|met| met.inverse_mass <= 0.0);
         if stuck.is_some() || round == most {
-            return Outcome::Meets(stuck.unwrap_or(last).contact.vertices);
+            return Ok(Outcome::Meets(stuck.unwrap_or(last).contact.vertices));
         }
         if dispatch.stopped() {
-            return Outcome::Stopped;
+            return Ok(Outcome::Stopped);
         }
         now.impacts += met.len() as u64;
         // What met is tested again, whether or not anything gives way.
@@ -251,7 +241,7 @@ pub fn respond<D: Dispatch>(
             now.zones += impact_zone::resolve(&context, &mut list.all[..list.count], first, zones, order, &mut motion);
         }
     }
-    Outcome::Meets([0; 4])
+    Ok(Outcome::Meets([0; 4]))
 }
 
 impl Tally {

@@ -55,7 +55,7 @@ impl Simulation {
                     done += length;
                     halvings -= u32::from(done % (2 * length) == 0);
                 }
-                Err(cannot) if halvings < MOST_HALVINGS && cannot.may_help() => {
+                Err(cannot) if halvings < MOST_HALVINGS && cannot.cause.asks_for_shorter_step() => {
                     self.tally.rejected += 1;
                     halvings += 1;
                 }

@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use crate::audit;
-use crate::contact::{ContactColumns, ContactModel, ContactScratchColumns};
+use crate::contact::{ContactColumns, ContactScratchColumns};
 use crate::diagnostics::{self, Stretch};
 use crate::dispatch::{Dispatch, block_on};
 use crate::error::SceneError;
@@ -12,24 +12,23 @@ use crate::forces::{Energy, Model};
 use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Method, Scheme, StepInput};
 use crate::mesh::SurfaceColumns;
-use crate::particles::Particles;
+use crate::particles::{ParticleColumns, Particles};
 use crate::real::{Real, Sum, Vec3};
+use crate::refusal::Obstacle;
 use crate::response::Tally;
 use crate::response::multiplier::Multiplier;
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
-use crate::scratch::{Scratch, ScratchColumns};
+use crate::scratch::ScratchColumns;
 use crate::stage::Term;
-use crate::step::{self, Prediction};
+use crate::step::{self, StepContact, Work};
 use crate::traffic::{self, TrafficSizes};
 
-mod contact;
 mod halving;
 mod move_to;
-mod refusal;
+mod untangling;
 
-pub use refusal::{Cause, StepError};
+pub use crate::refusal::{Cause, StepError};
 
-use contact::Obstacle;
 use halving::Kept;
 
 /// Initial capacity: candidates of each kind per vertex.
@@ -44,8 +43,6 @@ pub struct Simulation {
     /// The state at the start of a step that is taken in substeps.
     kept: Kept,
     tally: Tally,
-    /// Whether the contact response changed the candidate state.
-    touched: bool,
     /// Whether the contact response changed the current state.
     after_contact: bool,
     /// Number of candidates found in this step, over all attempts.
@@ -120,7 +117,6 @@ impl Simulation {
             contact,
             kept: kept.unwrap_or_default(),
             tally,
-            touched: false,
             after_contact: false,
             looked_at: 0,
             scheme,
@@ -144,7 +140,7 @@ impl Simulation {
         let counted = (self.statistics, self.tally);
         self.looked_at = 0;
         let taken = match self.try_part(Substep::WHOLE, false, dispatch).await {
-            Err(cannot) if cannot.may_help() => self.step_in_halves(dispatch).await,
+            Err(cannot) if cannot.cause.asks_for_shorter_step() => self.step_in_halves(dispatch).await,
             taken => taken,
         };
         match taken {
@@ -158,26 +154,40 @@ impl Simulation {
 
     /// Takes a part of a step. `hold` allows the last resort of the response, which holds vertices back.
     async fn try_part<D: Dispatch>(&mut self, part: Substep, hold: bool, dispatch: &D) -> Result<(), StepError> {
-        if let Prediction::NotFinite { particle } = self.predict(part, dispatch) {
-            return Err(self.diverged(Cause::NotFinite, particle, dispatch));
+        let time = self.time_at(part.from);
+        // Jumps of pins matter only to a method with history.
+        if part != Substep::WHOLE || self.scratch.has_history && self.pins().jump(time) {
+            self.scratch.has_history = false;
         }
-        if self.contact.is_some() {
-            if let Err(Obstacle { cause, particle }) = self.resolve(part, hold, dispatch).await {
-                return Err(self.diverged(cause, particle, dispatch));
+        let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);
+        let Self { built, scratch, contact, step, statistics, tally, looked_at, .. } = self;
+        let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
+        let input = StepInput {
+            model: &built.model.view(),
+            pins: &built.pins.view(),
+            masses,
+            inverse_masses,
+            time,
+            step: *step * part.length as Real,
+            scheme,
+            extrapolates,
+            has_contact: contact.is_some(),
+            dispatch,
+        };
+        let mut particles = Particles { positions, velocities, masses, inverse_masses };
+        let model = built.contact.as_ref().map(|model| model.view());
+        let columns = model.as_ref().zip(contact.as_mut());
+        let contact = columns.map(|(model, columns)| StepContact { model, columns, hold });
+        let work = Work { integrator: statistics, contact: tally, searched: looked_at };
+        match step::take(&input, &mut particles, &mut scratch.view(), contact, work).await {
+            Ok(corrected) => {
+                let has_previous = !self.scratch.previous_positions.is_empty();
+                self.scratch.has_history = has_previous && part == Substep::WHOLE && !corrected;
+                self.after_contact = corrected;
+                Ok(())
             }
-            // The response decides by comparisons, which do not detect NaN.
-            let (x, v) = (&self.scratch.next_positions, &self.scratch.next_velocities);
-            if let Some(particle) = diagnostics::first_non_finite(x, v) {
-                return Err(self.diverged(Cause::NotFinite, particle, dispatch));
-            }
+            Err(Obstacle { cause, particle }) => Err(self.diverged(cause, particle, dispatch)),
         }
-        if let Some(contact) = &mut self.contact {
-            step::keep_forces(self.step * part.length as Real, &mut contact.view());
-        }
-        self.commit();
-        self.after_contact = self.touched;
-        self.scratch.has_history &= part == Substep::WHOLE && !self.after_contact;
-        Ok(())
     }
 
     /// The scheme of a part of a step, backward Euler in two cases. BDF2 needs a previous step of equal length
@@ -191,69 +201,6 @@ impl Simulation {
             method => method,
         };
         Scheme { method, ..self.scheme }
-    }
-
-    /// First phase of a step: writes the candidate state.
-    pub fn predict(&mut self, part: Substep, dispatch: &impl Dispatch) -> Prediction {
-        let time = self.time_at(part.from);
-        // Jumps of pins matter only to a method with history.
-        if part != Substep::WHOLE || self.scratch.has_history && self.pins().jump(time) {
-            self.scratch.has_history = false;
-        }
-        self.with_input(part, dispatch, |input, particles, scratch, statistics, _| {
-            step::predict(input, particles, scratch, statistics)
-        })
-    }
-
-    /// Calls a phase of a step with its input and the columns.
-    fn with_input<D: Dispatch, R>(
-        &mut self,
-        part: Substep,
-        dispatch: &D,
-        phase: impl FnOnce(
-            &StepInput<'_, D>,
-            &Particles<'_>,
-            &mut Scratch<'_>,
-            &mut IntegratorStatistics,
-            Option<(&ContactModel<'_>, &mut ContactScratchColumns)>,
-        ) -> R,
-    ) -> R {
-        let (time, scheme, extrapolates) = (self.time_at(part.from), &self.scheme_of(part), !self.after_contact);
-        let Self { built, scratch, contact, step, statistics, .. } = self;
-        let BuiltScene { particles, model, pins, contact: contact_model, .. } = built;
-        let (contact_model, contact) = (contact_model.as_ref().map(|model| model.view()), contact.as_mut());
-        let input = StepInput {
-            model: &model.view(),
-            pins: &pins.view(),
-            masses: &particles.masses,
-            inverse_masses: &particles.inverse_masses,
-            time,
-            step: *step * part.length as Real,
-            scheme,
-            extrapolates,
-            has_contact: contact.is_some(),
-            dispatch,
-        };
-        let particles = Particles {
-            positions: &mut particles.positions,
-            velocities: &mut particles.velocities,
-            masses: &particles.masses,
-            inverse_masses: &particles.inverse_masses,
-        };
-        phase(&input, &particles, &mut scratch.view(), statistics, contact_model.as_ref().zip(contact))
-    }
-
-    /// Last phase of a step: the candidate becomes the state. Does the same as [`step::commit`], with
-    /// owned columns.
-    pub fn commit(&mut self) {
-        let (particles, scratch) = (&mut self.built.particles, &mut self.scratch);
-        core::mem::swap(&mut particles.positions, &mut scratch.next_positions);
-        core::mem::swap(&mut particles.velocities, &mut scratch.next_velocities);
-        if !scratch.previous_positions.is_empty() {
-            core::mem::swap(&mut scratch.previous_positions, &mut scratch.next_positions);
-            core::mem::swap(&mut scratch.previous_velocities, &mut scratch.next_velocities);
-            scratch.has_history = true;
-        }
     }
 
     fn diverged(&mut self, cause: Cause, particle: u32, dispatch: &impl Dispatch) -> StepError {

@@ -1,5 +1,6 @@
-//! Errors of a step.
+//! Why a step fails, and where.
 
+use crate::contact::ContactModel;
 use crate::stage::Term;
 
 /// A step that failed. The state is the same as before the step.
@@ -29,14 +30,56 @@ pub enum Cause {
         /// Whether the particle is pinned, so that contact cannot move it.
         pinned: bool,
     },
+    /// The columns of contact lack room. The host must take the step again with more.
+    Short {
+        /// Candidates of each kind that need room; 0 if there is enough.
+        pairs: usize,
+        /// Constraints that need room; 0 if there is enough.
+        constraints: usize,
+    },
     /// The host cancelled the step ([`Dispatch::stopped`](crate::dispatch::Dispatch::stopped)).
     Stopped,
 }
 
-impl StepError {
+impl Cause {
     /// Whether a shorter step may succeed.
-    pub(super) fn may_help(&self) -> bool {
-        matches!(self.cause, Cause::Contact { .. } | Cause::TooMuch)
+    pub fn asks_for_shorter_step(self) -> bool {
+        match self {
+            Self::Contact { .. } | Self::TooMuch => true,
+            Self::NotFinite | Self::Short { .. } | Self::Stopped => false,
+        }
+    }
+}
+
+/// The cause for which a step, or a part of one, cannot be taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Obstacle {
+    /// The cause.
+    pub cause: Cause,
+    /// As in [`StepError`].
+    pub particle: u32,
+}
+
+impl Obstacle {
+    pub(crate) const STOPPED: Self = Self { cause: Cause::Stopped, particle: 0 };
+
+    /// Two features collide. The obstacle is at a pinned particle of theirs if there is one, else at the first particle of
+    /// the cloth.
+    pub(crate) fn between(model: &ContactModel<'_>, vertices: [u32; 4]) -> Self {
+        let cloth = model.cloth();
+        let mut particles = vertices.into_iter().filter(|&v| (v as usize) < cloth);
+        let pinned = particles.clone().find(|&v| model.mobility[v as usize].min_element() == 0.0);
+        let bodies = model.colliders.bodies;
+        let body = |v: usize| bodies.iter().position(|body| body.range().contains(&v)).map(|body| body as u32);
+        let collider = vertices.into_iter().find_map(|v| body((v as usize).checked_sub(cloth)?));
+        let cause = Cause::Contact { collider, pinned: pinned.is_some() };
+        Self { cause, particle: pinned.or_else(|| particles.next()).unwrap_or_default() }
+    }
+
+    /// An edge and a triangle cross.
+    pub(crate) fn at_crossing(model: &ContactModel<'_>, [edge, triangle]: [u32; 2]) -> Self {
+        let ([a, b], [c, d, _]) = (model.surface.edges[edge as usize], model.surface.triangles[triangle as usize]);
+        Self::between(model, [a, b, c, d])
     }
 }
 
@@ -57,6 +100,9 @@ impl core::fmt::Display for StepError {
                     Some(collider) => write!(f, "collider {collider}"),
                     None => write!(f, "cloth"),
                 }
+            }
+            Cause::Short { pairs, constraints } => {
+                write!(f, "step {step} needs room for {pairs} candidates and {constraints} contacts")
             }
             Cause::Stopped => write!(f, "step {step} was given up"),
         }

@@ -1,0 +1,87 @@
+//! Removes the intersections of a start state.
+
+use super::Simulation;
+use crate::audit;
+use crate::contact::ContactScratch;
+use crate::detection;
+use crate::dispatch::{Dispatch, Here, block_on};
+use crate::real::{Real, sqrt};
+use crate::response::impact::SEPARATION;
+use crate::response::{self, Outcome, Settings, Tally};
+use crate::step;
+use crate::untangle::{self, Untangled};
+
+/// How often the boxes around the corrections are widened.
+const MOST_WIDENINGS: u32 = 6;
+
+/// How often near pairs are separated after untangling.
+const SEPARATIONS: u32 = 10;
+
+impl Simulation {
+    /// [Parts](untangle::untangle) what passes through one another now, where pins let it, and then
+    /// what is too near for the response to tell apart. Only positions change, and none in a scene
+    /// without contact or in which nothing passes through anything.
+    pub fn untangle(&mut self, dispatch: &impl Dispatch) -> Untangled {
+        let mut places = self.places();
+        let Some(model) = &self.built.contact else { return Untangled::default() };
+        let mut untangled = untangle::untangle(&model.view(), &mut places, dispatch);
+        if untangled.rounds == 0 {
+            return untangled;
+        }
+        let positions = &mut self.built.particles.positions;
+        places.truncate(positions.len());
+        let start = core::mem::replace(positions, places);
+        self.forget_the_past();
+        for _ in 0..SEPARATIONS {
+            let kept = self.positions().to_vec();
+            if !self.part_near(dispatch) {
+                break;
+            }
+            let places = self.places();
+            let contact = self.built.contact.as_ref();
+            let left = contact.map_or(0, |model| audit::count(&model.surface.view(), &places, dispatch));
+            if left > untangled.after {
+                self.built.particles.positions = kept;
+                break;
+            }
+            untangled.after = left;
+        }
+        let moved = self.positions().iter().zip(&start).map(|(now, before)| (*now - *before).length_squared());
+        untangled.moved = sqrt(moved.fold(0.0, Real::max));
+        untangled
+    }
+
+    /// Lets the response separate pairs at rest that are nearer than the distance of an impact. Returns
+    /// false if there are no such pairs, or if it cannot.
+    fn part_near(&mut self, dispatch: &impl Dispatch) -> bool {
+        let (time, step) = (self.time(), self.step);
+        let Self { built, contact, .. } = self;
+        let (Some(model), Some(contact)) = (&built.contact, contact) else { return false };
+        let (model, positions) = (&model.view(), &mut built.particles.positions);
+        detection::place(model, [time, 0.0], positions, positions, &mut contact.view());
+        for widened in 0..MOST_WIDENINGS {
+            let searched = block_on(detection::search(model, widened, contact, &Here(dispatch)));
+            let Ok(counts) = searched else { return false };
+            let view = contact.view();
+            let pairs = [(&view.vertex_triangle, counts.vertex_triangle), (&view.edge_edge, counts.edge_edge)];
+            let apart = |&distance: &Real| distance >= SEPARATION * model.thickness;
+            if pairs.iter().all(|(pairs, count)| pairs.distances[..*count].iter().all(apart)) {
+                return false;
+            }
+            let settings = Settings { step, hold: false };
+            let respond = |contact: &mut ContactScratch<'_>| {
+                response::respond(model, contact, settings, &mut Tally::default(), dispatch)
+            };
+            match step::with_room(contact, respond) {
+                // Counted anew once all are apart.
+                Ok(Outcome::Free | Outcome::Touches) => {
+                    positions.copy_from_slice(&contact.view().end[..model.cloth()]);
+                    return true;
+                }
+                Ok(Outcome::Left) => {}
+                _ => return false,
+            }
+        }
+        false
+    }
+}
