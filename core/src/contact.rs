@@ -5,11 +5,11 @@ use crate::audit::Room;
 use crate::broad_phase::{Counts, Grid, KeptPairs, Surface};
 use crate::colliders::Colliders;
 use crate::geometry::aabb::Aabb;
-use crate::integrate::augmented_contact::{AugmentedContact, ContactLines};
+use crate::implicit_contact::augmented_contact::{AugmentedContact, ContactLines};
+use crate::implicit_contact::multiplier::Multiplier;
 use crate::real::{Real, Vec3};
 use crate::response::constraint::Constraint;
 use crate::response::friction::Law;
-use crate::response::multiplier::Multiplier;
 
 /// Contact as a scene describes it, borrowed.
 #[derive(Clone, Copy, Debug)]

@@ -18,7 +18,8 @@
 //! 7. [`broad_phase`]: boxes around the motion become candidates, pairs of features that may touch.
 //! 8. [`narrow_phase`]: candidates become contacts, with distances and times of impact, by the
 //!    distances of [`geometry`]. [`detection`] does 7 and 8 at the start of a step.
-//! 9. [`response`]: contacts correct the motion.
+//! 9. [`implicit_contact`]: an implicit step is solved together with its contacts; [`response`]: contacts correct the
+//!    motion.
 //! 10. [`step`]: the only module that knows the order; it works in [`scratch`] columns sized once. [`refusal`]: why a
 //!     step fails.
 //! 11. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash;
@@ -104,6 +105,7 @@ pub mod narrow_phase;
 pub mod colliders;
 pub mod contact;
 pub mod detection;
+pub mod implicit_contact;
 pub mod response;
 
 pub mod refusal;

@@ -16,11 +16,12 @@ use crate::contact::{ContactModel, ContactRoom, ContactScratch};
 use crate::detection::{self, place};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
-use crate::integrate::{self, IntegratorStatistics, StepInput, contact_solve};
+use crate::implicit_contact::{self, exchange, multiplier};
+use crate::integrate::{self, IntegratorStatistics, StepInput};
 use crate::particles::Particles;
 use crate::real::{Real, Vec3, sqrt};
 use crate::refusal::{Cause, Obstacle};
-use crate::response::{self, Outcome, Settings, Tally, multiplier};
+use crate::response::{self, Outcome, Settings, Tally};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
@@ -130,8 +131,10 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
             coupled.map_err(|cause| farthest(cause, particles, scratch))?;
         }
         dispatch.enter(Stage::Response);
-        let responded =
-            with_room(*columns, |contact| response::respond(model, contact, settings, work.contact, dispatch));
+        let responded = with_room(*columns, |contact| {
+            exchange::write_impulses(model, contact, input.step);
+            response::respond(model, contact, settings, work.contact, dispatch)
+        });
         let outcome = responded.map_err(|cause| farthest(cause, particles, scratch))?;
         let contact = &mut columns.columns();
         match outcome {
@@ -166,14 +169,18 @@ fn couple<D: Dispatch>(
     let margin = fall + REST * model.thickness;
     with_room(columns, |contact| response::find_contacts(model, contact, input.step, margin))?;
     let contact = &mut columns.columns();
+    let constraints = contact.lengths.constraints;
+    exchange::add_contacts(contact, 0..constraints, input.step, model.thickness);
     let state = [&*particles.positions, &*particles.velocities];
-    let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
-    let target = contact_solve::correct(input, state, contacts, scratch, statistics);
+    let known = contact.lengths.contacts;
+    let contacts = (&mut contact.contacts[..known], &mut *contact.lines);
+    let target = implicit_contact::correct(input, state, contacts, scratch, statistics);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
-    let known = with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
+    with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
     let contact = &mut columns.columns();
+    exchange::add_contacts(contact, constraints..contact.lengths.constraints, input.step, model.thickness);
     let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
-    contact_solve::resume(input, contacts, known, target, scratch, statistics);
+    implicit_contact::resume(input, contacts, known, target, scratch, statistics);
     contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
     Ok(())
 }

@@ -189,11 +189,11 @@ macro_rules! engine {
             use $core::colliders::{Body, ColliderColumns, Form};
             use $core::diagnostics::StateHash;
             use $core::error::SceneError;
+            use $core::implicit_contact::multiplier::Multiplier;
             use $core::integrate::IntegratorStatistics;
             use $core::mesh::{Stitch, TriMesh};
             use $core::real::{Real, Vec3, to_f64};
             use $core::response::Tally;
-            use $core::response::multiplier::Multiplier;
             use $core::scene::{Content, PointCache, SceneDesc};
             use $core::simulation::{Cause, Simulation, State};
             use $core::spectrum;

@@ -53,8 +53,9 @@ both_precisions! {
     use glam::DVec3;
     use muslin::dispatch::Serial;
     use muslin::forces::matrix;
-    use muslin::integrate::augmented_contact::{self, AugmentedContact, ContactLines, Friction};
-    use muslin::integrate::contact_solve;
+    use muslin::implicit_contact::{self, augmented_contact};
+    use muslin::implicit_contact::augmented_contact::{ActiveContacts, AugmentedContact, ContactLines, Friction};
+    use muslin::integrate::conjugate_gradient::add_diagonal;
     use muslin::integrate::pins::JumpSide;
     use muslin::integrate::{self, StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
     use muslin::particles::Particles;
@@ -146,7 +147,7 @@ both_precisions! {
         (0..count).map(contact).collect()
     }
 
-    /// The input and the result of [`contact_solve::correct`] and [`contact_solve::resume`].
+    /// The input and the result of [`implicit_contact::correct`] and [`implicit_contact::resume`].
     struct Corrected {
         /// The matrix of the step, held axes not yet cleared.
         matrix: DMatrix<f64>,
@@ -211,14 +212,14 @@ both_precisions! {
         let lines = &mut vec![ContactLines::default(); contacts.len().div_ceil(4)];
         // The last contact is an impact that is only found in the motion of the others.
         let known = contacts.len() - 1;
-        let target = contact_solve::correct(&context, state, (&mut contacts[..known], lines), s, &mut work);
+        let target = implicit_contact::correct(&context, state, (&mut contacts[..known], lines), s, &mut work);
         if target.is_none() {
             s.solution.fill(Vec3::ZERO);
         }
         let first = column(s.solution);
         let moved = contacts[known].gather(s.solution) * advance.length() as Real;
         contacts[known].velocity += moved;
-        contact_solve::resume(&context, (&mut contacts, lines), known, target, s, &mut work);
+        implicit_contact::resume(&context, (&mut contacts, lines), known, target, s, &mut work);
         let end = [column(s.next_positions), column(s.next_velocities)];
         let solution = first.iter().zip(column(s.solution)).map(|(&a, b)| a + b).collect();
         Corrected { matrix, residual, predicted, end, solution, given, contacts, built, work }
@@ -399,7 +400,7 @@ both_precisions! {
                 (contact.stiffness, contact.bound) = (rng.between(0.1, 1.0) as Real, rng.between(0.0, 0.002) as Real);
             }
             let mut blocks = vec![Mat3::IDENTITY; VERTICES as usize];
-            augmented_contact::add_diagonal(&all, &mut blocks);
+            add_diagonal(&ActiveContacts::new(&mut all, &mut []), &mut blocks);
             for v in 0..VERTICES as usize {
                 for axis in 0..3 {
                     let mut want = wide(Mat3::IDENTITY.col(axis));

@@ -8,6 +8,7 @@ use harness::steps::Steps;
 use muslin_core::dispatch::Serial;
 use muslin_core::forces::matrix::{self, Block, BlockMatrix};
 use muslin_core::integrate::conjugate_gradient::{System, write_inverse_diagonal};
+use muslin_core::integrate::convex_term::NoTerm;
 use muslin_core::integrate::pins::PinColumns;
 use muslin_core::integrate::{IntegratorStatistics, Preconditioner};
 use muslin_core::scene::{BUILT_IN, SceneDesc};
@@ -85,7 +86,7 @@ fn inverse_blocks_are_positive_definite_even_of_indefinite_ones() {
     let pins = PinColumns::default();
     let system = System { matrix, masses: &vec![0.0; symmetric.len()], pins: &pins.view() };
     let mut inverse = vec![Mat3::ZERO; symmetric.len()];
-    write_inverse_diagonal(&system, &[], &mut inverse, &Serial);
+    write_inverse_diagonal(&system, &NoTerm, &mut inverse, &Serial);
     for ((signs, block), inverse) in symmetric.iter().zip(&inverse) {
         let least = Matrix3::from_column_slice(&inverse.to_cols_array()).symmetric_eigenvalues().min();
         assert!(least > 0.0, "the inverse of a block with the signs {signs:03b} has the eigenvalue {least}");

@@ -7,9 +7,9 @@
 //! precisions, because the stiffness inside a patch cancels when they are summed. Solves use the factor rounded to the
 //! crate's precision.
 
-use super::augmented_contact::AugmentedContact;
 use super::columns::interleaved_dot;
 use super::conjugate_gradient::System;
+use super::convex_term::{ConvexTerm, Curvature};
 use crate::forces::matrix::to_vec3;
 use crate::real::{Lanes, Real, Sum, SumLanes, Vec3, lanes};
 
@@ -81,22 +81,15 @@ impl Patches<'_> {
     }
 }
 
-/// Writes the small matrix `P^T (M + S' + C) P`, where C is the matrix of the contacts that push, and
+/// Writes the small matrix `P^T (M + S' + C) P`, where C is the curvature of the term, and
 /// factorises it.
-pub fn write_factor(
-    patches: &Patches<'_>,
-    system: &System<'_>,
-    contacts: &[AugmentedContact],
-    factor: &mut CoarseFactor<'_>,
-) {
+pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, term: &dyn ConvexTerm, factor: &mut CoarseFactor<'_>) {
     factor.values.fill(0.0);
     factor.own.fill([[0.0; MODES]; MODES]);
     for vertex in 0..system.masses.len() {
         add_row(patches, system, vertex, factor);
     }
-    for contact in contacts {
-        add_contact(patches, contact, factor);
-    }
+    term.visit_curvature(&mut |part| add_curvature(patches, part, factor));
     for (patch, own) in factor.own.iter().enumerate() {
         for r in 0..MODES {
             let row = patches.row(patch * MODES + r);
@@ -176,14 +169,13 @@ fn spread(patches: &Patches<'_>, vertex: usize, other: usize, sums: &[[Sum; MODE
     }
 }
 
-/// Adds a contact that pushes. If the envelope has no block for two of its patches, only the diagonal
+/// Adds a part of the term's curvature. If the envelope has no block for two of its patches, only the diagonal
 /// block of each patch is added, times the number of patches: an upper bound (by Cauchy's
 /// inequality), so that the small system is never too soft.
-fn add_contact(patches: &Patches<'_>, contact: &AugmentedContact, factor: &mut CoarseFactor<'_>) {
-    let Some(matrix) = contact.matrix() else { return };
-    let (shares, count) = shares(patches, contact);
+fn add_curvature(patches: &Patches<'_>, part: &Curvature, factor: &mut CoarseFactor<'_>) {
+    let (shares, count) = shares(patches, part);
     let shares = &shares[..count];
-    let [x, y, z] = matrix.to_cols_array_2d();
+    let [x, y, z] = part.matrix.to_cols_array_2d();
     let stiffness = [x, y, z].map(|column| column.map(Sum::from));
     let fits = |a: &Share, b: &Share| a.patch <= b.patch || patches.are_coupled(a.patch, b.patch);
     let together = shares.iter().all(|a| shares.iter().all(|b| fits(a, b)));
@@ -206,18 +198,18 @@ fn add_contact(patches: &Patches<'_>, contact: &AugmentedContact, factor: &mut C
     }
 }
 
-/// Displacement of a contact per unit of each motion of a patch.
+/// The weighted sum of the vertices' velocities per unit of each motion of a patch.
 #[derive(Clone, Copy, Default)]
 struct Share {
     patch: usize,
     moves: [Sum; MODES],
 }
 
-/// The shares of a contact's patches, and their number.
-fn shares(patches: &Patches<'_>, contact: &AugmentedContact) -> ([Share; 4], usize) {
+/// The shares of the patches, and their number.
+fn shares(patches: &Patches<'_>, part: &Curvature) -> ([Share; 4], usize) {
     let mut shares = [Share::default(); 4];
     let mut count = 0;
-    for (&v, weight) in contact.vertices.iter().zip(contact.weights) {
+    for (&v, weight) in part.vertices.iter().zip(part.weights) {
         let Some(&label) = patches.labels.get(v as usize) else { continue };
         let k = shares[..count].iter().position(|share| share.patch == label as usize).unwrap_or(count);
         count = count.max(k + 1);

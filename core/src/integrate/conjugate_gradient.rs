@@ -1,26 +1,25 @@
 //! Preconditioned conjugate gradients on the pre-filtered system `(S A S + I - S) y = S b` [Tamstorf 2015], A = M + S'; the
 //! filter S removes the held axes.
 //!
-//! With contacts, the function
+//! With a [`ConvexTerm`] C, which contacts give, the function
 //!
-//! `(y - y0) . A (y - y0) / 2 + sum of the contacts' potentials of u + G y`
+//! `(y - y0) . A (y - y0) / 2 + C(y)`
 //!
-//! is minimised over the change y of the velocities, where `A y0 = b` is the residual of the step and G y the change of a
-//! contact's relative velocity. The function is convex and piecewise quadratic while the bounds of friction are fixed
-//! ([`AugmentedContact`]). The method is that for nonlinear functions [Polak 1969; Nocedal 2006, ch. 5.2] with an exact
+//! is minimised over the change y of the velocities, where `A y0 = b` is the residual of the step. The function is convex
+//! and piecewise quadratic between updates of C. The method is that for nonlinear functions [Polak 1969; Nocedal 2006, ch. 5.2] with an exact
 //! line search: contacts that open, close, stick or slip on the way need no solve of their own. Without contacts these
 //! are linear conjugate gradients.
 //!
 //! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on the limit of iterations.
 
-use super::augmented_contact::{self, AugmentedContact, ContactLines};
 use super::coarse::{self, CoarseFactor, Patches};
 use super::columns::{Sums, dot, sum_parts};
+use super::convex_term::{ConvexTerm, Update};
 use super::pins::Pins;
 use super::{IntegratorStatistics, Preconditioner, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
-use crate::real::{Mat3, Real, Sum, Vec3, dot_sum, scaled_identity};
+use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
@@ -52,7 +51,7 @@ pub struct FactoredPreconditioner<'a, 'b> {
 /// Writes the inverse of each diagonal block, with held axes decoupled.
 pub fn write_inverse_diagonal(
     system: &System<'_>,
-    contacts: &[AugmentedContact],
+    term: &dyn ConvexTerm,
     inverse: &mut [Mat3],
     dispatch: &impl Dispatch,
 ) {
@@ -62,7 +61,7 @@ pub fn write_inverse_diagonal(
             *block = matrix::to_mat3(&matrix.blocks[matrix.offsets[i] as usize]) + scaled_identity(system.masses[i]);
         }
     });
-    augmented_contact::add_diagonal(contacts, inverse);
+    add_diagonal(term, inverse);
     system.pins.filter_diagonal(inverse);
     dispatch.run(inverse, |_, part| {
         for block in part {
@@ -73,6 +72,17 @@ pub fn write_inverse_diagonal(
             } else {
                 scaled_identity(3.0 / (block.x_axis.x.abs() + block.y_axis.y.abs() + block.z_axis.z.abs()))
             };
+        }
+    });
+}
+
+/// Adds the diagonal blocks of the term's curvature.
+pub fn add_diagonal(term: &dyn ConvexTerm, blocks: &mut [Mat3]) {
+    term.visit_curvature(&mut |part| {
+        for (&v, weight) in part.vertices.iter().zip(part.weights) {
+            if let Some(block) = blocks.get_mut(v as usize) {
+                *block += part.matrix * (weight * weight);
+            }
         }
     });
 }
@@ -124,13 +134,11 @@ struct Iterate<'a, 'b> {
     /// The product of the residual with the direction.
     slope: Sum,
     partials: &'a mut [Sums],
-    /// The contacts along the direction; room for all of them.
-    lines: &'a mut [ContactLines],
 }
 
 /// When a solve stops.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Goal {
+pub(crate) enum Goal {
     /// At the preconditioned residual of the start times this.
     Reduce(Sum),
     /// At this square of the preconditioned residual, by the preconditioner of the solve before. It goes on with that
@@ -138,13 +146,12 @@ pub(super) enum Goal {
     Reach(Sum),
 }
 
-/// Writes y to `s.solution`, and the impulses of the contacts; NaN if the residual is not finite. `A y0` is in
-/// `s.residual`; the solve leaves `A (y0 - y)` there. `lines` has room for all contacts, in fours. Returns the square of the
-/// preconditioned residual at which the solve stops.
+/// Writes y to `s.solution`; NaN if the residual is not finite. `A y0` is in
+/// `s.residual`; the solve leaves `A (y0 - y)` there. Returns the square of the preconditioned residual at which the solve stops.
 #[inline(never)]
-pub(super) fn solve<D: Dispatch>(
+pub(crate) fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,
-    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
+    term: &mut dyn ConvexTerm,
     goal: Goal,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
@@ -152,9 +159,9 @@ pub(super) fn solve<D: Dispatch>(
     c.dispatch.enter(Stage::Solve);
     let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
     if let Goal::Reduce(_) = goal {
-        write_inverse_diagonal(&system, contacts, s.inverse_diagonal, c.dispatch);
+        write_inverse_diagonal(&system, term, s.inverse_diagonal, c.dispatch);
         if c.scheme.preconditioner == Preconditioner::TwoLevel {
-            coarse::write_factor(&s.patches, &system, contacts, &mut s.coarse);
+            coarse::write_factor(&s.patches, &system, term, &mut s.coarse);
         }
     }
     let coarse = match c.scheme.preconditioner {
@@ -173,28 +180,27 @@ pub(super) fn solve<D: Dispatch>(
         product: s.products,
         slope: 0.0,
         partials: s.partials,
-        lines,
     };
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
     let [_, free] = i.precondition(c.dispatch);
-    let mut rho = if contacts.is_empty() { free } else { i.gradient(contacts, c.dispatch) };
+    let mut rho = if term.is_zero() { free } else { i.gradient(term, c.dispatch) };
     let target = match goal {
         Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
         Goal::Reach(target) => target,
     };
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
     let (mut updates, mut last_updates) = (0, 0);
-    let most = if contacts.is_empty() { MOST_ITERATIONS } else { MOST_WITH_CONTACTS };
+    let most = if term.is_zero() { MOST_ITERATIONS } else { MOST_WITH_CONTACTS };
     i.restart(rho);
     loop {
-        if rho <= target && contacts.is_empty() {
+        if rho <= target && term.is_zero() {
             statistics.negative_curvature += u64::from(rho < 0.0);
             break;
         }
         if rho <= target {
-            contacts.iter_mut().for_each(|contact| contact.update_friction(true));
-            rho = i.gradient(contacts, c.dispatch);
+            term.update(Update { is_early: false, has_converged: true });
+            rho = i.gradient(term, c.dispatch);
             last_updates += 1;
             let left = if last_updates > 1 { LEFT * target } else { target };
             if rho <= left || last_updates == MOST_LAST_UPDATES {
@@ -210,22 +216,19 @@ pub(super) fn solve<D: Dispatch>(
         (iterations, since_update) = (iterations + 1, since_update + 1);
         statistics.cg_iterations += 1;
         statistics.matrix_products += 1;
-        let Some(length) = i.search(contacts, c.dispatch) else {
+        let Some(length) = i.search(term, c.dispatch) else {
             statistics.negative_curvature += 1;
             if iterations == 1 {
                 i.solution.copy_from_slice(i.direction);
             }
             break;
         };
-        i.advance(contacts, length, c.dispatch);
+        i.advance(term, length, c.dispatch);
         if since_update >= UPDATE_AFTER.max(iterations / UPDATE_PART) || rho < UPDATE_BELOW * updated_at {
-            contacts.iter_mut().for_each(|contact| contact.update_friction(last_updates > 0));
-            if updates < MULTIPLIER_UPDATES {
-                contacts.iter_mut().for_each(AugmentedContact::update_multiplier);
-            }
+            term.update(Update { is_early: updates < MULTIPLIER_UPDATES, has_converged: last_updates > 0 });
             (updated_at, since_update, updates) = (rho, 0, updates + 1);
         }
-        rho = i.turn(contacts, rho, c.dispatch);
+        rho = i.turn(term, rho, c.dispatch);
     }
     if !rho.is_finite() {
         // A solve that fails writes NaN, so that the check after the step rejects it.
@@ -236,18 +239,16 @@ pub(super) fn solve<D: Dispatch>(
 
 impl Iterate<'_, '_> {
     /// Writes the residual from its elastic part and the impulses, and preconditions it. Returns its squared norm.
-    fn gradient(&mut self, contacts: &[AugmentedContact], dispatch: &impl Dispatch) -> Sum {
+    fn gradient(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) -> Sum {
         self.residual.copy_from_slice(self.elastic);
-        self.add_impulses(contacts);
+        self.add_impulses(term);
         let [_, rho] = self.precondition(dispatch);
         rho
     }
 
     /// Adds the impulses to the residual.
-    fn add_impulses(&mut self, contacts: &[AugmentedContact]) {
-        for contact in contacts.iter().filter(|contact| contact.impulse != Vec3::ZERO) {
-            contact.scatter_impulse(self.residual);
-        }
+    fn add_impulses(&mut self, term: &dyn ConvexTerm) {
+        term.add_impulses(self.residual);
         self.system.pins.filter(self.residual);
     }
 
@@ -283,8 +284,8 @@ impl Iterate<'_, '_> {
     }
 
     /// Length of the step along the direction that minimises the function there; `None` where it has no minimum.
-    fn search(&mut self, contacts: &mut [AugmentedContact], dispatch: &impl Dispatch) -> Option<Sum> {
-        let Self { system, direction, product, partials, lines, slope, .. } = self;
+    fn search(&mut self, term: &mut dyn ConvexTerm, dispatch: &impl Dispatch) -> Option<Sum> {
+        let Self { system, direction, product, partials, slope, .. } = self;
         let (slope, direction) = (*slope, &**direction);
         let [curvature, _] = sum_parts(product, partials, dispatch, |range, q| {
             matrix::multiply_rows(system.matrix, system.masses, 1.0, direction, range.start, q);
@@ -292,25 +293,13 @@ impl Iterate<'_, '_> {
             [dot(&direction[range], q), 0.0]
         });
         system.pins.filter(product);
-        if contacts.is_empty() {
+        if term.is_zero() {
             return (curvature > 0.0).then(|| slope / curvature);
         }
-        let (mut elastic_slope, mut count) = (slope, 0_usize);
-        for contact in &mut *contacts {
-            contact.change = contact.gather(direction);
-            elastic_slope -= dot_sum(contact.impulse, contact.change);
-            if let Some(line) = contact.line(contact.change) {
-                if count.is_multiple_of(4) {
-                    lines[count / 4] = ContactLines::default();
-                }
-                lines[count / 4].set(count % 4, &line);
-                count += 1;
-            }
-        }
-        let lines = &lines[..count.div_ceil(4)];
+        let elastic_slope = slope - term.set_direction(direction);
         // The derivative of the function along the direction increases with the length of the step.
         let evaluate = |length: Sum| {
-            let [slope, second] = augmented_contact::slope_and_curvature(lines, length as Real);
+            let [slope, second] = term.slope_and_curvature(length as Real);
             (length * curvature - elastic_slope - slope, curvature + second)
         };
         let (mut low, mut high, mut length) = (0.0, Sum::INFINITY, 0.0);
@@ -327,9 +316,6 @@ impl Iterate<'_, '_> {
                 (false, true) => 0.5 * (low + high),
                 (false, false) => return None,
             };
-            if lines.is_empty() {
-                break;
-            }
             (derivative, second) = evaluate(length);
             if derivative.abs() <= SEARCHED * slope {
                 break;
@@ -339,7 +325,7 @@ impl Iterate<'_, '_> {
     }
 
     /// Moves along the direction. The residual becomes its elastic part.
-    fn advance(&mut self, contacts: &mut [AugmentedContact], length: Sum, dispatch: &impl Dispatch) {
+    fn advance(&mut self, term: &mut dyn ConvexTerm, length: Sum, dispatch: &impl Dispatch) {
         let length = length as Real;
         let (p, q) = (&*self.direction, &*self.product);
         let columns = (&mut *self.solution, &mut *self.elastic, &mut *self.residual);
@@ -351,18 +337,15 @@ impl Iterate<'_, '_> {
                 *residual = *elastic;
             }
         });
-        for contact in contacts {
-            contact.velocity += contact.change * length;
-            contact.impulse = contact.impulse_at(contact.velocity);
-        }
+        term.advance(length);
     }
 
     /// Completes the residual and writes the next conjugate direction. Returns the squared norm of the residual.
-    fn turn(&mut self, contacts: &[AugmentedContact], rho: Sum, dispatch: &impl Dispatch) -> Sum {
-        self.add_impulses(contacts);
+    fn turn(&mut self, term: &dyn ConvexTerm, rho: Sum, dispatch: &impl Dispatch) -> Sum {
+        self.add_impulses(term);
         let [crossed, next] = self.precondition(dispatch);
         // Zero for a quadratic function.
-        let crossed = if contacts.is_empty() { 0.0 } else { crossed };
+        let crossed = if term.is_zero() { 0.0 } else { crossed };
         let beta = ((next - crossed) / rho).max(0.0) as Real;
         let (r, z) = (&*self.residual, &*self.preconditioned);
         [self.slope, _] = sum_parts(self.direction, self.partials, dispatch, |range, p| {

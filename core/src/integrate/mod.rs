@@ -3,13 +3,12 @@
 //! Every method writes the candidate state to [`Scratch`] and does not change the state. The step
 //! decides whether the candidate becomes the state.
 
-pub mod augmented_contact;
 pub mod backward_euler;
 pub mod bdf2;
 pub mod coarse;
 pub mod columns;
 pub mod conjugate_gradient;
-pub mod contact_solve;
+pub mod convex_term;
 pub mod explicit_euler;
 pub mod implicit_midpoint;
 pub mod midpoint;
@@ -146,7 +145,7 @@ pub struct StepInput<'a, D> {
     /// Whether the single linear solve may linearise the forces at positions extrapolated by the velocities.
     /// False after contact, which changes the velocities abruptly.
     pub extrapolates: bool,
-    /// Whether contacts are solved after the candidate state is written ([`contact_solve`]).
+    /// Whether contacts are solved after the candidate state is written ([`implicit_contact`](crate::implicit_contact)).
     pub has_contact: bool,
     /// Runs the kernels.
     pub dispatch: &'a D,

@@ -17,6 +17,7 @@
 //! dissipation G is the same function in all iterations, and every accepted step decreases it.
 
 use super::conjugate_gradient::{self, Goal};
+use super::convex_term::NoTerm;
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
@@ -38,7 +39,7 @@ pub struct ImplicitStage<'a> {
 
 /// Largest strain or turn (rad) of an element that the extrapolation to the point of linearisation may cause. A longer
 /// extrapolation is shortened. Forces at much larger strains do not represent the forces during the step.
-pub(super) const MOST_STRAIN: Real = 0.5;
+pub(crate) const MOST_STRAIN: Real = 0.5;
 
 /// Lower bound on the relative tolerance of conjugate gradients inside Newton's method. A more accurate direction would
 /// not give a better step.
@@ -97,7 +98,7 @@ fn linearized_step<D: Dispatch>(
 }
 
 /// Linearises the forces at `s.next_velocities` and writes the matrix and the residual there.
-pub(super) fn linearize<D: Dispatch>(
+pub(crate) fn linearize<D: Dispatch>(
     c: &StepInput<'_, D>,
     stage: &ImplicitStage<'_>,
     s: &mut Scratch<'_>,
@@ -112,7 +113,7 @@ pub(super) fn linearize<D: Dispatch>(
 }
 
 /// The weight's impulse relative to the residual, at least 1. For a sheet near rest the residual alone gives no scale.
-pub(super) fn weight_factor<D: Dispatch>(c: &StepInput<'_, D>, length: Real, s: &Scratch<'_>) -> Sum {
+pub(crate) fn weight_factor<D: Dispatch>(c: &StepInput<'_, D>, length: Real, s: &Scratch<'_>) -> Sum {
     let norm = residual_norm(c, s.residual).max(Sum::MIN_POSITIVE);
     (weight_impulse(c, length) / norm).max(1.0)
 }
@@ -195,7 +196,7 @@ fn solve_linear<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    conjugate_gradient::solve(c, (&mut [], &mut []), Goal::Reduce(tolerance), s, statistics);
+    conjugate_gradient::solve(c, &mut NoTerm, Goal::Reduce(tolerance), s, statistics);
     c.dispatch.enter(Stage::Integrate);
 }
 

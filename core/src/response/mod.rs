@@ -1,6 +1,6 @@
 //! Contacts in, corrected motion out [Bridson 2002], in passes:
 //!
-//! An implicit step is first [solved together with its contacts](coupled), so that the cloth gives way
+//! An implicit step is first [solved together with its contacts](crate::implicit_contact), so that the cloth gives way
 //! elastically. Then:
 //!
 //! 1. [`repulsion`]: what is near at the start of the step must not come nearer than the thickness;
@@ -15,12 +15,10 @@
 //! that rounding hides what they do, the end is [tested exactly](crate::audit::new_crossing).
 
 pub mod constraint;
-pub mod coupled;
 pub mod friction;
 pub mod hold;
 pub mod impact;
 pub mod impact_zone;
-pub mod multiplier;
 pub mod repulsion;
 
 use crate::contact::{ContactModel, ContactScratch};
@@ -112,8 +110,8 @@ impl List<'_> {
     }
 }
 
-/// Finds the pairs that are near at the start of the step and may push, and writes them to `scratch.contacts` for the
-/// solve of an implicit step. Pairs that the predicted motion leaves up to `margin` apart may push, m.
+/// Finds the pairs that are near at the start of the step and may push, for the solve of an implicit step. Pairs that the
+/// predicted motion leaves up to `margin` apart may push, m.
 pub fn find_contacts(
     model: &ContactModel<'_>,
     scratch: &mut ContactScratch<'_>,
@@ -121,24 +119,20 @@ pub fn find_contacts(
     margin: Real,
 ) -> Result<(), usize> {
     let count = find_near(model, scratch, step, 0, margin)?;
-    scratch.lengths.contacts = 0;
-    coupled::give(scratch, 0..count, step, model.thickness);
     scratch.lengths.constraints = count;
     Ok(())
 }
 
-/// Finds the pairs that the motion of the solve brings nearer than the thickness, and those that meet on the way. Adds
-/// them to `scratch.contacts`, the latter at the place and along the direction of their impact [Otaduy 2009]. Returns how
-/// many contacts there were before.
+/// Adds the pairs that the motion of the solve brings nearer than the thickness, and those that collide on the way, the
+/// latter at the place and along the direction of their impact [Otaduy 2009].
 pub fn find_impacts<D: Dispatch>(
     model: &ContactModel<'_>,
     scratch: &mut ContactScratch<'_>,
     step: Real,
     dispatch: &D,
-) -> Result<usize, usize> {
+) -> Result<(), usize> {
     dispatch.enter(Stage::Response);
-    let before = *scratch.lengths;
-    let near = find_near(model, scratch, step, before.constraints, 0.0)?;
+    let near = find_near(model, scratch, step, scratch.lengths.constraints, 0.0)?;
     let ContactScratch { start, end, moves, rounds, counts, constraints, .. } = scratch;
     let pairs = [counts.vertex_triangle, counts.edge_edge];
     let motion = Motion { start, end, moves, rounds, step };
@@ -148,10 +142,8 @@ pub fn find_impacts<D: Dispatch>(
         impact::find(model, vertex_triangle, edge_edge, pairs, &motion, 0, &mut list, dispatch);
     }
     impact::find_planes(model, &motion, 0, &mut list);
-    let count = list.count()?;
-    coupled::give(scratch, before.constraints..count, step, model.thickness);
-    scratch.lengths.constraints = count;
-    Ok(before.contacts)
+    scratch.lengths.constraints = list.count()?;
+    Ok(())
 }
 
 /// Adds what is near to the constraints that there are; returns how many there are then.
@@ -186,7 +178,6 @@ pub fn respond<D: Dispatch>(
     tally: &mut Tally,
     dispatch: &D,
 ) -> Result<Outcome, usize> {
-    coupled::take(model, scratch, settings.step);
     let near = find_near(model, scratch, settings.step, scratch.lengths.constraints, 0.0)?;
     let ContactScratch { start, end, moves, parting, rounds, zones, boxes, counts, constraints, order, .. } = scratch;
     let mut list = List { all: constraints, count: near, touching: 0 };

@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use super::{Simulation, State, StepError, Substep};
 use crate::contact::ContactScratchColumns;
 use crate::dispatch::Dispatch;
+use crate::implicit_contact::multiplier::Multiplier;
 use crate::real::{Sum, Vec3};
-use crate::response::multiplier::Multiplier;
 
 /// Largest number of halvings. In the shortest substeps vertices that still collide are held back.
 const MOST_HALVINGS: u32 = 6;

@@ -3,13 +3,13 @@
 
 use core::ops::Range;
 
-use super::constraint::{self, Constraint};
-use super::friction::Grip;
+use super::augmented_contact::{AugmentedContact, Friction};
 use super::multiplier;
-use super::repulsion::MOST_LEVER;
 use crate::contact::{ContactModel, ContactScratch};
-use crate::integrate::augmented_contact::{AugmentedContact, Friction};
 use crate::real::{Real, sqrt};
+use crate::response::constraint::{self, Constraint};
+use crate::response::friction::Grip;
+use crate::response::repulsion::MOST_LEVER;
 
 /// How far from the cone friction may be left, relative to what the cone allows.
 const SLACK: Real = 0.05;
@@ -23,7 +23,7 @@ const SMALL: Real = 0.1;
 
 /// Adds those of the constraints that something can keep to the contacts of the solve, with their displacements in place
 /// of velocities. `step` is the length of the step, s; `thickness` in m.
-pub(super) fn give(scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real, thickness: Real) {
+pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real, thickness: Real) {
     let multipliers = &scratch.multipliers[..scratch.lengths.multipliers];
     let mut given = scratch.lengths.contacts;
     for (index, constraint) in (constraints.start as u32..).zip(&scratch.constraints[constraints]) {
@@ -49,7 +49,7 @@ pub(super) fn give(scratch: &mut ContactScratch<'_>, constraints: Range<usize>, 
 }
 
 /// Gives constraints the impulses that the solve found, from where the response goes on.
-pub(super) fn take(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, step: Real) {
+pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, step: Real) {
     for constraint in &mut scratch.constraints[..scratch.lengths.constraints] {
         let Constraint { contact, target, grip, .. } = *constraint;
         *constraint = Constraint::new(contact, target, grip, model.mobility, MOST_LEVER);

@@ -12,7 +12,8 @@
 //! function [Simo 1992, Alart 1991].
 
 use crate::forces::matrix::{self, BlockMatrix};
-use crate::real::{Lanes, Mat3, Real, Sum, Vec3, outer, scaled_identity, sqrt};
+use crate::integrate::convex_term::{ConvexTerm, Curvature, Update};
+use crate::real::{Lanes, Mat3, Real, Sum, Vec3, dot_sum, outer, scaled_identity, sqrt};
 
 /// Stiffness of a contact relative to that of the cloth at its vertices. A larger value needs more iterations; a smaller
 /// value leaves more of a sudden contact to the response.
@@ -280,13 +281,74 @@ impl AugmentedContact {
     }
 }
 
-/// Adds the diagonal blocks of the contacts that push.
-pub fn add_diagonal(contacts: &[AugmentedContact], blocks: &mut [Mat3]) {
-    for contact in contacts {
-        let Some(matrix) = contact.matrix() else { continue };
-        for (&v, weight) in contact.vertices.iter().zip(contact.weights) {
-            if let Some(block) = blocks.get_mut(v as usize) {
-                *block += matrix * (weight * weight);
+/// The contacts of a solve, as a term of its function: the sum of their potentials.
+pub struct ActiveContacts<'a> {
+    contacts: &'a mut [AugmentedContact],
+    lines: &'a mut [ContactLines],
+    /// Number of contacts in the lines.
+    count: usize,
+}
+
+impl<'a> ActiveContacts<'a> {
+    /// `lines` has room for all contacts, four in each.
+    pub fn new(contacts: &'a mut [AugmentedContact], lines: &'a mut [ContactLines]) -> Self {
+        Self { contacts, lines, count: 0 }
+    }
+}
+
+impl ConvexTerm for ActiveContacts<'_> {
+    fn is_zero(&self) -> bool {
+        self.contacts.is_empty()
+    }
+
+    fn visit_curvature(&self, visit: &mut dyn FnMut(&Curvature)) {
+        for contact in &*self.contacts {
+            if let Some(matrix) = contact.matrix() {
+                visit(&Curvature { vertices: contact.vertices, weights: contact.weights, matrix });
+            }
+        }
+    }
+
+    fn add_impulses(&self, out: &mut [Vec3]) {
+        for contact in self.contacts.iter().filter(|contact| contact.impulse != Vec3::ZERO) {
+            contact.scatter_impulse(out);
+        }
+    }
+
+    fn set_direction(&mut self, direction: &[Vec3]) -> Sum {
+        let mut slope = 0.0;
+        self.count = 0;
+        for contact in &mut *self.contacts {
+            contact.change = contact.gather(direction);
+            slope += dot_sum(contact.impulse, contact.change);
+            if let Some(line) = contact.line(contact.change) {
+                let lines = &mut self.lines[self.count / 4];
+                if self.count.is_multiple_of(4) {
+                    *lines = ContactLines::default();
+                }
+                lines.set(self.count % 4, &line);
+                self.count += 1;
+            }
+        }
+        slope
+    }
+
+    fn slope_and_curvature(&self, length: Real) -> [Sum; 2] {
+        slope_and_curvature(&self.lines[..self.count.div_ceil(4)], length)
+    }
+
+    fn advance(&mut self, length: Real) {
+        for contact in &mut *self.contacts {
+            contact.velocity += contact.change * length;
+            contact.impulse = contact.impulse_at(contact.velocity);
+        }
+    }
+
+    fn update(&mut self, update: Update) {
+        for contact in &mut *self.contacts {
+            contact.update_friction(update.has_converged);
+            if update.is_early {
+                contact.update_multiplier();
             }
         }
     }

@@ -1,16 +1,22 @@
-//! Completes an implicit step with its contacts: one solve of elasticity, contacts and friction together
+//! Contact in an implicit step: active contacts in, multipliers and a corrected motion out.
+//!
+//! Completes the step with its contacts: one solve of elasticity, contacts and friction together
 //! ([`conjugate_gradient`]), and more where one linearisation cannot follow the motion. The solve pauses once, for the
 //! pairs that its motion brings together: they become contacts too [Otaduy 2009].
 
-use super::augmented_contact::{AugmentedContact, ContactLines};
-use super::conjugate_gradient::{self, Goal};
-use super::newton::{self, ImplicitStage, MOST_STRAIN};
-use super::{IntegratorStatistics, Method, StepInput};
+pub mod augmented_contact;
+pub mod exchange;
+pub mod multiplier;
+
 use crate::dispatch::Dispatch;
 use crate::forces;
+use crate::integrate::conjugate_gradient::{self, Goal};
+use crate::integrate::newton::{self, ImplicitStage, MOST_STRAIN};
+use crate::integrate::{IntegratorStatistics, Method, StepInput};
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
+use augmented_contact::{ActiveContacts, AugmentedContact, ContactLines};
 
 /// Limit of linearisations in a step.
 const MOST_LINEARIZATIONS: u32 = 8;
@@ -52,7 +58,13 @@ pub fn correct<D: Dispatch>(
     let stage = ImplicitStage { length, positions: x, velocities: v };
     for linearization in 1..=MOST_LINEARIZATIONS {
         let tolerance = rough(c) * newton::weight_factor(c, length, s);
-        let target = conjugate_gradient::solve(c, (contacts, lines), Goal::Reduce(tolerance), s, statistics);
+        let target = conjugate_gradient::solve(
+            c,
+            &mut ActiveContacts::new(contacts, lines),
+            Goal::Reduce(tolerance),
+            s,
+            statistics,
+        );
         let part = MOST_STRAIN / (length * forces::strain_rate(c.model, s.solution));
         let left = (MOST_LINEARIZATIONS - linearization) as Real;
         // Steps that are much too long for the motion gain nothing.
@@ -95,7 +107,13 @@ pub fn resume<D: Dispatch>(
         solve_change(c, (contacts, lines), c.scheme.tolerance.into(), s, statistics);
         return;
     };
-    conjugate_gradient::solve(c, (contacts, lines), Goal::Reach(target * left * left), s, statistics);
+    conjugate_gradient::solve(
+        c,
+        &mut ActiveContacts::new(contacts, lines),
+        Goal::Reach(target * left * left),
+        s,
+        statistics,
+    );
     let to_velocity = if c.defers_solve() { 1.0 } else { length / c.step };
     add_solution(c, length, to_velocity, s);
 }
@@ -118,13 +136,14 @@ fn start<D: Dispatch>(c: &StepInput<'_, D>, length: Real, contacts: &mut [Augmen
 /// Solves for the change that contacts make to a step that is complete without them. Returns where the solve stopped.
 fn solve_change<D: Dispatch>(
     c: &StepInput<'_, D>,
-    contacts: (&mut [AugmentedContact], &mut [ContactLines]),
+    (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
     tolerance: Sum,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) -> Sum {
     s.residual.fill(Vec3::ZERO);
-    let target = conjugate_gradient::solve(c, contacts, Goal::Reduce(tolerance), s, statistics);
+    let target =
+        conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), Goal::Reduce(tolerance), s, statistics);
     // A contact changes the velocity as much as the displacement over the step. The second-order methods would
     // extrapolate the change: the cloth would bounce.
     let length = stage_length(c.scheme.method, c.step, s.has_history);

@@ -3,8 +3,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::constraint::{self, Constraint};
 use crate::real::{Real, Vec3};
+use crate::response::constraint::{self, Constraint};
 
 /// The force of a contact in the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
