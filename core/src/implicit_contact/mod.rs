@@ -12,7 +12,7 @@ use crate::dispatch::Dispatch;
 use crate::forces;
 use crate::integrate::conjugate_gradient::{self, Goal};
 use crate::integrate::newton::{self, ImplicitStage, MOST_STRAIN};
-use crate::integrate::{IntegratorStatistics, Method, StepInput};
+use crate::integrate::{IntegratorStatistics, StepInput};
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
@@ -23,14 +23,6 @@ const MOST_LINEARIZATIONS: u32 = 8;
 
 /// Relative residual at which the solve pauses. It suffices to find the impacts of the motion.
 const ROUGH: Sum = 1e-2;
-
-/// Length over which the velocity that the stage was solved for moves the positions, s.
-fn stage_length(method: Method, step: Real, has_history: bool) -> Real {
-    match method {
-        Method::Bdf2 if has_history => step * (2.0 / 3.0),
-        _ => step,
-    }
-}
 
 /// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. `x` and `v` are the state at the
 /// start of the step. Of contacts, the relative displacement and the least displacement along the normal are given in
@@ -47,7 +39,7 @@ pub fn correct<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) -> Option<Sum> {
-    let length = stage_length(c.scheme.method, c.step, s.has_history);
+    let length = c.stage_length(s.has_history);
     start(c, length, contacts, s);
     if !c.defers_solve() {
         if contacts.iter().all(|contact| contact.impulse == Vec3::ZERO) {
@@ -98,7 +90,7 @@ pub fn resume<D: Dispatch>(
     if added.is_empty() && (left == 1.0 || target.is_none()) {
         return;
     }
-    let length = stage_length(c.scheme.method, c.step, s.has_history);
+    let length = c.stage_length(s.has_history);
     if !added.is_empty() {
         before.iter_mut().for_each(AugmentedContact::update_multiplier);
         start(c, length, added, s);
@@ -146,7 +138,7 @@ fn solve_change<D: Dispatch>(
         conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), Goal::Reduce(tolerance), s, statistics);
     // A contact changes the velocity as much as the displacement over the step. The second-order methods would
     // extrapolate the change: the cloth would bounce.
-    let length = stage_length(c.scheme.method, c.step, s.has_history);
+    let length = c.stage_length(s.has_history);
     add_solution(c, length, length / c.step, s);
     target
 }

@@ -5,8 +5,13 @@
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput, implicit_midpoint};
 use crate::dispatch::Dispatch;
-use crate::real::Vec3;
+use crate::real::{Real, Vec3};
 use crate::scratch::Scratch;
+
+/// g, s.
+pub fn stage_length(step: Real) -> Real {
+    step * (2.0 / 3.0)
+}
 
 /// Writes the state after one step to `s.next_positions` and `s.next_velocities`. Reads
 /// `s.previous_positions` and `s.previous_velocities` if `s.has_history` is set.
@@ -20,7 +25,7 @@ pub fn advance<D: Dispatch>(
     if !s.has_history {
         return implicit_midpoint::advance(c, x, v, s, statistics);
     }
-    let g = c.step * (2.0 / 3.0);
+    let g = stage_length(c.step);
     let (xp, vp) = (&*s.previous_positions, &*s.previous_velocities);
     c.dispatch.run((&mut *s.base_positions, &mut *s.base_velocities), |start, (xh, vh)| {
         for (i, (xh, vh)) in (start..).zip(xh.iter_mut().zip(vh)) {

@@ -158,6 +158,15 @@ impl<D: Dispatch> StepInput<'_, D> {
         self.has_contact && self.scheme.method == Method::BackwardEuler && self.scheme.newton <= 1
     }
 
+    /// Length over which the velocity that the method's stage is solved for moves the positions, s.
+    pub fn stage_length(&self, has_history: bool) -> Real {
+        match self.scheme.method {
+            Method::Bdf2 if has_history => bdf2::stage_length(self.step),
+            Method::Bdf2 | Method::BackwardEuler | Method::ImplicitMidpoint => self.step,
+            Method::ExplicitEuler | Method::SymplecticEuler | Method::Midpoint | Method::Rk4 => self.step,
+        }
+    }
+
     /// Writes the forces at the state (`x`, `v`) to `f` and counts the evaluation.
     pub fn forces(
         &self,
