@@ -104,9 +104,9 @@ fn a_step_with_contact_allocates_nothing_once_there_is_room() {
             (0..steps).for_each(|_| cloth.take_step().expect("the scene of this test stays finite"));
         };
         run(&mut cloth);
-        assert!(cloth.tally().proximity > 1000, "{}: hardly anything touches", method.name());
+        assert!(cloth.contact_statistics().proximity > 1000, "{}: hardly anything touches", method.name());
         assert!(
-            cloth.restore(&start.state(), start.statistics(), start.tally()),
+            cloth.restore(&start.state(), start.statistics(), start.contact_statistics()),
             "a simulation restores its own start"
         );
         let counted = allocation_counter::measure(|| run(&mut cloth));
@@ -144,7 +144,7 @@ fn before_halves(mut cloth: Simulation) -> Option<Simulation> {
     while cloth.time() < 0.2 {
         let before = cloth.clone();
         cloth.take_step().ok()?;
-        if cloth.tally().rejected > 0 {
+        if cloth.contact_statistics().rejected > 0 {
             return Some(before);
         }
     }
@@ -163,7 +163,10 @@ const NEARLY: (&str, &str) = (
 fn allocated(cloth: &mut Simulation, what: &str, run: impl Fn(&mut Simulation)) {
     let start = cloth.clone();
     run(cloth);
-    assert!(cloth.restore(&start.state(), start.statistics(), start.tally()), "a simulation restores its own start");
+    assert!(
+        cloth.restore(&start.state(), start.statistics(), start.contact_statistics()),
+        "a simulation restores its own start"
+    );
     let counted = allocation_counter::measure(|| run(cloth));
     assert_eq!(
         counted.count_total, 0,
@@ -202,7 +205,11 @@ fn a_step_that_is_taken_back_allocates_nothing() {
         allocated(&mut nearly, &format!("{name}, nearly touching"), |cloth| {
             (0..10).for_each(|_| cloth.take_step().expect(taken));
         });
-        assert!(nearly.tally().touching > 0, "{name}: no end was tested exactly, {:?}", nearly.tally());
+        assert!(
+            nearly.contact_statistics().touching > 0,
+            "{name}: no end was tested exactly, {:?}",
+            nearly.contact_statistics()
+        );
     }
 }
 

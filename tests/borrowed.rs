@@ -47,7 +47,7 @@ both_precisions! {
     use muslin::integrate::pins::{AT_REST, Key, Motion, PinColumns, Pins};
     use muslin::integrate::{StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
     use muslin::particles::{ParticleColumns, Particles};
-    use muslin::response::Tally;
+    use muslin::response::ContactStatistics;
     use muslin::real::{Mat3, Real, Sum, Vec3, vec3};
     use muslin::scene::BuiltScene;
     use muslin::scratch::Scratch;
@@ -213,7 +213,7 @@ both_precisions! {
                 has_contact: false,
                 dispatch: &Serial,
             };
-            let work = Work { integrator: &mut statistics, contact: &mut Tally::default(), searched: &mut 0 };
+            let work = Work { integrator: &mut statistics, contact: &mut ContactStatistics::default(), searched: &mut 0 };
             let contact = None::<StepContact<'_, NoContact>>;
             let taken = block_on(step::take(&context, &mut particles, &mut scratch, contact, work));
             assert_eq!(taken, Ok(false), "{} {}, step {n}", muslin::real::NAME, method.name());

@@ -1,5 +1,5 @@
-//! What detection and response work on: the surfaces that can touch, and the columns that a step
-//! writes. Vertices of the cloth come first, then those of the colliders.
+//! The data of detection and response: the surfaces that can touch, and the columns that a step writes. Vertices of the
+//! cloth come first, then those of the colliders.
 
 use crate::audit::Room;
 use crate::broad_phase::{Counts, Grid, KeptPairs, Surface};
@@ -14,23 +14,22 @@ use crate::response::friction::Law;
 /// Contact as a scene describes it, borrowed.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactModel<'a> {
-    /// m; features nearer than this are in contact.
+    /// Features nearer than this are in contact, m.
     pub thickness: Real,
-    /// Whether motion inside the step is tested.
+    /// Whether collisions during the step are tested.
     pub continuous: bool,
-    /// What can touch.
+    /// The surfaces that can touch.
     pub surface: Surface<'a>,
-    /// What the cloth can touch besides itself.
+    /// The colliders.
     pub colliders: Colliders<'a>,
     /// First vertex of each cloth and, last, of the colliders.
     pub firsts: &'a [u32],
-    /// Where each cloth vertex was before its cloth was placed, m: neighbours on the sheet may be
-    /// nearer than the thickness.
+    /// Position of each cloth vertex before its cloth was placed, m. Neighbours on a sheet may be nearer than the thickness.
     pub material: &'a [Vec3],
-    /// m around each vertex; only spheres and capsules have one.
+    /// Radius around each vertex, m; not zero only for spheres and capsules.
     pub radii: &'a [Real],
-    /// 1/kg along each axis; 0 where it is held, and for colliders.
-    pub mobility: &'a [Vec3],
+    /// Inverse mass of each vertex along each axis, 1/kg; 0 for held axes and colliders.
+    pub inverse_masses: &'a [Vec3],
     /// Index of each vertex's law of friction; a contact follows the larger.
     pub law_of: &'a [u32],
     /// The laws.
@@ -38,32 +37,32 @@ pub struct ContactModel<'a> {
 }
 
 impl ContactModel<'_> {
-    /// How many vertices are cloth.
+    /// Number of vertices of the cloth.
     pub fn cloth(&self) -> usize {
         self.material.len()
     }
 }
 
-/// The columns that a step writes; one entry a vertex where not said otherwise.
+/// The columns that a step writes. They have one entry per vertex unless stated otherwise.
 #[derive(Debug)]
 pub struct ContactScratch<'a> {
-    /// Where each vertex is at the start of the step, m.
+    /// Positions at the start of the step, m.
     pub start: &'a mut [Vec3],
-    /// Where it would be at the end if nothing touched, m.
+    /// Positions at the end of the step before the response, m.
     pub predicted: &'a mut [Vec3],
-    /// Where it is at the end, m.
+    /// Positions at the end of the step, m.
     pub end: &'a mut [Vec3],
-    /// From start to end, m: beside both because differences of positions round.
-    pub moves: &'a mut [Vec3],
-    /// The part of `moves` that only parts surfaces, or rounds, and is no velocity, m.
-    pub parting: &'a mut [Vec3],
-    /// The round in which each vertex was last moved by the response; 0: not at all.
+    /// Displacements from start to end, m. They are stored because differences of positions are rounded.
+    pub displacements: &'a mut [Vec3],
+    /// The part of the displacements that only separates surfaces, or rounds, and changes no velocity, m.
+    pub corrections: &'a mut [Vec3],
+    /// The round in which the response last moved each vertex; 0 if it did not.
     pub rounds: &'a mut [u32],
     /// Union-find over vertices.
     pub zones: &'a mut [u32],
-    /// Around each vertex's motion; in a quiet step, around its start.
+    /// Boxes around the motion; in a quiet step, around the start.
     pub boxes: &'a mut [Aabb],
-    /// How many of the candidates are valid.
+    /// Numbers of candidates.
     pub counts: &'a mut Counts,
     /// Pairs of a vertex and a triangle.
     pub vertex_triangle: Pairs<'a>,
@@ -81,11 +80,11 @@ pub struct ContactScratch<'a> {
     pub multipliers: &'a mut [Multiplier],
     /// Indices of constraints; twice the capacity.
     pub order: &'a mut [u32],
-    /// Of the broad phase.
+    /// Columns of the broad phase.
     pub grid: Grid<'a>,
     /// Pairs that last over many steps.
     pub kept: KeptPairs<'a>,
-    /// Of the exact test.
+    /// Columns of the exact test.
     pub room: Room<'a>,
 }
 
@@ -138,14 +137,14 @@ impl ContactRoom for NoContact {
     }
 }
 
-/// Candidates of one kind, and what is known of each.
+/// Candidates of one kind, with distance and time of impact.
 #[derive(Debug)]
 pub struct Pairs<'a> {
     /// The features.
     pub candidates: &'a mut [[u32; 2]],
-    /// Distance at the start less the radii, m; where it is beyond reach a lower bound.
+    /// Distance at the start less the radii, m; beyond reach, a lower bound.
     pub distances: &'a mut [Real],
-    /// When they meet; above 1: not in this step.
+    /// Time of impact as a fraction of the step; above 1 if they do not collide.
     pub times: &'a mut [Real],
 }
 
@@ -173,20 +172,20 @@ mod owned {
     pub struct ContactColumns {
         /// m.
         pub thickness: Real,
-        /// Whether motion inside the step is tested.
+        /// Whether collisions during the step are tested.
         pub continuous: bool,
-        /// What can touch.
+        /// The surfaces that can touch.
         pub surface: SurfaceColumns,
-        /// What the cloth can touch besides itself.
+        /// The colliders.
         pub colliders: ColliderColumns,
         /// First vertex of each cloth and, last, of the colliders.
         pub firsts: Vec<u32>,
-        /// Each cloth vertex before its cloth was placed, m.
+        /// Position of each cloth vertex before its cloth was placed, m.
         pub material: Vec<Vec3>,
         /// m.
         pub radii: Vec<Real>,
         /// 1/kg.
-        pub mobility: Vec<Vec3>,
+        pub inverse_masses: Vec<Vec3>,
         /// Index of each vertex's law.
         pub law_of: Vec<u32>,
         /// The laws.
@@ -204,7 +203,7 @@ mod owned {
                 firsts: &self.firsts,
                 material: &self.material,
                 radii: &self.radii,
-                mobility: &self.mobility,
+                inverse_masses: &self.inverse_masses,
                 law_of: &self.law_of,
                 laws: &self.laws,
             }
@@ -217,7 +216,7 @@ mod owned {
                 + size_of_val(&self.firsts[..])
                 + size_of_val(&self.material[..])
                 + size_of_val(&self.radii[..])
-                + size_of_val(&self.mobility[..])
+                + size_of_val(&self.inverse_masses[..])
                 + size_of_val(&self.law_of[..])
                 + size_of_val(&self.laws[..])
         }
@@ -253,8 +252,8 @@ mod owned {
         start: Vec<Vec3>,
         predicted: Vec<Vec3>,
         end: Vec<Vec3>,
-        moves: Vec<Vec3>,
-        parting: Vec<Vec3>,
+        displacements: Vec<Vec3>,
+        corrections: Vec<Vec3>,
         rounds: Vec<u32>,
         zones: Vec<u32>,
         boxes: Vec<Aabb>,
@@ -274,7 +273,7 @@ mod owned {
 
     impl ContactScratchColumns {
         /// Columns for a model, with room for `pairs` candidates of each kind and an eighth as many
-        /// constraints; they grow where a step needs more.
+        /// constraints. They grow if a step needs more.
         #[cfg_attr(small, optimize(size))]
         pub fn build(model: &ContactModel<'_>, pairs: usize) -> Self {
             let vertices = model.radii.len();
@@ -283,8 +282,8 @@ mod owned {
                 start: column.clone(),
                 predicted: column.clone(),
                 end: column.clone(),
-                moves: column.clone(),
-                parting: column,
+                displacements: column.clone(),
+                corrections: column,
                 rounds: vec![0; vertices],
                 zones: vec![0; vertices],
                 boxes: vec![Aabb::EMPTY; vertices],
@@ -298,7 +297,7 @@ mod owned {
             columns
         }
 
-        /// Makes room for at least so many candidates; false where there was enough.
+        /// Makes room for at least so many candidates. Returns false if there was enough.
         pub fn grow_pairs(&mut self, counts: Counts) -> bool {
             let mut grown = false;
             for (pairs, needed) in
@@ -359,8 +358,8 @@ mod owned {
                 start: &mut self.start,
                 predicted: &mut self.predicted,
                 end: &mut self.end,
-                moves: &mut self.moves,
-                parting: &mut self.parting,
+                displacements: &mut self.displacements,
+                corrections: &mut self.corrections,
                 rounds: &mut self.rounds,
                 zones: &mut self.zones,
                 boxes: &mut self.boxes,

@@ -68,7 +68,7 @@ impl Obstacle {
     pub(crate) fn between(model: &ContactModel<'_>, vertices: [u32; 4]) -> Self {
         let cloth = model.cloth();
         let mut particles = vertices.into_iter().filter(|&v| (v as usize) < cloth);
-        let pinned = particles.clone().find(|&v| model.mobility[v as usize].min_element() == 0.0);
+        let pinned = particles.clone().find(|&v| model.inverse_masses[v as usize].min_element() == 0.0);
         let bodies = model.colliders.bodies;
         let body = |v: usize| bodies.iter().position(|body| body.range().contains(&v)).map(|body| body as u32);
         let collider = vertices.into_iter().find_map(|v| body((v as usize).checked_sub(cloth)?));
@@ -91,7 +91,7 @@ impl core::fmt::Display for StepError {
             Cause::NotFinite => write!(f, "diverged in step {step} at particle {particle}, pulled hardest by {term}"),
             Cause::TooMuch => {
                 write!(f, "step {step} has more contacts than can be resolved: ")?;
-                write!(f, "particle {particle} moves farthest, pulled hardest by {term}")
+                write!(f, "particle {particle} displacements farthest, pulled hardest by {term}")
             }
             Cause::Contact { collider, pinned } => {
                 write!(f, "surfaces could not be kept apart in step {step}: ")?;

@@ -21,7 +21,7 @@ use crate::integrate::{self, IntegratorStatistics, StepInput};
 use crate::particles::Particles;
 use crate::real::{Real, Vec3, sqrt};
 use crate::refusal::{Cause, Obstacle};
-use crate::response::{self, Outcome, Settings, Tally};
+use crate::response::{self, ContactStatistics, Outcome, Settings};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
@@ -53,7 +53,7 @@ pub struct Work<'a> {
     /// Work of the integrator.
     pub integrator: &'a mut IntegratorStatistics,
     /// Work of contact.
-    pub contact: &'a mut Tally,
+    pub contact: &'a mut ContactStatistics,
     /// Candidates found in this step, over all its attempts. Zero before the first one.
     pub searched: &'a mut u64,
 }
@@ -146,9 +146,9 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
                     None => Ok(corrected),
                 };
             }
-            Outcome::Meets(vertices) => return Err(Obstacle::between(model, vertices)),
+            Outcome::Collides(vertices) => return Err(Obstacle::between(model, vertices)),
             Outcome::Stopped => return Err(Obstacle::STOPPED),
-            Outcome::Left => {}
+            Outcome::LeavesBoxes => {}
         }
     }
     Err(farthest(Cause::TooMuch, particles, scratch))
@@ -213,7 +213,7 @@ fn settle(step: Real, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_>) -
     let mut any = false;
     for (v, next) in scratch.next_positions.iter_mut().enumerate() {
         if contact.rounds[v] > 0 {
-            scratch.next_velocities[v] += (contact.end[v] - *next - contact.parting[v]) / step;
+            scratch.next_velocities[v] += (contact.end[v] - *next - contact.corrections[v]) / step;
             *next = contact.end[v];
             any = true;
         }

@@ -94,7 +94,7 @@ pub struct Snapshot {
     pub steps: u64,
     /// Counters of work, in the order of the core's `IntegratorStatistics`.
     pub work: [u64; 7],
-    /// Counters of contact, in the order of the core's `Tally`.
+    /// Counters of contact, in the order of the core's `ContactStatistics`.
     pub contacts: [u64; 7],
     /// Positions, velocities, for BDF2 the positions and velocities of the step before, and the forces of contacts.
     pub columns: [Vec<u8>; 5],
@@ -193,7 +193,7 @@ macro_rules! engine {
             use $core::integrate::IntegratorStatistics;
             use $core::mesh::{Stitch, TriMesh};
             use $core::real::{Real, Vec3, to_f64};
-            use $core::response::Tally;
+            use $core::response::ContactStatistics;
             use $core::scene::{Content, PointCache, SceneDesc};
             use $core::simulation::{Cause, Simulation, State};
             use $core::spectrum;
@@ -336,12 +336,13 @@ macro_rules! engine {
                 }
 
                 fn counted(&self) -> Counted {
-                    let Tally { candidates, proximity, .. } = self.tally();
+                    let ContactStatistics { candidates, proximity, .. } = self.contact_statistics();
                     Counted { streamed_bytes: self.streamed_bytes(), candidates, contacts: proximity }
                 }
 
                 fn report(&self) -> Report {
-                    let (stretch, e, work, tally) = (self.stretch(), self.energy(), self.statistics(), self.tally());
+                    let (stretch, e, work, contact_statistics) =
+                        (self.stretch(), self.energy(), self.statistics(), self.contact_statistics());
                     Report {
                         steps: self.state().steps,
                         time: self.time(),
@@ -356,12 +357,12 @@ macro_rules! engine {
                         unconverged: work.unconverged,
                         streamed_bytes: self.streamed_bytes(),
                         contacts: [
-                            tally.candidates,
-                            tally.proximity,
-                            tally.impacts,
-                            tally.zones,
-                            tally.failsafe,
-                            tally.rejected,
+                            contact_statistics.candidates,
+                            contact_statistics.proximity,
+                            contact_statistics.impacts,
+                            contact_statistics.zones,
+                            contact_statistics.failsafe,
+                            contact_statistics.rejected,
                         ],
                     }
                 }
@@ -434,7 +435,7 @@ macro_rules! engine {
                 }
 
                 fn snapshot(&self) -> Snapshot {
-                    let (state, w, t) = (self.state(), self.statistics(), self.tally());
+                    let (state, w, t) = (self.state(), self.statistics(), self.contact_statistics());
                     Snapshot {
                         steps: state.steps,
                         work: [
@@ -471,7 +472,7 @@ macro_rules! engine {
                         stalled_searches: w[6],
                     };
                     let t = snapshot.contacts;
-                    let tally = Tally {
+                    let contact_statistics = ContactStatistics {
                         candidates: t[0],
                         proximity: t[1],
                         impacts: t[2],
@@ -485,7 +486,7 @@ macro_rules! engine {
                     let Snapshot { steps, after_contact, .. } = *snapshot;
                     let multipliers = &multipliers_from_bytes(&snapshot.columns[4]);
                     let state = State { steps, positions, velocities, previous, after_contact, multipliers };
-                    Simulation::restore(self, &state, work, tally)
+                    Simulation::restore(self, &state, work, contact_statistics)
                 }
             }
         }

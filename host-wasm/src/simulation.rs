@@ -118,7 +118,7 @@ impl Simulation {
         let steps = (self.own.time() / f64::from(next.step_length())).round() as u64;
         // The previous state and the contacts may belong to another method, step length or collider, so they are dropped.
         let state = State { steps, previous: [&[]; 2], multipliers: &[], ..state };
-        if next.restore(&state, self.own.statistics(), self.own.tally()) {
+        if next.restore(&state, self.own.statistics(), self.own.contact_statistics()) {
             self.released.iter().for_each(|&vertex| _ = next.release(vertex));
             for &vertex in &self.held {
                 next.move_to(vertex, self.own.positions()[vertex as usize], 0.0);
@@ -284,9 +284,15 @@ impl Simulation {
     /// of conjugate gradients.
     pub fn numbers(&self) -> Vec<f64> {
         let (stretch, e) = (self.own.stretch(), self.own.energy());
-        let (tally, work) = (self.own.tally(), self.own.statistics());
-        let counts =
-            [tally.candidates, tally.proximity, tally.impacts, tally.zones, tally.rejected, work.force_evaluations];
+        let (contact_statistics, work) = (self.own.contact_statistics(), self.own.statistics());
+        let counts = [
+            contact_statistics.candidates,
+            contact_statistics.proximity,
+            contact_statistics.impacts,
+            contact_statistics.zones,
+            contact_statistics.rejected,
+            work.force_evaluations,
+        ];
         [stretch.max, stretch.mean, e.kinetic, e.stretch, e.shear, e.bend, e.seam, e.gravity]
             .into_iter()
             .chain(counts.into_iter().chain([work.cg_iterations]).map(|count| count as f64))

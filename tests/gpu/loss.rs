@@ -52,7 +52,7 @@ fn a_run_whose_device_is_lost_ends_the_same() {
             sim.step(&device).unwrap();
         }
         assert_eq!(device.with(|detector| detector.take_loss().is_some()), loses, "opened anew");
-        assert!(sim.tally().proximity > 0, "nothing touches: {:?}", sim.tally());
+        assert!(sim.contact_statistics().proximity > 0, "nothing touches: {:?}", sim.contact_statistics());
         sim.positions().to_vec()
     };
     assert!(run(false) == run(true), "a run whose device was lost ends elsewhere");

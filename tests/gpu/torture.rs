@@ -13,7 +13,7 @@ fn check(scene: &Scene, seed: u64) {
         let (crossings, depth) = (sim.crossings(&Serial), sim.penetration().unwrap_or(0.0));
         assert_eq!((crossings, depth), (0, 0.0), "{}, seed {seed}: crossings and depth after step {step}", scene.name);
     }
-    println!("{}: {:?}", scene.name, sim.tally());
+    println!("{}: {:?}", scene.name, sim.contact_statistics());
 }
 
 /// The scenes that CI runs.

@@ -42,7 +42,7 @@ macro_rules! kit {
             use $muslin::narrow_phase::{edge_edge_ccd, vertex_triangle_ccd};
             use $muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
             use $muslin::response::friction::Law;
-            use $muslin::response::{self, Settings, Tally};
+            use $muslin::response::{self, ContactStatistics, Settings};
             use $muslin::scene::{BuiltScene, Content, Resource, SceneDesc};
             use $muslin::scratch::{Scratch, ScratchColumns};
             use $muslin::simulation::Simulation;
@@ -368,11 +368,11 @@ macro_rules! kit {
                         from.push(vec3(x.to_array()));
                         to.push(vec3((x + d).to_array()));
                         masses.push(*mass);
-                        contact.mobility.push(Vec3::splat((1.0 / mass) as Real));
+                        contact.inverse_masses.push(Vec3::splat((1.0 / mass) as Real));
                     }
                 }
                 for &(vertex, axis) in held {
-                    contact.mobility[vertex][axis] = 0.0;
+                    contact.inverse_masses[vertex][axis] = 0.0;
                 }
                 let count = from.len();
                 contact.firsts.push(count as u32);
@@ -380,12 +380,12 @@ macro_rules! kit {
                 contact.material = from.clone();
                 (contact.radii, contact.law_of) = (vec![0.0; count], vec![0; count]);
                 let (model, mut columns) = (contact.view(), ContactScratchColumns::build(&contact.view(), 20_000));
-                let (mut scratch, mut tally) = (columns.view(), Tally::default());
+                let (mut scratch, mut contact_statistics) = (columns.view(), ContactStatistics::default());
                 detection::place(&model, [0.0, 1.0], &from, &to, &mut scratch);
                 detection::sweep(&model, 10.0, &mut scratch);
                 detection::detect(&model, &mut scratch, &Serial);
                 change(scratch.predicted);
-                let outcome = response::respond(&model, &mut scratch, settings, &mut tally, &Serial);
+                let outcome = response::respond(&model, &mut scratch, settings, &mut contact_statistics, &Serial);
                 let wide = |column: &[Vec3]| column.iter().map(|&x| to_f64(x).into()).collect();
                 let kept = scratch.constraints.iter().filter(|c| c.contact.normal != Vec3::ZERO).map(|c| Kept {
                     vertices: c.contact.vertices.map(|v| v as usize),
@@ -399,8 +399,8 @@ macro_rules! kit {
                 Response {
                     outcome: outcome
                         .map_or_else(|needed| format!("no room for {needed}"), |outcome| format!("{outcome:?}")),
-                    counts: [tally.proximity, tally.impacts, tally.zones],
-                    failsafe: tally.failsafe,
+                    counts: [contact_statistics.proximity, contact_statistics.impacts, contact_statistics.zones],
+                    failsafe: contact_statistics.failsafe,
                     start: wide(scratch.start),
                     predicted: wide(scratch.predicted),
                     end: wide(scratch.end),

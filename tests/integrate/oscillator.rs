@@ -171,7 +171,7 @@ fn bdf2_follows_its_characteristic_polynomial() {
                 after_contact: false,
                 multipliers: &[],
             };
-            assert!(sim.restore(&state, sim.statistics(), sim.tally()));
+            assert!(sim.restore(&state, sim.statistics(), sim.contact_statistics()));
             for n in 0..3 {
                 step(&mut sim);
                 y = root.rotate(y);

@@ -96,7 +96,7 @@ harness::both_precisions! {
                 surface: surface(pair),
                 material: vec![Vec3::ZERO; 4],
                 radii: vec![0.0; 4],
-                mobility: vec![Vec3::ONE; 4],
+                inverse_masses: vec![Vec3::ONE; 4],
                 law_of: vec![0; 4],
                 ..ContactColumns::default()
             };

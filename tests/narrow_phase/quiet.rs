@@ -114,15 +114,15 @@ harness::both_precisions! {
             for step in 1..=150 {
                 sim.take_step().expect("a step");
                 if step % 5 == 0 {
-                    let (statistics, tally) = (resumed.statistics(), resumed.tally());
+                    let (statistics, contact_statistics) = (resumed.statistics(), resumed.contact_statistics());
                     let mut again = kit::simulation(&text, &[]);
-                    assert!(again.restore(&resumed.state(), statistics, tally), "the state is of the same scene");
+                    assert!(again.restore(&resumed.state(), statistics, contact_statistics), "the state is of the same scene");
                     resumed = again;
                 }
                 resumed.take_step().expect("a step");
                 assert_eq!(sim.positions(), resumed.positions(), "step {step}: positions of a run that was resumed");
             }
-            assert_eq!(sim.tally(), resumed.tally(), "counts of a run that was resumed");
+            assert_eq!(sim.contact_statistics(), resumed.contact_statistics(), "counts of a run that was resumed");
         }
     }
 

@@ -43,7 +43,7 @@ both_precisions! {
     use muslin::particles::{ParticleColumns, Particles};
     use muslin::real::{Real, Vec3, vec3};
     use muslin::refusal::{Cause, Obstacle};
-    use muslin::response::{self, Outcome, Settings, Tally};
+    use muslin::response::{self, Outcome, Settings, ContactStatistics};
     use muslin::scene::BuiltScene;
     use muslin::scratch::ScratchColumns;
     use muslin::step::{self, StepContact, Work};
@@ -53,7 +53,7 @@ both_precisions! {
 
     /// Where a step ends that begins with so much room, how many constraints it has, and how often
     /// it was short of room.
-    fn end_with_room(room: usize) -> (Vec<Vec3>, Tally, u32) {
+    fn end_with_room(room: usize) -> (Vec<Vec3>, ContactStatistics, u32) {
         let built = kit::build(FALLING);
         let touching = built.contact.as_ref().expect("the scene has contact");
         let model = touching.view();
@@ -63,7 +63,7 @@ both_precisions! {
         let mut columns = ContactScratchColumns::build(&model, room);
         detection::place(&model, [0.0, 0.005], from, &to, &mut columns.view());
         detection::sweep(&model, 0.5, &mut columns.view());
-        let (mut short, mut tally) = (0, Tally::default());
+        let (mut short, mut contact_statistics) = (0, ContactStatistics::default());
         let counts = detection::detect(&model, &mut columns.view(), &Serial);
         if columns.grow_pairs(counts) {
             short += 1;
@@ -71,25 +71,25 @@ both_precisions! {
         }
         let settings = Settings { step: 0.005, hold: false };
         loop {
-            match response::respond(&model, &mut columns.view(), settings, &mut tally, &Serial) {
+            match response::respond(&model, &mut columns.view(), settings, &mut contact_statistics, &Serial) {
                 Err(needed) => columns.grow_constraints(needed),
                 Ok(Outcome::Free) => break,
                 other => panic!("with room for {room}: {other:?}"),
             }
             short += 1;
         }
-        (columns.view().end.to_vec(), tally, short)
+        (columns.view().end.to_vec(), contact_statistics, short)
     }
 
     #[test]
     fn a_step_ends_alike_whatever_the_room() {
-        let (want, tally, short) = end_with_room(1_000_000);
+        let (want, contact_statistics, short) = end_with_room(1_000_000);
         assert_eq!(short, 0, "there is room for a million");
         for room in [0, 1, 10, 100, 1000] {
             let (end, found, short) = end_with_room(room);
             println!("{}: with room for {room} grown {short} times, {found:?}", muslin::real::NAME);
-            assert!(short > 0, "room for {room} should be too little for {tally:?}");
-            assert_eq!(found, tally, "with room for {room} contacts are lost or found twice");
+            assert!(short > 0, "room for {room} should be too little for {contact_statistics:?}");
+            assert_eq!(found, contact_statistics, "with room for {room} contacts are lost or found twice");
             assert_eq!(end, want, "with room for {room} the step ends elsewhere");
         }
     }
@@ -107,8 +107,8 @@ both_precisions! {
         let mut sim = kit::simulation(FALLING, &[]);
         let start = sim.clone();
         let (grown, bytes) = hash(&mut sim);
-        assert!(bytes[1] > bytes[0], "nothing had to grow: {bytes:?} bytes, {:?}", sim.tally());
-        let counted = (IntegratorStatistics::default(), Tally::default());
+        assert!(bytes[1] > bytes[0], "nothing had to grow: {bytes:?} bytes, {:?}", sim.contact_statistics());
+        let counted = (IntegratorStatistics::default(), ContactStatistics::default());
         assert!(sim.restore(&start.state(), counted.0, counted.1), "a simulation restores its own start");
         let (roomy, bytes) = hash(&mut sim);
         assert_eq!(bytes[0], bytes[1], "the same run needs more room the second time");
@@ -138,7 +138,7 @@ both_precisions! {
         let model = built.contact.clone().expect("the scene has contact");
         let model = model.view();
         let mut columns = Fixed(ContactScratchColumns::build(&model, room));
-        let (mut statistics, mut tally, mut corrected) = (IntegratorStatistics::default(), Tally::default(), false);
+        let (mut statistics, mut contact_statistics, mut corrected) = (IntegratorStatistics::default(), ContactStatistics::default(), false);
         for n in 0..steps {
             let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
             let input = StepInput {
@@ -155,11 +155,11 @@ both_precisions! {
             };
             let mut particles = Particles { positions, velocities, masses, inverse_masses };
             let contact = Some(StepContact { model: &model, columns: &mut columns, hold: false });
-            let work = Work { integrator: &mut statistics, contact: &mut tally, searched: &mut 0 };
+            let work = Work { integrator: &mut statistics, contact: &mut contact_statistics, searched: &mut 0 };
             corrected = block_on(step::take(&input, &mut particles, &mut scratch.view(), contact, work))?;
             see(&built);
         }
-        assert!(tally.proximity > 1000, "nothing touches: {tally:?}");
+        assert!(contact_statistics.proximity > 1000, "nothing touches: {contact_statistics:?}");
         Ok(())
     }
 
@@ -174,7 +174,7 @@ both_precisions! {
             assert!(same, "{}: step {steps} differs from that of `Simulation`", muslin::real::NAME);
         });
         assert_eq!(driven, Ok(()), "after {steps} steps");
-        assert_eq!(sim.tally().rejected, 0, "the host takes no halves");
+        assert_eq!(sim.contact_statistics().rejected, 0, "the host takes no halves");
     }
 
     #[test]

@@ -35,7 +35,7 @@ both_precisions! {
     use muslin::dispatch::Serial;
     use muslin::real::{Real, Vec3, to_f64, vec3};
     use muslin::response::friction::Law;
-    use muslin::response::{self, Settings, Tally};
+    use muslin::response::{self, Settings, ContactStatistics};
     use muslin::detection;
     use glam::DVec3;
     use harness::rng::Rng;
@@ -67,7 +67,7 @@ both_precisions! {
         for _ in 0..10_000 {
             let (law, speed) = (random_law(&mut rng), rng.magnitude(1e-3, 5.0));
             let (wanted, normal) = (rng.direction() * rng.magnitude(1e-3, 10.0), rng.magnitude(1e-3, 10.0));
-            let got = DVec3::from(to_f64(law.grip(speed as Real).limit(vec3(wanted.into()), normal as Real)));
+            let got = DVec3::from(to_f64(law.coefficients(speed as Real).limit(vec3(wanted.into()), normal as Real)));
             let cone = f64::from(law.at_rest) * normal;
             let slid = f64::from(law.sliding(speed as Real)) * normal;
             let want = if wanted.length() <= cone { wanted.length() } else { slid.min(wanted.length()) };
@@ -92,7 +92,7 @@ both_precisions! {
         detection::sweep(&model, 0.01, &mut scratch);
         detection::detect(&model, &mut scratch, &Serial);
         let settings = Settings { step: 0.001, hold: false };
-        response::respond(&model, &mut scratch, settings, &mut Tally::default(), &Serial).expect("there is room");
+        response::respond(&model, &mut scratch, settings, &mut ContactStatistics::default(), &Serial).expect("there is room");
         let mut steepest = [0.0_f64; 2];
         for constraint in scratch.constraints.iter() {
             let [normal, across] =
@@ -100,7 +100,7 @@ both_precisions! {
             assert!(normal >= 0.0, "seed {seed}: a contact pulls by {normal} kg m");
             assert!(normal > 0.0 || across == 0.0, "seed {seed}: {across} kg m of friction without pressure");
             if normal > 0.0 {
-                let law = usize::from(constraint.grip.sticks < 0.4);
+                let law = usize::from(constraint.coefficients.at_rest < 0.4);
                 steepest[law] = steepest[law].max(across / normal);
             }
         }

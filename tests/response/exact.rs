@@ -69,7 +69,7 @@ both_precisions! {
         let rises = needle(0.5, 0.0, 0.8 * NEAR);
         let (sim, crossings, taken) = step(std::slice::from_ref(&rises));
         assert!(taken.is_ok() && crossings == [2, 0], "{}: {taken:?}, {crossings:?} crossings", muslin::real::NAME);
-        assert!(sim.tally().touching > 0, "nothing touched, choose a start nearer");
+        assert!(sim.contact_statistics().touching > 0, "nothing touched, choose a start nearer");
         for needles in [vec![falls.clone()], vec![falls, rises]] {
             let (_, crossings, taken) = step(&needles);
             let what = format!("{}, {} needles: {taken:?}, {crossings:?} crossings", muslin::real::NAME, needles.len());

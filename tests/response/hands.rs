@@ -45,11 +45,11 @@ both_precisions! {
         for n in 1..=40 {
             let taken = [one.take_step(), other.take_step()];
             assert!(taken.iter().all(Result::is_ok), "{} {what}, step {n}: {taken:?}", muslin::real::NAME);
-            let counts = [&one, &other].map(|sim| (sim.statistics(), sim.tally()));
+            let counts = [&one, &other].map(|sim| (sim.statistics(), sim.contact_statistics()));
             let same = one.state() == other.state() && counts[0] == counts[1];
             assert!(same, "{} {what}: step {n} differs, {counts:?}", muslin::real::NAME);
         }
-        assert!(one.tally().proximity > 100, "{what}: hardly anything touches");
+        assert!(one.contact_statistics().proximity > 100, "{what}: hardly anything touches");
     }
 
     #[test]
@@ -90,7 +90,7 @@ both_precisions! {
                 let off = (DVec3::from(to_f64(sim.positions()[middle as usize])) - place).length();
                 assert!(off <= 4.0 * f64::from(Real::EPSILON), "{}: {off} m off after {n} steps", muslin::real::NAME);
             }
-            assert!(sim.tally().proximity > 100, "hardly anything touches");
+            assert!(sim.contact_statistics().proximity > 100, "hardly anything touches");
         }
         assert!(sim.release(middle));
         kit::run(&mut sim, 0.2, |_| ());

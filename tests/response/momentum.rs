@@ -55,7 +55,7 @@ fn drift(friction: f64, method: &str, velocity: DVec3) -> f64 {
     let before = DVec3::from(sim.momentum());
     let mut worst: f64 = 0.0;
     kit::run(&mut sim, 0.02, |sim| worst = worst.max((DVec3::from(sim.momentum()) - before).length()));
-    assert!(sim.tally().proximity > 100, "the sheets hardly touch: {:?}", sim.tally());
+    assert!(sim.contact_statistics().proximity > 100, "the sheets hardly touch: {:?}", sim.contact_statistics());
     worst / before.length()
 }
 

@@ -145,11 +145,11 @@ both_precisions! {
                 let impatient = Impatient(AtomicU32::new(asked));
                 let mut given_up = 0;
                 for _ in 0..20 {
-                    let (before, counted) = (state(&sim), (sim.statistics(), sim.tally()));
+                    let (before, counted) = (state(&sim), (sim.statistics(), sim.contact_statistics()));
                     while let Err(refused) = sim.step(&impatient) {
                         assert_eq!(refused.cause, Cause::Stopped, "{method}: {refused}");
                         assert!(state(&sim) == before, "{method}: given up, and the state is no more that before");
-                        let counts = (sim.statistics(), sim.tally());
+                        let counts = (sim.statistics(), sim.contact_statistics());
                         assert!(counts == counted, "{method}: given up, and its work counts: {counts:?}, {counted:?}");
                         given_up += 1;
                     }
@@ -187,8 +187,8 @@ both_precisions! {
             most = most.max(audit::count(&all.view(), sim.positions(), &Serial));
             assert_eq!(sim.crossings(&Serial), 0, "{}: what is switched off counts", muslin::real::NAME);
         });
-        println!("{}: {most} crossings, {:?}", muslin::real::NAME, sim.tally());
-        assert!(most > 0 && sim.tally().touching > 0, "the sheet does not cross itself or nothing touches");
-        assert_eq!(sim.tally().rejected, 0, "a step was refused for what is switched off");
+        println!("{}: {most} crossings, {:?}", muslin::real::NAME, sim.contact_statistics());
+        assert!(most > 0 && sim.contact_statistics().touching > 0, "the sheet does not cross itself or nothing touches");
+        assert_eq!(sim.contact_statistics().rejected, 0, "a step was refused for what is switched off");
     }
 }

@@ -92,8 +92,8 @@ both_precisions! {
     }
 
     fn no_crossing(sim: &Simulation, what: &str) {
-        let (found, tally) = (sim.crossings(&Serial), sim.tally());
-        assert_eq!(found, 0, "{what}: crossings at {} s; the response saw {tally:?}", sim.time());
+        let (found, contact_statistics) = (sim.crossings(&Serial), sim.contact_statistics());
+        assert_eq!(found, 0, "{what}: crossings at {} s; the response saw {contact_statistics:?}", sim.time());
     }
 
     /// How often a line straight down from a point passes through a cloth.
@@ -213,8 +213,8 @@ both_precisions! {
             let what = format!("{}, {method}", muslin::real::NAME);
             assert_eq!(sim.crossings(&Serial), 0, "{what}: choose a start without crossings");
             kit::run(&mut sim, 0.1, |sim| no_crossing(sim, &what));
-            println!("{what}: {} pairs touched", sim.tally().touching);
-            assert!(sim.tally().touching > 0, "{what}: nothing touched, choose a start nearer");
+            println!("{what}: {} pairs touched", sim.contact_statistics().touching);
+            assert!(sim.contact_statistics().touching > 0, "{what}: nothing touched, choose a start nearer");
         }
     }
 
@@ -231,7 +231,7 @@ both_precisions! {
             kit::run(&mut sim, 0.02, |sim| {
                 assert_eq!(sim.penetration(), Some(0.0), "{what}: at {} s a vertex is inside", sim.time());
             });
-            println!("{what}: {:?}", sim.tally());
+            println!("{what}: {:?}", sim.contact_statistics());
         }
     }
 
@@ -278,7 +278,7 @@ both_precisions! {
     fn without_continuous_detection_what_is_slow_is_met_and_what_is_fast_passes() {
         let mut slow = two_napkins("continuous = false", 1.0);
         kit::run(&mut slow, 0.05, |sim| no_crossing(sim, "1 mm a step, 2 mm thick"));
-        assert_eq!(slow.tally().impacts, 0, "impacts were looked for");
+        assert_eq!(slow.contact_statistics().impacts, 0, "impacts were looked for");
         let mut fast = two_napkins("continuous = false", 100.0);
         kit::run(&mut fast, 0.001, |_| ());
         assert!(lowest(&fast, 1) < 0.03, "100 mm in a step did not pass a sheet of 2 mm");
@@ -315,6 +315,6 @@ both_precisions! {
         let pieces = [triangle(0.0), triangle(1.0)];
         let outcome = |by: f64| kit::respond_after(&pieces, 0.01, 0.0, |ends| ends[0].y -= by as Real).outcome;
         assert_eq!(outcome(0.1), "Free", "within the boxes around the motion");
-        assert_eq!(outcome(100.0), "Left", "out of the box for which its candidates were found");
+        assert_eq!(outcome(100.0), "LeavesBoxes", "out of the box for which its candidates were found");
     }
 }

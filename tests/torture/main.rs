@@ -56,12 +56,12 @@ both_precisions! {
             row.stretch = row.stretch.max(sim.stretch().max);
             if crossings > 0 || depth > 0.0 {
                 let what = format!("{crossings} crossings, {depth} m inside");
-                row.first.get_or_insert(format!("seed {seed}: {what} after step {step}, {:?}", sim.tally()));
+                row.first.get_or_insert(format!("seed {seed}: {what} after step {step}, {:?}", sim.contact_statistics()));
                 break;
             }
         }
-        row.rejected += sim.tally().rejected;
-        row.failsafe += sim.tally().failsafe;
+        row.rejected += sim.contact_statistics().rejected;
+        row.failsafe += sim.contact_statistics().failsafe;
     }
 
     pub fn torture(scene: &Scene, seeds: u64) -> Row {

@@ -113,12 +113,12 @@ both_precisions! {
         let before = sim.positions().to_vec();
         let untangled = untangle("held along x", &mut sim);
         assert_eq!(untangled.after, 0);
-        let mobility = &sim.contact().expect("the scene has contact").mobility;
-        let moves = before.iter().zip(sim.positions()).zip(mobility);
-        let held: Vec<_> = moves.filter(|(_, mobility)| mobility.min_element() == 0.0).collect();
+        let inverse_masses = &sim.contact().expect("the scene has contact").inverse_masses;
+        let moves = before.iter().zip(sim.positions()).zip(inverse_masses);
+        let held: Vec<_> = moves.filter(|(_, inverse_masses)| inverse_masses.min_element() == 0.0).collect();
         assert!(held.iter().any(|((x, now), _)| x != now), "no vertex that is held along x only moves");
-        for ((x, now), &mobility) in held {
-            let fixed = mobility.cmpeq(Vec3::ZERO);
+        for ((x, now), &inverse_masses) in held {
+            let fixed = inverse_masses.cmpeq(Vec3::ZERO);
             assert_eq!(Vec3::select(fixed, *x, Vec3::ZERO), Vec3::select(fixed, *now, Vec3::ZERO));
         }
     }

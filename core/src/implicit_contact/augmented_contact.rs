@@ -215,8 +215,8 @@ impl AugmentedContact {
     /// less [Hestenes 1969]. If it does so by more than its slack, it also becomes stiffer: the multiplier of a landing is
     /// so large that updates with the stiffness of the cloth would need a hundred steps to remove it.
     pub fn update_multiplier(&mut self) {
-        let missing = self.least_velocity - self.normal.dot(self.velocity);
-        let is_off = missing > self.slack || missing < -self.slack && self.normal_impulse() > 0.0;
+        let violation = self.least_velocity - self.normal.dot(self.velocity);
+        let is_off = violation > self.slack || violation < -self.slack && self.normal_impulse() > 0.0;
         if is_off && self.hardenings < MOST_HARDENINGS {
             self.stiffness *= HARDENING;
             self.hardenings += 1;

@@ -1,5 +1,5 @@
-//! What the response gives to the solve of an implicit step and takes back from it: contacts with the impulses that
-//! they had in the step before, and the impulses that the solve found.
+//! The exchange of contacts between the response and the solve of an implicit step. The solve gets the constraints, with the
+//! impulses of the step before. The response gets the impulses that the solve found.
 
 use core::ops::Range;
 
@@ -8,8 +8,8 @@ use super::multiplier;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::real::{Real, sqrt};
 use crate::response::constraint::{self, Constraint};
-use crate::response::friction::Grip;
-use crate::response::repulsion::MOST_LEVER;
+use crate::response::friction::FrictionCoefficients;
+use crate::response::repulsion::MOST_LEVER_RATIO;
 
 /// How far from the cone friction may be left, relative to what the cone allows.
 const SLACK: Real = 0.05;
@@ -21,13 +21,13 @@ const VIOLATION: Real = 0.3;
 /// the cone: the response knows only masses, and a little more friction would hold against all tension.
 const SMALL: Real = 0.1;
 
-/// Adds those of the constraints that something can keep to the contacts of the solve, with their displacements in place
-/// of velocities. `step` is the length of the step, s; `thickness` in m.
+/// Adds the constraints whose vertices can move to the contacts of the solve, with their displacements in place of
+/// velocities. `step` is the length of the step, s; `thickness` in m.
 pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real, thickness: Real) {
     let multipliers = &scratch.multipliers[..scratch.lengths.multipliers];
     let mut given = scratch.lengths.contacts;
     for (index, constraint) in (constraints.start as u32..).zip(&scratch.constraints[constraints]) {
-        let Constraint { contact, target, grip, inverse_mass, .. } = *constraint;
+        let Constraint { contact, target, coefficients, inverse_mass, .. } = *constraint;
         if inverse_mass <= 0.0 {
             continue;
         }
@@ -39,7 +39,7 @@ pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>,
             slack: VIOLATION * thickness,
             velocity: constraint::weighted(&contact, scratch.predicted) - constraint::weighted(&contact, scratch.start),
             multiplier: multiplier::force(multipliers, contact.vertices) * step,
-            coefficients: [grip.sticks, grip.slides],
+            coefficients: [coefficients.at_rest, coefficients.kinetic],
             constraint: index,
             ..AugmentedContact::default()
         };
@@ -48,26 +48,26 @@ pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>,
     scratch.lengths.contacts = given;
 }
 
-/// Gives constraints the impulses that the solve found, from where the response goes on.
+/// Writes the impulses that the solve found to the constraints. The response starts from them.
 pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, step: Real) {
     for constraint in &mut scratch.constraints[..scratch.lengths.constraints] {
-        let Constraint { contact, target, grip, .. } = *constraint;
-        *constraint = Constraint::new(contact, target, grip, model.mobility, MOST_LEVER);
+        let Constraint { contact, target, coefficients, .. } = *constraint;
+        *constraint = Constraint::new(contact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO);
     }
     for solved in &scratch.contacts[..scratch.lengths.contacts] {
         let constraint = &mut scratch.constraints[solved.constraint as usize];
         let along = solved.normal_impulse();
         if along > 0.0 {
-            // What slid in the solve does not stick now, and what stuck does not lose its grip.
+            // A contact that slid in the solve does not stick now, and one that stuck keeps its friction.
             let across = solved.impulse - solved.normal * along;
-            let Grip { sticks, slides } = constraint.grip;
-            constraint.grip = Grip::always(match solved.friction {
-                Friction::Sticks => sticks,
-                Friction::Slips if solved.slide() * step < SMALL * model.thickness => slides,
-                Friction::Slips => slides.min((1.0 + SLACK) * sqrt(across.length_squared()) / along),
+            let FrictionCoefficients { at_rest, kinetic } = constraint.coefficients;
+            constraint.coefficients = FrictionCoefficients::always(match solved.friction {
+                Friction::Sticks => at_rest,
+                Friction::Slips if solved.slide() * step < SMALL * model.thickness => kinetic,
+                Friction::Slips => kinetic.min((1.0 + SLACK) * sqrt(across.length_squared()) / along),
             });
             constraint.normal_impulse = along * step;
-            constraint.friction_impulse = constraint.grip.limit(across, along) * step;
+            constraint.friction_impulse = constraint.coefficients.limit(across, along) * step;
         }
     }
 }

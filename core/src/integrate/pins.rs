@@ -90,11 +90,11 @@ impl Pins<'_> {
     }
 
     /// Writes the inverse mass along each axis for contact, 1/kg; 0 along held axes.
-    pub fn write_mobility(&self, inverse_masses: &[Real], mobility: &mut [Vec3]) {
-        for (mobility, &inverse_mass) in mobility.iter_mut().zip(inverse_masses) {
-            *mobility = Vec3::splat(inverse_mass);
+    pub fn write_inverse_masses(&self, of_particles: &[Real], out: &mut [Vec3]) {
+        for (out, &inverse_mass) in out.iter_mut().zip(of_particles) {
+            *out = Vec3::splat(inverse_mass);
         }
-        self.filter(mobility);
+        self.filter(out);
     }
 
     /// Replaces the held axes of the diagonal blocks by the identity, `S A S + I - S`.

@@ -10,18 +10,18 @@ use crate::real::{Real, Vec3, exp, sqrt};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Law {
-    /// Up to which a contact sticks.
+    /// Static coefficient.
     pub at_rest: Real,
-    /// While it slides.
+    /// Kinetic coefficient.
     pub kinetic: Real,
-    /// v_s, m/s; 0: the static coefficient is gone as soon as something slides.
+    /// v_s, m/s. With 0, the kinetic coefficient holds as soon as a contact slides.
     pub stribeck: Real,
     /// c, s/m.
     pub viscous: Real,
 }
 
 impl Law {
-    /// The coefficient of a contact that slides, m/s.
+    /// The coefficient of a contact that slides at `speed`, m/s.
     pub fn sliding(&self, speed: Real) -> Real {
         let decayed = match self.stribeck {
             limit if limit > 0.0 => exp(-(speed / limit) * (speed / limit)),
@@ -30,40 +30,40 @@ impl Law {
         self.kinetic + (self.at_rest - self.kinetic) * decayed + self.viscous * speed
     }
 
-    /// What a contact bears in a step. `speed` is that of its sliding before friction, m/s.
-    pub fn grip(&self, speed: Real) -> Grip {
-        Grip { sticks: self.at_rest, slides: self.sliding(speed) }
+    /// The coefficients of a contact in a step. `speed` is that of its sliding before friction, m/s.
+    pub fn coefficients(&self, speed: Real) -> FrictionCoefficients {
+        FrictionCoefficients { at_rest: self.at_rest, kinetic: self.sliding(speed) }
     }
 }
 
-/// The friction that a contact bears in a step, of its normal impulse. It is judged once: a
-/// coefficient that followed the corrections of a step would be chased by them.
+/// The coefficients of friction of a contact in a step. They are computed once per step: coefficients that followed the
+/// corrections of a step would make them oscillate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Grip {
-    /// Up to which it sticks.
-    pub sticks: Real,
-    /// Beyond that.
-    pub slides: Real,
+pub struct FrictionCoefficients {
+    /// Of a contact that sticks.
+    pub at_rest: Real,
+    /// Of a contact that slides.
+    pub kinetic: Real,
 }
 
-impl Grip {
-    /// The same whether it sticks or slides.
+impl FrictionCoefficients {
+    /// One coefficient, whether the contact sticks or slides.
     pub fn always(coefficient: Real) -> Self {
-        Self { sticks: coefficient, slides: coefficient }
+        Self { at_rest: coefficient, kinetic: coefficient }
     }
 
     /// Whether there is any friction.
-    pub fn rubs(self) -> bool {
-        self.sticks > 0.0 || self.slides > 0.0
+    pub fn has_friction(self) -> bool {
+        self.at_rest > 0.0 || self.kinetic > 0.0
     }
 
-    /// The tangential impulse of a contact: as wanted while it sticks, else on the cone.
-    pub fn limit(self, wanted: Vec3, normal: Real) -> Vec3 {
-        let size = sqrt(wanted.length_squared());
-        if size > self.sticks * normal {
-            return wanted * ((self.slides * normal).min(size) / size);
+    /// The friction impulse of a contact: the `needed` one while it sticks, else on the cone.
+    pub fn limit(self, needed: Vec3, normal: Real) -> Vec3 {
+        let size = sqrt(needed.length_squared());
+        if size > self.at_rest * normal {
+            return needed * ((self.kinetic * normal).min(size) / size);
         }
-        // What is too small to be squared does not stick to nothing.
-        if normal > 0.0 { wanted } else { Vec3::ZERO }
+        // The square of a very small impulse is zero. Without a normal impulse there is no friction either.
+        if normal > 0.0 { needed } else { Vec3::ZERO }
     }
 }

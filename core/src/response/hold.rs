@@ -1,6 +1,6 @@
-//! The last resort: what still meets moves as its obstacle does, or stays where it was; where that
-//! does not help, all of the cloth does. Motion is lost, and counted. A held axis moves as it is led, and is
-//! an obstacle to the same axis of others.
+//! The last resort. Vertices that still collide move as their obstacle does, or do not move. If that does not suffice, no
+//! vertex of the cloth moves. Such steps lose motion, and are counted. Axes held by pins and axes of colliders move as
+//! prescribed; they are the obstacle to the same axes of other vertices.
 
 use super::Motion;
 use super::constraint::Constraint;
@@ -8,14 +8,14 @@ use crate::contact::ContactModel;
 use crate::real::Vec3;
 
 /// Holds the vertices of constraints back.
-pub(crate) fn hold(met: &[Constraint], model: &ContactModel<'_>, motion: &mut Motion<'_>, round: u32) {
-    for constraint in met {
+pub(crate) fn hold(impacts: &[Constraint], model: &ContactModel<'_>, motion: &mut Motion<'_>, round: u32) {
+    for constraint in impacts {
         let contact = constraint.contact;
         let pairs = || contact.vertices.into_iter().zip(contact.weights);
-        // Of the held axes alone.
-        let held = |v: u32, x: Vec3| Vec3::select(model.mobility[v as usize].cmpeq(Vec3::ZERO), x, Vec3::ZERO);
+        // Only held axes count.
+        let held = |v: u32, x: Vec3| Vec3::select(model.inverse_masses[v as usize].cmpeq(Vec3::ZERO), x, Vec3::ZERO);
         let share: Vec3 = pairs().map(|(v, w)| held(v, Vec3::splat(w.abs()))).sum();
-        let moved: Vec3 = pairs().map(|(v, w)| held(v, motion.moves[v as usize] * w.abs())).sum();
+        let moved: Vec3 = pairs().map(|(v, w)| held(v, motion.displacements[v as usize] * w.abs())).sum();
         let along = Vec3::select(share.cmpgt(Vec3::ZERO), moved / share, Vec3::ZERO);
         for (v, _) in pairs() {
             set_free_axes(model, motion, v as usize, along, round);
@@ -23,17 +23,17 @@ pub(crate) fn hold(met: &[Constraint], model: &ContactModel<'_>, motion: &mut Mo
     }
 }
 
-/// Holds everything back: what was apart stays apart, unless an obstacle moves into it.
+/// Holds all vertices back. Features that are apart stay apart, unless an obstacle moves into them.
 pub(crate) fn freeze(model: &ContactModel<'_>, motion: &mut Motion<'_>, round: u32) {
-    for v in 0..model.mobility.len() {
+    for v in 0..model.inverse_masses.len() {
         set_free_axes(model, motion, v, Vec3::ZERO, round);
     }
 }
 
-fn set_free_axes(model: &ContactModel<'_>, motion: &mut Motion<'_>, vertex: usize, moves: Vec3, round: u32) {
-    let free = model.mobility[vertex].cmpgt(Vec3::ZERO);
+fn set_free_axes(model: &ContactModel<'_>, motion: &mut Motion<'_>, vertex: usize, displacements: Vec3, round: u32) {
+    let free = model.inverse_masses[vertex].cmpgt(Vec3::ZERO);
     if free.any() {
-        motion.moves[vertex] = Vec3::select(free, moves, motion.moves[vertex]);
+        motion.displacements[vertex] = Vec3::select(free, displacements, motion.displacements[vertex]);
         motion.rounds[vertex] = round;
     }
 }

@@ -1,8 +1,8 @@
-//! What meets on the way: a constraint at the place and along the direction of the meeting, so that
-//! the pair ends no nearer than it began, or as near as the thickness. Inelastic [Bridson 2002].
+//! Impacts: pairs that collide during a step. Each gives a constraint at the place and along the direction of the impact:
+//! the pair must end no nearer than it began, or no nearer than the thickness. Inelastic [Bridson 2002].
 
 use super::constraint::{self, Constraint};
-use super::repulsion::{self, grip, thickness};
+use super::repulsion::{self, coefficients, thickness};
 use super::{Context, List, Motion, relax};
 use crate::contact::{ContactModel, Pairs};
 use crate::dispatch::Dispatch;
@@ -13,14 +13,14 @@ use crate::stage::Stage;
 /// Sweeps in a round.
 const SWEEPS: u32 = 5;
 
-/// How much farther than a contact its vertices may have to move so that nothing passes through.
-pub const MOST_LEVER: Real = 100.0;
+/// Largest displacement of a vertex relative to that of the contact. It is large, because nothing may pass through.
+pub const MOST_LEVER_RATIO: Real = 100.0;
 
-/// How near two features count as met, of the thickness.
+/// Distance at which two features collide, relative to the thickness.
 pub const SEPARATION: Real = 0.1;
 
-/// Adds a constraint for each pair that meets. Only pairs with a vertex moved in `round` are
-/// tested; 0: all.
+/// Adds a constraint for each pair that collides. Only pairs with a vertex that was moved in `round` are tested; with 0, all
+/// pairs.
 pub(crate) fn find<D: Dispatch>(
     model: &ContactModel<'_>,
     vertex_triangle: &mut Pairs<'_>,
@@ -45,8 +45,8 @@ fn find_pairs<P: Pairing, D: Dispatch>(
     dispatch: &D,
 ) {
     let (candidates, times) = (&pairs.candidates[..count], &mut pairs.times[..count]);
-    let Motion { start, end, moves, rounds, .. } = motion;
-    let swept = continuous::LinearMotion { start, end, displacements: moves, radii: model.radii, rounds, round };
+    let Motion { start, end, displacements, rounds, .. } = motion;
+    let swept = continuous::LinearMotion { start, end, displacements, radii: model.radii, rounds, round };
     let separation = SEPARATION * model.thickness;
     dispatch.enter(Stage::NarrowPhase);
     continuous::times::<P>(candidates, pairs.distances, &model.surface, swept, separation, times, dispatch);
@@ -58,34 +58,35 @@ fn find_pairs<P: Pairing, D: Dispatch>(
             continue;
         }
         let vertices = P::vertices(&model.surface, candidate);
-        let (x, moves) = (gather(vertices, start), gather(vertices, moves));
+        let (x, displacements) = (gather(vertices, start), gather(vertices, displacements));
         let radius = P::radius(gather(vertices, model.radii));
-        let at: [Vec3; 4] = if touch { x } else { core::array::from_fn(|k| x[k] + moves[k] * time) };
-        let (Some(met), Some(before)) =
+        let at: [Vec3; 4] = if touch { x } else { core::array::from_fn(|k| x[k] + displacements[k] * time) };
+        let (Some(impact), Some(before)) =
             (contact::<P>(vertices, &at, &x, radius), contact::<P>(vertices, &x, &x, radius))
         else {
             list.touching += 1;
             continue;
         };
         list.touching += u64::from(touch);
-        let ends = before.gap + constraint::weighted(&before, motion.moves).dot(before.normal);
-        // Rounding alone does not count.
-        if touch && ends >= repulsion::met(before.gap, model.thickness) - continuous::TOUCH * separation {
+        let ends = before.gap + constraint::weighted(&before, motion.displacements).dot(before.normal);
+        // Rounding errors alone are no impact.
+        if touch && ends >= repulsion::least_gap(before.gap, model.thickness) - continuous::TOUCH * separation {
             continue;
         }
         let target = thickness::<P>(model, vertices).min(before.gap);
-        list.push(Constraint::new(met, target, grip(model, &met, motion), model.mobility, MOST_LEVER));
+        let coefficients = coefficients(model, &impact, motion);
+        list.push(Constraint::new(impact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO));
     }
     list.sort_from(first);
 }
 
-/// Adds a constraint for each vertex that meets a plane, of those moved in `round`; 0: of all.
+/// Adds a constraint for each vertex that collides with a plane, of the vertices moved in `round`; with 0, of all.
 pub(crate) fn find_planes(model: &ContactModel<'_>, motion: &Motion<'_>, round: u32, list: &mut List<'_>) {
-    let least = |gap| repulsion::met(gap, model.thickness);
+    let least = |gap| repulsion::least_gap(gap, model.thickness);
     repulsion::find_planes(model, motion, round, least, &repulsion::Known::nothing(), list);
 }
 
-/// Solves what met.
-pub(crate) fn resolve(context: &Context<'_>, met: &mut [Constraint], motion: &mut Motion<'_>) {
-    relax(context, met, None, motion, SWEEPS, 0.0);
+/// Solves the impacts.
+pub(crate) fn resolve(context: &Context<'_>, impacts: &mut [Constraint], motion: &mut Motion<'_>) {
+    relax(context, impacts, None, motion, SWEEPS, 0.0);
 }

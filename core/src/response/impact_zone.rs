@@ -1,6 +1,5 @@
-//! Impact zones: all constraints that hang together through vertices that can move, solved together
-//! until they are kept [Harmon 2008, Tang 2018]. The projection is inelastic and leaves sliding
-//! free, unlike a rigid zone.
+//! Impact zones: all constraints that are connected through vertices that can move are solved together [Harmon 2008, Tang
+//! 2018]. The projection is inelastic and, unlike that of a rigid zone, leaves sliding free.
 
 use super::constraint::Constraint;
 use super::{Context, Motion, relax};
@@ -8,7 +7,7 @@ use crate::real::{Real, Vec3};
 
 /// Sweeps over a zone.
 const SWEEPS: u32 = 60;
-/// Violation that is left, of the thickness.
+/// Violation that is left, relative to the thickness.
 const LEFT: Real = 0.02;
 
 /// Solves the zones of the constraints from `first` on; returns how many there are. `order` has room
@@ -21,18 +20,18 @@ pub(crate) fn resolve(
     order: &mut [u32],
     motion: &mut Motion<'_>,
 ) -> u64 {
-    let mobility = context.model.mobility;
+    let inverse_masses = context.model.inverse_masses;
     for (v, zone) in zones.iter_mut().enumerate() {
         *zone = v as u32;
     }
     for constraint in constraints.iter() {
-        join(zones, constraint, mobility);
+        join(zones, constraint, inverse_masses);
     }
     // Roots of the new constraints first, then the constraints that lie in their zones.
     let (roots, chosen) = order.split_at_mut(constraints.len());
     let mut wanted = 0;
     for constraint in &constraints[first..] {
-        if let Some(root) = root_of(zones, constraint, mobility) {
+        if let Some(root) = root_of(zones, constraint, inverse_masses) {
             roots[wanted] = root;
             wanted += 1;
         }
@@ -41,7 +40,7 @@ pub(crate) fn resolve(
     roots.sort_unstable();
     let mut count = 0;
     for k in 0..constraints.len() {
-        let root = root_of(zones, &constraints[k], mobility);
+        let root = root_of(zones, &constraints[k], inverse_masses);
         if root.is_some_and(|root| roots.binary_search(&root).is_ok()) {
             chosen[count] = k as u32;
             count += 1;
@@ -51,8 +50,8 @@ pub(crate) fn resolve(
     roots.chunk_by(|a, b| a == b).count() as u64
 }
 
-fn movable(mobility: &[Vec3], vertex: u32) -> bool {
-    mobility[vertex as usize] != Vec3::ZERO
+fn movable(inverse_masses: &[Vec3], vertex: u32) -> bool {
+    inverse_masses[vertex as usize] != Vec3::ZERO
 }
 
 fn root(zones: &mut [u32], vertex: u32) -> u32 {
@@ -64,18 +63,18 @@ fn root(zones: &mut [u32], vertex: u32) -> u32 {
     v
 }
 
-fn root_of(zones: &mut [u32], constraint: &Constraint, mobility: &[Vec3]) -> Option<u32> {
-    let found = constraint.contact.vertices.into_iter().find(|&v| movable(mobility, v));
+fn root_of(zones: &mut [u32], constraint: &Constraint, inverse_masses: &[Vec3]) -> Option<u32> {
+    let found = constraint.contact.vertices.into_iter().find(|&v| movable(inverse_masses, v));
     found.map(|v| root(zones, v))
 }
 
-fn join(zones: &mut [u32], constraint: &Constraint, mobility: &[Vec3]) {
-    let Some(zone) = root_of(zones, constraint, mobility) else { return };
+fn join(zones: &mut [u32], constraint: &Constraint, inverse_masses: &[Vec3]) {
+    let Some(zone) = root_of(zones, constraint, inverse_masses) else { return };
     let mut low = zone;
     for v in constraint.contact.vertices {
-        if movable(mobility, v) {
+        if movable(inverse_masses, v) {
             let other = root(zones, v);
-            // The lesser root wins, whatever the order.
+            // The smaller root is kept, in any order.
             let (less, more) = (low.min(other), low.max(other));
             zones[more as usize] = less;
             low = less;

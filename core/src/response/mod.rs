@@ -1,18 +1,18 @@
-//! Contacts in, corrected motion out [Bridson 2002], in passes:
+//! Corrects the motion of a step by its contacts [Bridson 2002], in passes:
 //!
 //! An implicit step is first [solved together with its contacts](crate::implicit_contact), so that the cloth gives way
 //! elastically. Then:
 //!
-//! 1. [`repulsion`]: what is near at the start of the step must not come nearer than the thickness;
-//!    [`friction`] holds it. All contacts are [`constraint`]s on the displacements of the step.
-//! 2. What overlaps is parted a little, without velocity.
-//! 3. [`impact`]: what meets on the way becomes one more constraint, in rounds.
-//! 4. [`impact_zone`]: what still meets is solved together with all that it touches; constraints
-//!    keep sliding free, unlike rigid zones [Harmon 2008].
-//! 5. [`hold`]: as a last resort what still meets stays where it was.
+//! 1. [`repulsion`]: pairs that are near at the start of the step must not come nearer than the thickness, with
+//!    [`friction`]. All contacts are [`constraint`]s on the displacements of the step.
+//! 2. Pairs that overlap are separated a little. This changes positions, not velocities.
+//! 3. [`impact`]: each pair that collides during the step gives one more constraint, in rounds.
+//! 4. [`impact_zone`]: pairs that still collide are solved together with all constraints that they are connected to.
+//!    Unlike in rigid zones, sliding stays free [Harmon 2008].
+//! 5. [`hold`]: as a last resort, vertices of pairs that still collide do not move.
 //!
-//! Nothing is accepted while a pair meets: the step is rejected and taken in halves. Where pairs are so near
-//! that rounding hides what they do, the end is [tested exactly](crate::audit::new_crossing).
+//! If a pair still collides, the step is rejected and taken in halves. Some pairs are so near that rounding hides whether
+//! they collide. Then the end of the step is [tested exactly](crate::audit::new_crossing).
 
 pub mod constraint;
 pub mod friction;
@@ -27,43 +27,41 @@ use crate::real::{Real, Vec3};
 use crate::stage::Stage;
 use constraint::Constraint;
 
-/// Rounds in which only what met is solved.
+/// Rounds in which only the impacts are solved.
 const IMPACT_ROUNDS: u32 = 4;
-/// Rounds after which a step is given up.
+/// Rounds after which a step is rejected.
 const MOST_ROUNDS: u32 = 30;
 /// Rounds of the last resort.
 const HOLD_ROUNDS: u32 = 100;
 
-/// What became of a step's motion.
+/// The result of a response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Nothing meets.
+    /// No pair collides.
     Free,
-    /// Nothing meets as far as rounding tells: pairs touch, and only
-    /// [an exact test](crate::audit::new_crossing) of the end tells whether they pass through one another.
+    /// No pair collides within rounding errors. Some pairs touch: only [an exact test](crate::audit::new_crossing) of the end
+    /// tells whether they pass through one another.
     Touches,
-    /// A vertex was moved out of the box that its candidates were found for: sweep again, wider.
-    Left,
-    /// These vertices of two features still meet, and perhaps others: those that nothing can move, if
-    /// there are any.
-    Meets([u32; 4]),
-    /// The host gave it up.
+    /// A vertex was moved out of the box for which its candidates were found. The search must be repeated with wider boxes.
+    LeavesBoxes,
+    /// The vertices of two features that still collide: of features that nothing can move, if there are any.
+    Collides([u32; 4]),
+    /// The host cancelled the step.
     Stopped,
 }
 
 /// Counts of contact, over all steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct ContactStatistics {
     /// Candidates found.
     pub candidates: u64,
     /// Contacts within the thickness.
     pub proximity: u64,
-    /// Meetings inside a step that were resolved.
+    /// Impacts that were resolved.
     pub impacts: u64,
     /// Impact zones solved.
     pub zones: u64,
-    /// Pairs that touched at the start of a step, so that only an exact test of its end tells whether
-    /// they pass through one another.
+    /// Pairs that touched at the start of a step. Only an exact test of its end tells whether they pass through one another.
     pub touching: u64,
     /// Steps that needed the last resort.
     pub failsafe: u64,
@@ -76,7 +74,7 @@ pub struct Tally {
 pub struct Settings {
     /// Length of the step, s.
     pub step: Real,
-    /// Whether what still meets may be held back.
+    /// Whether vertices that still collide may be held back.
     pub hold: bool,
 }
 
@@ -84,12 +82,12 @@ pub struct Settings {
 pub(crate) struct List<'a> {
     pub all: &'a mut [Constraint],
     pub count: usize,
-    /// Pairs that touch and have no time of impact.
+    /// Number of pairs that touch and have no time of impact.
     pub touching: u64,
 }
 
 impl List<'_> {
-    /// Adds one; counts on where there is no room.
+    /// Adds a constraint. Without room it is only counted.
     pub fn push(&mut self, constraint: Constraint) {
         if let Some(slot) = self.all.get_mut(self.count) {
             *slot = constraint;
@@ -133,9 +131,9 @@ pub fn find_impacts<D: Dispatch>(
 ) -> Result<(), usize> {
     dispatch.enter(Stage::Response);
     let near = find_near(model, scratch, step, scratch.lengths.constraints, 0.0)?;
-    let ContactScratch { start, end, moves, rounds, counts, constraints, .. } = scratch;
+    let ContactScratch { start, end, displacements, rounds, counts, constraints, .. } = scratch;
     let pairs = [counts.vertex_triangle, counts.edge_edge];
-    let motion = Motion { start, end, moves, rounds, step };
+    let motion = Motion { start, end, displacements, rounds, step };
     let mut list = List { all: constraints, count: near, touching: 0 };
     if model.continuous {
         let [vertex_triangle, edge_edge] = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
@@ -146,7 +144,7 @@ pub fn find_impacts<D: Dispatch>(
     Ok(())
 }
 
-/// Adds what is near to the constraints that there are; returns how many there are then.
+/// Adds the near pairs behind the first `before` constraints. Returns the number of constraints.
 fn find_near(
     model: &ContactModel<'_>,
     scratch: &mut ContactScratch<'_>,
@@ -154,17 +152,19 @@ fn find_near(
     before: usize,
     margin: Real,
 ) -> Result<usize, usize> {
-    let ContactScratch { start, predicted, end, moves, parting, rounds, counts, constraints, order, .. } = scratch;
+    let ContactScratch {
+        start, predicted, end, displacements, corrections, rounds, counts, constraints, order, ..
+    } = scratch;
     end.copy_from_slice(predicted);
-    for ((moves, start), end) in moves.iter_mut().zip(&**start).zip(&**end) {
-        *moves = *end - *start;
+    for ((displacements, start), end) in displacements.iter_mut().zip(&**start).zip(&**end) {
+        *displacements = *end - *start;
     }
-    parting.fill(Vec3::ZERO);
+    corrections.fill(Vec3::ZERO);
     rounds.fill(0);
     let mut list = List { all: constraints, count: before, touching: 0 };
     let known = repulsion::Known::sort(&list.all[..list.count], order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];
-    let motion = Motion { start, end, moves, rounds, step };
+    let motion = Motion { start, end, displacements, rounds, step };
     repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &known, margin, &mut list);
     list.count()
 }
@@ -175,24 +175,26 @@ pub fn respond<D: Dispatch>(
     model: &ContactModel<'_>,
     scratch: &mut ContactScratch<'_>,
     settings: Settings,
-    tally: &mut Tally,
+    contact_statistics: &mut ContactStatistics,
     dispatch: &D,
 ) -> Result<Outcome, usize> {
     let near = find_near(model, scratch, settings.step, scratch.lengths.constraints, 0.0)?;
-    let ContactScratch { start, end, moves, parting, rounds, zones, boxes, counts, constraints, order, .. } = scratch;
+    let ContactScratch {
+        start, end, displacements, corrections, rounds, zones, boxes, counts, constraints, order, ..
+    } = scratch;
     let mut list = List { all: constraints, count: near, touching: 0 };
     let pairs = [counts.vertex_triangle, counts.edge_edge];
-    let mut motion = Motion { start, end, moves, rounds, step: settings.step };
-    let mut now = Tally { proximity: near as u64, ..Tally::default() };
+    let mut motion = Motion { start, end, displacements, rounds, step: settings.step };
+    let mut now = ContactStatistics { proximity: near as u64, ..ContactStatistics::default() };
     let context = Context { model, round: 1 };
-    repulsion::keep(&context, &mut list.all[..near], &mut motion);
-    repulsion::part(&context, &mut list.all[..near], parting, &mut motion);
+    repulsion::repel(&context, &mut list.all[..near], &mut motion);
+    repulsion::separate(&context, &mut list.all[..near], corrections, &mut motion);
     let most = if settings.hold { HOLD_ROUNDS } else { MOST_ROUNDS };
     for round in 1..=most {
         let context = Context { round: round + 1, ..context };
-        motion.land(round, parting);
-        if motion.left(boxes, model, round) {
-            return Ok(Outcome::Left);
+        motion.round_ends(round, corrections);
+        if motion.leaves_boxes(boxes, model, round) {
+            return Ok(Outcome::LeavesBoxes);
         }
         let first = list.count;
         let tested = if round == 1 { 0 } else { round };
@@ -202,23 +204,23 @@ pub fn respond<D: Dispatch>(
         }
         impact::find_planes(model, &motion, tested, &mut list);
         list.count()?;
-        let met = &list.all[first..list.count];
-        let Some(last) = met.last() else {
+        let impacts = &list.all[first..list.count];
+        let Some(last) = impacts.last() else {
             now.touching = list.touching;
             scratch.lengths.constraints = list.count;
-            tally.add(&now);
+            contact_statistics.add(&now);
             return Ok(if list.touching > 0 { Outcome::Touches } else { Outcome::Free });
         };
-        let stuck = met.iter().find(|met| met.inverse_mass <= 0.0);
+        let stuck = impacts.iter().find(|impact| impact.inverse_mass <= 0.0);
         if stuck.is_some() || round == most {
-            return Ok(Outcome::Meets(stuck.unwrap_or(last).contact.vertices));
+            return Ok(Outcome::Collides(stuck.unwrap_or(last).contact.vertices));
         }
         if dispatch.stopped() {
             return Ok(Outcome::Stopped);
         }
-        now.impacts += met.len() as u64;
-        // What met is tested again, whether or not anything gives way.
-        met.iter().for_each(|met| mark(met, motion.rounds, context.round));
+        now.impacts += impacts.len() as u64;
+        // Pairs that collided are tested again, whether or not a vertex moved.
+        impacts.iter().for_each(|impact| mark(impact, motion.rounds, context.round));
         if settings.hold && round > MOST_ROUNDS {
             now.failsafe = 1;
             if round + 1 == most {
@@ -232,10 +234,10 @@ pub fn respond<D: Dispatch>(
             now.zones += impact_zone::resolve(&context, &mut list.all[..list.count], first, zones, order, &mut motion);
         }
     }
-    Ok(Outcome::Meets([0; 4]))
+    Ok(Outcome::Collides([0; 4]))
 }
 
-impl Tally {
+impl ContactStatistics {
     fn add(&mut self, other: &Self) {
         self.proximity += other.proximity;
         self.impacts += other.impacts;
@@ -245,11 +247,11 @@ impl Tally {
     }
 }
 
-/// What every pass needs to know.
+/// Input of every pass.
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
     pub model: &'a ContactModel<'a>,
-    /// Vertices moved now are marked with it.
+    /// The number with which moved vertices are marked.
     pub round: u32,
 }
 
@@ -257,28 +259,28 @@ pub(crate) struct Context<'a> {
 pub(crate) struct Motion<'a> {
     pub start: &'a mut [Vec3],
     pub end: &'a mut [Vec3],
-    pub moves: &'a mut [Vec3],
+    pub displacements: &'a mut [Vec3],
     pub rounds: &'a mut [u32],
     pub step: Real,
 }
 
 impl Motion<'_> {
-    /// Rounds the ends of the vertices moved in a round. What rounding moves is no velocity: by short
-    /// steps in f32 it is as much as friction.
-    fn land(&mut self, round: u32, parting: &mut [Vec3]) {
+    /// Rounds the end positions of the vertices moved in a round. Their rounding errors are no velocity: in f32, with short
+    /// steps, they are as large as the effect of friction.
+    fn round_ends(&mut self, round: u32, corrections: &mut [Vec3]) {
         for (v, end) in self.end.iter_mut().enumerate() {
             if self.rounds[v] == round {
-                *end = self.start[v] + self.moves[v];
+                *end = self.start[v] + self.displacements[v];
                 let rounded = *end - self.start[v];
-                parting[v] += rounded - self.moves[v];
-                self.moves[v] = rounded;
+                corrections[v] += rounded - self.displacements[v];
+                self.displacements[v] = rounded;
             }
         }
     }
 
-    /// Whether a vertex moved in a round has left its box, less what the box is inflated by. In the
-    /// first round any may have been, by the implicit system.
-    fn left(&self, boxes: &[crate::geometry::aabb::Aabb], model: &ContactModel<'_>, round: u32) -> bool {
+    /// Whether a vertex moved in a round has left its box, less the margin of the box. In the first round the implicit
+    /// solve may have moved any vertex.
+    fn leaves_boxes(&self, boxes: &[crate::geometry::aabb::Aabb], model: &ContactModel<'_>, round: u32) -> bool {
         self.end.iter().enumerate().any(|(v, &end)| {
             let around = Vec3::splat(0.5 * model.thickness + model.radii[v]);
             (round == 1 || self.rounds[v] == round)
@@ -287,8 +289,8 @@ impl Motion<'_> {
     }
 }
 
-/// Solves constraints in their order until none is violated by more than `tolerance`, m, or for so
-/// many sweeps.
+/// Solves constraints in their order until no constraint is violated by more than `tolerance`, m, or until the limit of
+/// sweeps.
 pub(crate) fn relax(
     context: &Context<'_>,
     constraints: &mut [Constraint],
@@ -302,8 +304,8 @@ pub(crate) fn relax(
         let mut worst: Real = 0.0;
         for k in 0..count {
             let constraint = &mut constraints[chosen.map_or(k, |chosen| chosen[k] as usize)];
-            let (missing, moved) = constraint::solve(constraint, context.model.mobility, motion.moves);
-            worst = worst.max(missing.abs());
+            let (violation, moved) = constraint::solve(constraint, context.model.inverse_masses, motion.displacements);
+            worst = worst.max(violation.abs());
             if moved {
                 mark(constraint, motion.rounds, context.round);
             }

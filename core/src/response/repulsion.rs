@@ -1,9 +1,9 @@
-//! What is near at the start of a step: it may come as near as the thickness, or no nearer than it
-//! is, and overlaps are parted by a tenth in each step [Bridson 2002]. Parting moves and gives no
-//! velocity, so that it adds no energy.
+//! Pairs that are near at the start of a step. A pair may come as near as the thickness; a pair that is nearer may come no
+//! nearer. A tenth of an overlap is removed in each step [Bridson 2002]. This changes positions and not velocities, so that
+//! it adds no energy.
 
 use super::constraint::{self, Constraint};
-use super::friction::Grip;
+use super::friction::FrictionCoefficients;
 use super::{Context, List, Motion, mark, relax};
 use crate::colliders::Form;
 use crate::contact::{ContactModel, Pairs};
@@ -13,24 +13,23 @@ use crate::real::{Real, Vec3, sqrt};
 
 /// Sweeps over all contacts.
 const SWEEPS: u32 = 20;
-/// Sweeps that part.
-const PARTING_SWEEPS: u32 = 4;
-/// Part of an overlap that goes in a step.
-const PARTED: Real = 0.1;
-/// Violation that is left, of the thickness.
+/// Sweeps that remove overlaps.
+const SEPARATION_SWEEPS: u32 = 4;
+/// Part of an overlap that is removed in a step.
+const REMOVED: Real = 0.1;
+/// Violation that is left, relative to the thickness.
 const LEFT: Real = 1e-3;
 
-/// How much farther than a contact its vertices may have to move to keep the thickness: less beside
-/// a pin, which would throw what is next to it. That nothing passes through is for
-/// [impacts](super::impact).
-pub const MOST_LEVER: Real = 4.0;
+/// Largest displacement of a vertex relative to that of the contact. Beside a pin, a larger one would throw the neighbouring
+/// vertices away. [Impacts](super::impact) ensure that nothing passes through.
+pub const MOST_LEVER_RATIO: Real = 4.0;
 
-/// How near is looked at, of the thickness: what is further may still meet, but its direction of
-/// now says little.
+/// Largest distance of a near pair, relative to the thickness. Farther pairs may collide, but not along their present
+/// direction.
 pub const REACH: Real = 2.0;
 
-/// Adds a constraint for each pair that is near and overlaps, or comes within the thickness and `margin`,
-/// where the surfaces are nearest.
+/// Adds a constraint for each near pair that overlaps or comes nearer than the thickness plus `margin`, m, if the surfaces are
+/// nearest there.
 pub(crate) fn find(
     model: &ContactModel<'_>,
     vertex_triangle: &Pairs<'_>,
@@ -53,12 +52,12 @@ pub(crate) struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
-    /// None.
+    /// Without any.
     pub fn nothing() -> Self {
         Self { order: &[], count: 0 }
     }
 
-    /// Those of some constraints, whose indices are sorted into `order`.
+    /// The pairs of some constraints. Sorts their indices into `order`.
     pub fn sort(constraints: &[Constraint], order: &'a mut [u32]) -> Self {
         let count = constraints.len();
         for (k, slot) in (0..).zip(&mut order[..count]) {
@@ -69,7 +68,7 @@ impl<'a> Known<'a> {
     }
 
     fn has(&self, list: &List<'_>, vertices: [u32; 4]) -> bool {
-        // Constraints are only added behind those that are known.
+        // Constraints are only added behind the known ones.
         let known = &list.all[..self.count];
         self.order.binary_search_by_key(&vertices, |&k| known[k as usize].contact.vertices).is_ok()
     }
@@ -96,18 +95,24 @@ fn find_pairs<P: Pairing>(
         let x = gather(vertices, motion.start);
         let Some(contact) = contact::<P>(vertices, &x, &x, P::radius(gather(vertices, model.radii))) else { continue };
         let least = thickness::<P>(model, vertices);
-        let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(contact.normal);
+        let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
         let approaches = ends < least + margin;
         if (distance < least || approaches) && is_local_minimum::<P>(&model.surface, motion.start, &contact) {
-            let grip = grip(model, &contact, motion);
-            list.push(Constraint::new(contact, least.min(contact.gap), grip, model.mobility, MOST_LEVER));
+            let coefficients = coefficients(model, &contact, motion);
+            list.push(Constraint::new(
+                contact,
+                least.min(contact.gap),
+                coefficients,
+                model.inverse_masses,
+                MOST_LEVER_RATIO,
+            ));
         }
     }
     list.sort_from(first);
 }
 
-/// Adds a constraint for each vertex that ends nearer to a plane than `least` of the gap at its
-/// start. Only vertices moved in `round` are tested; 0: all.
+/// Adds a constraint for each vertex that ends nearer to a plane than `least`, which depends on the gap at its start. Only
+/// vertices moved in `round` are tested; with 0, all vertices.
 pub(crate) fn find_planes(
     model: &ContactModel<'_>,
     motion: &Motion<'_>,
@@ -129,32 +134,30 @@ pub(crate) fn find_planes(
                 normal,
                 gap: normal.dot(motion.start[v as usize] - motion.start[plane as usize]),
             };
-            let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(normal);
+            let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(normal);
             if ends < least(contact.gap) && !known.has(list, contact.vertices) {
                 let target = model.thickness.min(contact.gap);
-                let grip = grip(model, &contact, motion);
-                list.push(Constraint::new(contact, target, grip, model.mobility, MOST_LEVER));
+                let coefficients = coefficients(model, &contact, motion);
+                list.push(Constraint::new(contact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO));
             }
         }
     }
 }
 
-/// The gap at which features count as met that began with another, m. What began behind may stay
-/// there.
-pub(crate) fn met(gap: Real, thickness: Real) -> Real {
+/// The gap at the end of a step below which features collide, m. A vertex that begins behind a plane may stay there.
+pub(crate) fn least_gap(gap: Real, thickness: Real) -> Real {
     if gap > 0.0 { 0.1 * gap.min(thickness) } else { 1.1 * gap }
 }
 
-/// What a contact bears, by the law of the collider where one is met, as it slides now.
-pub(crate) fn grip(model: &ContactModel<'_>, contact: &Contact, motion: &Motion<'_>) -> Grip {
+/// The coefficients of friction of a contact, by its sliding in the predicted motion. The larger law of its vertices counts.
+pub(crate) fn coefficients(model: &ContactModel<'_>, contact: &Contact, motion: &Motion<'_>) -> FrictionCoefficients {
     let law = gather(contact.vertices, model.law_of).into_iter().fold(0, u32::max);
-    let relative = constraint::weighted(contact, motion.moves);
+    let relative = constraint::weighted(contact, motion.displacements);
     let sliding = relative - contact.normal * contact.normal.dot(relative);
-    model.laws[law as usize].grip(sqrt(sliding.length_squared()) / motion.step)
+    model.laws[law as usize].coefficients(sqrt(sliding.length_squared()) / motion.step)
 }
 
-/// The thickness that a pair can keep: neighbours on one sheet may be nearer than the thickness by
-/// the sheet itself.
+/// The thickness that a pair can keep. Neighbours on one sheet may be nearer than the thickness in its material.
 pub(crate) fn thickness<P: Pairing>(model: &ContactModel<'_>, vertices: [u32; 4]) -> Real {
     let sheet = |v: u32| model.firsts.partition_point(|&first| first <= v);
     let colliders = model.cloth() as u32;
@@ -166,31 +169,31 @@ pub(crate) fn thickness<P: Pairing>(model: &ContactModel<'_>, vertices: [u32; 4]
 }
 
 /// Solves the contacts.
-pub(crate) fn keep(context: &Context<'_>, constraints: &mut [Constraint], motion: &mut Motion<'_>) {
+pub(crate) fn repel(context: &Context<'_>, constraints: &mut [Constraint], motion: &mut Motion<'_>) {
     relax(context, constraints, None, motion, SWEEPS, LEFT * context.model.thickness);
 }
 
-/// Parts what overlaps.
-pub(crate) fn part(
+/// Removes a part of each overlap.
+pub(crate) fn separate(
     context: &Context<'_>,
     constraints: &mut [Constraint],
-    parting: &mut [Vec3],
+    corrections: &mut [Vec3],
     motion: &mut Motion<'_>,
 ) {
-    let ContactModel { thickness, mobility, .. } = *context.model;
-    for _ in 0..PARTING_SWEEPS {
+    let ContactModel { thickness, inverse_masses, .. } = *context.model;
+    for _ in 0..SEPARATION_SWEEPS {
         for constraint in &mut *constraints {
             let (contact, along) = (constraint.contact, constraint.inverse_mass);
             let overlap = thickness - contact.gap;
             if overlap <= LEFT * thickness || along <= 0.0 || constraint.target < contact.gap {
                 continue;
             }
-            let ends = contact.gap + constraint::weighted(&contact, motion.moves).dot(contact.normal);
-            let missing = contact.gap + PARTED * overlap - ends;
-            if missing > 0.0 {
-                let impulse = contact.normal * (missing / along);
-                constraint::push(&contact, impulse, mobility, motion.moves);
-                constraint::push(&contact, impulse, mobility, parting);
+            let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
+            let violation = contact.gap + REMOVED * overlap - ends;
+            if violation > 0.0 {
+                let impulse = contact.normal * (violation / along);
+                constraint::apply_impulse(&contact, impulse, inverse_masses, motion.displacements);
+                constraint::apply_impulse(&contact, impulse, inverse_masses, corrections);
                 mark(constraint, motion.rounds, context.round);
             }
         }

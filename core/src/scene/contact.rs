@@ -97,8 +97,8 @@ pub(super) fn columns(
     let (cloth, colliders) = (built.particles.positions.len(), columns.colliders.anchors.len());
     columns.firsts = built.cloths.iter().map(|range| range.vertices.start).chain([cloth as u32]).collect();
     columns.material = built.material.iter().map(|&x| vec3(x.into())).collect();
-    columns.mobility = vec![Vec3::ZERO; cloth + colliders];
-    built.pins.view().write_mobility(&built.particles.inverse_masses, &mut columns.mobility[..cloth]);
+    columns.inverse_masses = vec![Vec3::ZERO; cloth + colliders];
+    built.pins.view().write_inverse_masses(&built.particles.inverse_masses, &mut columns.inverse_masses[..cloth]);
     columns.radii = vec![0.0; cloth];
     columns.law_of = vec![0; cloth];
     for body in &columns.colliders.bodies {

@@ -44,7 +44,7 @@ impl Simulation {
     }
 
     async fn halves<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
-        self.tally.rejected += 1;
+        self.contact_statistics.rejected += 1;
         let whole = 1u32 << MOST_HALVINGS;
         let (mut done, mut halvings) = (0, 1);
         while done < whole {
@@ -56,7 +56,7 @@ impl Simulation {
                     halvings -= u32::from(done % (2 * length) == 0);
                 }
                 Err(cannot) if halvings < MOST_HALVINGS && cannot.cause.asks_for_shorter_step() => {
-                    self.tally.rejected += 1;
+                    self.contact_statistics.rejected += 1;
                     halvings += 1;
                 }
                 Err(cannot) => return Err(cannot),
@@ -84,7 +84,7 @@ impl Simulation {
         let previous = if kept.has_history { previous } else { [&[][..]; 2] };
         let (after_contact, multipliers) = (kept.after_contact, &kept.multipliers[..]);
         let state = State { steps: self.steps, positions, velocities, previous, after_contact, multipliers };
-        self.restore(&state, self.statistics, self.tally);
+        self.restore(&state, self.statistics, self.contact_statistics);
         self.kept = kept;
     }
 }

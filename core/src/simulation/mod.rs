@@ -16,7 +16,7 @@ use crate::mesh::SurfaceColumns;
 use crate::particles::{ParticleColumns, Particles};
 use crate::real::{Real, Sum, Vec3};
 use crate::refusal::Obstacle;
-use crate::response::Tally;
+use crate::response::ContactStatistics;
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
 use crate::stage::Term;
@@ -42,11 +42,11 @@ pub struct Simulation {
     contact: Option<ContactScratchColumns>,
     /// The state at the start of a step that is taken in substeps.
     kept: Kept,
-    tally: Tally,
+    contact_statistics: ContactStatistics,
     /// Whether the contact response changed the current state.
     after_contact: bool,
     /// Number of candidates found in this step, over all attempts.
-    looked_at: u64,
+    searched: u64,
     scheme: Scheme,
     step: Real,
     steps: u64,
@@ -110,15 +110,15 @@ impl Simulation {
         let kept = contact.as_ref().map(|_| Kept::build(&built.particles.positions, &scratch.previous_positions));
         // Material coordinates are needed only to cut the patches of the solver.
         built.material = Default::default();
-        let (statistics, tally) = (IntegratorStatistics::default(), Tally::default());
+        let (statistics, contact_statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
         Self {
             built,
             scratch,
             contact,
             kept: kept.unwrap_or_default(),
-            tally,
+            contact_statistics,
             after_contact: false,
-            looked_at: 0,
+            searched: 0,
             scheme,
             step,
             steps: 0,
@@ -137,8 +137,8 @@ impl Simulation {
     /// ([`Dispatch::detect`]). A future that is dropped before it completes may leave the state of a substep:
     /// [`restore`](Self::restore) the [`state`](Self::state) from before the step.
     pub async fn await_step<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
-        let counted = (self.statistics, self.tally);
-        self.looked_at = 0;
+        let counted = (self.statistics, self.contact_statistics);
+        self.searched = 0;
         let taken = match self.try_part(Substep::WHOLE, false, dispatch).await {
             Err(cannot) if cannot.cause.asks_for_shorter_step() => self.step_in_halves(dispatch).await,
             taken => taken,
@@ -146,7 +146,7 @@ impl Simulation {
         match taken {
             Ok(()) => self.steps += 1,
             // The host takes this step again, so its work is not counted.
-            Err(StepError { cause: Cause::Stopped, .. }) => (self.statistics, self.tally) = counted,
+            Err(StepError { cause: Cause::Stopped, .. }) => (self.statistics, self.contact_statistics) = counted,
             Err(_) => {}
         }
         taken
@@ -160,7 +160,7 @@ impl Simulation {
             self.scratch.has_history = false;
         }
         let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);
-        let Self { built, scratch, contact, step, statistics, tally, looked_at, .. } = self;
+        let Self { built, scratch, contact, step, statistics, contact_statistics, searched, .. } = self;
         let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
         let input = StepInput {
             model: &built.model.view(),
@@ -178,7 +178,7 @@ impl Simulation {
         let model = built.contact.as_ref().map(|model| model.view());
         let columns = model.as_ref().zip(contact.as_mut());
         let contact = columns.map(|(model, columns)| StepContact { model, columns, hold });
-        let work = Work { integrator: statistics, contact: tally, searched: looked_at };
+        let work = Work { integrator: statistics, contact: contact_statistics, searched: searched };
         match step::take(&input, &mut particles, &mut scratch.view(), contact, work).await {
             Ok(corrected) => {
                 let has_previous = !self.scratch.previous_positions.is_empty();
@@ -232,8 +232,8 @@ impl Simulation {
     }
 
     /// Counts of the contact response since the start.
-    pub fn tally(&self) -> Tally {
-        self.tally
+    pub fn contact_statistics(&self) -> ContactStatistics {
+        self.contact_statistics
     }
 
     /// The columns for contact; `None` in a scene without contact.
@@ -376,7 +376,12 @@ impl Simulation {
 
     /// Restores a checkpoint of the same scene. Returns false and changes nothing if the lengths of the
     /// columns differ.
-    pub fn restore(&mut self, state: &State<'_>, statistics: IntegratorStatistics, tally: Tally) -> bool {
+    pub fn restore(
+        &mut self,
+        state: &State<'_>,
+        statistics: IntegratorStatistics,
+        contact_statistics: ContactStatistics,
+    ) -> bool {
         let count = self.positions().len();
         let history = state.previous[0].len();
         let fits = state.positions.len() == count
@@ -396,7 +401,7 @@ impl Simulation {
                 contact.set_multipliers(state.multipliers);
             }
             self.steps = state.steps;
-            (self.statistics, self.tally) = (statistics, tally);
+            (self.statistics, self.contact_statistics) = (statistics, contact_statistics);
         }
         fits
     }

@@ -37,7 +37,7 @@ impl Simulation {
         self.scratch.set_pins(pins);
         if let Some(contact) = contact {
             let cloth = particles.positions.len();
-            pins.write_mobility(&particles.inverse_masses, &mut contact.mobility[..cloth]);
+            pins.write_inverse_masses(&particles.inverse_masses, &mut contact.inverse_masses[..cloth]);
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::detection;
 use crate::dispatch::{Dispatch, Here, block_on};
 use crate::real::{Real, sqrt};
 use crate::response::impact::SEPARATION;
-use crate::response::{self, Outcome, Settings, Tally};
+use crate::response::{self, ContactStatistics, Outcome, Settings};
 use crate::step;
 use crate::untangle::{self, Untangled};
 
@@ -18,9 +18,8 @@ const MOST_WIDENINGS: u32 = 6;
 const SEPARATIONS: u32 = 10;
 
 impl Simulation {
-    /// [Parts](untangle::untangle) what passes through one another now, where pins let it, and then
-    /// what is too near for the response to tell apart. Only positions change, and none in a scene
-    /// without contact or in which nothing passes through anything.
+    /// [Removes](untangle::untangle) the present intersections as far as pins allow it. Then separates pairs that are too near
+    /// for the response. Only positions change. Nothing changes in a scene without contact or without intersections.
     pub fn untangle(&mut self, dispatch: &impl Dispatch) -> Untangled {
         let mut places = self.places();
         let Some(model) = &self.built.contact else { return Untangled::default() };
@@ -34,7 +33,7 @@ impl Simulation {
         self.forget_the_past();
         for _ in 0..SEPARATIONS {
             let kept = self.positions().to_vec();
-            if !self.part_near(dispatch) {
+            if !self.separate_near(dispatch) {
                 break;
             }
             let places = self.places();
@@ -51,9 +50,9 @@ impl Simulation {
         untangled
     }
 
-    /// Lets the response separate pairs at rest that are nearer than the distance of an impact. Returns
-    /// false if there are no such pairs, or if it cannot.
-    fn part_near(&mut self, dispatch: &impl Dispatch) -> bool {
+    /// Lets the response separate pairs at rest that are nearer than the distance of an impact. Returns false if no pair is so
+    /// near, or if it cannot.
+    fn separate_near(&mut self, dispatch: &impl Dispatch) -> bool {
         let (time, step) = (self.time(), self.step);
         let Self { built, contact, .. } = self;
         let (Some(model), Some(contact)) = (&built.contact, contact) else { return false };
@@ -70,15 +69,15 @@ impl Simulation {
             }
             let settings = Settings { step, hold: false };
             let respond = |contact: &mut ContactScratch<'_>| {
-                response::respond(model, contact, settings, &mut Tally::default(), dispatch)
+                response::respond(model, contact, settings, &mut ContactStatistics::default(), dispatch)
             };
             match step::with_room(contact, respond) {
-                // Counted anew once all are apart.
+                // The next call counts the pairs again.
                 Ok(Outcome::Free | Outcome::Touches) => {
                     positions.copy_from_slice(&contact.view().end[..model.cloth()]);
                     return true;
                 }
-                Ok(Outcome::Left) => {}
+                Ok(Outcome::LeavesBoxes) => {}
                 _ => return false,
             }
         }

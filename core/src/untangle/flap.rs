@@ -92,7 +92,7 @@ pub fn beside(
         return;
     }
     for (side, members) in grow(scene, topology, &sides, cut).into_iter().enumerate() {
-        let moving = members.iter().filter(|&&v| scene.model.mobility[v as usize] != Vec3::ZERO).count();
+        let moving = members.iter().filter(|&&v| scene.model.inverse_masses[v as usize] != Vec3::ZERO).count();
         if moving > 0 {
             let (held, outward) = (moving < members.len(), if side == 0 { 1.0 } else { -1.0 });
             flaps.extend(way_back(scene, strand, outward, members, held, places));
@@ -112,7 +112,7 @@ fn torn(sides: &[[u32; 2]]) -> bool {
 /// The vertices below and above a strand. Each belongs to the side that is nearer in edges along the sheet.
 fn grow(scene: &Scene<'_>, topology: &Topology, sides: &[[u32; 2]], cut: &[u32]) -> [Vec<u32>; 2] {
     let surface = &scene.model.surface;
-    let (mut of, mut queue) = (vec![2u8; scene.model.mobility.len()], VecDeque::new());
+    let (mut of, mut queue) = (vec![2u8; scene.model.inverse_masses.len()], VecDeque::new());
     let mut members = [Vec::new(), Vec::new()];
     for side in 0..2 {
         for ends in sides {

@@ -89,18 +89,18 @@ impl Displacements {
     }
 
     /// Moves all vertices along their free axes.
-    fn apply(&self, mobility: &[Vec3], places: &mut [Vec3]) {
+    fn apply(&self, inverse_masses: &[Vec3], places: &mut [Vec3]) {
         for (v, x) in places.iter_mut().enumerate() {
             if self.weights[v] > 0.0 {
                 let by = self.sums[v] / self.weights[v];
-                *x += Vec3::select(mobility[v].cmpgt(Vec3::ZERO), by, Vec3::ZERO);
+                *x += Vec3::select(inverse_masses[v].cmpgt(Vec3::ZERO), by, Vec3::ZERO);
             }
         }
     }
 }
 
 /// Separates surfaces that pass through one another. `places` has the vertices of the cloth and then of the
-/// colliders, m; only vertices with a mobility are moved. Positions that are not finite are left unchanged.
+/// colliders, m; only vertices with a inverse_masses are moved. Positions that are not finite are left unchanged.
 pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl Dispatch) -> Untangled {
     if !places.iter().all(|x| x.is_finite()) {
         return Untangled::default();
@@ -125,7 +125,7 @@ pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl D
         if displacements.is_empty() {
             separate(&scene, &topology, &crossings, places, &mut displacements, attempt);
         }
-        displacements.apply(model.mobility, places);
+        displacements.apply(model.inverse_masses, places);
         crossings = find(model, places, dispatch);
         let now = [crossings.len(), solids::inside(model, places)];
         if now < best && !is_torn(model, &start, places) {

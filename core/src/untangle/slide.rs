@@ -56,7 +56,8 @@ pub fn slide(
 /// Requests a motion of an edge relative to a triangle at their crossing, divided in proportion to their
 /// mobilities.
 fn apart(scene: &Scene<'_>, crossing: &Crossing, by: Vec3, displacements: &mut Displacements) {
-    let mobile = |k: usize| scene.model.mobility[crossing.vertices[k] as usize].max_element() * crossing.weights[k];
+    let mobile =
+        |k: usize| scene.model.inverse_masses[crossing.vertices[k] as usize].max_element() * crossing.weights[k];
     let (edge, triangle) = (mobile(0) + mobile(1), mobile(2) + mobile(3) + mobile(4));
     let all = edge + triangle;
     if all <= 0.0 {

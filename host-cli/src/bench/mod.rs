@@ -8,7 +8,7 @@ mod report;
 
 use std::time::{Duration, Instant};
 
-use muslin_core::response::Tally;
+use muslin_core::response::ContactStatistics;
 use muslin_core::simulation::Simulation;
 use muslin_core::stage::Stage;
 use muslin_core::traffic;
@@ -82,11 +82,12 @@ fn measure(scene: &SceneFile, pool: &Pool, copy: f64) -> Result<SceneReport, Fai
     let timing = scene.desc.timing();
     let total = (timing.frames * timing.steps_per_frame).max(WARM_UP + 1);
     let stopwatch = Stopwatch::new(pool);
-    let (mut largest_stretch, mut times, mut before, started) = (0.0_f64, Vec::new(), Tally::default(), Instant::now());
+    let (mut largest_stretch, mut times, mut before, started) =
+        (0.0_f64, Vec::new(), ContactStatistics::default(), Instant::now());
     for step in 0..total {
         if step == WARM_UP {
             stopwatch.reset();
-            before = simulation.tally();
+            before = simulation.contact_statistics();
         }
         let clock = Instant::now();
         simulation.step(&stopwatch).map_err(|diverged| Failure::Diverged(diverged.to_string()))?;
@@ -143,12 +144,17 @@ fn measure(scene: &SceneFile, pool: &Pool, copy: f64) -> Result<SceneReport, Fai
         particles_per_s: particles as f64 / mean,
         largest_stretch,
         cg_iterations_per_step: work.cg_iterations as f64 / all_steps,
-        contact: simulation.contact().map(|_| contact(before, simulation.tally(), steps, &stopwatch)),
+        contact: simulation.contact().map(|_| contact(before, simulation.contact_statistics(), steps, &stopwatch)),
         stages,
     })
 }
 
-fn contact(before: Tally, after: Tally, steps: u64, stopwatch: &Stopwatch<'_>) -> ContactReport {
+fn contact(
+    before: ContactStatistics,
+    after: ContactStatistics,
+    steps: u64,
+    stopwatch: &Stopwatch<'_>,
+) -> ContactReport {
     let (candidates, contacts) = (after.candidates - before.candidates, after.proximity - before.proximity);
     let seconds = |stage| stopwatch.time(stage).as_secs_f64();
     ContactReport {
