@@ -134,7 +134,7 @@ const EXCEPTIONS: [(&str, Method, u32, &str); 29] = [
     ("stretched x1000", Method::Bdf2, 1, "xxx"),
     ("masses 1:1e6", Method::Bdf2, 1, "x??"),
     ("stiffness 1:1e6", Method::Bdf2, 1, "++?"),
-    ("slivers", Method::Bdf2, 1, "+xx"),
+    ("slivers", Method::Bdf2, 1, "+?x"),
     ("slivers", Method::Bdf2, 20, "++?"),
     ("flat", Method::ImplicitMidpoint, 1, "++x"),
     ("random", Method::ImplicitMidpoint, 1, "+?x"),

@@ -178,7 +178,7 @@ impl Simulation {
         let model = built.contact.as_ref().map(|model| model.view());
         let columns = model.as_ref().zip(contact.as_mut());
         let contact = columns.map(|(model, columns)| StepContact { model, columns, hold });
-        let work = Work { integrator: statistics, contact: contact_statistics, searched: searched };
+        let work = Work { integrator: statistics, contact: contact_statistics, searched };
         match step::take(&input, &mut particles, &mut scratch.view(), contact, work).await {
             Ok(corrected) => {
                 let has_previous = !self.scratch.previous_positions.is_empty();
