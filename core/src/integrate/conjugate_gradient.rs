@@ -294,7 +294,8 @@ impl Iterate<'_, '_> {
         });
         system.pins.filter(product);
         if term.is_zero() {
-            return (curvature > 0.0).then(|| slope / curvature);
+            // The length is dimensionless, as P A is. Beyond 1 / EPSILON the matrix is singular within rounding errors.
+            return (curvature > Sum::EPSILON * slope).then(|| slope / curvature);
         }
         let elastic_slope = slope - term.set_direction(direction);
         // The derivative of the function along the direction increases with the length of the step.
