@@ -288,7 +288,7 @@ mod owned {
                 zones: vec![0; vertices],
                 boxes: vec![Aabb::EMPTY; vertices],
                 grid: GridColumns::build(vertices, model.surface.triangles.len()),
-                kept: KeptPairColumns::build(vertices, pairs / 2),
+                kept: KeptPairColumns::build(vertices, 3 * pairs / 4),
                 room: RoomColumns::build(&model.surface),
                 ..Self::default()
             };

@@ -1,12 +1,12 @@
 //! The order of a step: one driver over borrowed columns, for every host.
 //!
-//! [`predict`] (forces, integration) -> [`place`], [`search`](detection::search) (candidates and their distances) ->
-//! [`couple`](fn@couple) (contacts, impacts and elasticity, implicit methods only) -> [`respond`](response::respond)
-//! (contacts, impacts) -> [`settle`] -> [`new_crossing`](audit::new_crossing), if surfaces [touch](Outcome::Touches) ->
-//! [`keep_forces`] and [`commit`]. Without contact a step consists of the first and the last phase.
+//! predict (forces, integration) -> [`place`], [`search`](detection::search) (candidates and their distances) -> couple
+//! (contacts, impacts and elasticity, implicit methods only) -> [`respond`](response::respond) (contacts, impacts) ->
+//! settle -> [`new_crossing`](audit::new_crossing), if surfaces [touch](Outcome::Touches) -> keep the forces of contacts,
+//! commit. Without contact a step consists of the first and the last phase.
 //!
-//! Backward Euler without Newton's method predicts the motion without any force and leaves its one linear solve to
-//! [`couple`](fn@couple).
+//! Backward Euler without Newton's method predicts the motion without any force and leaves its one linear solve to the
+//! phase couple.
 //!
 //! The driver asks its host for more room in the columns of contact ([`ContactRoom`]), for candidates that are found
 //! elsewhere ([`Dispatch::detect`]) and for a shorter step ([`Obstacle`]). A step that fails does not change the state.

@@ -128,7 +128,8 @@ impl ContactLines {
     }
 }
 
-/// The sums of [`ContactLines::slopes_and_curvatures`] over all contacts.
+/// The products of the impulses with g, and `g . H g`, where -H is the derivative of the impulses, at the velocities
+/// u + `length` g; summed over all contacts.
 pub fn slope_and_curvature(lines: &[ContactLines], length: Real) -> [Sum; 2] {
     let mut sums = [0.0; 2];
     for line in lines {
