@@ -121,7 +121,7 @@ pub trait ContactRoom {
     fn grow_kept(&mut self) {}
 }
 
-/// The owner of the columns of a scene without contact: there is none.
+/// Stands for the owner of columns in a scene without contact. It has no values.
 #[derive(Debug)]
 pub enum NoContact {}
 

@@ -5,10 +5,10 @@
 //!
 //! `(y - y0) . A (y - y0) / 2 + C(y)`
 //!
-//! is minimised over the change y of the velocities, where `A y0 = b` is the residual of the step. The function is convex
-//! and piecewise quadratic between updates of C. The method is that for nonlinear functions [Polak 1969; Nocedal 2006, ch. 5.2] with an exact
-//! line search: contacts that open, close, stick or slip on the way need no solve of their own. Without contacts these
-//! are linear conjugate gradients.
+//! is minimised over the change y of the velocities, where `A y0 = b` is the residual of the step. The function is
+//! convex and piecewise quadratic between updates of C. The method is that for nonlinear functions [Polak 1969; Nocedal
+//! 2006, ch. 5.2] with an exact line search: contacts that open, close, stick or slip on the way need no solve of their
+//! own. Without contacts these are linear conjugate gradients.
 //!
 //! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on the limit of iterations.
 
@@ -146,8 +146,8 @@ pub(crate) enum Goal {
     Reach(Sum),
 }
 
-/// Writes y to `s.solution`; NaN if the residual is not finite. `A y0` is in
-/// `s.residual`; the solve leaves `A (y0 - y)` there. Returns the square of the preconditioned residual at which the solve stops.
+/// Writes y to `s.solution`; NaN if the residual is not finite. `A y0` is in `s.residual`; the solve leaves
+/// `A (y0 - y)` there. Returns the square of the preconditioned residual at which the solve stops.
 #[inline(never)]
 pub(crate) fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,

@@ -179,10 +179,10 @@ impl Simulation {
         let columns = model.as_ref().zip(contact.as_mut());
         let contact = columns.map(|(model, columns)| StepContact { model, columns, hold });
         let work = Work { integrator: statistics, contact: contact_statistics, searched };
-        match step::take(&input, &mut particles, &mut scratch.view(), contact, work).await {
+        let mut view = scratch.view();
+        match step::take(&input, &mut particles, &mut view, contact, work).await {
             Ok(corrected) => {
-                let has_previous = !self.scratch.previous_positions.is_empty();
-                self.scratch.has_history = has_previous && part == Substep::WHOLE && !corrected;
+                self.scratch.has_history = view.has_history && part == Substep::WHOLE && !corrected;
                 self.after_contact = corrected;
                 Ok(())
             }
