@@ -97,11 +97,11 @@ fn one_linear_step_of_a_stiff_sheet_can_overshoot() {
 #[test]
 #[ignore = "slow"]
 fn by_long_steps_a_belt_holds_on_a_drum_of_edges_where_it_should_slip() {
-    let resources = [kit::resource("belt", belt(0.5 * holding_end(0.3))), kit::resource("drum", drum(24))];
+    let resources = [kit::resource("belt", belt(0.5 * holding_end(0.3), 0.012)), kit::resource("drum", drum(24))];
     let collider = "shape = \"mesh\"\nfile = \"drum\"";
     let falls = |method: &str, step: f64| {
         let integrator = format!("[integrator]\nmethod = \"{method}\"\nstep = {step:?}");
-        kit::falls(&hanging(0.3, &integrator, collider), &resources, 0.4)
+        kit::falls(&hanging(0.3, 100.0, &integrator, collider), &resources, 0.4)
     };
     let [long, five, two, short] = [0.01, 0.005, 0.0025, 0.001].map(|step| falls("backward-euler", step));
     let explicit = falls("symplectic-euler", 1e-4);

@@ -91,7 +91,7 @@ impl core::fmt::Display for StepError {
             Cause::NotFinite => write!(f, "diverged in step {step} at particle {particle}, pulled hardest by {term}"),
             Cause::TooMuch => {
                 write!(f, "step {step} has more contacts than can be resolved: ")?;
-                write!(f, "particle {particle} displacements farthest, pulled hardest by {term}")
+                write!(f, "particle {particle} moves farthest, pulled hardest by {term}")
             }
             Cause::Contact { collider, pinned } => {
                 write!(f, "surfaces could not be kept apart in step {step}: ")?;

@@ -31,12 +31,13 @@ pub fn drum(sides: u32) -> Mesh {
     drum
 }
 
-/// A ribbon over the drum; its lighter end hangs on the left and has the length `light_end`, m.
-pub fn belt(light_end: f64) -> Mesh {
+/// A ribbon over the drum; its lighter end hangs on the left and has the length `light_end`, m. Its rows of vertices are
+/// about `spacing` apart, m.
+pub fn belt(light_end: f64, spacing: f64) -> Mesh {
     const ACROSS: usize = 4;
     let radius = DRUM + THICKNESS + 1e-5;
     let length = light_end + PI * radius + HEAVY_END;
-    let rows = (length / 0.012) as usize;
+    let rows = (length / spacing) as usize;
     let place = |s: f64| {
         let angle = (s - light_end) / radius;
         if angle < 0.0 {
@@ -64,33 +65,59 @@ pub fn belt(light_end: f64) -> Mesh {
     belt
 }
 
-/// Length of the lighter end at which the belt just holds, m. The tension T, divided by the weight per length,
-/// grows over the drum by `dT / da = mu (T + R sin a) + R cos a` [Euler 1769], which includes the belt's own
-/// weight.
-pub fn holding_end(mu: f64) -> f64 {
-    const STEPS: usize = 4000;
-    let radius = DRUM + THICKNESS;
-    let slips = |light_end: f64| {
-        let part = PI / STEPS as f64;
-        let grow = |tension: f64, k: usize| {
-            let (sine, cosine) = (part * (k as f64 + 0.5)).sin_cos();
-            tension + part * (mu * (tension + radius * sine) + radius * cosine)
-        };
-        (0..STEPS).fold(light_end, grow) < HEAVY_END
+/// Acceleration of gravity, m/s^2.
+const GRAVITY: f64 = 9.81;
+
+/// Tension behind the drum, divided by the mass per length, of an inextensible belt that slips or is about to. Over the
+/// drum it grows by `dT / da = mu N + R (dv / dt + g cos a)` with `N = T + R g sin a - v^2` [Euler 1769].
+fn tension_behind(friction: f64, light_end: f64, speed: f64, acceleration: f64) -> f64 {
+    const PARTS: usize = 1000;
+    let (radius, part) = (DRUM + THICKNESS, PI / PARTS as f64);
+    let growth = |tension: f64, angle: f64| {
+        let pressure = (tension + radius * GRAVITY * angle.sin() - speed * speed).max(0.0);
+        friction * pressure + radius * (acceleration + GRAVITY * angle.cos())
     };
+    (0..PARTS).fold(light_end * (GRAVITY + acceleration), |tension, k| {
+        let middle = part * (k as f64 + 0.5);
+        tension + part * growth(tension + 0.5 * part * growth(tension, middle), middle)
+    })
+}
+
+/// Length of the lighter end at which the belt just holds, m.
+pub fn holding_end(friction: f64) -> f64 {
     let (mut low, mut high) = (0.0, HEAVY_END);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
-        if slips(middle) { low = middle } else { high = middle }
+        let slips = tension_behind(friction, middle, 0.0, 0.0) < HEAVY_END * GRAVITY;
+        if slips { low = middle } else { high = middle }
     }
     high
+}
+
+/// How far an inextensible belt slips in a time, s, from rest, m.
+pub fn slips(friction: f64, light_end: f64, seconds: f64) -> f64 {
+    const STEP: f64 = 1e-4;
+    let (mut way, mut speed) = (0.0, 0.0);
+    for _ in 0..(seconds / STEP).round() as usize {
+        // What pulls the heavy end less what holds it is linear in the acceleration, while the belt presses everywhere.
+        let pull = |acceleration: f64| {
+            (HEAVY_END + way) * (GRAVITY - acceleration)
+                - tension_behind(friction, light_end - way, speed, acceleration)
+        };
+        let (at_rest, at_one) = (pull(0.0), pull(1.0));
+        speed += STEP * at_rest / (at_rest - at_one);
+        way += STEP * speed;
+    }
+    way
 }
 
 /// The drum as a capsule, for [`hanging`].
 pub const ROUND: &str = "shape = \"capsule\"\na = [0, 0, -0.2]\nb = [0, 0, 0.2]\nradius = 0.05";
 
-/// The scene of the mesh "belt" over a drum, with a coefficient of friction and an `[integrator]` table.
-pub fn hanging(friction: f64, integrator: &str, drum: &str) -> String {
+/// The scene of the mesh "belt" over a drum, with a coefficient of friction, a stiffness (N/m) and an `[integrator]`
+/// table.
+pub fn hanging(friction: f64, stiffness: f64, integrator: &str, drum: &str) -> String {
+    let damping = 0.02 / stiffness;
     format!(
         r#"
         name = "belt"
@@ -106,7 +133,7 @@ pub fn hanging(friction: f64, integrator: &str, drum: &str) -> String {
         rest = "uv"
         uv_scale = 1.0
         density = 0.2
-        stretch = {{ model = "membrane", stiffness = 100.0, damping = 0.0002 }}
+        stretch = {{ model = "membrane", stiffness = {stiffness:?}, damping = {damping:?} }}
         shear = {{ stiffness = 30.0 }}
         bend = {{ model = "hinge", rigidity = 1e-6 }}
         [[collider]]

@@ -4,16 +4,23 @@
 //! Run: `cargo test -p muslin-tests --test response belt`; with `-- --nocapture` it prints
 //! how far.
 
-use harness::belt::{ROUND, belt, hanging, holding_end};
+use harness::belt::{ROUND, belt, hanging, holding_end, slips};
 use harness::both_precisions;
 
 both_precisions! {
-    use super::{ROUND, belt, hanging, holding_end};
+    use super::{ROUND, belt, hanging, holding_end, slips};
 
     /// How far the heavy end goes down in a time, m.
     fn falls(light_end: f64, friction: f64, integrator: &str, seconds: f64) -> f64 {
-        let belt = kit::resource("belt", belt(light_end));
-        kit::falls(&hanging(friction, integrator, ROUND), &[belt], seconds)
+        let belt = kit::resource("belt", belt(light_end, 0.012));
+        kit::falls(&hanging(friction, 100.0, integrator, ROUND), &[belt], seconds)
+    }
+
+    /// How far the heavy end of a belt of 20 kN/m goes down in a time, m. In a step of 1 ms waves of tension pass 46 of its
+    /// edges.
+    fn stiff_falls(light_end: f64, friction: f64, seconds: f64) -> f64 {
+        let belt = kit::resource("belt", belt(light_end, 0.0068));
+        kit::falls(&hanging(friction, 2e4, &format!("{IMPLICIT} 0.001"), ROUND), &[belt], seconds)
     }
 
     const IMPLICIT: &str = "[integrator]\nmethod = \"backward-euler\"\nstep =";
@@ -48,6 +55,24 @@ both_precisions! {
                 println!("{what}: {went:.4} m");
                 assert_eq!(went > 0.01, slips, "{what}: goes on by {went} m");
             }
+        }
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn a_stiff_belt_slips_and_sticks_as_euler_says() {
+        let light_end = holding_end(0.4) / 1.98;
+        let (went, expected) = (stiff_falls(light_end, 0.4, 0.2), slips(0.4, light_end, 0.2));
+        let error = went / expected - 1.0;
+        let what = format!("{}: pulled by 1.98 times what holds, {went:.4} m", muslin::real::NAME);
+        println!("{what}, by Euler {expected:.4} m, off by {error:.3}, bound 0.05");
+        assert!(error.abs() < 0.05, "{what}, by Euler {expected} m, off by {error}, expected at most 0.05");
+        for (over, least, most) in [(0.96, 0.0, 0.001), (1.09, 0.065, 0.2)] {
+            let by = |seconds: f64| stiff_falls(holding_end(0.2) / over, 0.2, seconds);
+            let speed = (by(0.4) - by(0.2)) / 0.2;
+            let what = format!("{}: pulled by {over} times what holds, {speed:.4} m/s", muslin::real::NAME);
+            println!("{what}, expected {least} to {most}");
+            assert!(speed.abs() >= least && speed.abs() <= most, "{what}, expected {least} to {most}");
         }
     }
 }
