@@ -73,6 +73,40 @@ fn contact_keeps_momentum() {
     }
 }
 
+/// The largest change of angular momentum in a flight through the impact by steps of 1 ms, of the momentum at the start
+/// times a lever of 5 cm.
+fn angular_drift(friction: f64, method: &str, velocity: DVec3) -> f64 {
+    let mut sim = sheets(CLOTH, friction, method, 1e-3);
+    kit::throw(&mut sim, 0, velocity);
+    let momentum = DVec3::from(sim.momentum()).length();
+    let before = angular_momentum(&sim);
+    let mut worst: f64 = 0.0;
+    kit::run(&mut sim, 0.02, |sim| worst = worst.max((angular_momentum(sim) - before).length()));
+    worst / (0.05 * momentum)
+}
+
+fn angular_momentum(sim: &Simulation) -> DVec3 {
+    let masses = &sim.scene().particles.masses;
+    sim.positions().iter().zip(sim.velocities()).zip(masses).map(|((x, v), m)| x.cross(*v) * *m).sum()
+}
+
+/// Friction impulses are equal and opposite but act a thickness apart: every method changes angular momentum by them.
+#[test]
+fn an_implicit_step_with_contact_keeps_angular_momentum_as_an_explicit_one_does() {
+    for friction in [0.0, 0.5] {
+        for (name, velocity) in [("head-on", HEAD_ON), ("oblique", OBLIQUE)] {
+            let explicit = angular_drift(friction, "rk4", velocity);
+            for method in ["backward-euler", "bdf2", "implicit-midpoint"] {
+                let drift = angular_drift(friction, method, velocity);
+                let bound = 1.25 * explicit + 6e-4;
+                let what = format!("{method}, friction {friction}, {name}: angular momentum changes by {drift:.1e}");
+                println!("{what}, by RK4 {explicit:.1e}, bound {bound:.1e}");
+                assert!(drift <= bound, "{what}, by RK4 {explicit:.1e}, expected at most {bound:.1e}");
+            }
+        }
+    }
+}
+
 /// Growth of the energy in the worst step, of the energy at the start, and what is left of it.
 fn growth(mut sim: Simulation, velocity: DVec3) -> [f64; 2] {
     kit::throw(&mut sim, 0, velocity);
