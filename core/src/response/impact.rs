@@ -6,6 +6,7 @@ use super::repulsion::{self, coefficients, thickness};
 use super::{Context, List, Motion, relax};
 use crate::contact::{ContactModel, Pairs};
 use crate::dispatch::Dispatch;
+use crate::narrow_phase::time_of_impact::TimeOfImpact;
 use crate::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, contact, continuous, gather};
 use crate::real::{Real, Vec3};
 use crate::stage::Stage;
@@ -53,14 +54,16 @@ fn find_pairs<P: Pairing, D: Dispatch>(
     dispatch.enter(Stage::Response);
     let first = list.count;
     for (&candidate, &time) in candidates.iter().zip(&*times) {
-        let touch = time == continuous::TOUCHING;
-        if time > 1.0 && !touch {
-            continue;
-        }
+        // Features that touch collide where they start.
+        let (touch, time) = match time.into() {
+            TimeOfImpact::Never => continue,
+            TimeOfImpact::At(time) => (false, Some(time)),
+            TimeOfImpact::Touching => (true, None),
+        };
         let vertices = P::vertices(&model.surface, candidate);
         let (x, displacements) = (gather(vertices, start), gather(vertices, displacements));
         let radius = P::radius(gather(vertices, model.radii));
-        let at: [Vec3; 4] = if touch { x } else { core::array::from_fn(|k| x[k] + displacements[k] * time) };
+        let at: [Vec3; 4] = time.map_or(x, |time| core::array::from_fn(|k| x[k] + displacements[k] * time));
         let (Some(impact), Some(before)) =
             (contact::<P>(vertices, &at, &x, radius), contact::<P>(vertices, &x, &x, radius))
         else {
