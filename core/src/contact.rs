@@ -7,6 +7,7 @@ use crate::colliders::Colliders;
 use crate::geometry::aabb::Aabb;
 use crate::implicit_contact::augmented_contact::{AugmentedContact, ContactLines};
 use crate::implicit_contact::multiplier::Multiplier;
+use crate::narrow_phase::time_of_impact::StoredTime;
 use crate::real::{Real, Vec3};
 use crate::response::constraint::Constraint;
 use crate::response::friction::Law;
@@ -144,8 +145,8 @@ pub struct Pairs<'a> {
     pub candidates: &'a mut [[u32; 2]],
     /// Distance at the start less the radii, m; beyond reach, a lower bound.
     pub distances: &'a mut [Real],
-    /// Time of impact as a fraction of the step; above 1 if they do not collide.
-    pub times: &'a mut [Real],
+    /// Time of impact.
+    pub times: &'a mut [StoredTime],
 }
 
 /// The owned columns.
@@ -159,13 +160,14 @@ mod owned {
 
     use super::{
         Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactRoom, ContactScratch, Counts, Law,
-        Lengths, Multiplier, Pairs, Real, Vec3,
+        Lengths, Multiplier, Pairs, Real, StoredTime, Vec3,
     };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
     use crate::broad_phase::kept_pairs::KeptPairColumns;
     use crate::colliders::ColliderColumns;
     use crate::mesh::ownership::SurfaceColumns;
+    use crate::narrow_phase::time_of_impact::TimeOfImpact;
 
     /// The owned columns of [`ContactModel`].
     #[derive(Clone, Debug, Default)]
@@ -227,14 +229,14 @@ mod owned {
     struct PairColumns {
         candidates: Vec<[u32; 2]>,
         distances: Vec<Real>,
-        times: Vec<Real>,
+        times: Vec<StoredTime>,
     }
 
     impl PairColumns {
         fn resize(&mut self, capacity: usize) {
             self.candidates.resize(capacity, [0; 2]);
             self.distances.resize(capacity, 0.0);
-            self.times.resize(capacity, 0.0);
+            self.times.resize(capacity, TimeOfImpact::Never.into());
         }
 
         fn view(&mut self) -> Pairs<'_> {

@@ -66,18 +66,18 @@ pub fn hardest_term(
     f: &mut [Vec3],
     dispatch: &impl Dispatch,
 ) -> Option<Term> {
-    let mut hardest = (None, -1.0);
+    let mut hardest: Option<(Term, Real)> = None;
     for term in Term::ALL {
         let Some(alone) = model.only(term) else { continue };
         forces::evaluate(&alone, masses, x, v, scratch, f, dispatch);
         let pull = f[particle as usize];
         // Compare components and not squares, because squares overflow first.
         let size = if pull.is_finite() { pull.abs().max_element() } else { Real::INFINITY };
-        if size > hardest.1 {
-            hardest = (Some(term), size);
+        if hardest.is_none_or(|(_, most)| size > most) {
+            hardest = Some((term, size));
         }
     }
-    hardest.0
+    hardest.map(|(term, _)| term)
 }
 
 /// FNV-1a hash over the bits of positions and velocities, chained over steps. Two runs with the same

@@ -64,7 +64,7 @@
 //!   `core/src/integrate/mod.rs`; its limit `core/src/integrate/stability.rs`; its columns
 //!   `core/src/scratch.rs`; its tests `tests/integrate/main.rs`; its row in
 //!   `host-cli/manual/methods.md` and in the page's `host-wasm/web/page/methods.js`.
-//! * **A pass of the response**: its kernel `core/src/response/impact_zone.rs`; the order of the
+//! * **A pass of the response**: its kernel `core/src/response/impact_zone.rs`; its row in the list of
 //!   passes `core/src/response/mod.rs`; its tests `tests/response/main.rs`.
 //! * **A stage in WGSL**: the core's kernel and its mirror of the same name, such as
 //!   `core/src/broad_phase/byte_boxes.rs` and `gpu/src/broad_phase/byte_boxes.wgsl`; the table of

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use muslin_core::narrow_phase::time_of_impact::StoredTime;
+
 use crate::params::{COUNTER_WORDS, Capacities, counters};
 use crate::slots::Slot;
 
@@ -30,10 +32,10 @@ pub struct DetectionResult {
     pub vertex_triangle_distances: Vec<f32>,
     /// Distance of each edge-edge pair, m.
     pub edge_edge_distances: Vec<f32>,
-    /// Time of impact of each vertex-triangle pair, as a fraction of the step; 2: never, 3: touching.
-    pub vertex_triangle_times: Vec<f32>,
-    /// Time of impact of each edge-edge pair, as a fraction of the step; 2: never, 3: touching.
-    pub edge_edge_times: Vec<f32>,
+    /// Time of impact of each vertex-triangle pair.
+    pub vertex_triangle_times: Vec<StoredTime>,
+    /// Time of impact of each edge-edge pair.
+    pub edge_edge_times: Vec<StoredTime>,
 }
 
 /// The columns that are read back, and their lengths.

@@ -2,6 +2,7 @@
 
 use std::mem::{offset_of, size_of};
 
+use muslin_core::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
 use muslin_gpu::params::{COUNTER_WORDS, Params, counters};
 use muslin_gpu::shaders;
 use naga::{Expression, Literal, Module, TypeInner};
@@ -69,5 +70,20 @@ fn words_of_the_plan_are_those_of_the_host() {
             "{name}: {value:?}"
         );
         assert!(place < COUNTER_WORDS);
+    }
+}
+
+#[test]
+fn what_stands_for_no_time_is_that_of_the_core() {
+    let core = [("NEVER", TimeOfImpact::Never), ("TOUCHING", TimeOfImpact::Touching)];
+    for stage in [&shaders::VERTEX_TRIANGLE_CCD, &shaders::EDGE_EDGE_CCD] {
+        let module = naga::front::wgsl::parse_str(&stage.source()).expect("the stage parses");
+        for (name, time) in core {
+            let stored: f32 = bytemuck::cast(StoredTime::from(time));
+            let constant = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+            let (_, constant) = constant.unwrap_or_else(|| panic!("{name} is not in {}", stage.name));
+            let value = &module.global_expressions[constant.init];
+            assert!(matches!(value, Expression::Literal(Literal::F32(x)) if *x == stored), "{name}: {value:?}");
+        }
     }
 }

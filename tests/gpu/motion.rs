@@ -8,7 +8,8 @@ use harness::rng::Rng;
 use muslin_core::dispatch::Serial;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::mesh::SurfaceColumns;
-use muslin_core::narrow_phase::continuous::{LinearMotion, NEVER, TOUCHING, times};
+use muslin_core::narrow_phase::continuous::{LinearMotion, times};
+use muslin_core::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
 use muslin_core::narrow_phase::{EdgeEdge, VertexTriangle};
 use muslin_gpu::{DetectionQuery, DetectionResult, Detector, shaders};
 
@@ -72,7 +73,7 @@ struct Reported {
     around: f64,
     /// The distance that the device reports.
     distance: f64,
-    time: f32,
+    time: TimeOfImpact,
 }
 
 impl Reported {
@@ -87,7 +88,7 @@ impl Reported {
 }
 
 impl Scene {
-    fn reported(&self, pair: Pair, candidate: [u32; 2], distance: f32, time: f32) -> Reported {
+    fn reported(&self, pair: Pair, candidate: [u32; 2], distance: f32, time: TimeOfImpact) -> Reported {
         let (query, r) = self.query(pair, candidate);
         let around = match pair {
             Pair::VertexTriangle => r[0] + r[1].max(r[2]).max(r[3]),
@@ -113,7 +114,7 @@ impl Scene {
     }
 
     /// The core's times for the same candidates and distances, in the same order.
-    fn times_of_the_core(&self) -> Vec<f32> {
+    fn times_of_the_core(&self) -> Vec<StoredTime> {
         let [start, end] = [&self.start, &self.end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
         let displacements: Vec<_> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
         let radii: Vec<_> = (0..start.len() as u32).map(|vertex| radius(vertex) as f32).collect();
@@ -128,7 +129,8 @@ impl Scene {
         let DetectionResult { vertex_triangle, edge_edge, vertex_triangle_distances, edge_edge_distances, .. } =
             &self.found;
         let (surface, keeps) = (self.surface.view(), SEPARATION as f32);
-        let [mut faces, mut edges] = [vertex_triangle, edge_edge].map(|all| vec![f32::NAN; all.len()]);
+        let [mut faces, mut edges] =
+            [vertex_triangle, edge_edge].map(|all| vec![TimeOfImpact::At(f32::NAN).into(); all.len()]);
         let distances = [vertex_triangle_distances, edge_edge_distances];
         times::<VertexTriangle>(vertex_triangle, distances[0], &surface, motion, keeps, &mut faces, &Serial);
         times::<EdgeEdge>(edge_edge, distances[1], &surface, motion, keeps, &mut edges, &Serial);
@@ -139,9 +141,9 @@ impl Scene {
     /// Candidates of both kinds with their distances and times.
     fn reports(&self) -> impl Iterator<Item = Reported> {
         let DetectionResult { vertex_triangle, edge_edge, .. } = &self.found;
-        let of = |pair, candidates: &'_ [[u32; 2]], distances: &'_ [f32], times: &'_ [f32]| {
+        let of = |pair, candidates: &'_ [[u32; 2]], distances: &'_ [f32], times: &'_ [StoredTime]| {
             let all = candidates.iter().zip(distances).zip(times);
-            all.map(|((&c, &d), &t)| self.reported(pair, c, d, t)).collect::<Vec<_>>()
+            all.map(|((&c, &d), &t)| self.reported(pair, c, d, t.into())).collect::<Vec<_>>()
         };
         let found = &self.found;
         let faces =
@@ -180,7 +182,7 @@ fn contacts_are_what_is_near_but_for_a_band() {
     ] {
         let mut left = contacts.iter().peekable();
         for &candidate in candidates {
-            let reported = all.reported(pair, candidate, 0.0, 0.0);
+            let reported = all.reported(pair, candidate, 0.0, TimeOfImpact::Never);
             let (query, band) = (&reported.query, reported.rounding());
             let exact = reported.gap(&query.start);
             let is_contact = left.next_if(|&&contact| contact == candidate).is_some();
@@ -197,6 +199,15 @@ fn contacts_are_what_is_near_but_for_a_band() {
     assert!(inside > 1000 && in_band < inside / 100, "{inside} contacts, {in_band} at the threshold");
 }
 
+/// How much of the motion is free of impacts.
+fn until(time: TimeOfImpact) -> f64 {
+    match time {
+        TimeOfImpact::Never => 1.0,
+        TimeOfImpact::At(time) => time.into(),
+        TimeOfImpact::Touching => 0.0,
+    }
+}
+
 #[test]
 #[ignore = "takes a graphics driver"]
 fn times_are_never_late_and_not_needlessly_early() {
@@ -206,21 +217,21 @@ fn times_are_never_late_and_not_needlessly_early() {
         let Reported { ref query, distance, time, .. } = reported;
         let apart = |t: f64| reported.gap(&query.at(t));
         let keeps = SEPARATION.min(0.5 * distance);
-        if time == TOUCHING {
+        if time == TimeOfImpact::Touching {
             assert!(distance <= 1e-3 * SEPARATION, "{distance} apart are said to touch: {query}");
             continue;
         }
-        let until = if time == NEVER { 1.0 } else { f64::from(time) };
+        let until = until(time);
         let moments = (0..=MOMENTS).map(|i| apart(until * f64::from(i) / f64::from(MOMENTS)));
         let least = moments.fold(f64::INFINITY, f64::min);
         let rounding = reported.rounding();
-        assert!(least >= keeps - rounding, "{least} apart before {time}, to keep {keeps}: {query}");
-        if time == NEVER {
+        assert!(least >= keeps - rounding, "{least} apart before {until}, to keep {keeps}: {query}");
+        if time == TimeOfImpact::Never {
             misses += 1;
         } else {
             hits += 1;
             let most = 1.5 * keeps + rounding;
-            assert!(apart(until) <= most, "{} apart at {time}, at most {most}: {query}", apart(until));
+            assert!(apart(until) <= most, "{} apart at {until}, at most {most}: {query}", apart(until));
         }
     }
     println!("{hits} meet, {misses} do not");
@@ -235,17 +246,25 @@ fn times_are_the_core_s_but_for_a_band() {
     let Some(scene) = scene(DetectionQuery::Times) else { return };
     let (mut alike, mut in_band, mut nearly_touching) = (0, 0, 0);
     for (reported, core) in scene.reports().zip(scene.times_of_the_core()) {
+        let core = TimeOfImpact::from(core);
         let Reported { ref query, distance, time, .. } = reported;
         let keeps = SEPARATION.min(0.5 * distance);
-        assert_eq!(time == TOUCHING, core == TOUCHING, "{time}, by the core {core}, {distance} apart: {query}");
+        let told = format!("{time:?}, by the core {core:?}");
+        let touch = [time, core].map(|time| time == TimeOfImpact::Touching);
+        assert_eq!(touch[0], touch[1], "{told}, {distance} apart: {query}");
         nearly_touching += usize::from(distance > 1e-3 * SEPARATION && distance < 0.1 * SEPARATION);
-        if (time - core).abs() <= shaders::EDGE_EDGE_CCD.bound.max(shaders::VERTEX_TRIANGLE_CCD.bound) {
+        let bound = shaders::EDGE_EDGE_CCD.bound.max(shaders::VERTEX_TRIANGLE_CCD.bound);
+        let is_alike = match (time, core) {
+            (TimeOfImpact::At(time), TimeOfImpact::At(core)) => (time - core).abs() <= bound,
+            _ => time == core,
+        };
+        if is_alike {
             alike += 1;
             continue;
         }
-        let apart = [time, core].map(|t| reported.gap(&query.at(f64::from(t.min(1.0)))));
+        let apart = [time, core].map(|time| reported.gap(&query.at(until(time))));
         let most = 1.5 * keeps + reported.rounding();
-        assert!(apart.into_iter().any(|d| d <= most), "{time}, by the core {core}, {apart:?} apart: {query}");
+        assert!(apart.into_iter().any(|d| d <= most), "{told}, {apart:?} apart: {query}");
         in_band += 1;
     }
     println!("{alike} alike, {in_band} within the band, {nearly_touching} nearly touching");

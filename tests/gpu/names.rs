@@ -13,7 +13,7 @@ use super::methods::gpu;
 use super::stages::evenly;
 
 /// Files without a twin on the device, and the reasons.
-const WITHOUT: [(&str, &str); 9] = [
+const WITHOUT: [(&str, &str); 10] = [
     ("broad_phase/mod", "types"),
     ("broad_phase/grid", "the order of the stages: gpu/src/schedule.rs"),
     ("broad_phase/kept_pairs", "pairs from one step to the next, which the core keeps"),
@@ -22,6 +22,7 @@ const WITHOUT: [(&str, &str); 9] = [
     ("narrow_phase/mod", "types"),
     ("narrow_phase/edge_edge_ccd", "continuous, of edge_edge"),
     ("narrow_phase/vertex_triangle_ccd", "continuous, of vertex_triangle"),
+    ("narrow_phase/time_of_impact", "the numbers that stand for no time, constants of continuous"),
     ("narrow_phase/local_minimum", "of contacts, which the core makes of what is near"),
 ];
 

@@ -1,12 +1,12 @@
 //! Queries with exact answers, rounded to single precision: the device misses no contact.
 
-use bytemuck::{cast_slice, cast_vec};
+use bytemuck::{cast, cast_slice, cast_vec};
 use glam::DVec3;
 use harness::kit::single::rounded;
 use harness::query::{Pair, Query};
 use harness::rng::Rng;
 use harness::truth::queries;
-use muslin_core::narrow_phase::continuous::{NEVER, TOUCHING};
+use muslin_core::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
 use muslin_gpu::params::{COUNTER_WORDS, Params, counters};
 use muslin_gpu::schedule::Dispatch;
 use muslin_gpu::single_stage::{Columns, run};
@@ -36,12 +36,12 @@ fn kind(pair: Pair) -> ([&'static str; 2], [Slot; 3], usize) {
 }
 
 /// Time of impact of each query.
-fn times(pair: Pair, queries: &[Query]) -> Option<Vec<f32>> {
+fn times(pair: Pair, queries: &[Query]) -> Option<Vec<TimeOfImpact>> {
     times_to_keep(SEPARATION, pair, queries, &vec![0.0; queries.len()])
 }
 
 /// Time at which each query's features come within a separation, m, plus the radius of the first feature.
-fn times_to_keep(separation: f32, pair: Pair, queries: &[Query], radii: &[f32]) -> Option<Vec<f32>> {
+fn times_to_keep(separation: f32, pair: Pair, queries: &[Query], radii: &[f32]) -> Option<Vec<TimeOfImpact>> {
     let gpu = gpu()?;
     let (stages, [candidates, distances, times], place) = kind(pair);
     let count = queries.len() as u32;
@@ -77,7 +77,7 @@ fn times_to_keep(separation: f32, pair: Pair, queries: &[Query], radii: &[f32]) 
         |shader, entry, group: usize| Dispatch { shader, entry, groups: queries.len().div_ceil(group), params };
     let both = vec![dispatch(stages[0], "write_distances", 256), dispatch(stages[1], "write_times", 64)];
     pollster::block_on(run(gpu, both, &mut all)).unwrap();
-    Some(all[&times].iter().map(|&bits| f32::from_bits(bits)).collect())
+    Some(all[&times].iter().map(|&bits| cast::<u32, StoredTime>(bits).into()).collect())
 }
 
 #[test]
@@ -89,8 +89,12 @@ fn no_contact_is_missed() {
         let Some(times) = times(pair, &own) else { return };
         let (mut touching, mut hits) = (0, 0);
         for (query, &time) in own.iter().zip(&times) {
-            let (touches, hit) = (exact::touch(query), time != NEVER);
-            assert!((0.0..=1.0).contains(&time) || [NEVER, TOUCHING].contains(&time), "a time of {time}: {query}");
+            let touches = exact::touch(query);
+            let hit = match time {
+                TimeOfImpact::Never => false,
+                TimeOfImpact::At(0.0..=1.0) | TimeOfImpact::Touching => true,
+                TimeOfImpact::At(time) => panic!("a time of {time}: {query}"),
+            };
             assert!(hit || !touches, "missed a contact: {query}");
             touching += usize::from(touches);
             hits += usize::from(hit);
@@ -109,7 +113,7 @@ fn fuzz_head_on(seed: u64, count: u64) {
         let radii: Vec<_> = own.iter().map(|case| case.radius as f32).collect();
         let Some(times) = times_to_keep(0.0, kind.pair(), &queries, &radii) else { return };
         for (case, &time) in own.iter().zip(&times) {
-            row.add(&case.query, case.touches || exact::touch(&case.query), time != NEVER);
+            row.add(&case.query, case.touches || exact::touch(&case.query), time != TimeOfImpact::Never);
         }
         missed += row.print("device", kind);
     }
@@ -140,7 +144,7 @@ fn what_is_too_large_or_no_number_is_hit_at_once() {
             |own: &[Query; 5]| own.clone().map(|Query { start, end, .. }| Query { pair, start: end, end: start });
         for own in [back(&all), back(&one), all, one] {
             let Some(times) = times(pair, &own) else { return };
-            assert_eq!(times, [TOUCHING; 5], "{pair:?} on the way to or from {bad:?}");
+            assert_eq!(times, [TimeOfImpact::Touching; 5], "{pair:?} on the way to or from {bad:?}");
         }
     }
 }
@@ -164,7 +168,7 @@ fn nothing_is_missed_that_moves_far_together() {
             Query { pair, start, end: start.map(|x| DVec3::new(x.x, 1e5, x.z)) }
         });
         let Some(times) = times(pair, &own) else { return };
-        assert!(times.iter().all(|&time| time <= 1.0), "{pair:?}: {times:?}");
+        assert!(times.iter().all(|time| matches!(time, TimeOfImpact::At(..=1.0))), "{pair:?}: {times:?}");
     }
 }
 
@@ -178,7 +182,8 @@ fn what_rounding_hides_is_hit_at_once() {
             Query { pair, start, end }
         };
         let Some(times) = times(pair, &[3e-6, 3e-5].map(down)) else { return };
-        assert_eq!(times[0], TOUCHING, "{pair:?}: three millionths of the size apart");
-        assert!(times[1] > 0.0 && times[1] < 1e-4, "{pair:?}: ten times as far apart they meet at {}", times[1]);
+        assert_eq!(times[0], TimeOfImpact::Touching, "{pair:?}: three millionths of the size apart");
+        let TimeOfImpact::At(time) = times[1] else { panic!("{pair:?}: ten times as far apart: {:?}", times[1]) };
+        assert!(time > 0.0 && time < 1e-4, "{pair:?}: ten times as far apart they meet at {time}");
     }
 }

@@ -17,7 +17,7 @@ use muslin_core::broad_phase::{Candidates, Counts, Surface, bounds::write_bounds
 use muslin_core::dispatch::Serial;
 use muslin_core::geometry::aabb::Aabb;
 use muslin_core::narrow_phase::contacts::contacts;
-use muslin_core::narrow_phase::continuous::TOUCHING;
+use muslin_core::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
 use muslin_core::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
 use muslin_core::real::Vec3;
 use muslin_gpu::DetectionQuery;
@@ -318,7 +318,8 @@ fn groups_beyond_a_row_are_folded() {
     ]);
     let (shader, entry, groups) = ("narrow_phase/continuous, vertex_triangle", "write_times", count.div_ceil(group));
     pollster::block_on(run(gpu, vec![Dispatch { shader, entry, groups, params }], &mut all)).unwrap();
-    let missed = all[&Slot::VertexTriangleTimes].iter().position(|&time| f32::from_bits(time) != TOUCHING);
+    let times: &[StoredTime] = cast_slice(&all[&Slot::VertexTriangleTimes]);
+    let missed = times.iter().position(|&time| TimeOfImpact::from(time) != TimeOfImpact::Touching);
     assert_eq!(missed, None, "the first of {count} that touch and were not told so");
 }
 

@@ -117,8 +117,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "Meetings count only in the first half of a step",
         file: "core/src/response/impact.rs",
-        old: "if time > 1.0 && !touch {",
-        new: "if time > 0.5 && !touch {",
+        old: "TimeOfImpact::Never => continue,",
+        new: "TimeOfImpact::Never | TimeOfImpact::At(0.5..) => continue,",
         everyday: &["response", "torture"],
         all: &["torture"],
     },

@@ -12,7 +12,8 @@ harness::both_precisions! {
     use muslin::dispatch::Serial;
     use muslin::geometry::aabb::Aabb;
     use muslin::mesh::SurfaceColumns;
-    use muslin::narrow_phase::continuous::{LinearMotion, NEVER, times};
+    use muslin::narrow_phase::continuous::{LinearMotion, times};
+    use muslin::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
     use muslin::narrow_phase::{EdgeEdge, Nearest, Pairing, VertexTriangle, proximity};
     use muslin::real::{NAME, Real, Vec3, vec3};
     use muslin::response::friction::Law;
@@ -24,6 +25,10 @@ harness::both_precisions! {
     use std::cell::Cell;
 
     const BITS: i32 = kit::bound(24.0, 53.0) as i32;
+
+    fn is_hit(time: StoredTime) -> bool {
+        TimeOfImpact::from(time) != TimeOfImpact::Never
+    }
 
     /// Both features as triangles; a point or an edge repeats its last vertex.
     fn surface(pair: Pair) -> SurfaceColumns {
@@ -65,7 +70,7 @@ harness::both_precisions! {
             };
             // The thickness.
             let reach = rng.pick(&[0.0, Real::INFINITY]);
-            let (surface, mut distance, mut time) = (surface.view(), [0.0], [NEVER]);
+            let (surface, mut distance, mut time) = (surface.view(), [0.0], [TimeOfImpact::Never.into()]);
             macro_rules! run {
                 ($pairing:ident) => {{
                     let pairs = &[[0, 1]];
@@ -77,7 +82,7 @@ harness::both_precisions! {
                 Pair::VertexTriangle => run!(VertexTriangle),
                 Pair::EdgeEdge => run!(EdgeEdge),
             }
-            time[0] != NEVER
+            is_hit(time[0])
         }
     }
 
@@ -130,7 +135,7 @@ harness::both_precisions! {
                     let pairs = &mut scratch.$pairs;
                     let (candidates, times_of) = (&pairs.candidates[..counts.$pairs], &mut pairs.times[..counts.$pairs]);
                     times::<$pairing>(candidates, pairs.distances, &model.surface, motion, separation, times_of, &Serial);
-                    candidates.iter().zip(&*times_of).any(|(&pair, &time)| pair == [0, 1] && time != NEVER)
+                    candidates.iter().zip(&*times_of).any(|(&pair, &time)| pair == [0, 1] && is_hit(time))
                 }};
             }
             match query.pair {
@@ -226,7 +231,7 @@ harness::both_precisions! {
         found.0.truncate(counts.vertex_triangle);
         found.1.truncate(counts.edge_edge);
         let (candidates, radii) = (pick(&found), vec![0.0; start.len()]);
-        let (mut distances, mut found) = (vec![0.0; candidates.len()], vec![NEVER; candidates.len()]);
+        let (mut distances, mut found) = (vec![0.0; candidates.len()], vec![TimeOfImpact::Never.into(); candidates.len()]);
         let motion = LinearMotion {
             start: &start, end: &end, displacements: &displacements,
             radii: &radii, rounds: &[], round: 0,
@@ -234,7 +239,7 @@ harness::both_precisions! {
         proximity::distances::<P>(candidates, &surface, &start, &radii, 0.0, &mut distances, &Serial);
         ADVANCED.set(0);
         times::<Counted<P>>(candidates, &distances, &surface, motion, 0.0, &mut found, &Serial);
-        [candidates.len(), ADVANCED.get(), found.iter().filter(|&&time| time != NEVER).count()]
+        [candidates.len(), ADVANCED.get(), found.iter().filter(|&&time| is_hit(time)).count()]
     }
 
     /// Pairs of a vertex and a triangle, and of edges.

@@ -42,7 +42,8 @@ harness::both_precisions! {
     use muslin::mesh::SurfaceColumns;
     use muslin::narrow_phase::VertexTriangle;
     use muslin::narrow_phase::advance::MOST_ADVANCES;
-    use muslin::narrow_phase::continuous::{LinearMotion, NEVER, TOUCHING, times};
+    use muslin::narrow_phase::continuous::{LinearMotion, times};
+    use muslin::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
     use muslin::real::Real;
     use harness::kit::double::distance;
     use harness::query::{PAIRS, Query};
@@ -205,9 +206,18 @@ harness::both_precisions! {
             start: &start, end: &end, displacements: &displacements,
             radii: &[0.0; 4], rounds: &[], round: 0,
         };
-        let (distances, mut found) = ([gap as Real], [NEVER]);
+        let (distances, mut found) = ([gap as Real], [TimeOfImpact::Never.into()]);
         times::<VertexTriangle>(&[[0, 0]], &distances, &surface.view(), motion, 0.0, &mut found, &Serial);
-        assert!(found[0] <= 1.0 || found[0] == TOUCHING, "{} for what ends in one plane", found[0]);
+        let found = TimeOfImpact::from(found[0]);
+        assert_ne!(found, TimeOfImpact::Never, "for what ends in one plane");
+    }
+
+    #[test]
+    fn a_stored_time_is_the_same_when_it_is_read() {
+        let times = [0.0, Real::MIN_POSITIVE, 0.5, 1.0 - Real::EPSILON, 1.0].map(TimeOfImpact::At);
+        for time in times.into_iter().chain([TimeOfImpact::Never, TimeOfImpact::Touching]) {
+            assert_eq!(TimeOfImpact::from(StoredTime::from(time)), time);
+        }
     }
 
     #[test]

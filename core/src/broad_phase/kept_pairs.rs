@@ -5,8 +5,7 @@ use super::{Candidates, Counts};
 use crate::geometry::aabb::Aabb;
 use crate::real::Real;
 
-/// The pairs, borrowed. The lengths of the slices of pairs are their capacity. Start with boxes that are
-/// [`NOWHERE`](super::bounds::NOWHERE): they contain no vertex, so no pairs are taken for kept.
+/// The pairs, borrowed. The lengths of the slices of pairs are their capacity.
 #[derive(Debug)]
 pub struct KeptPairs<'a> {
     /// Wide box of each vertex.
@@ -15,14 +14,14 @@ pub struct KeptPairs<'a> {
     pub vertex_triangle: &'a mut [[u32; 2]],
     /// Pairs of edges.
     pub edge_edge: &'a mut [[u32; 2]],
-    /// Numbers of pairs. If one exceeds its capacity, the pairs are incomplete.
-    pub counts: &'a mut Counts,
+    /// Numbers of pairs; `None`: no pairs are kept. If one exceeds its capacity, the pairs are incomplete.
+    pub counts: &'a mut Option<Counts>,
 }
 
 impl KeptPairs<'_> {
     /// Whether the pairs contain all that are near while the vertices are in these boxes.
     pub fn cover(&self, boxes: &[Aabb]) -> bool {
-        let Counts { vertex_triangle, edge_edge } = *self.counts;
+        let Some(Counts { vertex_triangle, edge_edge }) = *self.counts else { return false };
         let is_complete = vertex_triangle <= self.vertex_triangle.len() && edge_edge <= self.edge_edge.len();
         is_complete && boxes.iter().zip(&*self.boxes).all(|(narrow, wide)| wide.contains(narrow))
     }
@@ -32,12 +31,12 @@ impl KeptPairs<'_> {
         for (wide, narrow) in self.boxes.iter_mut().zip(boxes) {
             *wide = Aabb { min: narrow.min - skin, max: narrow.max + skin };
         }
-        *self.counts = Counts { vertex_triangle: usize::MAX, edge_edge: usize::MAX };
+        *self.counts = None;
     }
 
     /// Keeps these pairs: of a vertex and a triangle, and of edges.
     pub fn put(&mut self, pairs: [&[[u32; 2]]; 2]) {
-        *self.counts = Counts { vertex_triangle: pairs[0].len(), edge_edge: pairs[1].len() };
+        *self.counts = Some(Counts { vertex_triangle: pairs[0].len(), edge_edge: pairs[1].len() });
         for (kept, pairs) in [&mut *self.vertex_triangle, &mut *self.edge_edge].into_iter().zip(pairs) {
             if let Some(kept) = kept.get_mut(..pairs.len()) {
                 kept.copy_from_slice(pairs);
@@ -47,7 +46,7 @@ impl KeptPairs<'_> {
 
     /// Writes the pairs as candidates, as many as fit, and returns their numbers.
     pub fn take(&self, out: &mut Candidates<'_>) -> Counts {
-        let Counts { vertex_triangle, edge_edge } = *self.counts;
+        let Counts { vertex_triangle, edge_edge } = self.counts.unwrap_or_default();
         for (kept, out) in [
             (&self.vertex_triangle[..vertex_triangle], &mut *out.vertex_triangle),
             (&self.edge_edge[..edge_edge], &mut *out.edge_edge),
@@ -56,7 +55,7 @@ impl KeptPairs<'_> {
                 out.copy_from_slice(kept);
             }
         }
-        *self.counts
+        Counts { vertex_triangle, edge_edge }
     }
 }
 
@@ -67,7 +66,7 @@ pub struct KeptPairColumns {
     boxes: alloc::vec::Vec<Aabb>,
     vertex_triangle: alloc::vec::Vec<[u32; 2]>,
     edge_edge: alloc::vec::Vec<[u32; 2]>,
-    counts: Counts,
+    counts: Option<Counts>,
 }
 
 #[cfg(feature = "alloc")]
@@ -75,20 +74,20 @@ impl KeptPairColumns {
     /// Columns for so many vertices and for `pairs` of each kind, which hold no pairs yet.
     pub fn build(vertices: usize, pairs: usize) -> Self {
         Self {
-            boxes: alloc::vec![super::bounds::NOWHERE; vertices],
+            boxes: alloc::vec![Aabb::EMPTY; vertices],
             vertex_triangle: alloc::vec![[0; 2]; pairs],
             edge_edge: alloc::vec![[0; 2]; pairs],
-            counts: Counts::default(),
+            counts: None,
         }
     }
 
-    /// Makes room for the pairs if they lacked some. They are incomplete until they are put again.
+    /// Makes room for the pairs if they lacked some. No pairs are kept then, until they are put again.
     pub fn grow(&mut self) {
-        let Counts { vertex_triangle, edge_edge } = self.counts;
+        let Some(Counts { vertex_triangle, edge_edge }) = self.counts else { return };
         for (pairs, needed) in [(&mut self.vertex_triangle, vertex_triangle), (&mut self.edge_edge, edge_edge)] {
-            if needed > pairs.len() && needed < usize::MAX {
+            if needed > pairs.len() {
                 pairs.resize(needed + needed / 4, [0; 2]);
-                self.boxes.fill(super::bounds::NOWHERE);
+                self.counts = None;
             }
         }
     }

@@ -16,19 +16,14 @@
 //! reserve.
 
 use super::advance::{ROUNDING, largest};
+use super::time_of_impact::{StoredTime, TimeOfImpact};
 use super::{Pairing, gather};
 use crate::broad_phase::Surface;
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3};
 
-/// Value in `times`: the features do not collide in this step.
-pub const NEVER: Real = 2.0;
-
 /// Features nearer than this fraction of the separation count as touching, because rounding hides their motion.
 pub const TOUCH: Real = 1e-3;
-
-/// Value in `times`: the features already touch at the start, within rounding errors.
-pub const TOUCHING: Real = 3.0;
 
 /// Reserve for rounding errors of distances, 128 u, in units of the largest coordinate relative to the first vertex.
 const RESERVE: Real = 2.0 * ROUNDING;
@@ -68,35 +63,43 @@ pub fn times<P: Pairing>(
     surface: &Surface<'_>,
     motion: LinearMotion<'_>,
     separation: Real,
-    times: &mut [Real],
+    times: &mut [StoredTime],
     dispatch: &impl Dispatch,
 ) {
-    let least = TOUCH * separation;
     dispatch.run(times, |first, part| {
         for ((&candidate, &distance), time) in candidates[first..].iter().zip(&distances[first..]).zip(part) {
-            *time = NEVER;
-            let vertices = P::vertices(surface, candidate);
-            let untouched = motion.round > 0 && gather(vertices, motion.rounds).iter().all(|&r| r != motion.round);
-            if untouched {
-                continue;
-            }
-            if distance <= least {
-                *time = TOUCHING;
-                continue;
-            }
-            let separation = separation.min(0.5 * distance);
-            let start = gather(vertices, motion.start);
-            let reserve = RESERVE * largest([&start.map(|x| x - start[0])]);
-            // Most candidates do not move far enough to collide.
-            if farthest::<P>(&gather(vertices, motion.displacements)) + reserve < distance - separation {
-                continue;
-            }
-            let end = gather(vertices, motion.end);
-            let radius = P::radius(gather(vertices, motion.radii));
-            if let Some(at) = P::time_of_impact(&start, &end, separation + radius, 0.5 * separation) {
-                // The time is 0 although the features are apart, because rounding hides their motion.
-                *time = if at > 0.0 { at } else { TOUCHING };
-            }
+            *time = time_of::<P>(P::vertices(surface, candidate), distance, &motion, separation).into();
         }
     });
+}
+
+#[inline]
+fn time_of<P: Pairing>(
+    vertices: [u32; 4],
+    distance: Real,
+    motion: &LinearMotion<'_>,
+    separation: Real,
+) -> TimeOfImpact {
+    let untouched = motion.round > 0 && gather(vertices, motion.rounds).iter().all(|&r| r != motion.round);
+    if untouched {
+        return TimeOfImpact::Never;
+    }
+    if distance <= TOUCH * separation {
+        return TimeOfImpact::Touching;
+    }
+    let separation = separation.min(0.5 * distance);
+    let start = gather(vertices, motion.start);
+    let reserve = RESERVE * largest([&start.map(|x| x - start[0])]);
+    // Most candidates do not move far enough to collide.
+    if farthest::<P>(&gather(vertices, motion.displacements)) + reserve < distance - separation {
+        return TimeOfImpact::Never;
+    }
+    let end = gather(vertices, motion.end);
+    let radius = P::radius(gather(vertices, motion.radii));
+    match P::time_of_impact(&start, &end, separation + radius, 0.5 * separation) {
+        None => TimeOfImpact::Never,
+        Some(time) if time > 0.0 => TimeOfImpact::At(time),
+        // The time is 0 although the features are apart, because rounding hides their motion.
+        Some(_) => TimeOfImpact::Touching,
+    }
 }

@@ -8,6 +8,7 @@ pub mod edge_edge;
 pub mod edge_edge_ccd;
 pub mod local_minimum;
 pub mod proximity;
+pub mod time_of_impact;
 pub mod vertex_triangle;
 pub mod vertex_triangle_ccd;
 

@@ -2,14 +2,15 @@
 //! vertex of the cloth moves. Such steps lose motion, and are counted. Axes held by pins and axes of colliders move as
 //! prescribed; they are the obstacle to the same axes of other vertices.
 
-use super::Motion;
-use super::constraint::Constraint;
+use super::work::{Motion, Work};
 use crate::contact::ContactModel;
 use crate::real::Vec3;
 
-/// Holds the vertices of constraints back.
-pub(crate) fn hold(impacts: &[Constraint], model: &ContactModel<'_>, motion: &mut Motion<'_>, round: u32) {
-    for constraint in impacts {
+/// Holds the vertices of the impacts back.
+pub(crate) fn hold(work: &mut Work<'_>) {
+    let Work { model, list, first, motion, statistics, .. } = work;
+    statistics.failsafe = 1;
+    for constraint in &list.all[*first..list.count] {
         let contact = constraint.contact;
         let pairs = || contact.vertices.into_iter().zip(contact.weights);
         // Only held axes count.
@@ -18,22 +19,25 @@ pub(crate) fn hold(impacts: &[Constraint], model: &ContactModel<'_>, motion: &mu
         let moved: Vec3 = pairs().map(|(v, w)| held(v, motion.displacements[v as usize] * w.abs())).sum();
         let along = Vec3::select(share.cmpgt(Vec3::ZERO), moved / share, Vec3::ZERO);
         for (v, _) in pairs() {
-            set_free_axes(model, motion, v as usize, along, round);
+            set_free_axes(model, motion, v as usize, along);
         }
     }
 }
 
 /// Holds all vertices back. Features that are apart stay apart, unless an obstacle moves into them.
-pub(crate) fn freeze(model: &ContactModel<'_>, motion: &mut Motion<'_>, round: u32) {
-    for v in 0..model.inverse_masses.len() {
-        set_free_axes(model, motion, v, Vec3::ZERO, round);
+pub(crate) fn freeze(work: &mut Work<'_>) {
+    work.statistics.failsafe = 1;
+    for v in 0..work.model.inverse_masses.len() {
+        set_free_axes(work.model, &mut work.motion, v, Vec3::ZERO);
     }
 }
 
-fn set_free_axes(model: &ContactModel<'_>, motion: &mut Motion<'_>, vertex: usize, displacements: Vec3, round: u32) {
+/// Not inlined: it is rare and called in many places.
+#[inline(never)]
+fn set_free_axes(model: &ContactModel<'_>, motion: &mut Motion<'_>, vertex: usize, displacements: Vec3) {
     let free = model.inverse_masses[vertex].cmpgt(Vec3::ZERO);
     if free.any() {
         motion.displacements[vertex] = Vec3::select(free, displacements, motion.displacements[vertex]);
-        motion.rounds[vertex] = round;
+        motion.rounds[vertex] = motion.round;
     }
 }

@@ -3,9 +3,11 @@
 
 use super::constraint::{self, Constraint};
 use super::repulsion::{self, coefficients, thickness};
-use super::{Context, List, Motion, relax};
+use super::work::{List, Motion, Work, relax};
+use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, Pairs};
 use crate::dispatch::Dispatch;
+use crate::narrow_phase::time_of_impact::TimeOfImpact;
 use crate::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, contact, continuous, gather};
 use crate::real::{Real, Vec3};
 use crate::stage::Stage;
@@ -19,20 +21,23 @@ pub const MOST_LEVER_RATIO: Real = 100.0;
 /// Distance at which two features collide, relative to the thickness.
 pub const SEPARATION: Real = 0.1;
 
-/// Adds a constraint for each pair that collides. Only pairs with a vertex that was moved in `round` are tested; with 0, all
-/// pairs.
+/// Adds a constraint for each pair that collides, and for each vertex that collides with a plane. Only pairs with a vertex of
+/// the [tested](Motion::tested) round count. Returns the number of constraints; if there is no room for them, as an error.
 pub(crate) fn find<D: Dispatch>(
     model: &ContactModel<'_>,
-    vertex_triangle: &mut Pairs<'_>,
-    edge_edge: &mut Pairs<'_>,
-    counts: [usize; 2],
+    [vertex_triangle, edge_edge]: &mut [&mut Pairs<'_>; 2],
+    counts: &Counts,
     motion: &Motion<'_>,
-    round: u32,
     list: &mut List<'_>,
     dispatch: &D,
-) {
-    find_pairs::<VertexTriangle, D>(model, vertex_triangle, counts[0], motion, round, list, dispatch);
-    find_pairs::<EdgeEdge, D>(model, edge_edge, counts[1], motion, round, list, dispatch);
+) -> Result<usize, usize> {
+    if model.continuous {
+        find_pairs::<VertexTriangle, D>(model, vertex_triangle, counts.vertex_triangle, motion, list, dispatch);
+        find_pairs::<EdgeEdge, D>(model, edge_edge, counts.edge_edge, motion, list, dispatch);
+    }
+    let least = |gap| repulsion::least_gap(gap, model.thickness);
+    repulsion::find_planes(model, motion, least, &repulsion::Known::nothing(), list);
+    list.count()
 }
 
 fn find_pairs<P: Pairing, D: Dispatch>(
@@ -40,27 +45,29 @@ fn find_pairs<P: Pairing, D: Dispatch>(
     pairs: &mut Pairs<'_>,
     count: usize,
     motion: &Motion<'_>,
-    round: u32,
     list: &mut List<'_>,
     dispatch: &D,
 ) {
     let (candidates, times) = (&pairs.candidates[..count], &mut pairs.times[..count]);
     let Motion { start, end, displacements, rounds, .. } = motion;
-    let swept = continuous::LinearMotion { start, end, displacements, radii: model.radii, rounds, round };
+    let swept =
+        continuous::LinearMotion { start, end, displacements, radii: model.radii, rounds, round: motion.tested() };
     let separation = SEPARATION * model.thickness;
     dispatch.enter(Stage::NarrowPhase);
     continuous::times::<P>(candidates, pairs.distances, &model.surface, swept, separation, times, dispatch);
     dispatch.enter(Stage::Response);
     let first = list.count;
     for (&candidate, &time) in candidates.iter().zip(&*times) {
-        let touch = time == continuous::TOUCHING;
-        if time > 1.0 && !touch {
-            continue;
-        }
+        // Features that touch collide where they start.
+        let (touch, time) = match time.into() {
+            TimeOfImpact::Never => continue,
+            TimeOfImpact::At(time) => (false, Some(time)),
+            TimeOfImpact::Touching => (true, None),
+        };
         let vertices = P::vertices(&model.surface, candidate);
         let (x, displacements) = (gather(vertices, start), gather(vertices, displacements));
         let radius = P::radius(gather(vertices, model.radii));
-        let at: [Vec3; 4] = if touch { x } else { core::array::from_fn(|k| x[k] + displacements[k] * time) };
+        let at: [Vec3; 4] = time.map_or(x, |time| core::array::from_fn(|k| x[k] + displacements[k] * time));
         let (Some(impact), Some(before)) =
             (contact::<P>(vertices, &at, &x, radius), contact::<P>(vertices, &x, &x, radius))
         else {
@@ -80,13 +87,8 @@ fn find_pairs<P: Pairing, D: Dispatch>(
     list.sort_from(first);
 }
 
-/// Adds a constraint for each vertex that collides with a plane, of the vertices moved in `round`; with 0, of all.
-pub(crate) fn find_planes(model: &ContactModel<'_>, motion: &Motion<'_>, round: u32, list: &mut List<'_>) {
-    let least = |gap| repulsion::least_gap(gap, model.thickness);
-    repulsion::find_planes(model, motion, round, least, &repulsion::Known::nothing(), list);
-}
-
-/// Solves the impacts.
-pub(crate) fn resolve(context: &Context<'_>, impacts: &mut [Constraint], motion: &mut Motion<'_>) {
-    relax(context, impacts, None, motion, SWEEPS, 0.0);
+/// Solves all impacts so far.
+pub(crate) fn resolve(work: &mut Work<'_>) {
+    let Work { model, list, near, motion, .. } = work;
+    relax(model, &mut list.all[*near..list.count], None, motion, SWEEPS, 0.0);
 }

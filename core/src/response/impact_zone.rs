@@ -2,7 +2,7 @@
 //! 2018]. The projection is inelastic and, unlike that of a rigid zone, leaves sliding free.
 
 use super::constraint::Constraint;
-use super::{Context, Motion, relax};
+use super::work::{Work, relax};
 use crate::real::{Real, Vec3};
 
 /// Sweeps over a zone.
@@ -10,17 +10,10 @@ const SWEEPS: u32 = 60;
 /// Violation that is left, relative to the thickness.
 const LEFT: Real = 0.02;
 
-/// Solves the zones of the constraints from `first` on; returns how many there are. `order` has room
-/// for twice as many indices as there are constraints.
-pub(crate) fn resolve(
-    context: &Context<'_>,
-    constraints: &mut [Constraint],
-    first: usize,
-    zones: &mut [u32],
-    order: &mut [u32],
-    motion: &mut Motion<'_>,
-) -> u64 {
-    let inverse_masses = context.model.inverse_masses;
+/// Solves the zones of the impacts.
+pub(crate) fn resolve(work: &mut Work<'_>) {
+    let Work { model, list, first, motion, zones, order, statistics, .. } = work;
+    let (constraints, inverse_masses) = (&mut list.all[..list.count], model.inverse_masses);
     for (v, zone) in zones.iter_mut().enumerate() {
         *zone = v as u32;
     }
@@ -30,7 +23,7 @@ pub(crate) fn resolve(
     // Roots of the new constraints first, then the constraints that lie in their zones.
     let (roots, chosen) = order.split_at_mut(constraints.len());
     let mut wanted = 0;
-    for constraint in &constraints[first..] {
+    for constraint in &constraints[*first..] {
         if let Some(root) = root_of(zones, constraint, inverse_masses) {
             roots[wanted] = root;
             wanted += 1;
@@ -46,8 +39,8 @@ pub(crate) fn resolve(
             count += 1;
         }
     }
-    relax(context, constraints, Some(&chosen[..count]), motion, SWEEPS, LEFT * context.model.thickness);
-    roots.chunk_by(|a, b| a == b).count() as u64
+    relax(model, constraints, Some(&chosen[..count]), motion, SWEEPS, LEFT * model.thickness);
+    statistics.zones += roots.chunk_by(|a, b| a == b).count() as u64;
 }
 
 fn movable(inverse_masses: &[Vec3], vertex: u32) -> bool {

@@ -4,12 +4,12 @@
 
 use super::constraint::{self, Constraint};
 use super::friction::FrictionCoefficients;
-use super::{Context, List, Motion, mark, relax};
+use super::work::{List, Motion, Work, relax};
 use crate::colliders::Form;
 use crate::contact::{ContactModel, Pairs};
 use crate::narrow_phase::local_minimum::is_local_minimum;
 use crate::narrow_phase::{Contact, EdgeEdge, Pairing, VertexTriangle, contact, gather};
-use crate::real::{Real, Vec3, sqrt};
+use crate::real::{Real, sqrt};
 
 /// Sweeps over all contacts.
 const SWEEPS: u32 = 20;
@@ -42,7 +42,7 @@ pub(crate) fn find(
 ) {
     find_pairs::<VertexTriangle>(model, vertex_triangle, counts[0], motion, known, margin, list);
     find_pairs::<EdgeEdge>(model, edge_edge, counts[1], motion, known, margin, list);
-    find_planes(model, motion, 0, |_| model.thickness + margin, known, list);
+    find_planes(model, motion, |_| model.thickness + margin, known, list);
 }
 
 /// The pairs that already have a constraint.
@@ -112,15 +112,15 @@ fn find_pairs<P: Pairing>(
 }
 
 /// Adds a constraint for each vertex that ends nearer to a plane than `least`, which depends on the gap at its start. Only
-/// vertices moved in `round` are tested; with 0, all vertices.
+/// the vertices of the [tested](Motion::tested) round count.
 pub(crate) fn find_planes(
     model: &ContactModel<'_>,
     motion: &Motion<'_>,
-    round: u32,
     least: impl Fn(Real) -> Real,
     known: &Known<'_>,
     list: &mut List<'_>,
 ) {
+    let round = motion.tested();
     for body in model.colliders.bodies {
         let Form::Plane(normal) = body.form else { continue };
         let plane = (model.cloth() + body.vertices[0]) as u32;
@@ -169,20 +169,17 @@ pub(crate) fn thickness<P: Pairing>(model: &ContactModel<'_>, vertices: [u32; 4]
 }
 
 /// Solves the contacts.
-pub(crate) fn repel(context: &Context<'_>, constraints: &mut [Constraint], motion: &mut Motion<'_>) {
-    relax(context, constraints, None, motion, SWEEPS, LEFT * context.model.thickness);
+pub(crate) fn repel(work: &mut Work<'_>) {
+    let Work { model, list, near, motion, .. } = work;
+    relax(model, &mut list.all[..*near], None, motion, SWEEPS, LEFT * model.thickness);
 }
 
 /// Removes a part of each overlap.
-pub(crate) fn separate(
-    context: &Context<'_>,
-    constraints: &mut [Constraint],
-    corrections: &mut [Vec3],
-    motion: &mut Motion<'_>,
-) {
-    let ContactModel { thickness, inverse_masses, .. } = *context.model;
+pub(crate) fn separate(work: &mut Work<'_>) {
+    let Work { model, list, near, motion, corrections, .. } = work;
+    let ContactModel { thickness, inverse_masses, .. } = **model;
     for _ in 0..SEPARATION_SWEEPS {
-        for constraint in &mut *constraints {
+        for constraint in &list.all[..*near] {
             let (contact, along) = (constraint.contact, constraint.inverse_mass);
             let overlap = thickness - contact.gap;
             if overlap <= LEFT * thickness || along <= 0.0 || constraint.target < contact.gap {
@@ -194,7 +191,7 @@ pub(crate) fn separate(
                 let impulse = contact.normal * (violation / along);
                 constraint::apply_impulse(&contact, impulse, inverse_masses, motion.displacements);
                 constraint::apply_impulse(&contact, impulse, inverse_masses, corrections);
-                mark(constraint, motion.rounds, context.round);
+                motion.mark(constraint);
             }
         }
     }

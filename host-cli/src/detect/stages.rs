@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use muslin_core::broad_phase::{self, Candidates, Counts, GridColumns, Surface, brute_force, reference_cell};
 use muslin_core::geometry::aabb::Aabb;
-use muslin_core::narrow_phase::continuous::{self, LinearMotion, NEVER, TOUCHING};
+use muslin_core::narrow_phase::continuous::{self, LinearMotion};
+use muslin_core::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
 use muslin_core::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
 use muslin_core::real::Vec3;
 
@@ -94,15 +95,22 @@ impl Touch {
     }
 
     /// Counts the impacts, given the impact times of all candidates.
-    pub fn of(vertex_triangle: &[f32], edge_edge: &[f32]) -> Self {
-        let count = |times: &[f32]| times.iter().filter(|&&time| time != NEVER).count();
-        let hits = vertex_triangle.iter().chain(edge_edge).filter(|&&time| time != NEVER);
+    pub fn of(vertex_triangle: &[StoredTime], edge_edge: &[StoredTime]) -> Self {
         Self {
-            vertex_triangle: count(vertex_triangle),
-            edge_edge: count(edge_edge),
-            first: hits.map(|&time| if time == TOUCHING { 0.0 } else { time }).reduce(f32::min),
+            vertex_triangle: hits(vertex_triangle).count(),
+            edge_edge: hits(edge_edge).count(),
+            first: hits(vertex_triangle).chain(hits(edge_edge)).reduce(f32::min),
         }
     }
+}
+
+/// The times of the candidates that collide. Features that touch at the start collide at once.
+fn hits(times: &[StoredTime]) -> impl Iterator<Item = f32> {
+    times.iter().filter_map(|&time| match time.into() {
+        TimeOfImpact::Never => None,
+        TimeOfImpact::At(time) => Some(time),
+        TimeOfImpact::Touching => Some(0.0),
+    })
 }
 
 /// Impact time of each candidate: when rounding can no longer tell its features apart.
@@ -112,8 +120,8 @@ fn times<P: Pairing>(
     subject: &Subject,
     motion: LinearMotion<'_>,
     pool: &Pool,
-) -> Vec<f32> {
-    let mut times = vec![NEVER; candidates.len()];
+) -> Vec<StoredTime> {
+    let mut times = vec![TimeOfImpact::Never.into(); candidates.len()];
     continuous::times::<P>(candidates, distances, &subject.surface.view(), motion, 0.0, &mut times, pool);
     times
 }

@@ -1,0 +1,146 @@
+//! What the [passes](super) of a response work on: the constraints and the motion that they correct.
+
+use super::constraint::{self, Constraint};
+use super::{ContactStatistics, PASSES};
+use crate::contact::ContactModel;
+use crate::geometry::aabb::Aabb;
+use crate::real::{Real, Vec3};
+
+/// What a pass reads and writes.
+pub(crate) struct Work<'a> {
+    pub model: &'a ContactModel<'a>,
+    pub list: List<'a>,
+    /// Number of constraints of near pairs, the first in the list.
+    pub near: usize,
+    /// Index of the first impact of the last search, which are the last in the list.
+    pub first: usize,
+    pub motion: Motion<'a>,
+    /// The part of the displacements that changes no velocity, m.
+    pub corrections: &'a mut [Vec3],
+    /// Work column, one entry per vertex.
+    pub zones: &'a mut [u32],
+    /// Work column, two entries per constraint.
+    pub order: &'a mut [u32],
+    pub statistics: ContactStatistics,
+}
+
+impl Work<'_> {
+    /// Runs the passes of the next round. Pairs that collided are tested again after it, whether or not a vertex moved.
+    pub fn run_passes(&mut self) {
+        self.motion.round += 1;
+        let impacts = &self.list.all[self.first..self.list.count];
+        self.statistics.impacts += impacts.len() as u64;
+        impacts.iter().for_each(|impact| self.motion.mark(impact));
+        for (rounds, pass) in &PASSES {
+            if rounds.contains(&self.motion.round) {
+                pass(self);
+            }
+        }
+    }
+}
+
+/// The constraints so far.
+pub(crate) struct List<'a> {
+    pub all: &'a mut [Constraint],
+    pub count: usize,
+    /// Number of pairs that touch and have no time of impact.
+    pub touching: u64,
+}
+
+impl List<'_> {
+    /// Adds a constraint. Without room it is only counted.
+    pub fn push(&mut self, constraint: Constraint) {
+        if let Some(slot) = self.all.get_mut(self.count) {
+            *slot = constraint;
+        }
+        self.count += 1;
+    }
+
+    /// Sorts those from `first` on by their vertices: bits must not depend on the order of the candidates.
+    pub fn sort_from(&mut self, first: usize) {
+        if let Some(added) = self.all.get_mut(first..self.count) {
+            added.sort_unstable_by_key(|constraint| constraint.contact.vertices);
+        }
+    }
+
+    /// The number of constraints; if there is no room for them, as an error.
+    pub fn count(&self) -> Result<usize, usize> {
+        if self.count > self.all.len() { Err(self.count) } else { Ok(self.count) }
+    }
+}
+
+/// The motion that passes correct.
+pub(crate) struct Motion<'a> {
+    pub start: &'a mut [Vec3],
+    pub end: &'a mut [Vec3],
+    pub displacements: &'a mut [Vec3],
+    pub rounds: &'a mut [u32],
+    /// The present round, with which vertices that move are marked; 0 before the first.
+    pub round: u32,
+    pub step: Real,
+}
+
+impl Motion<'_> {
+    /// Marks the vertices of a constraint as moved. Not inlined: many call it.
+    #[inline(never)]
+    pub fn mark(&mut self, constraint: &Constraint) {
+        for v in constraint.contact.vertices {
+            self.rounds[v as usize] = self.round;
+        }
+    }
+
+    /// The round whose moved vertices a search for impacts tests; 0: all, because the predicted motion moved them.
+    pub fn tested(&self) -> u32 {
+        if self.round == 1 { 0 } else { self.round }
+    }
+
+    /// Rounds the end positions of the vertices moved in this round. Their rounding errors are no velocity: in f32, with
+    /// short steps, they are as large as the effect of friction.
+    pub fn round_ends(&mut self, corrections: &mut [Vec3]) {
+        for (v, end) in self.end.iter_mut().enumerate() {
+            if self.rounds[v] == self.round {
+                *end = self.start[v] + self.displacements[v];
+                let rounded = *end - self.start[v];
+                corrections[v] += rounded - self.displacements[v];
+                self.displacements[v] = rounded;
+            }
+        }
+    }
+
+    /// Whether a vertex moved in this round has left its box, less the margin of the box. In the first round the implicit
+    /// solve may have moved any vertex.
+    pub fn leaves_boxes(&self, boxes: &[Aabb], model: &ContactModel<'_>) -> bool {
+        self.end.iter().enumerate().any(|(v, &end)| {
+            let around = Vec3::splat(0.5 * model.thickness + model.radii[v]);
+            (self.round == 1 || self.rounds[v] == self.round)
+                && !((end - around).cmpge(boxes[v].min).all() && (end + around).cmple(boxes[v].max).all())
+        })
+    }
+}
+
+/// Solves constraints in their order until no constraint is violated by more than `tolerance`, m, or until the limit of
+/// sweeps.
+pub(crate) fn relax(
+    model: &ContactModel<'_>,
+    constraints: &mut [Constraint],
+    chosen: Option<&[u32]>,
+    motion: &mut Motion<'_>,
+    sweeps: u32,
+    tolerance: Real,
+) {
+    let count = chosen.map_or(constraints.len(), <[u32]>::len);
+    for _ in 0..sweeps {
+        let mut worst: Real = 0.0;
+        for k in 0..count {
+            let constraint = &mut constraints[chosen.map_or(k, |chosen| chosen[k] as usize)];
+            let (violation, moved) = constraint::solve(constraint, model.inverse_masses, motion.displacements);
+            worst = worst.max(violation.abs());
+            if moved {
+                motion.mark(constraint);
+            }
+        }
+        if worst <= tolerance {
+            break;
+        }
+    }
+}
