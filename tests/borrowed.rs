@@ -41,8 +41,9 @@ both_precisions! {
     use muslin::contact::NoContact;
     use muslin::dispatch::{Serial, block_on};
     use harness::steps::Steps;
+    use muslin::forces::gravity::Gravity;
     use muslin::forces::spring::{Spring, SpringColumns, Springs};
-    use muslin::forces::{Model, ModelColumns};
+    use muslin::forces::{Model, ModelColumns, Term};
     use muslin::forces::matrix::{Block, BlockMatrix, Mirrored, NOT_STORED, AssemblyMap};
     use muslin::integrate::pins::{AT_REST, Key, Motion, PinColumns, Pins};
     use muslin::integrate::{StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
@@ -92,7 +93,7 @@ both_precisions! {
                 inverse_masses: (0..VERTICES).map(|i| 1.0 / mass(i)).collect(),
             },
             model: ModelColumns {
-                gravity: Some(GRAVITY),
+                gravity: Some(Gravity(GRAVITY)),
                 stretch_springs: Some(SpringColumns::build(VERTICES, &listed)),
                 ..ModelColumns::default()
             },
@@ -158,7 +159,7 @@ both_precisions! {
         let (rest, stiffness, damping) =
             (material.map(|s| s.rest), material.map(|s| s.stiffness), material.map(|s| s.damping));
         let stretch = Springs { offsets: &offsets, others: &others, rest: &rest, stiffness: &stiffness, damping: &damping };
-        let model = Model { gravity: Some(GRAVITY), stretch_springs: Some(stretch), ..Model::default() };
+        let model = Model { gravity: Some(Gravity(GRAVITY)), stretch_springs: Some(stretch), ..Model::default() };
         let (masses, anchors): ([Real; VERTICES], _) = (std::array::from_fn(mass), HELD.map(|v| start()[v as usize]));
         let inverse_masses = masses.map(|m| 1.0 / m);
         let pins =
@@ -176,6 +177,8 @@ both_precisions! {
         let (mut inverse_diagonal, mut partials) = ([Mat3::ZERO; VERTICES], [[0.0; 2]; 1]);
         let [forces, next_positions, next_velocities, stage_positions, solution, residual, gradient, direction, products, preconditioned] =
             &mut work_columns;
+        let mut assembly_map = AssemblyMap::default();
+        assembly_map[Term::StretchSpring as usize] = &targets;
         let mut scratch = Scratch {
             forces,
             next_positions,
@@ -194,7 +197,7 @@ both_precisions! {
                 mirrored: &mirrored,
                 blocks: &mut blocks,
             },
-            assembly_map: AssemblyMap { stretch_springs: &targets, ..AssemblyMap::default() },
+            assembly_map,
             inverse_diagonal: &mut inverse_diagonal,
             partials: &mut partials,
             ..Scratch::default()

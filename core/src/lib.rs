@@ -55,11 +55,10 @@
 //!
 //! Paths are below the root of the repository; a test checks that they exist.
 //!
-//! * **A force term**: its kernel `core/src/forces/wind.rs` (energy, force, Jacobian); the list of
-//!   terms `core/src/forces/model.rs` and their loops `core/src/forces/mod.rs`; its blocks in the
-//!   matrix `core/src/forces/sparsity.rs`; its keys `core/src/scene/mod.rs`, their checks and columns
-//!   `core/src/scene/terms.rs`; its name `core/src/stage.rs` and bytes `core/src/traffic.rs`; its
-//!   tests `tests/forces/main.rs`.
+//! * **A force term**: one file with all that is its own, `core/src/forces/wind.rs`, or `core/src/forces/drag.rs` if
+//!   it has no elements; its `mod` in `core/src/forces/mod.rs`; its row in the list of terms,
+//!   `core/src/forces/model.rs`; its keys `core/src/scene/mod.rs`, their checks `core/src/scene/terms.rs` and
+//!   `core/src/scene/check.rs`, its columns `core/src/scene/build.rs`; its tests `tests/forces/main.rs`.
 //! * **An integrator**: its kernel `core/src/integrate/rk4.rs`; its name, order and call
 //!   `core/src/integrate/mod.rs`; its limit `core/src/integrate/stability.rs`; its columns
 //!   `core/src/scratch.rs`; its tests `tests/integrate/main.rs`; its row in

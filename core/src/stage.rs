@@ -1,6 +1,8 @@
 //! The stages of a step and the force terms, by name. Hosts use them to time stages and to write
 //! reports; the core has no clock of its own.
 
+pub use crate::forces::Term;
+
 /// The stage of a step that the following kernels belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
@@ -18,53 +20,4 @@ pub enum Stage {
     Response,
     /// All other work: updating and checking positions and velocities.
     Integrate,
-}
-
-/// A force term.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Term {
-    /// Gravity.
-    Gravity,
-    /// Linear drag.
-    Drag,
-    /// Stretch springs.
-    StretchSpring,
-    /// Bending springs.
-    BendSpring,
-    /// Stretch and shear of triangles.
-    Membrane,
-    /// Hinge bending.
-    Hinge,
-    /// Seams.
-    Seam,
-    /// Wind.
-    Wind,
-}
-
-impl Term {
-    /// Every term, in the order of evaluation.
-    pub const ALL: [Self; 8] = [
-        Self::Gravity,
-        Self::Drag,
-        Self::StretchSpring,
-        Self::BendSpring,
-        Self::Membrane,
-        Self::Hinge,
-        Self::Seam,
-        Self::Wind,
-    ];
-
-    /// The name for messages and reports.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Gravity => "gravity",
-            Self::Drag => "drag",
-            Self::StretchSpring => "stretch (springs)",
-            Self::BendSpring => "bend (springs)",
-            Self::Membrane => "stretch and shear (membrane)",
-            Self::Hinge => "bend (hinges)",
-            Self::Seam => "seam",
-            Self::Wind => "wind",
-        }
-    }
 }

@@ -164,7 +164,7 @@ fn couple<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) -> Result<(), Cause> {
     // Backward Euler predicts without gravity, which closes a gap by half of this in a step.
-    let gravity = input.model.gravity.unwrap_or(Vec3::ZERO);
+    let gravity = input.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.0);
     let fall = 2.0 * sqrt(gravity.length_squared()) * input.step * input.step;
     let margin = fall + REST * model.thickness;
     with_room(columns, |contact| response::find_contacts(model, contact, input.step, margin))?;

@@ -2,16 +2,15 @@
 //! even if the kernel reads it again from the caches. This is the cost of a kernel that is limited by
 //! memory alone.
 
-use crate::forces::Model;
-use crate::forces::element::Element;
 use crate::forces::matrix::{Block, Mirrored};
-use crate::forces::spring::Springs;
+use crate::forces::term::ForceTerm;
+use crate::forces::{Model, for_each_term};
 use crate::integrate::IntegratorStatistics;
 use crate::real::{Mat3, Real, Vec3};
 use crate::stage::{Stage, Term};
 
-const SCALAR: usize = size_of::<Real>();
-const VECTOR: usize = size_of::<Vec3>();
+pub(crate) const SCALAR: usize = size_of::<Real>();
+pub(crate) const VECTOR: usize = size_of::<Vec3>();
 const INDEX: usize = 4;
 
 /// Sizes that the traffic depends on.
@@ -23,6 +22,13 @@ pub struct TrafficSizes {
     pub blocks: [usize; 2],
     /// Number of values in the small matrix of the two-level preconditioner; 0 without it.
     pub coarse_values: usize,
+}
+
+impl TrafficSizes {
+    /// Bytes of a pass that adds to every block of the matrix and reads the positions.
+    pub(crate) fn assembly(&self) -> usize {
+        2 * self.blocks[0] * size_of::<Block>() + self.vertices * VECTOR
+    }
 }
 
 /// Bytes of one unit of work of a stage: one evaluation of a force term or of its Jacobian, one
@@ -51,50 +57,22 @@ pub fn total_bytes(statistics: &IntegratorStatistics, model: &Model<'_>, sizes: 
         + statistics.cg_iterations * stage(Stage::Solve)
 }
 
-fn force(term: Term, model: &Model<'_>, n: usize) -> usize {
-    let springs = |s: &Option<Springs<'_>>| s.map_or(0, |s| spring_columns(&s) + n * (3 * VECTOR + INDEX));
-    match term {
-        Term::Gravity => n * (SCALAR + VECTOR),
-        Term::Drag => model.drag.map_or(0, |_| n * (SCALAR + 3 * VECTOR)),
-        Term::StretchSpring => springs(&model.stretch_springs),
-        Term::BendSpring => springs(&model.bend_springs),
-        Term::Membrane => model.membrane.map_or(0, |m| elements(&m, n, 5 * SCALAR + 2)),
-        Term::Hinge => model.hinges.map_or(0, |h| elements(&h, n, 3 * SCALAR)),
-        Term::Seam => model.seams.map_or(0, |s| elements(&s, n, 3 * SCALAR)),
-        Term::Wind => model.wind.map_or(0, |w| elements(&w, n, 0)),
-    }
+/// Clearing the forces counts as gravity.
+fn force(name: Term, model: &Model<'_>, vertices: usize) -> usize {
+    let mut bytes = if name == Term::Gravity { vertices * VECTOR } else { 0 };
+    for_each_term!(model, |other, term| if other == name {
+        bytes += term.force_traffic(vertices);
+    });
+    bytes
 }
 
-fn spring_columns(springs: &Springs<'_>) -> usize {
-    springs.others.len() * (INDEX + 2 * SCALAR) + springs.damping.len() * SCALAR
-}
-
-/// Bytes of an element term. The element pass reads corners and `rest` bytes of material and writes the
-/// force slots; the gather reads the slots and adds to the forces.
-fn elements<const K: usize>(term: &impl Element<K>, n: usize, rest: usize) -> usize {
-    term.vertices().len() * (K * INDEX + rest + 2 * K * VECTOR + K * INDEX) + n * (4 * VECTOR + INDEX)
-}
-
-fn jacobian(term: Term, model: &Model<'_>, sizes: TrafficSizes) -> usize {
-    let matrix = 2 * sizes.blocks[0] * size_of::<Block>() + sizes.vertices * (VECTOR + INDEX);
-    let springs = |s: &Option<Springs<'_>>| s.map_or(0, |s| spring_columns(&s) + s.others.len() * 2 + matrix);
-    match term {
-        // Drag is added in the pass that clears the matrix.
-        Term::Drag => sizes.blocks[0] * size_of::<Block>(),
-        Term::Gravity => 0,
-        Term::StretchSpring => springs(&model.stretch_springs),
-        Term::BendSpring => springs(&model.bend_springs),
-        Term::Membrane => model.membrane.map_or(0, |m| packed(&m, 5 * SCALAR + 2) + matrix),
-        Term::Hinge => model.hinges.map_or(0, |h| packed(&h, 3 * SCALAR) + matrix),
-        Term::Seam => model.seams.map_or(0, |s| packed(&s, 3 * SCALAR) + matrix),
-        Term::Wind => model.wind.map_or(0, |w| packed(&w, 0) + matrix),
-    }
-}
-
-/// Bytes of an element Jacobian: corners, `rest` bytes of material, the packed Jacobian written and read,
-/// incidence and assembly map.
-fn packed<const K: usize, E: Element<K>>(term: &E, rest: usize) -> usize {
-    term.vertices().len() * (2 * K * INDEX + rest + 2 * size_of::<E::Tangent>() + 2 * K * K)
+/// Clearing the matrix counts as drag.
+fn jacobian(name: Term, model: &Model<'_>, sizes: TrafficSizes) -> usize {
+    let mut bytes = if name == Term::Drag { sizes.blocks[0] * size_of::<Block>() } else { 0 };
+    for_each_term!(model, |other, term| if other == name {
+        bytes += term.tangent_traffic(sizes);
+    });
+    bytes
 }
 
 /// Bytes of one iteration of conjugate gradients.

@@ -33,6 +33,7 @@ macro_rules! kit {
             use $muslin::forces::membrane::{MembraneColumns, MembraneMaterial};
             use $muslin::forces::seam::SeamColumns;
             use $muslin::forces::spring::{self, Spring, SpringColumns};
+            use $muslin::forces::term::ForceTerm;
             use $muslin::forces::wind::WindColumns;
             use $muslin::forces::{self, Energy, Model, TangentScale};
             use $muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
@@ -84,7 +85,7 @@ macro_rules! kit {
                 }
                 fn force(&self, i: usize, x: &[Vec3; 2], v: &[Vec3; 2]) -> [Vec3; 2] {
                     let mut f = [Vec3::ZERO; 2];
-                    spring::add_forces(&self.0[i].1.view(), x, v, &mut f, &Serial);
+                    self.0[i].1.view().add_forces(&[], x, v, &mut [], &mut f, &Serial);
                     f
                 }
                 fn energy(&self, i: usize, x: &[Vec3; 2]) -> Energy {

@@ -183,7 +183,7 @@ fn fold(x: &[DVec3; 4]) -> f64 {
 /// Gravity, wind and drag.
 fn add_outer_forces(model: &Model<'_>, sheets: &Sheets<'_>, masses: &[f64], x: &[DVec3], v: &[DVec3], f: &mut [DVec3]) {
     for (f, &m) in f.iter_mut().zip(masses) {
-        *f += model.gravity.map_or(DVec3::ZERO, |g| g * m);
+        *f += model.gravity.map_or(DVec3::ZERO, |gravity| gravity.0 * m);
     }
     for t in sheets.triangles {
         let [p, q, r] = t.map(|i| x[i as usize]);

@@ -4,11 +4,13 @@
 
 use bytemuck::Pod;
 
-use super::{Energy, Jacobian, TangentScale};
+use super::matrix::{BlockMatrix, NOT_STORED, add};
+use super::term::ForceTerm;
+use super::{Energy, Jacobian, TangentScale, Term};
 use crate::dispatch::Dispatch;
-use crate::forces::matrix::{BlockMatrix, NOT_STORED, add};
 use crate::mesh::Incidence;
 use crate::real::{Mat3, Real, Vec3};
+use crate::traffic::{SCALAR, TrafficSizes, VECTOR};
 
 /// A force term over elements with `K` corners. `x` and `v` are the positions and velocities of the
 /// corners. Every force is affine in `v`.
@@ -33,90 +35,159 @@ pub trait Element<const K: usize>: Sync {
     fn exact(&self, element: usize, x: &[Vec3; K], v: &[Vec3; K], scale: TangentScale) -> [[Mat3; K]; K];
 }
 
+/// A term whose kernels are those of an [`Element`]: what it says of all its elements together.
+pub trait ElementTerm {
+    /// The corners of an element, `[u32; K]`.
+    type Corners;
+
+    /// Whether the forces at zero velocity are minus the slope of the energy. Otherwise the exact Jacobian is not
+    /// symmetric, and the matrix has the projected one.
+    const CONSERVATIVE: bool = true;
+
+    /// Whether any force depends on velocities.
+    fn dissipates(&self) -> bool;
+
+    /// The largest strain rate at the velocities `v`, 1/s.
+    fn strain_rate(&self, _v: &[Vec3]) -> Real {
+        0.0
+    }
+
+    /// Bytes of the columns that only this term has: all but corners and incidence.
+    fn material_bytes(&self) -> usize;
+}
+
 #[inline]
 fn corners<const K: usize>(ids: &[u32; K], column: &[Vec3]) -> [Vec3; K] {
     ids.map(|i| column[i as usize])
 }
 
-/// Adds the term's forces to `f`, N. `scratch` has room for `K` vectors per element.
-pub fn add_forces<const K: usize, E: Element<K>>(
-    term: &E,
-    x: &[Vec3],
-    v: &[Vec3],
-    scratch: &mut [Vec3],
-    f: &mut [Vec3],
-    dispatch: &impl Dispatch,
-) {
-    let vertices = term.vertices();
-    let (slots, _) = scratch[..vertices.len() * K].as_chunks_mut::<K>();
-    dispatch.run(slots, |start, part| {
-        for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
-            *slot = term.force(element, &corners(ids, x), &corners(ids, v));
-        }
-    });
-    let (forces, incidence) = (&*scratch, term.incidence());
-    dispatch.run(f, |start, part| {
-        for (vertex, f) in part.iter_mut().enumerate() {
-            for &slot in incidence.at(start + vertex) {
-                *f += forces[slot as usize];
-            }
-        }
-    });
-}
-
-/// The energy that the term stores, J.
-pub fn energy<const K: usize, E: Element<K>>(term: &E, x: &[Vec3]) -> Energy {
-    let each = term.vertices().iter().enumerate();
-    each.fold(Energy::default(), |sum, (element, ids)| sum + term.energy(element, &corners(ids, x)))
-}
-
-/// Adds `-(position Kx + velocity Kv)` to `matrix`. `assembly_map` is the place of each block in its
-/// row. `scratch` has room for the packed Jacobians.
-pub fn add_tangents<const K: usize, E: Element<K>>(
-    term: &E,
-    x: &[Vec3],
-    scale: TangentScale,
-    jacobian: Jacobian,
-    assembly_map: &[u16],
-    scratch: &mut [Real],
-    matrix: &mut BlockMatrix<'_>,
-    dispatch: &impl Dispatch,
-) {
-    let (vertices, incidence) = (term.vertices(), term.incidence());
-    let packed = size_of::<E::Tangent>() / size_of::<Real>() * vertices.len();
-    let tangents: &mut [E::Tangent] = bytemuck::cast_slice_mut(&mut scratch[..packed]);
-    if jacobian == Jacobian::Projected {
-        dispatch.run(&mut *tangents, |start, part| {
+impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm for E {
+    fn add_forces(
+        &self,
+        _: &[Real],
+        x: &[Vec3],
+        v: &[Vec3],
+        scratch: &mut [Vec3],
+        f: &mut [Vec3],
+        dispatch: &impl Dispatch,
+    ) {
+        let vertices = self.vertices();
+        let (slots, _) = scratch[..vertices.len() * K].as_chunks_mut::<K>();
+        dispatch.run(slots, |start, part| {
             for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
-                *slot = term.tangent(element, &corners(ids, x), scale);
+                *slot = self.force(element, &corners(ids, x), &corners(ids, v));
+            }
+        });
+        let (forces, incidence) = (&*scratch, self.incidence());
+        dispatch.run(f, |start, part| {
+            for (vertex, f) in part.iter_mut().enumerate() {
+                for &slot in incidence.at(start + vertex) {
+                    *f += forces[slot as usize];
+                }
             }
         });
     }
-    let tangents = &*tangents;
-    dispatch.run(matrix.rows_mut(), |start, mut rows| {
-        for i in 0..rows.count() {
-            let row = rows.row(i);
-            for at in incidence.range(start + i) {
-                let slot = incidence.slots[at] as usize;
-                let (element, a) = (slot / K, slot % K);
-                let assembly_map = &assembly_map[at * K..at * K + K];
-                match jacobian {
-                    Jacobian::Projected => {
-                        for b in (0..K).filter(|&b| assembly_map[b] != NOT_STORED) {
-                            add(&mut row[assembly_map[b] as usize], &term.block(element, &tangents[element], a, b));
+
+    fn energy(&self, _: Term, _: &[Real], x: &[Vec3]) -> Energy {
+        if !E::CONSERVATIVE {
+            return Energy::default();
+        }
+        let each = self.vertices().iter().enumerate();
+        each.fold(Energy::default(), |sum, (element, ids)| sum + Element::energy(self, element, &corners(ids, x)))
+    }
+
+    /// A Jacobian that is not symmetric is always projected.
+    fn add_tangents(
+        &self,
+        x: &[Vec3],
+        scale: TangentScale,
+        jacobian: Jacobian,
+        slots: &[u16],
+        scratch: &mut [Real],
+        matrix: &mut BlockMatrix<'_>,
+        dispatch: &impl Dispatch,
+    ) {
+        let jacobian = if E::CONSERVATIVE { jacobian } else { Jacobian::Projected };
+        let (vertices, incidence) = (self.vertices(), self.incidence());
+        let tangents: &mut [E::Tangent] = bytemuck::cast_slice_mut(&mut scratch[..self.tangent_scratch()]);
+        if jacobian == Jacobian::Projected {
+            dispatch.run(&mut *tangents, |start, part| {
+                for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
+                    *slot = self.tangent(element, &corners(ids, x), scale);
+                }
+            });
+        }
+        let tangents = &*tangents;
+        dispatch.run(matrix.rows_mut(), |start, mut rows| {
+            for i in 0..rows.count() {
+                let row = rows.row(i);
+                for at in incidence.range(start + i) {
+                    let slot = incidence.slots[at] as usize;
+                    let (element, a) = (slot / K, slot % K);
+                    let slots = &slots[at * K..at * K + K];
+                    match jacobian {
+                        Jacobian::Projected => {
+                            for b in (0..K).filter(|&b| slots[b] != NOT_STORED) {
+                                add(&mut row[slots[b] as usize], &self.block(element, &tangents[element], a, b));
+                            }
                         }
-                    }
-                    // For studies only, so the blocks are recomputed for each corner and not stored.
-                    // With v = 0 damping does not contribute to df/dx, and the matrix stays symmetric.
-                    Jacobian::Exact => {
-                        let x = corners(&vertices[element], x);
-                        let blocks = term.exact(element, &x, &[Vec3::ZERO; K], scale);
-                        for b in (0..K).filter(|&b| assembly_map[b] != NOT_STORED) {
-                            add(&mut row[assembly_map[b] as usize], &blocks[a][b]);
+                        // For studies only, so the blocks are recomputed for each corner and not stored.
+                        // With v = 0 damping does not contribute to df/dx, and the matrix stays symmetric.
+                        Jacobian::Exact => {
+                            let x = corners(&vertices[element], x);
+                            let blocks = self.exact(element, &x, &[Vec3::ZERO; K], scale);
+                            for b in (0..K).filter(|&b| slots[b] != NOT_STORED) {
+                                add(&mut row[slots[b] as usize], &blocks[a][b]);
+                            }
                         }
                     }
                 }
             }
-        }
-    });
+        });
+    }
+
+    fn blocks(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.incidence().slots.iter().flat_map(|&slot| {
+            let ids = self.vertices()[slot as usize / K];
+            ids.map(|column| (ids[slot as usize % K], column))
+        })
+    }
+
+    fn is_conservative(&self) -> bool {
+        E::CONSERVATIVE
+    }
+
+    fn dissipates(&self) -> bool {
+        ElementTerm::dissipates(self)
+    }
+
+    fn strain_rate(&self, v: &[Vec3]) -> Real {
+        ElementTerm::strain_rate(self, v)
+    }
+
+    /// The forces on the corners.
+    fn force_scratch(&self) -> usize {
+        K * self.vertices().len()
+    }
+
+    /// The packed Jacobians.
+    fn tangent_scratch(&self) -> usize {
+        size_of::<E::Tangent>() / size_of::<Real>() * self.vertices().len()
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.vertices()) + self.incidence().bytes() + self.material_bytes()
+    }
+
+    /// The element pass writes the scratch, the gather reads it. Per vertex, the positions and velocities are read,
+    /// the forces read and written.
+    fn force_traffic(&self, vertices: usize) -> usize {
+        self.bytes() + 2 * self.force_scratch() * VECTOR + 4 * vertices * VECTOR
+    }
+
+    /// The packed Jacobians are written and read, the slots and the matrix as well.
+    fn tangent_traffic(&self, sizes: TrafficSizes) -> usize {
+        let slots = 2 * K * K * self.vertices().len();
+        self.bytes() + 2 * self.tangent_scratch() * SCALAR + slots + sizes.assembly()
+    }
 }

@@ -8,7 +8,7 @@
 
 use core::f64::consts::PI;
 
-use super::element::Element;
+use super::element::{Element, ElementTerm};
 use super::{Energy, TangentScale};
 use crate::mesh::Incidence;
 use crate::real::{DEGENERATE, Mat3, Real, Vec3, atan2, cross, outer, sqrt};
@@ -137,12 +137,6 @@ impl Fold {
 }
 
 impl Hinges<'_> {
-    /// Bytes of the columns.
-    pub fn bytes(&self) -> usize {
-        let scalars = [self.stiffness, self.rest_angles, self.least_heights, self.damping];
-        size_of_val(self.vertices) + scalars.map(size_of_val).iter().sum::<usize>() + self.incidence.bytes()
-    }
-
     /// `theta - theta0`, wrapped to (-pi, pi].
     #[inline]
     fn bent(&self, hinge: usize, angle: Real) -> Real {
@@ -228,6 +222,18 @@ impl Element<4> for Hinges<'_> {
                     + hessian[i][k] * (scale.position * moment)
             })
         })
+    }
+}
+
+impl ElementTerm for Hinges<'_> {
+    type Corners = [u32; 4];
+
+    fn dissipates(&self) -> bool {
+        !self.damping.is_empty()
+    }
+
+    fn material_bytes(&self) -> usize {
+        [self.stiffness, self.rest_angles, self.least_heights, self.damping].map(size_of_val).iter().sum()
     }
 }
 

@@ -4,6 +4,7 @@
 //! Therefore only the diagonal and the blocks right of it are stored; a product finds the blocks left
 //! of the diagonal in the rows above. Each row is written by a single thread.
 
+use super::Term;
 use crate::dispatch::{Dispatch, Split};
 use crate::real::{Lanes, Mat3, Real, Vec3, lanes};
 
@@ -59,22 +60,10 @@ pub struct Mirrored {
 /// In [`AssemblyMap`]: the block is left of the diagonal and not stored.
 pub const NOT_STORED: u16 = u16::MAX;
 
-/// For each force term, the place of each of its blocks in the row of the matrix, or [`NOT_STORED`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct AssemblyMap<'a> {
-    /// One entry per stored spring end.
-    pub stretch_springs: &'a [u16],
-    /// One entry per stored spring end.
-    pub bend_springs: &'a [u16],
-    /// Three entries per triangle corner, in the order of the incidence.
-    pub membrane: &'a [u16],
-    /// Four entries per hinge corner, in the order of the incidence.
-    pub hinges: &'a [u16],
-    /// Three entries per stitch corner, in the order of the incidence.
-    pub seams: &'a [u16],
-    /// Three entries per triangle corner, in the order of the incidence.
-    pub wind: &'a [u16],
-}
+/// For each force term, in the order of [`Term::ALL`], the place of each of its
+/// [blocks](super::term::ForceTerm::blocks) in the row of the matrix, or [`NOT_STORED`]. A term that a model does not
+/// have needs none.
+pub type AssemblyMap<'a> = [&'a [u16]; Term::ALL.len()];
 
 /// A mutable range of rows.
 pub struct RowsMut<'a> {

@@ -3,7 +3,7 @@
 //! [Baraff 1998; eqs. 3.3-3.8, with sqrt(a) in the constraint, so that the stiffness does not depend
 //! on the mesh]. The projected Jacobian has a closed form [Kim 2020].
 
-use super::element::Element;
+use super::element::{Element, ElementTerm};
 use super::{Energy, TangentScale};
 use crate::mesh::Incidence;
 use crate::real::{DEGENERATE, Mat3, Real, Vec3, outer, scaled_identity, sqrt};
@@ -108,24 +108,6 @@ fn add_projected_shear(blocks: &mut [Mat3; 3], wu: Vec3, wv: Vec3, k: Real) {
 }
 
 impl Membrane<'_> {
-    /// Bytes of the columns, without the table of materials.
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.vertices)
-            + size_of_val(self.weights)
-            + size_of_val(self.areas)
-            + size_of_val(self.materials)
-            + self.incidence.bytes()
-    }
-
-    /// The largest rate of change of wu or wv, 1/s.
-    pub fn strain_rate(&self, v: &[Vec3]) -> Real {
-        let squares = self.vertices.iter().zip(self.weights).map(|(triangle, w)| {
-            let (u, v) = gradient(w, &triangle.map(|i| v[i as usize]));
-            u.length_squared().max(v.length_squared())
-        });
-        sqrt(squares.fold(0.0, Real::max))
-    }
-
     #[inline]
     fn material(&self, triangle: usize) -> &MembraneMaterial {
         &self.table[self.materials[triangle] as usize]
@@ -268,6 +250,28 @@ impl Element<3> for Membrane<'_> {
                     + by_gradient(1, 1) * (qa * qb)
             })
         })
+    }
+}
+
+impl ElementTerm for Membrane<'_> {
+    type Corners = [u32; 3];
+
+    fn dissipates(&self) -> bool {
+        self.table.iter().any(|m| m.stretch_damping > 0.0 || m.shear_damping > 0.0)
+    }
+
+    /// The largest rate of change of wu or wv, 1/s.
+    fn strain_rate(&self, v: &[Vec3]) -> Real {
+        let squares = self.vertices.iter().zip(self.weights).map(|(triangle, w)| {
+            let (u, v) = gradient(w, &triangle.map(|i| v[i as usize]));
+            u.length_squared().max(v.length_squared())
+        });
+        sqrt(squares.fold(0.0, Real::max))
+    }
+
+    /// The table of materials is not counted.
+    fn material_bytes(&self) -> usize {
+        size_of_val(self.weights) + size_of_val(self.areas) + size_of_val(self.materials)
     }
 }
 

@@ -3,7 +3,9 @@
 //!
 //! Every force is a function of positions and velocities, affine in the velocities.
 
+pub mod drag;
 pub mod element;
+pub mod gravity;
 pub mod hinge;
 pub mod matrix;
 pub mod membrane;
@@ -12,17 +14,19 @@ pub mod seam;
 #[cfg(feature = "alloc")]
 pub mod sparsity;
 pub mod spring;
+pub mod term;
 pub mod wind;
 
 #[cfg(feature = "alloc")]
 pub use model::ModelColumns;
-pub use model::{Drag, Model};
+pub(crate) use model::for_each_term;
+pub use model::{Model, Term};
 
 use crate::dispatch::Dispatch;
-use crate::real::{Real, Sum, Vec3, dot_sum, scaled_identity};
+use crate::real::{Real, Sum, Vec3};
 use crate::stage::Stage;
-pub use crate::stage::Term;
-use matrix::{AssemblyMap, BlockMatrix, add};
+use matrix::{AssemblyMap, BlockMatrix};
+use term::ForceTerm;
 
 /// The Jacobian that implicit methods use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -92,44 +96,14 @@ pub fn evaluate(
     f: &mut [Vec3],
     dispatch: &impl Dispatch,
 ) {
-    dispatch.enter(Stage::Force(Term::Gravity));
-    let gravity = model.gravity.unwrap_or(Vec3::ZERO);
-    dispatch.run(&mut *f, |start, part| {
-        for (f, &mass) in part.iter_mut().zip(&masses[start..]) {
-            *f = gravity * mass;
-        }
+    if model.gravity.is_none() {
+        dispatch.enter(Stage::Force(Term::Gravity));
+        dispatch.run(&mut *f, |_, part| part.fill(Vec3::ZERO));
+    }
+    for_each_term!(model, |name, term| {
+        dispatch.enter(Stage::Force(name));
+        term.add_forces(masses, x, v, scratch, f, dispatch);
     });
-    if let Some(drag) = model.drag {
-        dispatch.enter(Stage::Force(Term::Drag));
-        dispatch.run(&mut *f, |start, part| {
-            for (i, f) in (start..).zip(part) {
-                *f -= v[i] * drag.coefficients[i];
-            }
-        });
-    }
-    let springs = [(Term::StretchSpring, &model.stretch_springs), (Term::BendSpring, &model.bend_springs)];
-    for (term, springs) in springs {
-        if let Some(springs) = springs {
-            dispatch.enter(Stage::Force(term));
-            spring::add_forces(springs, x, v, f, dispatch);
-        }
-    }
-    if let Some(membrane) = &model.membrane {
-        dispatch.enter(Stage::Force(Term::Membrane));
-        element::add_forces(membrane, x, v, scratch, f, dispatch);
-    }
-    if let Some(hinges) = &model.hinges {
-        dispatch.enter(Stage::Force(Term::Hinge));
-        element::add_forces(hinges, x, v, scratch, f, dispatch);
-    }
-    if let Some(seams) = &model.seams {
-        dispatch.enter(Stage::Force(Term::Seam));
-        element::add_forces(seams, x, v, scratch, f, dispatch);
-    }
-    if let Some(wind) = &model.wind {
-        dispatch.enter(Stage::Force(Term::Wind));
-        element::add_forces(wind, x, v, scratch, f, dispatch);
-    }
     dispatch.enter(Stage::Integrate);
 }
 
@@ -137,31 +111,15 @@ pub fn evaluate(
 /// relative velocity of the ends over the rest length, for a triangle the rate of wu or wv. Rigid rotation
 /// counts too.
 pub fn strain_rate(model: &Model<'_>, v: &[Vec3]) -> Real {
-    let springs = model.stretch_springs.iter().chain(&model.bend_springs).map(|springs| springs.strain_rate(v));
-    springs.chain(model.membrane.map(|membrane| membrane.strain_rate(v))).fold(0.0, Real::max)
+    let mut largest: Real = 0.0;
+    for_each_term!(model, |_, term| largest = largest.max(term.strain_rate(v)));
+    largest
 }
 
 /// The potential energies, J. `kinetic` stays zero.
 pub fn energy(model: &Model<'_>, masses: &[Real], x: &[Vec3]) -> Energy {
     let mut sum = Energy::default();
-    if let Some(gravity) = model.gravity {
-        sum.gravity = -masses.iter().zip(x).map(|(&m, &x)| dot_sum(gravity * m, x)).sum::<Sum>();
-    }
-    if let Some(springs) = &model.stretch_springs {
-        sum.stretch += spring::total_energy(springs, x);
-    }
-    if let Some(springs) = &model.bend_springs {
-        sum.bend += spring::total_energy(springs, x);
-    }
-    if let Some(membrane) = &model.membrane {
-        sum = sum + element::energy(membrane, x);
-    }
-    if let Some(hinges) = &model.hinges {
-        sum = sum + element::energy(hinges, x);
-    }
-    if let Some(seams) = &model.seams {
-        sum = sum + element::energy(seams, x);
-    }
+    for_each_term!(model, |name, term| sum = sum + term.energy(name, masses, x));
     sum
 }
 
@@ -176,41 +134,14 @@ pub fn write_tangents(
     matrix: &mut BlockMatrix<'_>,
     dispatch: &impl Dispatch,
 ) {
-    dispatch.enter(Stage::Jacobian(Term::Drag));
-    dispatch.run(matrix.rows_mut(), |start, mut rows| {
-        rows.clear();
-        if let Some(drag) = model.drag {
-            for i in 0..rows.count() {
-                add(&mut rows.row(i)[0], &scaled_identity(scale.velocity * drag.coefficients[start + i]));
-            }
-        }
+    if model.drag.is_none() {
+        dispatch.enter(Stage::Jacobian(Term::Drag));
+        dispatch.run(matrix.rows_mut(), |_, mut rows| rows.clear());
+    }
+    for_each_term!(model, |name, term| if term.has_jacobian() {
+        dispatch.enter(Stage::Jacobian(name));
+        let slots = assembly_map[name as usize];
+        term.add_tangents(x, scale, jacobian, slots, scratch, matrix, dispatch);
     });
-    let springs = [
-        (Term::StretchSpring, &model.stretch_springs, assembly_map.stretch_springs),
-        (Term::BendSpring, &model.bend_springs, assembly_map.bend_springs),
-    ];
-    for (term, springs, assembly_map) in springs {
-        if let Some(springs) = springs {
-            dispatch.enter(Stage::Jacobian(term));
-            spring::add_tangents(springs, x, scale, jacobian, assembly_map, matrix, dispatch);
-        }
-    }
-    if let Some(membrane) = &model.membrane {
-        dispatch.enter(Stage::Jacobian(Term::Membrane));
-        element::add_tangents(membrane, x, scale, jacobian, assembly_map.membrane, scratch, matrix, dispatch);
-    }
-    if let Some(hinges) = &model.hinges {
-        dispatch.enter(Stage::Jacobian(Term::Hinge));
-        element::add_tangents(hinges, x, scale, jacobian, assembly_map.hinges, scratch, matrix, dispatch);
-    }
-    if let Some(seams) = &model.seams {
-        dispatch.enter(Stage::Jacobian(Term::Seam));
-        element::add_tangents(seams, x, scale, jacobian, assembly_map.seams, scratch, matrix, dispatch);
-    }
-    if let Some(wind) = &model.wind {
-        dispatch.enter(Stage::Jacobian(Term::Wind));
-        // Always projected: wind has no potential, so its exact Jacobian is not symmetric.
-        element::add_tangents(wind, x, scale, Jacobian::Projected, assembly_map.wind, scratch, matrix, dispatch);
-    }
     dispatch.enter(Stage::Integrate);
 }

@@ -1,7 +1,7 @@
 //! Seams: E = k/2 |(1 - w) xb + w xc - xa|^2. A spring of zero length sews a vertex to a point on an
 //! edge. The force is linear, so the projected Jacobian is exact and constant.
 
-use super::element::Element;
+use super::element::{Element, ElementTerm};
 use super::{Energy, TangentScale};
 use crate::mesh::Incidence;
 use crate::real::{Mat3, Real, Vec3, scaled_identity};
@@ -31,14 +31,6 @@ fn corner_weights(w: Real) -> [Real; 3] {
 fn gap(w: &[Real; 3], x: &[Vec3; 3]) -> Vec3 {
     // Differences first: they are exact for points that are close together.
     (x[1] - x[0]) * w[1] + (x[2] - x[0]) * w[2]
-}
-
-impl Seams<'_> {
-    /// Bytes of the columns.
-    pub fn bytes(&self) -> usize {
-        let scalars = [self.weights, self.stiffness, self.damping];
-        size_of_val(self.vertices) + scalars.map(size_of_val).iter().sum::<usize>() + self.incidence.bytes()
-    }
 }
 
 impl Element<3> for Seams<'_> {
@@ -80,6 +72,18 @@ impl Element<3> for Seams<'_> {
     fn exact(&self, stitch: usize, x: &[Vec3; 3], _: &[Vec3; 3], scale: TangentScale) -> [[Mat3; 3]; 3] {
         let tangent = self.tangent(stitch, x, scale);
         core::array::from_fn(|a| core::array::from_fn(|b| self.block(stitch, &tangent, a, b)))
+    }
+}
+
+impl ElementTerm for Seams<'_> {
+    type Corners = [u32; 3];
+
+    fn dissipates(&self) -> bool {
+        self.damping.iter().any(|&damping| damping > 0.0)
+    }
+
+    fn material_bytes(&self) -> usize {
+        [self.weights, self.stiffness, self.damping].map(size_of_val).iter().sum()
     }
 }
 

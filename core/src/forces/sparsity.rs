@@ -3,9 +3,8 @@
 use alloc::vec::Vec;
 
 use super::matrix::{AssemblyMap, Mirrored, NOT_STORED};
-use crate::forces::Model;
-use crate::forces::element::Element;
-use crate::forces::spring::Springs;
+use super::term::ForceTerm;
+use super::{Model, Term, for_each_term};
 
 /// The blocks that the matrix of a model has, and the slot of each term's blocks in them.
 #[derive(Clone, Debug, Default)]
@@ -18,39 +17,20 @@ pub struct SparsityPattern {
     pub mirrored_offsets: Vec<u32>,
     /// The blocks left of the diagonal, in ascending order of their columns.
     pub mirrored: Vec<Mirrored>,
-    stretch_springs: Vec<u16>,
-    bend_springs: Vec<u16>,
-    membrane: Vec<u16>,
-    hinges: Vec<u16>,
-    seams: Vec<u16>,
-    wind: Vec<u16>,
+    slots: [Vec<u16>; Term::ALL.len()],
 }
 
 impl SparsityPattern {
     /// The pattern of a model over `vertices` vertices.
     #[cfg_attr(small, optimize(size))]
     pub fn build(vertices: usize, model: &Model<'_>) -> Self {
-        let mut pairs: Vec<(u32, u32)> = Vec::new();
-        for springs in [&model.stretch_springs, &model.bend_springs].into_iter().flatten() {
-            for vertex in 0..vertices {
-                let range = springs.offsets[vertex] as usize..springs.offsets[vertex + 1] as usize;
-                pairs.extend(springs.others[range].iter().map(|&other| (vertex as u32, other)));
-            }
-        }
-        element_pairs(&mut pairs, model.membrane.as_ref().map_or(&[], |term| term.vertices));
-        element_pairs(&mut pairs, model.hinges.as_ref().map_or(&[], |term| term.vertices));
-        element_pairs(&mut pairs, model.seams.as_ref().map_or(&[], |term| term.vertices));
-        element_pairs(&mut pairs, model.wind.as_ref().map_or(&[], |term| term.vertices));
+        let mut blocks: [Vec<(u32, u32)>; Term::ALL.len()] = Default::default();
+        for_each_term!(model, |name, term| blocks[name as usize] = term.blocks().collect());
+        let mut pairs: Vec<_> = blocks.iter().flatten().copied().filter(|(row, column)| row != column).collect();
         pairs.sort_unstable();
         pairs.dedup();
         let mut pattern = Self::rows(vertices, &pairs);
-        let term = |springs: &Option<Springs<'_>>| springs.as_ref().map_or(Vec::new(), |s| pattern.of_springs(s));
-        let (stretch_springs, bend_springs) = (term(&model.stretch_springs), term(&model.bend_springs));
-        let membrane = model.membrane.as_ref().map_or(Vec::new(), |term| pattern.of_elements(term));
-        let hinges = model.hinges.as_ref().map_or(Vec::new(), |term| pattern.of_elements(term));
-        let seams = model.seams.as_ref().map_or(Vec::new(), |term| pattern.of_elements(term));
-        let wind = model.wind.as_ref().map_or(Vec::new(), |term| pattern.of_elements(term));
-        pattern = Self { stretch_springs, bend_springs, membrane, hinges, seams, wind, ..pattern };
+        pattern.slots = blocks.map(|blocks| blocks.iter().map(|&(row, column)| pattern.slot(row, column)).collect());
         pattern
     }
 
@@ -65,23 +45,14 @@ impl SparsityPattern {
 
     /// The assembly map, borrowed.
     pub fn assembly_map(&self) -> AssemblyMap<'_> {
-        AssemblyMap {
-            stretch_springs: &self.stretch_springs,
-            bend_springs: &self.bend_springs,
-            membrane: &self.membrane,
-            hinges: &self.hinges,
-            seams: &self.seams,
-            wind: &self.wind,
-        }
+        self.slots.each_ref().map(Vec::as_slice)
     }
 
     /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
-        let assembly_map =
-            [&self.stretch_springs, &self.bend_springs, &self.membrane, &self.hinges, &self.seams, &self.wind];
         4 * (self.offsets.len() + self.columns.len() + self.mirrored_offsets.len())
             + 8 * self.mirrored.len()
-            + 2 * assembly_map.iter().map(|t| t.len()).sum::<usize>()
+            + 2 * self.slots.iter().map(Vec::len).sum::<usize>()
     }
 
     /// The pattern of pairs `(row, column)`. Pairs are in ascending order, and each is given in both
@@ -111,31 +82,5 @@ impl SparsityPattern {
     fn slot(&self, row: u32, column: u32) -> u16 {
         let columns = &self.columns[self.offsets[row as usize] as usize..self.offsets[row as usize + 1] as usize];
         columns.binary_search(&column).map_or(NOT_STORED, |at| at as u16)
-    }
-
-    fn of_springs(&self, springs: &Springs<'_>) -> Vec<u16> {
-        let rows = 0..springs.offsets.len() as u32 - 1;
-        let row = |row: u32| {
-            let range = springs.offsets[row as usize] as usize..springs.offsets[row as usize + 1] as usize;
-            springs.others[range].iter().map(move |&other| self.slot(row, other))
-        };
-        rows.flat_map(row).collect()
-    }
-
-    fn of_elements<const K: usize>(&self, term: &impl Element<K>) -> Vec<u16> {
-        let slots = term.incidence().slots.iter();
-        let corners = slots.flat_map(|&slot| {
-            let ids = term.vertices()[slot as usize / K];
-            ids.map(|column| self.slot(ids[slot as usize % K], column))
-        });
-        corners.collect()
-    }
-}
-
-fn element_pairs<const K: usize>(pairs: &mut Vec<(u32, u32)>, elements: &[[u32; K]]) {
-    for ids in elements {
-        for &a in ids {
-            pairs.extend(ids.iter().filter(|&&b| b != a).map(|&b| (a, b)));
-        }
     }
 }

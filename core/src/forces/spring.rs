@@ -4,10 +4,12 @@
 //! Every spring is stored at both of its ends, so that a vertex sums its springs in one pass.
 //! Computing each spring twice costs less than storing and gathering its force.
 
-use super::{Jacobian, TangentScale};
+use super::matrix::{BlockMatrix, NOT_STORED, add};
+use super::term::ForceTerm;
+use super::{Energy, Jacobian, TangentScale, Term};
 use crate::dispatch::Dispatch;
-use crate::forces::matrix::{BlockMatrix, NOT_STORED, add};
 use crate::real::{DEGENERATE, Lanes, Mat3, Real, Sum, Vec3, outer, scaled_identity, sqrt};
+use crate::traffic::{TrafficSizes, VECTOR};
 
 /// Springs as seen from each vertex (CSR).
 #[derive(Clone, Copy, Debug)]
@@ -36,26 +38,9 @@ pub struct Spring {
 }
 
 impl Springs<'_> {
-    /// Bytes of the columns.
-    pub fn bytes(&self) -> usize {
-        let scalars = [self.rest, self.stiffness, self.damping];
-        size_of_val(self.offsets) + size_of_val(self.others) + scalars.map(size_of_val).iter().sum::<usize>()
-    }
-
     /// Number of springs. Each is counted once, although both of its ends store it.
     pub fn count(&self) -> usize {
         self.others.len() / 2
-    }
-
-    /// The largest relative velocity of two ends over the rest length, 1/s.
-    pub fn strain_rate(&self, v: &[Vec3]) -> Real {
-        let squares = (0..self.offsets.len().saturating_sub(1)).flat_map(|vertex| {
-            self.range(vertex).map(move |at| {
-                let apart = v[self.others[at] as usize] - v[vertex];
-                apart.length_squared() / (self.rest[at] * self.rest[at])
-            })
-        });
-        sqrt(squares.fold(0.0, Real::max))
     }
 
     #[inline]
@@ -124,23 +109,6 @@ fn direction(d: Vec3, rest: Real) -> Option<(Vec3, Real)> {
     (r > DEGENERATE * rest).then(|| (d / r, r))
 }
 
-/// Adds the springs' forces to `f`.
-pub fn add_forces(springs: &Springs<'_>, x: &[Vec3], v: &[Vec3], f: &mut [Vec3], dispatch: &impl Dispatch) {
-    dispatch.run(f, |start, part| {
-        for (vertex, f) in (start..).zip(part.iter_mut()) {
-            *f += elastic_sum(springs, x, vertex);
-        }
-        if !springs.damping.is_empty() {
-            for (vertex, f) in (start..).zip(part) {
-                for at in springs.range(vertex) {
-                    let other = springs.others[at] as usize;
-                    *f += damping_force(x[other] - x[vertex], v[other] - v[vertex], &springs.spring(at));
-                }
-            }
-        }
-    });
-}
-
 /// The elastic force of all springs on a vertex, N: [`elastic_force`] for four springs at a time.
 #[inline(always)]
 fn elastic_sum(springs: &Springs<'_>, x: &[Vec3], vertex: usize) -> Vec3 {
@@ -171,42 +139,97 @@ fn add_four(sum: &mut [Lanes; 3], fars: [Vec3; 4], near: Vec3, rest: Lanes, stif
     }
 }
 
-/// The energy stored in all springs, J.
-pub fn total_energy(springs: &Springs<'_>, x: &[Vec3]) -> Sum {
-    let at_vertex = |vertex: usize| -> Sum {
-        springs.range(vertex).map(|at| energy(x[springs.others[at] as usize] - x[vertex], &springs.spring(at))).sum()
-    };
-    // The sum has every spring twice, once per end.
-    0.5 * (0..x.len()).map(at_vertex).sum::<Sum>()
-}
-
-/// Adds `-(position Kx + velocity Kv)` to `matrix`. `assembly_map` is the place of each block in its
-/// row.
-pub fn add_tangents(
-    springs: &Springs<'_>,
-    x: &[Vec3],
-    scale: TangentScale,
-    jacobian: Jacobian,
-    assembly_map: &[u16],
-    matrix: &mut BlockMatrix<'_>,
-    dispatch: &impl Dispatch,
-) {
-    dispatch.run(matrix.rows_mut(), |start, mut rows| {
-        for i in 0..rows.count() {
-            let row = rows.row(i);
-            for at in springs.range(start + i) {
-                let d = x[springs.others[at] as usize] - x[start + i];
-                let block = match jacobian {
-                    Jacobian::Projected => tangent(d, &springs.spring(at), scale),
-                    Jacobian::Exact => exact(d, Vec3::ZERO, &springs.spring(at), scale),
-                };
-                add(&mut row[0], &block);
-                if assembly_map[at] != NOT_STORED {
-                    add(&mut row[assembly_map[at] as usize], &-block);
+impl ForceTerm for Springs<'_> {
+    fn add_forces(&self, _: &[Real], x: &[Vec3], v: &[Vec3], _: &mut [Vec3], f: &mut [Vec3], dispatch: &impl Dispatch) {
+        dispatch.run(f, |start, part| {
+            for (vertex, f) in (start..).zip(part.iter_mut()) {
+                *f += elastic_sum(self, x, vertex);
+            }
+            if !self.damping.is_empty() {
+                for (vertex, f) in (start..).zip(part) {
+                    for at in self.range(vertex) {
+                        let other = self.others[at] as usize;
+                        *f += damping_force(x[other] - x[vertex], v[other] - v[vertex], &self.spring(at));
+                    }
                 }
             }
+        });
+    }
+
+    fn energy(&self, name: Term, _: &[Real], x: &[Vec3]) -> Energy {
+        let at_vertex = |vertex: usize| -> Sum {
+            self.range(vertex).map(|at| energy(x[self.others[at] as usize] - x[vertex], &self.spring(at))).sum()
+        };
+        // The sum has every spring twice, once per end.
+        let stored = 0.5 * (0..x.len()).map(at_vertex).sum::<Sum>();
+        if name == Term::BendSpring {
+            Energy { bend: stored, ..Energy::default() }
+        } else {
+            Energy { stretch: stored, ..Energy::default() }
         }
-    });
+    }
+
+    fn add_tangents(
+        &self,
+        x: &[Vec3],
+        scale: TangentScale,
+        jacobian: Jacobian,
+        slots: &[u16],
+        _: &mut [Real],
+        matrix: &mut BlockMatrix<'_>,
+        dispatch: &impl Dispatch,
+    ) {
+        dispatch.run(matrix.rows_mut(), |start, mut rows| {
+            for i in 0..rows.count() {
+                let row = rows.row(i);
+                for at in self.range(start + i) {
+                    let d = x[self.others[at] as usize] - x[start + i];
+                    let block = match jacobian {
+                        Jacobian::Projected => tangent(d, &self.spring(at), scale),
+                        Jacobian::Exact => exact(d, Vec3::ZERO, &self.spring(at), scale),
+                    };
+                    add(&mut row[0], &block);
+                    if slots[at] != NOT_STORED {
+                        add(&mut row[slots[at] as usize], &-block);
+                    }
+                }
+            }
+        });
+    }
+
+    fn blocks(&self) -> impl Iterator<Item = (u32, u32)> {
+        let row = move |vertex: usize| self.range(vertex).map(move |at| (vertex as u32, self.others[at]));
+        (0..self.offsets.len().saturating_sub(1)).flat_map(row)
+    }
+
+    fn dissipates(&self) -> bool {
+        !self.damping.is_empty()
+    }
+
+    /// The largest relative velocity of two ends over the rest length, 1/s.
+    fn strain_rate(&self, v: &[Vec3]) -> Real {
+        let squares = (0..self.offsets.len().saturating_sub(1)).flat_map(|vertex| {
+            self.range(vertex).map(move |at| {
+                let apart = v[self.others[at] as usize] - v[vertex];
+                apart.length_squared() / (self.rest[at] * self.rest[at])
+            })
+        });
+        sqrt(squares.fold(0.0, Real::max))
+    }
+
+    fn bytes(&self) -> usize {
+        let scalars = [self.rest, self.stiffness, self.damping];
+        size_of_val(self.offsets) + size_of_val(self.others) + scalars.map(size_of_val).iter().sum::<usize>()
+    }
+
+    /// Reads the positions, reads and writes the forces.
+    fn force_traffic(&self, vertices: usize) -> usize {
+        self.bytes() + 3 * vertices * VECTOR
+    }
+
+    fn tangent_traffic(&self, sizes: TrafficSizes) -> usize {
+        self.bytes() + 2 * self.others.len() + sizes.assembly()
+    }
 }
 
 /// The owned columns of [`Springs`].

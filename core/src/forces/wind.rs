@@ -1,7 +1,7 @@
 //! Wind on triangles: f = A (cn (w . n) n + ct (w - (w . n) n)), where w is the velocity of the wind
 //! relative to the triangle. The force is linear in w. A third of it acts on each corner.
 
-use super::element::Element;
+use super::element::{Element, ElementTerm};
 use super::{Energy, TangentScale};
 use crate::mesh::Incidence;
 use crate::real::{Mat3, Real, Vec3, cross, outer, scaled_identity, sqrt};
@@ -88,6 +88,21 @@ impl Element<3> for Wind<'_> {
         let by_normal = (outer(w * self.tangential, h) + along * (self.normal - self.tangential)) * (1.0 / 6.0);
         let opposite = [x[2] - x[1], x[0] - x[2], x[1] - x[0]];
         core::array::from_fn(|_| core::array::from_fn(|b| velocity - by_normal * cross(opposite[b]) * scale.position))
+    }
+}
+
+impl ElementTerm for Wind<'_> {
+    type Corners = [u32; 3];
+
+    /// Wind has no potential.
+    const CONSERVATIVE: bool = false;
+
+    fn dissipates(&self) -> bool {
+        true
+    }
+
+    fn material_bytes(&self) -> usize {
+        0
     }
 }
 

@@ -21,7 +21,7 @@ use super::convex_term::NoTerm;
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
-use crate::forces::{self, Model, TangentScale};
+use crate::forces::{self, TangentScale};
 use crate::real::{Real, Sum, Vec3, dot_sum};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
@@ -203,7 +203,7 @@ fn solve_linear<D: Dispatch>(
 /// Norm of the impulse of gravity during a stage: sqrt(sum m) times the gravitational acceleration times the length
 /// of the stage. Residuals are compared with it, because for a sheet at rest the residual itself gives no scale.
 fn weight_impulse<D: Dispatch>(c: &StepInput<'_, D>, length: Real) -> Sum {
-    let gravity = c.model.gravity.unwrap_or(Vec3::ZERO) * length;
+    let gravity = c.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.0) * length;
     let mass: Sum = c.masses.iter().map(|&m| Sum::from(m)).sum();
     libm::sqrt(mass * dot_sum(gravity, gravity))
 }
@@ -306,7 +306,7 @@ fn dissipation<D: Dispatch>(
     if !c.model.dissipates() {
         return (0.0, 0.0);
     }
-    let conservative = Model { wind: None, drag: None, ..*c.model };
+    let conservative = c.model.conservative();
     s.products.fill(Vec3::ZERO);
     statistics.force_evaluations += 1;
     forces::evaluate(&conservative, c.masses, s.stage_positions, s.products, s.elements, s.direction, c.dispatch);

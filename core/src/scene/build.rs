@@ -12,6 +12,8 @@ use super::{ClothDesc, Resource, SceneDesc, contact, disc, grid, resource as fil
 use crate::contact::ContactColumns;
 use crate::error::{MeshError, SceneError};
 use crate::forces::ModelColumns;
+use crate::forces::drag::DragColumns;
+use crate::forces::gravity::Gravity;
 use crate::forces::hinge::HingeColumns;
 use crate::forces::membrane::MembraneColumns;
 use crate::forces::seam::SeamColumns;
@@ -68,7 +70,7 @@ impl BuiltScene {
             + size_of_val(&self.triangles[..])
             + size_of_val(&self.edges[..])
             + size_of_val(&self.rest_lengths[..])
-            + self.model.bytes()
+            + self.model.view().bytes()
             + self.contact.as_ref().map_or(0, ContactColumns::bytes)
     }
 
@@ -203,8 +205,9 @@ impl Parts {
         }
         let linear = drag.map_or(0.0, |drag| drag.linear);
         let model = ModelColumns {
-            gravity: scene.gravity.map(vec3),
-            drag: (linear > 0.0).then(|| self.areas.iter().map(|area| (area * linear) as Real).collect()),
+            gravity: scene.gravity.map(|g| Gravity(vec3(g))),
+            drag: (linear > 0.0)
+                .then(|| DragColumns { coefficients: self.areas.iter().map(|area| (area * linear) as Real).collect() }),
             stretch_springs: springs(&self.stretch_springs),
             bend_springs: springs(&self.bend_springs),
             membrane: (!self.membrane.vertices.is_empty()).then_some(self.membrane),

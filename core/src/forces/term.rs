@@ -1,0 +1,81 @@
+//! What the model needs to know of a force term. A term over elements gives its [kernels](super::element::Element)
+//! and a few [facts](super::element::ElementTerm) instead.
+
+use super::matrix::BlockMatrix;
+use super::{Energy, Jacobian, TangentScale, Term};
+use crate::dispatch::Dispatch;
+use crate::real::{Real, Vec3};
+use crate::traffic::TrafficSizes;
+
+/// A force term. Every force is affine in the velocities.
+pub trait ForceTerm {
+    /// Adds the forces to `f`, N. `scratch` has [`Self::force_scratch`] vectors.
+    fn add_forces(
+        &self,
+        masses: &[Real],
+        x: &[Vec3],
+        v: &[Vec3],
+        scratch: &mut [Vec3],
+        f: &mut [Vec3],
+        dispatch: &impl Dispatch,
+    );
+
+    /// The stored energy, J. `name` is the name under which the model has the term.
+    fn energy(&self, name: Term, masses: &[Real], x: &[Vec3]) -> Energy;
+
+    /// Adds `-(position Kx + velocity Kv)` to `matrix`. `slots` is the place of each of the
+    /// [blocks](Self::blocks) in its row, `scratch` has [`Self::tangent_scratch`] scalars.
+    fn add_tangents(
+        &self,
+        x: &[Vec3],
+        scale: TangentScale,
+        jacobian: Jacobian,
+        slots: &[u16],
+        scratch: &mut [Real],
+        matrix: &mut BlockMatrix<'_>,
+        dispatch: &impl Dispatch,
+    );
+
+    /// Row and column of each block of the Jacobian, in the order of `slots`. Blocks that only add to the diagonal
+    /// may be left out.
+    fn blocks(&self) -> impl Iterator<Item = (u32, u32)> {
+        core::iter::empty()
+    }
+
+    /// Whether the term has a Jacobian. A constant force has none.
+    fn has_jacobian(&self) -> bool {
+        true
+    }
+
+    /// Whether the forces at zero velocity are minus the slope of the stored energy.
+    fn is_conservative(&self) -> bool {
+        true
+    }
+
+    /// Whether any force depends on velocities.
+    fn dissipates(&self) -> bool;
+
+    /// The largest strain rate at the velocities `v`, 1/s.
+    fn strain_rate(&self, _v: &[Vec3]) -> Real {
+        0.0
+    }
+
+    /// Number of vectors that [`Self::add_forces`] needs as scratch.
+    fn force_scratch(&self) -> usize {
+        0
+    }
+
+    /// Number of scalars that [`Self::add_tangents`] needs as scratch.
+    fn tangent_scratch(&self) -> usize {
+        0
+    }
+
+    /// Bytes of the columns.
+    fn bytes(&self) -> usize;
+
+    /// Bytes that [`Self::add_forces`] streams.
+    fn force_traffic(&self, vertices: usize) -> usize;
+
+    /// Bytes that [`Self::add_tangents`] streams.
+    fn tangent_traffic(&self, sizes: TrafficSizes) -> usize;
+}
