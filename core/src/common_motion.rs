@@ -37,6 +37,7 @@ pub struct CommonMotion {
 impl CommonMotion {
     /// The affine motion nearest to that of the vertices, in the least squares of their distances. `None` without vertices,
     /// and where numbers are too large for it.
+    #[cfg_attr(small, optimize(size))]
     pub fn fit(start: &[Vec3], end: &[Vec3]) -> Option<Self> {
         let &origin = start.first()?;
         let part = 1.0 / start.len() as Real;
@@ -59,7 +60,7 @@ impl CommonMotion {
 
     /// The box around the motion of a vertex from `start` to `end` in the coordinates y, such that the boxes of features that
     /// come within twice `wide` overlap, m.
-    #[inline]
+    #[inline(never)]
     pub fn surround(&self, start: Vec3, end: Vec3, wide: Real) -> Aabb {
         let from_center = start - self.center;
         let rest = end - start - self.shift - self.gradient * from_center;

@@ -86,6 +86,7 @@ pub fn place_boxes(model: &ContactModel<'_>, widened: u32, contact: &mut Contact
 
 /// Whether the boxes have less than half the surface without the common motion. A smaller gain often costs more in the
 /// parts that rest, where most pairs are.
+#[cfg_attr(small, optimize(size))]
 fn saves(common: &CommonMotion, model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
     let surface = |around: Aabb| {
         let size = around.max - around.min;
@@ -98,7 +99,7 @@ fn saves(common: &CommonMotion, model: &ContactModel<'_>, contact: &ContactScrat
 }
 
 /// The box around a vertex that moves from `start` to `end`, `wide` m wider on each side, without the common motion.
-#[inline]
+#[inline(never)]
 pub fn surround(search: &Search, start: Vec3, end: Vec3, wide: Real) -> Aabb {
     match &search.common_motion {
         Some(common) => common.surround(start, end, wide),
