@@ -4,7 +4,6 @@
 use crate::audit::Room;
 use crate::broad_phase::{Counts, Grid, KeptPairs, Surface};
 use crate::colliders::Colliders;
-use crate::common_motion::CommonMotion;
 use crate::geometry::aabb::Aabb;
 use crate::implicit_contact::augmented_contact::{AugmentedContact, ContactLines};
 use crate::implicit_contact::multiplier::Multiplier;
@@ -62,7 +61,7 @@ pub struct ContactScratch<'a> {
     pub rounds: &'a mut [u32],
     /// Union-find over vertices.
     pub zones: &'a mut [u32],
-    /// Boxes around the motion, without the [common motion](Search::common_motion); in a quiet step, around the start.
+    /// Boxes around the motion; in a quiet step, around the start.
     pub boxes: &'a mut [Aabb],
     /// Numbers of candidates.
     pub counts: &'a mut Counts,
@@ -70,9 +69,7 @@ pub struct ContactScratch<'a> {
     pub vertex_triangle: Pairs<'a>,
     /// Pairs of edges.
     pub edge_edge: Pairs<'a>,
-    /// How the candidates are sought.
-    pub search: &'a mut Search,
-    /// The valid entries in the columns below.
+    /// The valid entries in the columns below, and whether the step is quiet.
     pub lengths: &'a mut Lengths,
     /// The constraints; the length of the slice is their capacity.
     pub constraints: &'a mut [Constraint],
@@ -92,7 +89,7 @@ pub struct ContactScratch<'a> {
     pub room: Room<'a>,
 }
 
-/// The valid entries in the columns of [`ContactScratch`].
+/// The valid entries in the columns of [`ContactScratch`], and the kind of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lengths {
     /// Constraints that the solve took part in; after the response, all constraints.
@@ -101,15 +98,8 @@ pub struct Lengths {
     pub contacts: usize,
     /// Multipliers.
     pub multipliers: usize,
-}
-
-/// How the candidates of a step are sought.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Search {
     /// Whether the step is [quiet](crate::detection::is_quiet): the candidates are the pairs within reach at its start.
     pub is_quiet: bool,
-    /// The part of the motion that the boxes do not contain.
-    pub common_motion: Option<CommonMotion>,
 }
 
 impl ContactScratch<'_> {
@@ -170,7 +160,7 @@ mod owned {
 
     use super::{
         Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactRoom, ContactScratch, Counts, Law,
-        Lengths, Multiplier, Pairs, Real, Search, StoredTime, Vec3,
+        Lengths, Multiplier, Pairs, Real, StoredTime, Vec3,
     };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
@@ -272,7 +262,6 @@ mod owned {
         counts: Counts,
         vertex_triangle: PairColumns,
         edge_edge: PairColumns,
-        search: Search,
         lengths: Lengths,
         constraints: Vec<Constraint>,
         contacts: Vec<AugmentedContact>,
@@ -379,7 +368,6 @@ mod owned {
                 counts: &mut self.counts,
                 vertex_triangle: self.vertex_triangle.view(),
                 edge_edge: self.edge_edge.view(),
-                search: &mut self.search,
                 lengths: &mut self.lengths,
                 constraints: &mut self.constraints,
                 contacts: &mut self.contacts,

@@ -5,8 +5,7 @@
 //! [last](crate::broad_phase::kept_pairs) from step to step.
 
 use crate::broad_phase::{self, Candidates, Counts};
-use crate::common_motion::CommonMotion;
-use crate::contact::{ContactModel, ContactRoom, ContactScratch, Search};
+use crate::contact::{ContactModel, ContactRoom, ContactScratch};
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::narrow_phase::advance::ROUNDING;
@@ -52,9 +51,13 @@ pub async fn search<D: Dispatch>(
     dispatch: &D,
 ) -> Result<Counts, Cause> {
     let contact = &mut columns.columns();
-    place_boxes(model, widened, contact);
+    if widened == 0 && is_quiet(model, contact) {
+        surround_start(model, contact);
+    } else {
+        sweep(model, 0.5 * model.thickness * (1 << widened) as Real, contact);
+    }
     let counts = await_candidates(model, contact, dispatch).await;
-    let limit = if contact.search.is_quiet { QUIET_ROOM } else { 1 } * most_pairs(model);
+    let limit = if contact.lengths.is_quiet { QUIET_ROOM } else { 1 } * most_pairs(model);
     let (has_room, pairs) = (contact.has_room(counts), counts.vertex_triangle.max(counts.edge_edge));
     if pairs > limit {
         return Err(Cause::TooMuch);
@@ -67,51 +70,6 @@ pub async fn search<D: Dispatch>(
         return Err(Cause::Short { pairs, constraints: 0 });
     }
     Ok(await_candidates(model, &mut columns.columns(), dispatch).await)
-}
-
-/// Writes the boxes of a step: around its start if it [is quiet](is_quiet), else around its motion. They are the wider
-/// the more often the step was `widened`.
-pub fn place_boxes(model: &ContactModel<'_>, widened: u32, contact: &mut ContactScratch<'_>) {
-    if widened == 0 && is_quiet(model, contact) {
-        surround_start(model, contact);
-        return;
-    }
-    if widened == 0 {
-        let cloth = model.cloth();
-        let fitted = CommonMotion::fit(&contact.start[..cloth], &contact.end[..cloth]);
-        contact.search.common_motion = fitted.filter(|common| saves(common, model, contact));
-    }
-    sweep(model, 0.5 * model.thickness * (1 << widened) as Real, contact);
-}
-
-/// Whether the boxes have less than half the surface without the common motion. A smaller gain often costs more in the
-/// parts that rest, where most pairs are.
-#[cfg_attr(small, optimize(size))]
-fn saves(common: &CommonMotion, model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
-    let surface = |around: Aabb| {
-        let size = around.max - around.min;
-        size.dot(Vec3::new(size.y, size.z, size.x))
-    };
-    let ends = || contact.start.iter().zip(&*contact.end);
-    let whole: Real = ends().map(|(&start, &end)| surface(sweep_box(start, end, model.thickness))).sum();
-    let rest: Real = ends().map(|(&start, &end)| surface(common.surround(start, end, model.thickness))).sum();
-    rest < 0.5 * whole
-}
-
-/// The box around a vertex that moves from `start` to `end`, `wide` m wider on each side, without the common motion.
-#[inline(never)]
-pub fn surround(search: &Search, start: Vec3, end: Vec3, wide: Real) -> Aabb {
-    match &search.common_motion {
-        Some(common) => common.surround(start, end, wide),
-        None => sweep_box(start, end, wide),
-    }
-}
-
-/// The box around the whole motion. The factor makes up for the rounding of the width. The corners are rounded
-/// monotonically, so boxes that overlap before rounding also overlap after it, at any distance from the origin.
-fn sweep_box(start: Vec3, end: Vec3, wide: Real) -> Aabb {
-    let wide = wide * (1.0 + 4.0 * Real::EPSILON);
-    Aabb { min: start.min(end) - wide, max: start.max(end) + wide }
 }
 
 /// Writes the positions of all vertices at both ends of a step that starts at `time` and takes `step`, s.
@@ -129,7 +87,7 @@ pub fn place(
     model.colliders.place(time + step, &mut contact.predicted[cloth..]);
     contact.end.copy_from_slice(contact.predicted);
     contact.boxes.fill(Aabb::EMPTY);
-    *contact.search = Search::default();
+    contact.lengths.is_quiet = false;
     (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);
 }
 
@@ -155,21 +113,24 @@ fn rounding(model: &ContactModel<'_>, positions: &[Vec3]) -> Real {
 /// thicknesses along each axis. That brings them nearer by 2 sqrt(3) 0.51 < 1.77 thicknesses, less than reach without the
 /// distance at which they collide and the reserve for rounding.
 pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) {
-    contact.search.is_quiet = true;
+    contact.lengths.is_quiet = true;
     for ((around, &start), &radius) in contact.boxes.iter_mut().zip(&*contact.start).zip(model.radii) {
         let wide = 0.5 * REACH * model.thickness * (1.0 + WIDER) + radius * (1.0 + 4.0 * Real::EPSILON);
         *around = Aabb { min: start - wide, max: start + wide };
     }
 }
 
-/// Widens the boxes by boxes [around the motion](surround) of all vertices, wider on each side by half the thickness, the radius and
+/// Widens the boxes by boxes around the motion of all vertices, wider on each side by half the thickness, the radius and
 /// the `margin` within which the response may move vertices, m.
 pub fn sweep(model: &ContactModel<'_>, margin: Real, contact: &mut ContactScratch<'_>) {
-    contact.search.is_quiet = false;
+    contact.lengths.is_quiet = false;
     for (v, around) in contact.boxes.iter_mut().enumerate() {
         let (start, end) = (contact.start[v], contact.end[v]);
-        let wide = 0.5 * model.thickness + model.radii[v] + margin;
-        *around = around.union(&surround(contact.search, start, end, wide));
+        // The factor makes up for the rounding of the width. The corners are rounded monotonically, so boxes that
+        // overlap before rounding also overlap after it, at any distance from the origin.
+        let wide = (0.5 * model.thickness + model.radii[v] + margin) * (1.0 + 4.0 * Real::EPSILON);
+        let swept = Aabb { min: start.min(end) - wide, max: start.max(end) + wide };
+        *around = around.union(&swept);
     }
 }
 
@@ -183,7 +144,7 @@ pub async fn await_candidates<D: Dispatch>(
     dispatch.enter(Stage::BroadPhase);
     let Some(counts) = dispatch.detect(model, contact).await else { return detect(model, contact, dispatch) };
     *contact.counts = counts;
-    if contact.search.is_quiet && contact.has_room(counts) {
+    if contact.lengths.is_quiet && contact.has_room(counts) {
         drop_far(REACH * model.thickness, contact);
     }
     *contact.counts
@@ -193,7 +154,7 @@ pub async fn await_candidates<D: Dispatch>(
 /// incomplete: the caller must grow the columns and call again.
 pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
     dispatch.enter(Stage::BroadPhase);
-    if contact.search.is_quiet {
+    if contact.lengths.is_quiet {
         return detect_quiet(model, contact, dispatch);
     }
     let mut out =

@@ -15,8 +15,7 @@
 //! 5. [`integrate`]: forces become candidate positions and velocities.
 //! 6. [`contact`]: the surfaces that can touch, and the columns of contact; [`colliders`]: the
 //!    surfaces that are not cloth.
-//! 7. [`broad_phase`]: boxes around the motion, without a [`common_motion`], become candidates: pairs of features that
-//!    may touch.
+//! 7. [`broad_phase`]: boxes around the motion become candidates, pairs of features that may touch.
 //! 8. [`narrow_phase`]: candidates become contacts, with distances and times of impact, by the
 //!    distances of [`geometry`]. [`detection`] does 7 and 8 at the start of a step.
 //! 9. [`implicit_contact`]: an implicit step is solved together with its contacts; [`response`]: contacts correct the
@@ -103,7 +102,6 @@ pub mod broad_phase;
 pub mod narrow_phase;
 
 pub mod colliders;
-pub mod common_motion;
 pub mod contact;
 pub mod detection;
 pub mod implicit_contact;

@@ -116,7 +116,11 @@ harness::both_precisions! {
             columns.thickness = (query.size() * rng.magnitude(1e-6, 1e-1)) as Real;
             let (model, mut scratch) = (columns.view(), scratch.view());
             detection::place(&model, [0.0, 1.0], &kit::narrow(&query.start), &kit::narrow(&query.end), &mut scratch);
-            detection::place_boxes(&model, 0, &mut scratch);
+            if detection::is_quiet(&model, &scratch) {
+                detection::surround_start(&model, &mut scratch);
+            } else {
+                detection::sweep(&model, 0.5 * model.thickness, &mut scratch);
+            }
             let counts = detection::detect(&model, &mut scratch, &Serial);
             let displacements: Vec<Vec3> =
                 scratch.end.iter().zip(&*scratch.start).map(|(end, start)| *end - *start).collect();

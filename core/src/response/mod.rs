@@ -178,7 +178,7 @@ pub fn respond<D: Dispatch>(
     loop {
         work.run_passes();
         work.motion.round_ends(work.corrections);
-        if work.motion.leaves_boxes(boxes, scratch.search, model) {
+        if work.motion.leaves_boxes(boxes, model) {
             return Ok(Outcome::LeavesBoxes);
         }
         work.first = work.list.count;

@@ -2,8 +2,7 @@
 
 use super::constraint::{self, Constraint};
 use super::{ContactStatistics, PASSES};
-use crate::contact::{ContactModel, Search};
-use crate::detection;
+use crate::contact::ContactModel;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3};
 
@@ -110,11 +109,11 @@ impl Motion<'_> {
 
     /// Whether a vertex moved in this round has left its box, less the margin of the box. In the first round the implicit
     /// solve may have moved any vertex.
-    pub fn leaves_boxes(&self, boxes: &[Aabb], search: &Search, model: &ContactModel<'_>) -> bool {
+    pub fn leaves_boxes(&self, boxes: &[Aabb], model: &ContactModel<'_>) -> bool {
         self.end.iter().enumerate().any(|(v, &end)| {
-            let wide = 0.5 * model.thickness + model.radii[v];
+            let around = Vec3::splat(0.5 * model.thickness + model.radii[v]);
             (self.round == 1 || self.rounds[v] == self.round)
-                && !boxes[v].contains(&detection::surround(search, self.start[v], end, wide))
+                && !((end - around).cmpge(boxes[v].min).all() && (end + around).cmple(boxes[v].max).all())
         })
     }
 }
