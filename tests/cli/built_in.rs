@@ -68,3 +68,13 @@ fn the_garment_runs() {
     assert!(is_finite(&PointCache::parse(&place.read("out/cloth.pc2"))));
     assert!(summary["stretch"]["max"].as_f64().unwrap() < 3.0, "{summary}");
 }
+
+#[test]
+#[ignore = "slow"]
+fn a_skirt_that_spins_passes_through_nothing() {
+    let place = Place::new();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/spin.toml");
+    let summary = place.run(&format!("{} --duration 0.2 --audit", scene.display()));
+    assert_eq!((&summary["vertices"], &summary["intersections"]), (&7_964.into(), &0.into()));
+    assert_eq!(summary["verdict"], "ok");
+}

@@ -99,7 +99,8 @@ pub fn slips(friction: f64, light_end: f64, seconds: f64) -> f64 {
     const STEP: f64 = 1e-4;
     let (mut way, mut speed) = (0.0, 0.0);
     for _ in 0..(seconds / STEP).round() as usize {
-        // What pulls the heavy end less what holds it is linear in the acceleration, while the belt presses everywhere.
+        // The pull of the heavy end less the tension that holds it. It is linear in the acceleration as long as the belt
+        // presses everywhere.
         let pull = |acceleration: f64| {
             (HEAVY_END + way) * (GRAVITY - acceleration)
                 - tension_behind(friction, light_end - way, speed, acceleration)

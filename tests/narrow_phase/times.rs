@@ -209,7 +209,7 @@ harness::both_precisions! {
         let (distances, mut found) = ([gap as Real], [TimeOfImpact::Never.into()]);
         times::<VertexTriangle>(&[[0, 0]], &distances, &surface.view(), motion, 0.0, &mut found, &Serial);
         let found = TimeOfImpact::from(found[0]);
-        assert_ne!(found, TimeOfImpact::Never, "for what ends in one plane");
+        assert_ne!(found, TimeOfImpact::Never, "features that end in one plane collide");
     }
 
     #[test]

@@ -64,13 +64,13 @@ both_precisions! {
         let light_end = holding_end(0.4) / 1.98;
         let (went, expected) = (stiff_falls(light_end, 0.4, 0.2), slips(0.4, light_end, 0.2));
         let error = went / expected - 1.0;
-        let what = format!("{}: pulled by 1.98 times what holds, {went:.4} m", muslin::real::NAME);
+        let what = format!("{}: pulled by 1.98 times the holding weight, {went:.4} m", muslin::real::NAME);
         println!("{what}, by Euler {expected:.4} m, off by {error:.3}, bound 0.05");
         assert!(error.abs() < 0.05, "{what}, by Euler {expected} m, off by {error}, expected at most 0.05");
         for (over, least, most) in [(0.96, 0.0, 0.001), (1.09, 0.065, 0.2)] {
             let by = |seconds: f64| stiff_falls(holding_end(0.2) / over, 0.2, seconds);
             let speed = (by(0.4) - by(0.2)) / 0.2;
-            let what = format!("{}: pulled by {over} times what holds, {speed:.4} m/s", muslin::real::NAME);
+            let what = format!("{}: pulled by {over} times the holding weight, {speed:.4} m/s", muslin::real::NAME);
             println!("{what}, expected {least} to {most}");
             assert!(speed.abs() >= least && speed.abs() <= most, "{what}, expected {least} to {most}");
         }

@@ -35,7 +35,7 @@ pub trait Element<const K: usize>: Sync {
     fn exact(&self, element: usize, x: &[Vec3; K], v: &[Vec3; K], scale: TangentScale) -> [[Mat3; K]; K];
 }
 
-/// A term whose kernels are those of an [`Element`]: what it says of all its elements together.
+/// A term whose kernels are those of an [`Element`]. It adds these facts about all its elements together.
 pub trait ElementTerm {
     /// The corners of an element, `[u32; K]`.
     type Corners;

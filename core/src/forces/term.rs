@@ -1,4 +1,4 @@
-//! What the model needs to know of a force term. A term over elements gives its [kernels](super::element::Element)
+//! The interface of a force term to the model. A term over elements gives its [kernels](super::element::Element)
 //! and a few [facts](super::element::ElementTerm) instead.
 
 use super::matrix::BlockMatrix;

@@ -1,4 +1,4 @@
-//! What the [passes](super) of a response work on: the constraints and the motion that they correct.
+//! The input and output of the [passes](super) of a response: constraints, and the motion that the passes correct.
 
 use super::constraint::{self, Constraint};
 use super::{ContactStatistics, PASSES};
@@ -6,7 +6,7 @@ use crate::contact::ContactModel;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3};
 
-/// What a pass reads and writes.
+/// The input and output of a pass.
 pub(crate) struct Work<'a> {
     pub model: &'a ContactModel<'a>,
     pub list: List<'a>,
