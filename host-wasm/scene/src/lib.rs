@@ -9,7 +9,9 @@ use js_sys::{Array, Object};
 use muslin_core::scene::SceneDesc;
 use serde::de::value::{StrDeserializer, StringDeserializer};
 use serde::de::{Deserialize, VariantAccess};
-use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error as _, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::de::{
+    DeserializeSeed, Deserializer, EnumAccess, Error as _, Expected, MapAccess, SeqAccess, Unexpected, Visitor,
+};
 use wasm_bindgen::{JsCast, JsValue};
 
 /// The error message, and the keys on the path to the wrong value, the innermost first.
@@ -62,16 +64,19 @@ struct Value(JsValue);
 
 impl Value {
     /// The value as a list, if it is an array.
+    #[inline(never)]
     fn list(&self) -> Option<Array> {
         self.0.dyn_ref::<Array>().cloned()
     }
 
+    #[inline(never)]
     fn section(&self) -> Option<Array> {
         // Objects from a parser may have no prototype, so `instanceof` does not work.
         (self.0.is_object() && !self.0.is_array()).then(|| Object::entries(self.0.unchecked_ref()))
     }
 
-    fn is_not<'de, V: Visitor<'de>>(&self, visitor: &V) -> Error {
+    #[inline(never)]
+    fn is_not(&self, expected: &dyn Expected) -> Error {
         // Strings are formatted here, because serde uses debug output for them, which the module is built without.
         let text = self.0.as_string().map(|text| format!("string \"{text}\""));
         let unexpected = match (&text, self.0.as_f64(), self.0.as_bool()) {
@@ -82,11 +87,23 @@ impl Value {
             _ if self.0.is_object() => Unexpected::Map,
             _ => Unexpected::Unit,
         };
-        Error::invalid_type(unexpected, visitor)
+        Error::invalid_type(unexpected, expected)
     }
 
-    fn whole<'de, V: Visitor<'de>>(&self, visitor: &V) -> Result<f64, Error> {
-        self.0.as_f64().filter(|number| number.fract() == 0.0).ok_or_else(|| self.is_not(visitor))
+    /// The value as a choice: its name, or a section with the name as its only key.
+    #[inline(never)]
+    fn choice(&self) -> Option<Choice> {
+        if let Some(name) = self.0.as_string() {
+            return Some(Choice { name, value: JsValue::UNDEFINED });
+        }
+        let entries = self.section().filter(|entries| entries.length() == 1)?;
+        let entry: Array = entries.get(0).unchecked_into();
+        Some(Choice { name: entry.get(0).as_string().unwrap_or_default(), value: entry.get(1) })
+    }
+
+    #[inline(never)]
+    fn whole(&self, expected: &dyn Expected) -> Result<f64, Error> {
+        self.0.as_f64().filter(|number| number.fract() == 0.0).ok_or_else(|| self.is_not(expected))
     }
 }
 
@@ -179,7 +196,7 @@ impl<'de> Deserializer<'de> for Value {
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
         match self.section() {
-            Some(items) => visitor.visit_map(Entries { items, next: 0, key: String::new() }),
+            Some(items) => visitor.visit_map(Entries { items, next: 0, key: String::new(), value: JsValue::UNDEFINED }),
             None => Err(self.is_not(&visitor)),
         }
     }
@@ -199,15 +216,8 @@ impl<'de> Deserializer<'de> for Value {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Error> {
-        if let Some(name) = self.0.as_string() {
-            return visitor.visit_enum(Choice { name, value: JsValue::UNDEFINED });
-        }
-        match self.section().filter(|entries| entries.length() == 1) {
-            Some(entries) => {
-                let entry: Array = entries.get(0).unchecked_into();
-                let name = entry.get(0).as_string().unwrap_or_default();
-                visitor.visit_enum(Choice { name, value: entry.get(1) })
-            }
+        match self.choice() {
+            Some(choice) => visitor.visit_enum(choice),
             None => Err(self.is_not(&visitor)),
         }
     }
@@ -226,44 +236,54 @@ impl<'de> SeqAccess<'de> for Items {
     type Error = Error;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
-        if self.next == self.items.length() {
-            return Ok(None);
-        }
+        let Some(item) = self.take() else { return Ok(None) };
+        seed.deserialize(item).map(Some).map_err(|error| error.at((self.next - 1).to_string()))
+    }
+}
+
+impl Items {
+    #[inline(never)]
+    fn take(&mut self) -> Option<Value> {
         let index = self.next;
         self.next += 1;
-        seed.deserialize(Value(self.items.get(index))).map(Some).map_err(|error| error.at(index.to_string()))
+        (index < self.items.length()).then(|| Value(self.items.get(index)))
     }
 }
 
 struct Entries {
     items: Array,
+    /// Index of the next entry.
     next: u32,
     key: String,
+    value: JsValue,
 }
 
 impl<'de> MapAccess<'de> for Entries {
     type Error = Error;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Error> {
-        // A key whose value is undefined is skipped.
-        let entry = loop {
-            if self.next == self.items.length() {
-                return Ok(None);
-            }
-            let entry: Array = self.items.get(self.next).unchecked_into();
-            if !entry.get(1).is_undefined() {
-                break entry;
-            }
-            self.next += 1;
-        };
-        self.key = entry.get(0).as_string().unwrap_or_default();
-        seed.deserialize(StrDeserializer::new(&self.key)).map(Some)
+        if self.advance() { seed.deserialize(StrDeserializer::new(&self.key)).map(Some) } else { Ok(None) }
     }
 
     fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Error> {
-        let entry: Array = self.items.get(self.next).unchecked_into();
-        self.next += 1;
-        seed.deserialize(Value(entry.get(1))).map_err(|error| error.at(&self.key))
+        seed.deserialize(Value(self.value.clone())).map_err(|error| error.at(&self.key))
+    }
+}
+
+impl Entries {
+    /// Goes on to the next key whose value is not undefined. Returns false if there is none.
+    #[inline(never)]
+    fn advance(&mut self) -> bool {
+        while self.next < self.items.length() {
+            let entry: Array = self.items.get(self.next).unchecked_into();
+            self.next += 1;
+            self.value = entry.get(1);
+            if !self.value.is_undefined() {
+                self.key = entry.get(0).as_string().unwrap_or_default();
+                return true;
+            }
+        }
+        false
     }
 }
 
