@@ -61,15 +61,19 @@ pub struct ContactScratch<'a> {
     pub rounds: &'a mut [u32],
     /// Union-find over vertices.
     pub zones: &'a mut [u32],
-    /// Boxes around the motion; in a quiet step, around the start.
+    /// Boxes around the motion.
     pub boxes: &'a mut [Aabb],
+    /// Boxes in which the vertices may end: there, the candidates are complete.
+    pub ends: &'a mut [Aabb],
+    /// What the candidates are.
+    pub searched: &'a mut Searched,
     /// Numbers of candidates.
     pub counts: &'a mut Counts,
     /// Pairs of a vertex and a triangle.
     pub vertex_triangle: Pairs<'a>,
     /// Pairs of edges.
     pub edge_edge: Pairs<'a>,
-    /// The valid entries in the columns below, and whether the step is quiet.
+    /// The valid entries in the columns below.
     pub lengths: &'a mut Lengths,
     /// The constraints; the length of the slice is their capacity.
     pub constraints: &'a mut [Constraint],
@@ -89,7 +93,21 @@ pub struct ContactScratch<'a> {
     pub room: Room<'a>,
 }
 
-/// The valid entries in the columns of [`ContactScratch`], and the kind of the step.
+/// What the candidates are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Searched {
+    /// There are none yet.
+    #[default]
+    Nothing,
+    /// The pairs within [reach](crate::response::repulsion::REACH) at the start of the step.
+    Near,
+    /// The pairs whose boxes around their motion overlap.
+    Swept,
+    /// Those of them whose triangles overlap in the [frame](crate::broad_phase::comoving) that moves with them, too.
+    Comoving,
+}
+
+/// The valid entries in the columns of [`ContactScratch`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lengths {
     /// Constraints that the solve took part in; after the response, all constraints.
@@ -98,8 +116,6 @@ pub struct Lengths {
     pub contacts: usize,
     /// Multipliers.
     pub multipliers: usize,
-    /// Whether the step is [quiet](crate::detection::is_quiet): the candidates are the pairs within reach at its start.
-    pub is_quiet: bool,
 }
 
 impl ContactScratch<'_> {
@@ -160,7 +176,7 @@ mod owned {
 
     use super::{
         Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactRoom, ContactScratch, Counts, Law,
-        Lengths, Multiplier, Pairs, Real, StoredTime, Vec3,
+        Lengths, Multiplier, Pairs, Real, Searched, StoredTime, Vec3,
     };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
@@ -259,6 +275,8 @@ mod owned {
         rounds: Vec<u32>,
         zones: Vec<u32>,
         boxes: Vec<Aabb>,
+        ends: Vec<Aabb>,
+        searched: Searched,
         counts: Counts,
         vertex_triangle: PairColumns,
         edge_edge: PairColumns,
@@ -289,6 +307,7 @@ mod owned {
                 rounds: vec![0; vertices],
                 zones: vec![0; vertices],
                 boxes: vec![Aabb::EMPTY; vertices],
+                ends: vec![Aabb::EMPTY; vertices],
                 grid: GridColumns::build(vertices, model.surface.triangles.len()),
                 kept: KeptPairColumns::build(vertices, 3 * pairs / 4),
                 room: RoomColumns::build(&model.surface),
@@ -341,7 +360,7 @@ mod owned {
         pub fn bytes(&self) -> usize {
             5 * size_of_val(&self.start[..])
                 + 2 * size_of_val(&self.rounds[..])
-                + size_of_val(&self.boxes[..])
+                + 2 * size_of_val(&self.boxes[..])
                 + self.vertex_triangle.bytes()
                 + self.edge_edge.bytes()
                 + size_of_val(&self.constraints[..])
@@ -365,6 +384,8 @@ mod owned {
                 rounds: &mut self.rounds,
                 zones: &mut self.zones,
                 boxes: &mut self.boxes,
+                ends: &mut self.ends,
+                searched: &mut self.searched,
                 counts: &mut self.counts,
                 vertex_triangle: self.vertex_triangle.view(),
                 edge_edge: self.edge_edge.view(),

@@ -1,15 +1,21 @@
-//! Finds the pairs of features that may touch in a step: boxes around the motion, [candidates](crate::broad_phase), and
-//! their [distances](crate::narrow_phase::proximity) at the start of the step.
+//! Finds the pairs of features that may touch in a step: boxes, [candidates](crate::broad_phase), and their
+//! [distances](crate::narrow_phase::proximity) at the start of the step.
 //!
-//! In a [quiet](is_quiet) step the boxes surround the start, and most of the pairs found
-//! [last](crate::broad_phase::kept_pairs) from step to step.
+//! [`search`] finds the pairs that may touch in a motion. If the cloth is slow, the motion may end anywhere in the boxes around
+//! it: what stops on the way needs no second search. If it is fast, these boxes would overlap many others. Then the motion
+//! must end near its predicted end, so that [neighbours that move together](crate::broad_phase::comoving) do not overlap.
+//!
+//! An implicit step needs only the pairs that are near at its start before it is solved, and the others afterwards, around the
+//! motion of the solve. Near pairs are often among those that the last search
+//! [kept](crate::broad_phase::kept_pairs). In a [quiet](is_quiet) step no other pairs can touch.
 
+use crate::broad_phase::comoving::Motion;
 use crate::broad_phase::{self, Candidates, Counts};
-use crate::contact::{ContactModel, ContactRoom, ContactScratch};
+use crate::contact::{ContactModel, ContactRoom, ContactScratch, Searched};
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::narrow_phase::advance::ROUNDING;
-use crate::narrow_phase::{EdgeEdge, VertexTriangle, proximity};
+use crate::narrow_phase::{EdgeEdge, VertexTriangle, proximity, slab};
 use crate::real::{Real, Sum, Vec3, sqrt};
 use crate::refusal::Cause;
 use crate::response::repulsion::REACH;
@@ -22,10 +28,20 @@ const QUIET: Real = 0.25;
 /// Skin of the boxes for which pairs are kept, relative to the thickness.
 const SKIN: Real = 0.05;
 
-/// How much wider than needed the boxes of a quiet step are, relative to the thickness.
+/// How much wider than needed the boxes around the start are, relative to the thickness.
 const WIDER: Real = 0.01;
 
-/// Largest error of a distance in a quiet step, relative to the thickness.
+/// Skin of the boxes in which a motion may end, relative to the thickness: how far the response may move vertices before
+/// the near pairs of the next step must be searched anew.
+const END_SKIN: Real = 0.15;
+
+/// The cloth is fast if its vertices move farther than this on average, relative to the mean edge.
+const FAST: Real = 0.25;
+
+/// Half width of the boxes around the start, relative to the thickness. Boxes of near pairs overlap.
+const START: Real = 0.5 * REACH + WIDER;
+
+/// Largest error of a distance in a quiet step, and of a box in a comoving search, relative to the thickness.
 const MOST_ROUNDED: Real = 0.1;
 
 /// Limit of candidates of each kind in a small scene.
@@ -34,42 +50,89 @@ const MOST_PAIRS: usize = 1 << 17;
 /// Limit of candidates of each kind per vertex in a larger scene. Sheets that lie flat on themselves have a tenth of it.
 const MOST_PAIRS_PER_VERTEX: usize = 1 << 10;
 
-/// Limit in the search of a quiet step, which finds more pairs than it keeps, relative to the limit otherwise.
-const QUIET_ROOM: usize = 4;
+/// Limit in the search for near pairs, which finds more pairs than it keeps, relative to the limit otherwise.
+const NEAR_ROOM: usize = 4;
 
 /// Limit of candidates of each kind.
 pub fn most_pairs(model: &ContactModel<'_>) -> usize {
     MOST_PAIRS.max(MOST_PAIRS_PER_VERTEX * model.radii.len())
 }
 
-/// Writes the boxes around the motion, the wider the more often the step was `widened`, and finds the candidates and their
-/// distances. Asks `columns` for room where there is too little.
+/// What a search is for.
+#[derive(Clone, Copy, Debug)]
+pub enum Purpose {
+    /// The solve of an implicit step, which needs the pairs that are near at its start. Where the cloth is slow, all pairs that
+    /// may touch in the predicted motion are found, because that of the solve will hardly differ.
+    Solve,
+    /// The response, which needs all pairs that may touch in the motion. The more often the step was widened, the wider are
+    /// the boxes.
+    Response {
+        /// How often.
+        widened: u32,
+    },
+}
+
+/// Finds the pairs that may touch in the motion from start to end, and their distances, if they are not the candidates
+/// already. Asks `columns` for room where there is too little.
 pub async fn search<D: Dispatch>(
     model: &ContactModel<'_>,
-    widened: u32,
+    purpose: Purpose,
     columns: &mut impl ContactRoom,
     dispatch: &D,
 ) -> Result<Counts, Cause> {
-    let contact = &mut columns.columns();
-    if widened == 0 && is_quiet(model, contact) {
-        surround_start(model, contact);
-    } else {
-        sweep(model, 0.5 * model.thickness * (1 << widened) as Real, contact);
+    dispatch.enter(Stage::BroadPhase);
+    if !surround(model, purpose, &mut columns.columns()) {
+        return Ok(*columns.columns().counts);
     }
-    let counts = await_candidates(model, contact, dispatch).await;
-    let limit = if contact.lengths.is_quiet { QUIET_ROOM } else { 1 } * most_pairs(model);
-    let (has_room, pairs) = (contact.has_room(counts), counts.vertex_triangle.max(counts.edge_edge));
-    if pairs > limit {
-        return Err(Cause::TooMuch);
+    loop {
+        let contact = &mut columns.columns();
+        let counts = await_candidates(model, contact, dispatch).await;
+        let (has_room, pairs) = (contact.has_room(counts), counts.vertex_triangle.max(counts.edge_edge));
+        if pairs > if *contact.searched == Searched::Near { NEAR_ROOM } else { 1 } * most_pairs(model) {
+            return Err(Cause::TooMuch);
+        }
+        if has_room {
+            if *contact.searched != Searched::Near {
+                contact.kept.widen(contact.ends, 0.0);
+                keep(contact);
+            }
+            columns.grow_kept();
+            return Ok(counts);
+        }
+        columns.grow_kept();
+        if !columns.grow_pairs(counts) {
+            return Err(Cause::Short { pairs, constraints: 0 });
+        }
     }
-    columns.grow_kept();
-    if has_room {
-        return Ok(counts);
+}
+
+/// Writes the boxes of a search. Returns false if the candidates already suffice.
+#[inline(never)]
+#[cfg_attr(small, optimize(size))]
+fn surround(model: &ContactModel<'_>, purpose: Purpose, contact: &mut ContactScratch<'_>) -> bool {
+    let searched = *contact.searched;
+    let is_fast = is_fast(model, contact);
+    let margin = (START - 0.5 + END_SKIN) * model.thickness;
+    let (widened, for_solve) = match purpose {
+        Purpose::Solve => (0, true),
+        Purpose::Response { widened } => (widened, false),
+    };
+    if widened == 0 {
+        if is_quiet(model, contact) || for_solve && is_fast {
+            surround_start(model, contact);
+            return searched != Searched::Near;
+        }
+        if matches!(searched, Searched::Swept | Searched::Comoving) && holds_end(model, contact) {
+            return false;
+        }
+        contact.ends.fill(Aabb::EMPTY);
     }
-    if !columns.grow_pairs(counts) {
-        return Err(Cause::Short { pairs, constraints: 0 });
+    sweep(model, margin * (1 << widened) as Real, contact);
+    if searched == Searched::Nothing && !is_fast {
+        contact.ends.copy_from_slice(contact.boxes);
+        *contact.searched = Searched::Swept;
     }
-    Ok(await_candidates(model, &mut columns.columns(), dispatch).await)
+    true
 }
 
 /// Writes the positions of all vertices at both ends of a step that starts at `time` and takes `step`, s.
@@ -86,8 +149,8 @@ pub fn place(
     contact.predicted[..cloth].copy_from_slice(next_positions);
     model.colliders.place(time + step, &mut contact.predicted[cloth..]);
     contact.end.copy_from_slice(contact.predicted);
-    contact.boxes.fill(Aabb::EMPTY);
-    contact.lengths.is_quiet = false;
+    contact.ends.fill(Aabb::EMPTY);
+    *contact.searched = Searched::Nothing;
     (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);
 }
 
@@ -98,6 +161,23 @@ pub fn is_quiet(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool 
     let mut motion = contact.start.iter().zip(&*contact.predicted);
     motion.all(|(&start, &end)| (end - start).abs().max_element() <= QUIET * model.thickness)
         && rounding(model, contact.start) <= MOST_ROUNDED * model.thickness
+}
+
+/// Whether the vertices move so far that boxes around their motion would overlap many others.
+fn is_fast(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
+    let (start, end) = (&*contact.start, &*contact.end);
+    let moved: Real = (start.iter().zip(end)).map(|(&start, &end)| (end - start).abs().max_element()).sum();
+    let edges = model.surface.edges.iter().map(|edge| edge.map(|v| start[v as usize]));
+    let long: Real = edges.map(|[a, b]| (b - a).abs().max_element()).sum();
+    moved * model.surface.edges.len() as Real > FAST * long * start.len() as Real
+}
+
+/// Whether the motion ends where it may end.
+fn holds_end(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
+    contact.end.iter().zip(model.radii).zip(&*contact.ends).all(|((&end, radius), around)| {
+        let wide = 0.5 * model.thickness + radius;
+        around.contains(&Aabb { min: end - wide, max: end + wide })
+    })
 }
 
 /// Bound of the errors of distances and of the corners of boxes, m.
@@ -112,25 +192,33 @@ fn rounding(model: &ContactModel<'_>, positions: &[Vec3]) -> Real {
 /// beyond reach cannot collide as long as no vertex leaves its box. Each of the two features moves by at most 0.51
 /// thicknesses along each axis. That brings them nearer by 2 sqrt(3) 0.51 < 1.77 thicknesses, less than reach without the
 /// distance at which they collide and the reserve for rounding.
+#[cfg_attr(small, optimize(size))]
 pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) {
-    contact.lengths.is_quiet = true;
-    for ((around, &start), &radius) in contact.boxes.iter_mut().zip(&*contact.start).zip(model.radii) {
-        let wide = 0.5 * REACH * model.thickness * (1.0 + WIDER) + radius * (1.0 + 4.0 * Real::EPSILON);
-        *around = Aabb { min: start - wide, max: start + wide };
+    *contact.searched = Searched::Near;
+    for (v, &start) in contact.start.iter().enumerate() {
+        let wide = START * model.thickness + model.radii[v] * (1.0 + 4.0 * Real::EPSILON);
+        contact.boxes[v] = Aabb { min: start - wide, max: start + wide };
     }
+    contact.ends.copy_from_slice(contact.boxes);
 }
 
-/// Widens the boxes by boxes around the motion of all vertices, wider on each side by half the thickness, the radius and
-/// the `margin` within which the response may move vertices, m.
+/// Writes the boxes around the motion. It may end within boxes that are wider on each side by half the thickness, the radius
+/// and the `margin` within which the response may move vertices, m. Those of an earlier motion in the same step are kept.
+#[cfg_attr(small, optimize(size))]
 pub fn sweep(model: &ContactModel<'_>, margin: Real, contact: &mut ContactScratch<'_>) {
-    contact.lengths.is_quiet = false;
+    let rounding = motion(model, contact.start, contact.end, contact.ends).rounding;
+    let is_rounded_little = rounding <= MOST_ROUNDED * model.thickness;
+    *contact.searched = if is_rounded_little { Searched::Comoving } else { Searched::Swept };
     for (v, around) in contact.boxes.iter_mut().enumerate() {
         let (start, end) = (contact.start[v], contact.end[v]);
+        contact.displacements[v] = end - start;
         // The factor makes up for the rounding of the width. The corners are rounded monotonically, so boxes that
         // overlap before rounding also overlap after it, at any distance from the origin.
-        let wide = (0.5 * model.thickness + model.radii[v] + margin) * (1.0 + 4.0 * Real::EPSILON);
-        let swept = Aabb { min: start.min(end) - wide, max: start.max(end) + wide };
-        *around = around.union(&swept);
+        let wide = |margin: Real| (margin + model.radii[v]) * (1.0 + 4.0 * Real::EPSILON);
+        let (before, after) = (wide(START * model.thickness), wide(0.5 * model.thickness + margin));
+        let ends = contact.ends[v].union(&Aabb { min: end - after, max: end + after });
+        contact.ends[v] = ends;
+        *around = ends.union(&Aabb { min: start - before, max: start + before });
     }
 }
 
@@ -142,9 +230,12 @@ pub async fn await_candidates<D: Dispatch>(
     dispatch: &D,
 ) -> Counts {
     dispatch.enter(Stage::BroadPhase);
+    if lasts(contact) {
+        return detect(model, contact, dispatch);
+    }
     let Some(counts) = dispatch.detect(model, contact).await else { return detect(model, contact, dispatch) };
     *contact.counts = counts;
-    if contact.lengths.is_quiet && contact.has_room(counts) {
+    if *contact.searched == Searched::Near && contact.has_room(counts) {
         drop_far(REACH * model.thickness, contact);
     }
     *contact.counts
@@ -154,49 +245,90 @@ pub async fn await_candidates<D: Dispatch>(
 /// incomplete: the caller must grow the columns and call again.
 pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
     dispatch.enter(Stage::BroadPhase);
-    if contact.lengths.is_quiet {
-        return detect_quiet(model, contact, dispatch);
+    if *contact.searched == Searched::Near {
+        return detect_near(model, contact, dispatch);
     }
     let mut out =
         Candidates { vertex_triangle: contact.vertex_triangle.candidates, edge_edge: contact.edge_edge.candidates };
-    let counts = broad_phase::candidates(contact.boxes, &model.surface, &mut contact.grid, &mut out, dispatch);
+    let motion = motion(model, contact.start, contact.end, contact.ends);
+    let motion = (*contact.searched == Searched::Comoving).then_some(&motion);
+    let counts = broad_phase::candidates(contact.boxes, &model.surface, &mut contact.grid, motion, &mut out, dispatch);
     *contact.counts = counts;
     if contact.has_room(counts) {
+        drop_apart(model, 2.0 * START * model.thickness, contact, dispatch);
         measure(model, REACH * model.thickness, contact, dispatch);
     }
-    counts
+    *contact.counts
 }
 
-/// [`detect`] for a quiet step: the candidates are all pairs within [`REACH`] at its start.
-fn detect_quiet(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
+/// The motion between the boxes around the start and those in which it may end.
+fn motion<'a>(model: &ContactModel<'a>, start: &'a [Vec3], end: &[Vec3], ends: &'a [Aabb]) -> Motion<'a> {
+    let rounding = rounding(model, start) + rounding(model, end);
+    Motion { start, radii: model.radii, margin: START * model.thickness, ends, rounding }
+}
+
+/// Whether the near pairs are among those that were kept.
+fn lasts(contact: &ContactScratch<'_>) -> bool {
+    *contact.searched == Searched::Near && contact.kept.cover(contact.boxes)
+}
+
+/// [`detect`] for the pairs within [`REACH`] at the start.
+fn detect_near(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
     let (reach, skin) = (REACH * model.thickness, SKIN * model.thickness);
     // Each of two features moves by at most the diagonal of the skin before a wide box is left. Distances up to here are
     // measured, not bounded: whether a pair is within reach must not depend on the pairs that were kept.
     let far = reach + 2.0 * (sqrt(3.0) * skin + rounding(model, contact.start));
+    let lasts = lasts(contact);
     let ContactScratch { vertex_triangle, edge_edge, kept, .. } = contact;
     let mut out = Candidates { vertex_triangle: vertex_triangle.candidates, edge_edge: edge_edge.candidates };
-    if kept.cover(contact.boxes) {
+    if lasts {
         *contact.counts = kept.take(&mut out);
         if !contact.has_room(*contact.counts) {
             return *contact.counts;
         }
+        drop_apart(model, far, contact, dispatch);
         measure(model, far, contact, dispatch);
     } else {
         kept.widen(contact.boxes, skin);
-        let counts = broad_phase::candidates(kept.boxes, &model.surface, &mut contact.grid, &mut out, dispatch);
+        let counts = broad_phase::candidates(kept.boxes, &model.surface, &mut contact.grid, None, &mut out, dispatch);
         *contact.counts = counts;
         if !contact.has_room(counts) {
             return counts;
         }
+        drop_apart(model, far, contact, dispatch);
+        keep(contact);
         measure(model, far, contact, dispatch);
-        drop_far(far, contact);
-        let Counts { vertex_triangle, edge_edge } = *contact.counts;
-        let pairs =
-            [&contact.vertex_triangle.candidates[..vertex_triangle], &contact.edge_edge.candidates[..edge_edge]];
-        contact.kept.put(pairs);
     }
     drop_far(reach, contact);
     *contact.counts
+}
+
+/// Keeps the candidates.
+fn keep(contact: &mut ContactScratch<'_>) {
+    let Counts { vertex_triangle, edge_edge } = *contact.counts;
+    contact
+        .kept
+        .put([&contact.vertex_triangle.candidates[..vertex_triangle], &contact.edge_edge.candidates[..edge_edge]]);
+}
+
+/// Drops the candidates that stay farther apart than `far` while each vertex moves to its end box, m. If `far` is twice the
+/// half width of the boxes around the start, they are not near at either end. They do not collide either: that half width is
+/// 0.51 thicknesses larger than what the end box leaves around a vertex, so a vertex ends up to 0.51 thicknesses farther from
+/// the middle of its box along each axis than the bound assumes. That brings two features nearer by 2 sqrt(3) 0.51 < 1.77
+/// thicknesses, and `far` is 2.02.
+fn drop_apart(model: &ContactModel<'_>, far: Real, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) {
+    dispatch.enter(Stage::NarrowPhase);
+    let motion = motion(model, contact.start, contact.end, contact.ends);
+    let counts = *contact.counts;
+    let pairs = &mut contact.vertex_triangle;
+    let (candidates, bounds) =
+        (&pairs.candidates[..counts.vertex_triangle], &mut pairs.distances[..counts.vertex_triangle]);
+    slab::bounds::<VertexTriangle>(candidates, &model.surface, &motion, bounds, dispatch);
+    let pairs = &mut contact.edge_edge;
+    let (candidates, bounds) = (&pairs.candidates[..counts.edge_edge], &mut pairs.distances[..counts.edge_edge]);
+    slab::bounds::<EdgeEdge>(candidates, &model.surface, &motion, bounds, dispatch);
+    let rounding = motion.rounding;
+    drop_far(far + rounding, contact);
 }
 
 /// Writes the distances of the candidates at the start of the step; beyond `reach`, a lower bound.

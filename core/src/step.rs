@@ -13,7 +13,7 @@
 
 use crate::audit;
 use crate::contact::{ContactModel, ContactRoom, ContactScratch};
-use crate::detection::{self, place};
+use crate::detection::{self, Purpose, place};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::implicit_contact::{self, exchange, multiplier};
@@ -112,9 +112,13 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
     let settings = Settings { step: input.step, hold: *hold };
     dispatch.enter(Stage::BroadPhase);
     place(model, times, particles.positions, scratch.next_positions, &mut columns.columns());
+    if input.scheme.method.is_implicit() {
+        let coupled = couple(input, particles, scratch, model, *columns, work.integrator).await;
+        coupled.map_err(|cause| farthest(cause, particles, scratch))?;
+    }
     for widened in 0..=if *hold { LAST_WIDENINGS } else { MOST_WIDENINGS } {
         dispatch.enter(Stage::BroadPhase);
-        let found = detection::search(model, widened, *columns, dispatch).await;
+        let found = detection::search(model, Purpose::Response { widened }, *columns, dispatch).await;
         let counts = found.map_err(|cause| farthest(cause, particles, scratch))?;
         let count = (counts.vertex_triangle + counts.edge_edge) as u64;
         work.contact.candidates += count;
@@ -124,11 +128,6 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
         }
         if dispatch.stopped() {
             return Err(Obstacle::STOPPED);
-        }
-        dispatch.enter(Stage::Response);
-        if widened == 0 && input.scheme.method.is_implicit() {
-            let coupled = couple(input, particles, scratch, model, *columns, work.integrator);
-            coupled.map_err(|cause| farthest(cause, particles, scratch))?;
         }
         dispatch.enter(Stage::Response);
         let responded = with_room(*columns, |contact| {
@@ -154,8 +153,8 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
     Err(farthest(Cause::TooMuch, particles, scratch))
 }
 
-/// Solves an implicit step together with its contacts, and goes on with the impacts of the motion found.
-fn couple<D: Dispatch>(
+/// Solves an implicit step together with its contacts, and with the impacts of the motion found.
+async fn couple<D: Dispatch>(
     input: &StepInput<'_, D>,
     particles: &Particles<'_>,
     scratch: &mut Scratch<'_>,
@@ -163,6 +162,8 @@ fn couple<D: Dispatch>(
     columns: &mut impl ContactRoom,
     statistics: &mut IntegratorStatistics,
 ) -> Result<(), Cause> {
+    detection::search(model, Purpose::Solve, columns, input.dispatch).await?;
+    input.dispatch.enter(Stage::Response);
     // Backward Euler predicts without gravity, which closes a gap by half of this in a step.
     let gravity = input.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.0);
     let fall = 2.0 * sqrt(gravity.length_squared()) * input.step * input.step;
@@ -175,14 +176,22 @@ fn couple<D: Dispatch>(
     let known = contact.lengths.contacts;
     let contacts = (&mut contact.contacts[..known], &mut *contact.lines);
     let target = implicit_contact::correct(input, state, contacts, scratch, statistics);
-    contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+    take_prediction(scratch, contact);
+    detection::search(model, Purpose::Response { widened: 0 }, columns, input.dispatch).await?;
     with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
     let contact = &mut columns.columns();
     exchange::add_contacts(contact, constraints..contact.lengths.constraints, input.step, model.thickness);
     let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
     implicit_contact::resume(input, contacts, known, target, scratch, statistics);
-    contact.predicted[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+    take_prediction(scratch, contact);
     Ok(())
+}
+
+/// Copies the candidate state to the columns of contact.
+fn take_prediction(scratch: &Scratch<'_>, contact: &mut ContactScratch<'_>) {
+    for column in [&mut *contact.predicted, &mut *contact.end] {
+        column[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+    }
 }
 
 /// Calls a phase again with more room as long as it fails with the number of constraints that it needs room for.

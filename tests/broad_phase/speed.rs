@@ -33,14 +33,14 @@ fn long_form_how_fast() {
             let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
             let surface = surface.view();
             let counts =
-                broad_phase::candidates(&boxes, &surface, &mut work.view(), &mut Candidates::default(), &Serial);
+                broad_phase::candidates(&boxes, &surface, &mut work.view(), None, &mut Candidates::default(), &Serial);
             let mut vertex_triangle = vec![[0; 2]; counts.vertex_triangle];
             let mut edge_edge = vec![[0; 2]; counts.edge_edge];
             let mut times: Vec<_> = (0..RUNS)
                 .map(|_| {
                     let out = &mut Candidates { vertex_triangle: &mut vertex_triangle, edge_edge: &mut edge_edge };
                     let started = Instant::now();
-                    broad_phase::candidates(&boxes, &surface, &mut work.view(), out, &Serial);
+                    broad_phase::candidates(&boxes, &surface, &mut work.view(), None, out, &Serial);
                     started.elapsed().as_secs_f64()
                 })
                 .collect();

@@ -13,16 +13,18 @@ use super::methods::gpu;
 use super::stages::evenly;
 
 /// Files without a twin on the device, and the reasons.
-const WITHOUT: [(&str, &str); 10] = [
+const WITHOUT: [(&str, &str); 12] = [
     ("broad_phase/mod", "types"),
     ("broad_phase/grid", "the order of the stages: gpu/src/schedule.rs"),
     ("broad_phase/kept_pairs", "pairs from one step to the next, which the core keeps"),
+    ("broad_phase/comoving", "leaves out pairs that the device finds: they touch nothing"),
     ("broad_phase/brute_force", "what the core is tested against"),
     ("broad_phase/reference_cell", "what the core is tested against"),
     ("narrow_phase/mod", "types"),
     ("narrow_phase/edge_edge_ccd", "continuous, of edge_edge"),
     ("narrow_phase/vertex_triangle_ccd", "continuous, of vertex_triangle"),
     ("narrow_phase/time_of_impact", "the numbers that stand for no time, constants of continuous"),
+    ("narrow_phase/slab", "drops pairs that the device measures: they touch nothing"),
     ("narrow_phase/local_minimum", "of contacts, which the core makes of what is near"),
 ];
 

@@ -269,7 +269,7 @@ fn what_becomes_of_pairs_is_the_core_s() {
             .map(|place| vec![[0; 2]; device[&Slot::Counters][place] as usize]);
         let mut out = Candidates { vertex_triangle: &mut vertices, edge_edge: &mut edges };
         let mut counts = Counts::default();
-        add_features(&boxes, &surface, &triangle_boxes, &owned, None, pairs, &mut out, &mut counts);
+        add_features(&boxes, &surface, &triangle_boxes, &owned, None, pairs, None, &mut out, &mut counts);
         assert_eq!([counts.vertex_triangle, counts.edge_edge], [vertices.len(), edges.len()], "{count} triangles");
         assert!(vertices == pairs_of(&device, Slot::VertexTriangle, counters::VERTEX_TRIANGLE), "{count} triangles");
         assert!(edges == pairs_of(&device, Slot::EdgeEdge, counters::EDGE_EDGE), "{count} triangles");

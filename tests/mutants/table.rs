@@ -171,6 +171,22 @@ pub const MUTANTS: &[Mutant] = &[
         all: &[],
     },
     Mutant {
+        what: "Each of two triangles moves in a frame of its own",
+        file: "core/src/broad_phase/comoving.rs",
+        old: "other.swept(frame)",
+        new: "other.swept(other.displacement)",
+        everyday: &["narrow_phase"],
+        all: &[],
+    },
+    Mutant {
+        what: "A slab ignores that a vertex may end elsewhere in its box",
+        file: "core/src/narrow_phase/slab.rs",
+        old: "end - uncertain *",
+        new: "end - 0.0 * uncertain *",
+        everyday: &["narrow_phase"],
+        all: &[],
+    },
+    Mutant {
         what: "A step allocates",
         file: "core/src/simulation/mod.rs",
         old: "        let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);",

@@ -21,18 +21,18 @@ both_precisions! {
     use glam::DVec3;
     use muslin::mesh::SurfaceColumns;
     use muslin::narrow_phase::local_minimum::is_local_minimum;
-    use muslin::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, contact, gather};
+    use muslin::narrow_phase::{Kind, contact, gather};
 
-    fn counts<P: Pairing>(x: &[DVec3; 7], vertices: [u32; 4]) -> bool {
+    fn counts(kind: Kind, x: &[DVec3; 7], vertices: [u32; 4]) -> bool {
         let (surface, x) = (SurfaceColumns::build(x.len(), &TRIANGLES, &[]), kit::narrow(x));
         let at = gather(vertices, &x);
-        let contact = contact::<P>(vertices, &at, &at, 0.0).expect("the features are apart");
-        is_local_minimum::<P>(&surface.view(), &x, &contact)
+        let contact = contact(kind, vertices, &at, &at, 0.0).expect("the features are apart");
+        is_local_minimum(kind, &surface.view(), &x, &contact)
     }
 
     /// Whether the point is in contact with each of the two triangles.
     fn by_face(height: f64, point: DVec3) -> [bool; 2] {
-        [[4, 0, 1, 2], [4, 1, 0, 3]].map(|vertices| counts::<VertexTriangle>(&fold(height, point, ASIDE), vertices))
+        [[4, 0, 1, 2], [4, 1, 0, 3]].map(|vertices| counts(Kind::VertexTriangle, &fold(height, point, ASIDE), vertices))
     }
 
     #[test]
@@ -49,7 +49,7 @@ both_precisions! {
         let above = DVec3::new(0.5, 0.1, 0.02);
         assert_eq!(by_face(-1.0, above), [true; 2], "a point above a ridge");
         assert_eq!(by_face(-1.0, DVec3::new(0.5, -0.1, 0.01)), [true; 2], "a point below a ridge touches both faces");
-        let rim = counts::<VertexTriangle>(&fold(0.0, DVec3::new(1.1, 0.05, 0.3), ASIDE), [4, 0, 1, 2]);
+        let rim = counts(Kind::VertexTriangle, &fold(0.0, DVec3::new(1.1, 0.05, 0.3), ASIDE), [4, 0, 1, 2]);
         assert!(rim, "a point beside the rim");
     }
 
@@ -57,7 +57,7 @@ both_precisions! {
     fn an_edge_across_a_face_counts_only_where_it_lies_along_it() {
         let across = |tilt: f64| {
             let edge = [DVec3::new(0.5, 0.1, -0.3), DVec3::new(0.5, 0.1 + tilt, 0.3)];
-            counts::<EdgeEdge>(&fold(0.0, DVec3::ONE * 9.0, edge), [5, 6, 0, 1])
+            counts(Kind::EdgeEdge, &fold(0.0, DVec3::ONE * 9.0, edge), [5, 6, 0, 1])
         };
         assert!(across(0.0), "an edge that lies along the face");
         assert!(!across(0.05) && !across(-0.05), "an edge that leans: it touches with its lower end");

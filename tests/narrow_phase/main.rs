@@ -8,6 +8,7 @@ mod distances;
 mod fuzz;
 mod lattice;
 mod local_minimum;
+mod moving;
 mod never_missed;
 mod quiet;
 mod tight_inclusion;

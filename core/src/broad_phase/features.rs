@@ -6,11 +6,12 @@
 //! not own and the pairs that share a vertex.
 
 use super::byte_boxes::{ByteBoxes, may_overlap};
+use super::comoving::MovingBox;
 use super::{Candidates, Counts, IS_FACE, OWNS_EDGE, OWNS_VERTEX, Surface};
 use crate::geometry::aabb::Aabb;
 
 /// Adds the candidates of pairs of triangles. Without byte boxes, the exact boxes of all pairs of features are
-/// compared.
+/// compared. Given moving boxes, those of the two triangles must [overlap](super::comoving) too.
 pub fn add_features(
     boxes: &[Aabb],
     surface: &Surface<'_>,
@@ -18,6 +19,7 @@ pub fn add_features(
     owned: &[u8],
     byte_boxes: Option<&[ByteBoxes]>,
     pairs: &[[u32; 2]],
+    moving_boxes: Option<&[MovingBox]>,
     out: &mut Candidates<'_>,
     counts: &mut Counts,
 ) {
@@ -34,6 +36,9 @@ pub fn add_features(
         let named = ROWS[usize::from(owned[a] & 0x7f)] & COLUMNS[usize::from(owned[b] & 0x7f)];
         let (p, q) = (&surface.triangles[a], &surface.triangles[b]);
         let mut left = near & u32::from(named & APART[equal_corners(p, q)]);
+        if left == 0 || moving_boxes.is_some_and(|moving| !moving[a].overlaps(&moving[b])) {
+            continue;
+        }
         while left != 0 {
             let bit = left.trailing_zeros() as usize;
             left &= left - 1;

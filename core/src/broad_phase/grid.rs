@@ -4,6 +4,7 @@ use super::bounds::write_bounds;
 use super::brute_force_level::for_each_brute_force_pair;
 use super::byte_boxes::{ByteBoxes, write_byte_boxes};
 use super::cells::{CellGrid, Home, write_cells};
+use super::comoving::{Motion, MovingBox, write_moving_boxes};
 use super::entries::{Entry, write_entries};
 use super::features::add_features;
 use super::levels;
@@ -20,6 +21,8 @@ use crate::geometry::aabb::Aabb;
 pub struct Grid<'a> {
     /// Boxes of the triangles.
     pub triangle_boxes: &'a mut [Aabb],
+    /// Boxes of the triangles at both ends of a motion.
+    pub moving_boxes: &'a mut [MovingBox],
     /// Features that each triangle owns.
     pub owned: &'a mut [u8],
     /// Level of each triangle.
@@ -39,17 +42,34 @@ pub struct Grid<'a> {
 }
 
 /// Writes the candidates of a surface and returns their numbers. `boxes` has one box per vertex, which the caller
-/// has swept and inflated as needed. Nothing is reallocated: a count above its capacity is the capacity that was
+/// has swept and inflated as needed. Given a `motion`, pairs of triangles that share it and stay [apart](super::comoving) are
+/// left out. Nothing is reallocated: a count above its capacity is the capacity that was
 /// needed.
 pub fn candidates(
     boxes: &[Aabb],
     surface: &Surface<'_>,
     work: &mut Grid<'_>,
+    motion: Option<&Motion<'_>>,
     out: &mut Candidates<'_>,
     dispatch: &impl Dispatch,
 ) -> Counts {
-    let Grid { triangle_boxes, owned, levels, quantized_boxes, spheres, byte_boxes, homes, entries, spare } = work;
+    let Grid {
+        triangle_boxes,
+        moving_boxes,
+        owned,
+        levels,
+        quantized_boxes,
+        spheres,
+        byte_boxes,
+        homes,
+        entries,
+        spare,
+    } = work;
     write_bounds(boxes, surface, triangle_boxes, owned, dispatch);
+    let moving_boxes = motion.map(|motion| {
+        write_moving_boxes(motion, surface.triangles, moving_boxes, dispatch);
+        &**moving_boxes
+    });
     let sizes = levels::assign(triangle_boxes, levels);
     let mut counts = Counts::default();
     for level in 0..sizes.graded {
@@ -63,12 +83,22 @@ pub fn candidates(
         let (entries, spare) = (&mut entries[..count], &mut spare[..count]);
         let sorted = if sort(entries, spare, grid.key_bits()) { spare } else { entries };
         for_each_pair(sorted, homes, byte_boxes, &grid, surface, |pairs| {
-            add_features(boxes, surface, triangle_boxes, owned, Some(byte_boxes), pairs, out, &mut counts);
+            add_features(
+                boxes,
+                surface,
+                triangle_boxes,
+                owned,
+                Some(byte_boxes),
+                pairs,
+                moving_boxes,
+                out,
+                &mut counts,
+            );
         });
     }
     if sizes.single > 0 {
         for_each_brute_force_pair(triangle_boxes, levels, sizes.graded, surface, |pairs| {
-            add_features(boxes, surface, triangle_boxes, owned, None, pairs, out, &mut counts);
+            add_features(boxes, surface, triangle_boxes, owned, None, pairs, moving_boxes, out, &mut counts);
         });
     }
     counts
@@ -79,6 +109,7 @@ pub fn candidates(
 #[derive(Clone, Debug, Default)]
 pub struct GridColumns {
     triangle_boxes: alloc::vec::Vec<Aabb>,
+    moving_boxes: alloc::vec::Vec<MovingBox>,
     owned: alloc::vec::Vec<u8>,
     byte_boxes: alloc::vec::Vec<ByteBoxes>,
     levels: alloc::vec::Vec<u8>,
@@ -97,6 +128,7 @@ impl GridColumns {
         use alloc::vec;
         Self {
             triangle_boxes: vec![Aabb::EMPTY; triangles],
+            moving_boxes: vec![MovingBox::EMPTY; triangles],
             owned: vec![0; triangles],
             byte_boxes: vec![ByteBoxes::default(); triangles],
             levels: vec![0; triangles],
@@ -112,6 +144,7 @@ impl GridColumns {
     pub fn view(&mut self) -> Grid<'_> {
         Grid {
             triangle_boxes: &mut self.triangle_boxes,
+            moving_boxes: &mut self.moving_boxes,
             owned: &mut self.owned,
             byte_boxes: &mut self.byte_boxes,
             levels: &mut self.levels,
@@ -126,6 +159,7 @@ impl GridColumns {
     /// Size of the columns in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.triangle_boxes[..])
+            + size_of_val(&self.moving_boxes[..])
             + size_of_val(&self.owned[..])
             + size_of_val(&self.byte_boxes[..])
             + size_of_val(&self.quantized_boxes[..])

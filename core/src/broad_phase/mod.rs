@@ -28,6 +28,8 @@ pub mod sort;
 pub mod brute_force_level;
 pub mod pairs;
 
+pub mod comoving;
+
 pub mod features;
 
 pub mod grid;

@@ -49,7 +49,7 @@ pub fn candidates(boxes: &[Aabb], surface: &Surface<'_>, out: &mut Candidates<'_
                 let may_pair = surface.may_pair(a as u32, b as u32);
                 if may_pair && here == reference && triangle_boxes[a].overlaps(&triangle_boxes[b]) {
                     let pair = [[a as u32, b as u32]];
-                    add_features(boxes, surface, &triangle_boxes, &owned, None, &pair, out, &mut counts);
+                    add_features(boxes, surface, &triangle_boxes, &owned, None, &pair, None, out, &mut counts);
                 }
             }
         }

@@ -30,7 +30,7 @@ const CLOSE: Real = 0.1;
 const TARGET: Real = 0.9;
 
 /// Sums of squares below this have lost digits to underflow.
-const LEAST_SQUARED: Real = Real::MIN_POSITIVE / Real::EPSILON;
+pub const LEAST_SQUARED: Real = Real::MIN_POSITIVE / Real::EPSILON;
 
 /// The time in [0, 1] at which two features come within `separation + tolerance`, m. The first feature consists of
 /// the first `first` of the four vertices: 1, a vertex and a triangle, or 2, two edges; `apart` returns the vector between
@@ -119,7 +119,7 @@ fn closing(first: usize, direction: Vec3, now: &[Vec3; 4], end: &[Vec3; 4], time
 
 /// The thickness of the slab between the features, times the length of `direction`.
 #[inline]
-fn slab(first: usize, direction: Vec3, x: &[Vec3; 4]) -> Real {
+pub fn slab(first: usize, direction: Vec3, x: &[Vec3; 4]) -> Real {
     let heights = x.map(|x| direction.dot(x));
     let (first, second) = heights.split_at(first);
     first.iter().fold(Real::INFINITY, |a, &b| a.min(b)) - second.iter().fold(Real::NEG_INFINITY, |a, &b| a.max(b))

@@ -2,7 +2,7 @@
 //! there are also pairs of features beside the nearest pair, and their normals are inclined. Contacts along these
 //! normals would resist sliding: an edge inside a flat face would act like a step [Johnson 2003].
 
-use super::{Contact, Pairing};
+use super::{Contact, Kind, Pairing, with_pairing};
 use crate::broad_phase::Surface;
 use crate::real::{Real, Vec3, sqrt};
 
@@ -15,10 +15,11 @@ const ALONG: Real = 0.1;
 
 /// Whether no neighbour of the two features of a contact is nearer to the other surface. A contact with the
 /// interior of a face always passes, because its normal is the normal of the face.
-pub fn is_local_minimum<P: Pairing>(surface: &Surface<'_>, x: &[Vec3], contact: &Contact) -> bool {
+pub fn is_local_minimum(kind: Kind, surface: &Surface<'_>, x: &[Vec3], contact: &Contact) -> bool {
     let Contact { vertices, weights, normal, .. } = contact;
+    let middle = with_pairing!(kind, P => P::FIRST);
     let [first, second] =
-        [0..P::FIRST, P::FIRST..4].map(|k| Feature { vertices: &vertices[k.clone()], weights: &weights[k] });
+        [0..middle, middle..4].map(|k| Feature { vertices: &vertices[k.clone()], weights: &weights[k] });
     let on_face = second.touched() == 3;
     on_face || is_lowest(surface, x, first, second, -*normal) && is_lowest(surface, x, second, first, *normal)
 }

@@ -8,6 +8,7 @@ pub mod edge_edge;
 pub mod edge_edge_ccd;
 pub mod local_minimum;
 pub mod proximity;
+pub mod slab;
 pub mod time_of_impact;
 pub mod vertex_triangle;
 pub mod vertex_triangle_ccd;
@@ -132,6 +133,32 @@ impl Pairing for EdgeEdge {
     }
 }
 
+/// The kind of a pair of features. Code that runs for few pairs takes it as a value; kernels take a [`Pairing`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// [`VertexTriangle`].
+    VertexTriangle,
+    /// [`EdgeEdge`].
+    EdgeEdge,
+}
+
+/// Evaluates an expression with the [`Pairing`] of a kind as the type `$P`.
+macro_rules! with_pairing {
+    ($kind:expr, $P:ident => $result:expr) => {
+        match $kind {
+            $crate::narrow_phase::Kind::VertexTriangle => {
+                type $P = $crate::narrow_phase::VertexTriangle;
+                $result
+            }
+            $crate::narrow_phase::Kind::EdgeEdge => {
+                type $P = $crate::narrow_phase::EdgeEdge;
+                $result
+            }
+        }
+    };
+}
+pub(crate) use with_pairing;
+
 /// Four entries of a column, one for each vertex.
 #[inline]
 pub fn gather<T: Copy>(vertices: [u32; 4], column: &[T]) -> [T; 4] {
@@ -140,11 +167,12 @@ pub fn gather<T: Copy>(vertices: [u32; 4], column: &[T]) -> [T; 4] {
 
 /// The contact of two features with nearest points at the positions `x` and a gap measured at the positions
 /// `start`. `None` if the distance is zero and the features are too degenerate to have a normal.
-pub fn contact<P: Pairing>(vertices: [u32; 4], x: &[Vec3; 4], start: &[Vec3; 4], radius: Real) -> Option<Contact> {
-    let Nearest { weights, between } = P::nearest(x);
+#[cfg_attr(small, inline(never))]
+pub fn contact(kind: Kind, vertices: [u32; 4], x: &[Vec3; 4], start: &[Vec3; 4], radius: Real) -> Option<Contact> {
+    let Nearest { weights, between } = with_pairing!(kind, P => P::nearest(x));
     let normal = match between.try_normalize() {
         Some(normal) => normal,
-        None => P::direction(x)?,
+        None => with_pairing!(kind, P => P::direction(x))?,
     };
     let apart = |k: usize| (start[k] - start[3]) * weights[k];
     // The weights have sum 0, so relative positions give the same sum with less cancellation.

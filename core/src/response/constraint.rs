@@ -26,6 +26,7 @@ pub struct Constraint {
 impl Constraint {
     /// A constraint with zero impulses. It is not solved if a vertex would have to move more than `lever_ratio` times as far
     /// as the contact.
+    #[cfg_attr(small, inline(never))]
     pub fn new(
         contact: Contact,
         target: Real,

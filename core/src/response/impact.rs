@@ -8,7 +8,7 @@ use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, Pairs};
 use crate::dispatch::Dispatch;
 use crate::narrow_phase::time_of_impact::TimeOfImpact;
-use crate::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, contact, continuous, gather};
+use crate::narrow_phase::{Kind, Pairing, contact, continuous, gather, with_pairing};
 use crate::real::{Real, Vec3};
 use crate::stage::Stage;
 
@@ -32,15 +32,17 @@ pub(crate) fn find<D: Dispatch>(
     dispatch: &D,
 ) -> Result<usize, usize> {
     if model.continuous {
-        find_pairs::<VertexTriangle, D>(model, vertex_triangle, counts.vertex_triangle, motion, list, dispatch);
-        find_pairs::<EdgeEdge, D>(model, edge_edge, counts.edge_edge, motion, list, dispatch);
+        find_pairs(Kind::VertexTriangle, model, vertex_triangle, counts.vertex_triangle, motion, list, dispatch);
+        find_pairs(Kind::EdgeEdge, model, edge_edge, counts.edge_edge, motion, list, dispatch);
     }
     let least = |gap| repulsion::least_gap(gap, model.thickness);
     repulsion::find_planes(model, motion, least, &repulsion::Known::nothing(), list);
     list.count()
 }
 
-fn find_pairs<P: Pairing, D: Dispatch>(
+#[cfg_attr(small, inline(never))]
+fn find_pairs<D: Dispatch>(
+    kind: Kind,
     model: &ContactModel<'_>,
     pairs: &mut Pairs<'_>,
     count: usize,
@@ -54,7 +56,9 @@ fn find_pairs<P: Pairing, D: Dispatch>(
         continuous::LinearMotion { start, end, displacements, radii: model.radii, rounds, round: motion.tested() };
     let separation = SEPARATION * model.thickness;
     dispatch.enter(Stage::NarrowPhase);
-    continuous::times::<P>(candidates, pairs.distances, &model.surface, swept, separation, times, dispatch);
+    with_pairing!(kind, P => {
+        continuous::times::<P>(candidates, pairs.distances, &model.surface, swept, separation, times, dispatch);
+    });
     dispatch.enter(Stage::Response);
     let first = list.count;
     for (&candidate, &time) in candidates.iter().zip(&*times) {
@@ -64,12 +68,12 @@ fn find_pairs<P: Pairing, D: Dispatch>(
             TimeOfImpact::At(time) => (false, Some(time)),
             TimeOfImpact::Touching => (true, None),
         };
-        let vertices = P::vertices(&model.surface, candidate);
+        let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
         let (x, displacements) = (gather(vertices, start), gather(vertices, displacements));
-        let radius = P::radius(gather(vertices, model.radii));
+        let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
         let at: [Vec3; 4] = time.map_or(x, |time| core::array::from_fn(|k| x[k] + displacements[k] * time));
         let (Some(impact), Some(before)) =
-            (contact::<P>(vertices, &at, &x, radius), contact::<P>(vertices, &x, &x, radius))
+            (contact(kind, vertices, &at, &x, radius), contact(kind, vertices, &x, &x, radius))
         else {
             list.touching += 1;
             continue;
@@ -80,7 +84,7 @@ fn find_pairs<P: Pairing, D: Dispatch>(
         if touch && ends >= repulsion::least_gap(before.gap, model.thickness) - continuous::TOUCH * separation {
             continue;
         }
-        let target = thickness::<P>(model, vertices).min(before.gap);
+        let target = thickness(kind, model, vertices).min(before.gap);
         let coefficients = coefficients(model, &impact, motion);
         list.push(Constraint::new(impact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO));
     }

@@ -160,7 +160,7 @@ pub fn respond<D: Dispatch>(
 ) -> Result<Outcome, usize> {
     let near = find_near(model, scratch, settings.step, scratch.lengths.constraints, 0.0)?;
     let ContactScratch {
-        start, end, displacements, corrections, rounds, zones, boxes, counts, constraints, order, ..
+        start, end, displacements, corrections, rounds, zones, ends, counts, constraints, order, ..
     } = scratch;
     let mut pairs = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
     let mut work = Work {
@@ -178,7 +178,7 @@ pub fn respond<D: Dispatch>(
     loop {
         work.run_passes();
         work.motion.round_ends(work.corrections);
-        if work.motion.leaves_boxes(boxes, model) {
+        if work.motion.leaves_boxes(ends, model) {
             return Ok(Outcome::LeavesBoxes);
         }
         work.first = work.list.count;

@@ -8,7 +8,7 @@ use super::work::{List, Motion, Work, relax};
 use crate::colliders::Form;
 use crate::contact::{ContactModel, Pairs};
 use crate::narrow_phase::local_minimum::is_local_minimum;
-use crate::narrow_phase::{Contact, EdgeEdge, Pairing, VertexTriangle, contact, gather};
+use crate::narrow_phase::{Contact, Kind, Pairing, contact, gather, with_pairing};
 use crate::real::{Real, sqrt};
 
 /// Sweeps over all contacts.
@@ -40,8 +40,8 @@ pub(crate) fn find(
     margin: Real,
     list: &mut List<'_>,
 ) {
-    find_pairs::<VertexTriangle>(model, vertex_triangle, counts[0], motion, known, margin, list);
-    find_pairs::<EdgeEdge>(model, edge_edge, counts[1], motion, known, margin, list);
+    find_pairs(Kind::VertexTriangle, model, vertex_triangle, counts[0], motion, known, margin, list);
+    find_pairs(Kind::EdgeEdge, model, edge_edge, counts[1], motion, known, margin, list);
     find_planes(model, motion, |_| model.thickness + margin, known, list);
 }
 
@@ -74,7 +74,9 @@ impl<'a> Known<'a> {
     }
 }
 
-fn find_pairs<P: Pairing>(
+#[cfg_attr(small, inline(never))]
+fn find_pairs(
+    kind: Kind,
     model: &ContactModel<'_>,
     pairs: &Pairs<'_>,
     count: usize,
@@ -88,16 +90,17 @@ fn find_pairs<P: Pairing>(
         if distance > REACH * model.thickness {
             continue;
         }
-        let vertices = P::vertices(&model.surface, candidate);
+        let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
         if known.has(list, vertices) {
             continue;
         }
         let x = gather(vertices, motion.start);
-        let Some(contact) = contact::<P>(vertices, &x, &x, P::radius(gather(vertices, model.radii))) else { continue };
-        let least = thickness::<P>(model, vertices);
+        let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
+        let Some(contact) = contact(kind, vertices, &x, &x, radius) else { continue };
+        let least = thickness(kind, model, vertices);
         let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
         let approaches = ends < least + margin;
-        if (distance < least || approaches) && is_local_minimum::<P>(&model.surface, motion.start, &contact) {
+        if (distance < least || approaches) && is_local_minimum(kind, &model.surface, motion.start, &contact) {
             let coefficients = coefficients(model, &contact, motion);
             list.push(Constraint::new(
                 contact,
@@ -150,6 +153,7 @@ pub(crate) fn least_gap(gap: Real, thickness: Real) -> Real {
 }
 
 /// The coefficients of friction of a contact, by its sliding in the predicted motion. The larger law of its vertices counts.
+#[cfg_attr(small, inline(never))]
 pub(crate) fn coefficients(model: &ContactModel<'_>, contact: &Contact, motion: &Motion<'_>) -> FrictionCoefficients {
     let law = gather(contact.vertices, model.law_of).into_iter().fold(0, u32::max);
     let relative = constraint::weighted(contact, motion.displacements);
@@ -158,13 +162,15 @@ pub(crate) fn coefficients(model: &ContactModel<'_>, contact: &Contact, motion: 
 }
 
 /// The thickness that a pair can keep. Neighbours on one sheet may be nearer than the thickness in its material.
-pub(crate) fn thickness<P: Pairing>(model: &ContactModel<'_>, vertices: [u32; 4]) -> Real {
+#[cfg_attr(small, inline(never))]
+pub(crate) fn thickness(kind: Kind, model: &ContactModel<'_>, vertices: [u32; 4]) -> Real {
     let sheet = |v: u32| model.firsts.partition_point(|&first| first <= v);
     let colliders = model.cloth() as u32;
     if vertices.iter().any(|&v| v >= colliders) || vertices.iter().any(|&v| sheet(v) != sheet(vertices[0])) {
         return model.thickness;
     }
-    let rest = sqrt(P::nearest(&gather(vertices, model.material)).between.length_squared());
+    let material = gather(vertices, model.material);
+    let rest = sqrt(with_pairing!(kind, P => P::nearest(&material)).between.length_squared());
     model.thickness.min(0.9 * rest)
 }
 

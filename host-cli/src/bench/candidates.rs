@@ -52,13 +52,13 @@ fn row(cells: usize, thickness: f32, pool: &Pool) -> Row {
     let surface = SurfaceColumns::build(boxes.len(), &mesh.triangles, &[]);
     let surface = surface.view();
     let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
-    let counts = broad_phase::candidates(&boxes, &surface, &mut work.view(), &mut Candidates::default(), pool);
+    let counts = broad_phase::candidates(&boxes, &surface, &mut work.view(), None, &mut Candidates::default(), pool);
     let mut vertex_triangle = vec![[u32::MAX; 2]; counts.vertex_triangle];
     let mut edge_edge = vec![[u32::MAX; 2]; counts.edge_edge];
     let run = |_| {
         let out = &mut Candidates { vertex_triangle: &mut vertex_triangle, edge_edge: &mut edge_edge };
         let started = Instant::now();
-        broad_phase::candidates(&boxes, &surface, &mut work.view(), out, pool);
+        broad_phase::candidates(&boxes, &surface, &mut work.view(), None, out, pool);
         started.elapsed().as_secs_f64()
     };
     let mut times: Vec<f64> = (0..RUNS).map(run).collect();

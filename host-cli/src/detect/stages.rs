@@ -31,7 +31,7 @@ impl CandidateLists {
             let mut out = Candidates { vertex_triangle: &mut self.vertex_triangle, edge_edge: &mut self.edge_edge };
             let started = Instant::now();
             let counts = match method {
-                Method::Grid => broad_phase::candidates(boxes, surface, &mut work.view(), &mut out, pool),
+                Method::Grid => broad_phase::candidates(boxes, surface, &mut work.view(), None, &mut out, pool),
                 Method::Reference => reference_cell::candidates(boxes, surface, &mut out),
                 Method::Brute => brute_force::candidates(boxes, surface, &mut out),
             };
