@@ -92,10 +92,6 @@ pub async fn search<D: Dispatch>(
             return Err(Cause::TooMuch);
         }
         if has_room {
-            if *contact.searched != Searched::Near {
-                contact.kept.widen(contact.ends, 0.0);
-                keep(contact);
-            }
             columns.grow_kept();
             return Ok(counts);
         }
@@ -230,33 +226,60 @@ pub async fn await_candidates<D: Dispatch>(
     dispatch: &D,
 ) -> Counts {
     dispatch.enter(Stage::BroadPhase);
-    if lasts(contact) {
-        return detect(model, contact, dispatch);
+    let lasts = lasts(contact);
+    if !lasts && let Some(counts) = dispatch.detect(model, contact).await {
+        contact.kept.widen(contact.ends, 0.0);
+        *contact.counts = counts;
+        return narrow(model, contact, true, dispatch);
     }
-    let Some(counts) = dispatch.detect(model, contact).await else { return detect(model, contact, dispatch) };
-    *contact.counts = counts;
-    if *contact.searched == Searched::Near && contact.has_room(counts) {
-        drop_far(REACH * model.thickness, contact);
-    }
-    *contact.counts
+    detect(model, contact, dispatch)
 }
 
 /// Finds the candidates and their distances. If the returned counts exceed the capacity, the result is
 /// incomplete: the caller must grow the columns and call again.
 pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
     dispatch.enter(Stage::BroadPhase);
-    if *contact.searched == Searched::Near {
-        return detect_near(model, contact, dispatch);
+    let lasts = lasts(contact);
+    let ContactScratch { start, end, ends, boxes, searched, vertex_triangle, edge_edge, grid, kept, .. } = contact;
+    let motion = motion(model, start, end, ends);
+    let motion = (**searched == Searched::Comoving).then_some(&motion);
+    let mut out = Candidates { vertex_triangle: vertex_triangle.candidates, edge_edge: edge_edge.candidates };
+    *contact.counts = if lasts {
+        kept.take(&mut out)
+    } else if **searched == Searched::Near {
+        kept.widen(boxes, SKIN * model.thickness);
+        broad_phase::candidates(kept.boxes, &model.surface, grid, None, &mut out, dispatch)
+    } else {
+        kept.widen(ends, 0.0);
+        broad_phase::candidates(boxes, &model.surface, grid, motion, &mut out, dispatch)
+    };
+    narrow(model, contact, !lasts, dispatch)
+}
+
+/// Measures the candidates, if there is room for all. Of `new` ones, drops those that stay apart, and keeps the others for the
+/// next step. Slow cloth searches around its prediction in the next step, or finds less if that is quiet: it keeps none.
+fn narrow(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, new: bool, dispatch: &impl Dispatch) -> Counts {
+    if !contact.has_room(*contact.counts) {
+        return *contact.counts;
     }
-    let mut out =
-        Candidates { vertex_triangle: contact.vertex_triangle.candidates, edge_edge: contact.edge_edge.candidates };
-    let motion = motion(model, contact.start, contact.end, contact.ends);
-    let motion = (*contact.searched == Searched::Comoving).then_some(&motion);
-    let counts = broad_phase::candidates(contact.boxes, &model.surface, &mut contact.grid, motion, &mut out, dispatch);
-    *contact.counts = counts;
-    if contact.has_room(counts) {
-        drop_apart(model, 2.0 * START * model.thickness, contact, dispatch);
-        measure(model, REACH * model.thickness, contact, dispatch);
+    dispatch.enter(Stage::NarrowPhase);
+    let (reach, is_near) = (REACH * model.thickness, *contact.searched == Searched::Near);
+    // Each of two features moves by at most the diagonal of the skin before a wide box is left. Distances up to here are
+    // measured, not bounded: whether a pair is within reach must not depend on the pairs that were kept.
+    let skin = if is_near { SKIN * model.thickness } else { 0.0 };
+    let far = 2.0 * (START * model.thickness + sqrt(3.0) * skin);
+    if new {
+        drop_apart(model, far, contact, dispatch);
+        let Counts { vertex_triangle, edge_edge } = *contact.counts;
+        let pairs =
+            [&contact.vertex_triangle.candidates[..vertex_triangle], &contact.edge_edge.candidates[..edge_edge]];
+        if *contact.searched != Searched::Swept {
+            contact.kept.put(pairs);
+        }
+    }
+    measure(model, if is_near { far } else { reach }, contact, dispatch);
+    if is_near {
+        drop_far(reach, contact);
     }
     *contact.counts
 }
@@ -272,52 +295,12 @@ fn lasts(contact: &ContactScratch<'_>) -> bool {
     *contact.searched == Searched::Near && contact.kept.cover(contact.boxes)
 }
 
-/// [`detect`] for the pairs within [`REACH`] at the start.
-fn detect_near(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
-    let (reach, skin) = (REACH * model.thickness, SKIN * model.thickness);
-    // Each of two features moves by at most the diagonal of the skin before a wide box is left. Distances up to here are
-    // measured, not bounded: whether a pair is within reach must not depend on the pairs that were kept.
-    let far = reach + 2.0 * (sqrt(3.0) * skin + rounding(model, contact.start));
-    let lasts = lasts(contact);
-    let ContactScratch { vertex_triangle, edge_edge, kept, .. } = contact;
-    let mut out = Candidates { vertex_triangle: vertex_triangle.candidates, edge_edge: edge_edge.candidates };
-    if lasts {
-        *contact.counts = kept.take(&mut out);
-        if !contact.has_room(*contact.counts) {
-            return *contact.counts;
-        }
-        drop_apart(model, far, contact, dispatch);
-        measure(model, far, contact, dispatch);
-    } else {
-        kept.widen(contact.boxes, skin);
-        let counts = broad_phase::candidates(kept.boxes, &model.surface, &mut contact.grid, None, &mut out, dispatch);
-        *contact.counts = counts;
-        if !contact.has_room(counts) {
-            return counts;
-        }
-        drop_apart(model, far, contact, dispatch);
-        keep(contact);
-        measure(model, far, contact, dispatch);
-    }
-    drop_far(reach, contact);
-    *contact.counts
-}
-
-/// Keeps the candidates.
-fn keep(contact: &mut ContactScratch<'_>) {
-    let Counts { vertex_triangle, edge_edge } = *contact.counts;
-    contact
-        .kept
-        .put([&contact.vertex_triangle.candidates[..vertex_triangle], &contact.edge_edge.candidates[..edge_edge]]);
-}
-
 /// Drops the candidates that stay farther apart than `far` while each vertex moves to its end box, m. If `far` is twice the
 /// half width of the boxes around the start, they are not near at either end. They do not collide either: that half width is
 /// 0.51 thicknesses larger than what the end box leaves around a vertex, so a vertex ends up to 0.51 thicknesses farther from
 /// the middle of its box along each axis than the bound assumes. That brings two features nearer by 2 sqrt(3) 0.51 < 1.77
 /// thicknesses, and `far` is 2.02.
 fn drop_apart(model: &ContactModel<'_>, far: Real, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) {
-    dispatch.enter(Stage::NarrowPhase);
     let motion = motion(model, contact.start, contact.end, contact.ends);
     let counts = *contact.counts;
     let pairs = &mut contact.vertex_triangle;
@@ -333,7 +316,6 @@ fn drop_apart(model: &ContactModel<'_>, far: Real, contact: &mut ContactScratch<
 
 /// Writes the distances of the candidates at the start of the step; beyond `reach`, a lower bound.
 fn measure(model: &ContactModel<'_>, reach: Real, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) {
-    dispatch.enter(Stage::NarrowPhase);
     let (counts, surface, x) = (*contact.counts, &model.surface, &*contact.start);
     let pairs = &mut contact.vertex_triangle;
     let (candidates, distances) =

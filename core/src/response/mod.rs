@@ -68,7 +68,7 @@ pub enum Outcome {
 /// Counts of contact, over all steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ContactStatistics {
-    /// Candidates found.
+    /// Candidates that the response had to test.
     pub candidates: u64,
     /// Contacts within the thickness.
     pub proximity: u64,
