@@ -114,12 +114,12 @@ fn surround(model: &ContactModel<'_>, purpose: Purpose, contact: &mut ContactScr
         Purpose::Response { widened } => (widened, false),
     };
     if widened == 0 {
+        if matches!(searched, Searched::Swept | Searched::Comoving) && holds_end(model, contact) {
+            return false;
+        }
         if is_quiet(model, contact) || for_solve && is_fast {
             surround_start(model, contact);
             return searched != Searched::Near;
-        }
-        if matches!(searched, Searched::Swept | Searched::Comoving) && holds_end(model, contact) {
-            return false;
         }
         contact.ends.fill(Aabb::EMPTY);
     }
@@ -184,10 +184,11 @@ fn rounding(model: &ContactModel<'_>, positions: &[Vec3]) -> Real {
     2.0 * ROUNDING * largest
 }
 
-/// Writes the boxes of a quiet step: around the start, wider on each side by half of [`REACH`] and the radius. Pairs
-/// beyond reach cannot collide as long as no vertex leaves its box. Each of the two features moves by at most 0.51
-/// thicknesses along each axis. That brings them nearer by 2 sqrt(3) 0.51 < 1.77 thicknesses, less than reach without the
-/// distance at which they collide and the reserve for rounding.
+/// Writes the boxes of a search for near pairs: around the start, wider on each side by half of [`REACH`] and the radius.
+///
+/// In a quiet step, pairs beyond reach cannot collide as long as no vertex leaves its box. Each of the two features moves by at
+/// most 0.51 thicknesses along each axis. That brings them nearer by 2 sqrt(3) 0.51 < 1.77 thicknesses, less than reach
+/// without the distance at which they collide and the reserve for rounding.
 #[cfg_attr(small, optimize(size))]
 pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) {
     *contact.searched = Searched::Near;
@@ -270,14 +271,17 @@ fn narrow(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, new: bool,
     let far = 2.0 * (START * model.thickness + sqrt(3.0) * skin);
     if new {
         drop_apart(model, far, contact, dispatch);
+    }
+    measure(model, if is_near { far } else { reach }, contact, dispatch);
+    if is_near {
+        drop_far(far, contact);
+    }
+    if new && *contact.searched != Searched::Swept {
         let Counts { vertex_triangle, edge_edge } = *contact.counts;
         let pairs =
             [&contact.vertex_triangle.candidates[..vertex_triangle], &contact.edge_edge.candidates[..edge_edge]];
-        if *contact.searched != Searched::Swept {
-            contact.kept.put(pairs);
-        }
+        contact.kept.put(pairs);
     }
-    measure(model, if is_near { far } else { reach }, contact, dispatch);
     if is_near {
         drop_far(reach, contact);
     }
