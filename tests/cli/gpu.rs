@@ -111,11 +111,9 @@ fn a_run_is_repeatable_and_nothing_passes_through() {
     let contacts = |run: &Value| run["contacts"]["proximity"].as_u64().unwrap_or_else(|| panic!("{run}"));
     println!("{} contacts, on the processor {}", contacts(&once), contacts(&cpu));
     assert!(contacts(&once) > 100, "{once}");
-    // Until the sheet touches the ball, the bits are the same. After that the order of the constraints differs.
-    assert_eq!(frames[..5], expected[..5]);
-    let off = frames[8].iter().zip(&expected[8]).flat_map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs()));
-    let off = off.fold(0.0, f32::max);
-    assert!(off < 1e-3, "{off} m off soon after it touched");
+    // The processor measures the device's candidates, and sorts the contacts.
+    assert!(frames == expected, "the frames are the same, bit for bit");
+    assert_eq!(once["state_hash"], cpu["state_hash"], "as on the processor");
 }
 
 #[test]
