@@ -108,7 +108,6 @@ pub async fn search<D: Dispatch>(
 fn surround(model: &ContactModel<'_>, purpose: Purpose, contact: &mut ContactScratch<'_>) -> bool {
     let searched = *contact.searched;
     let is_fast = is_fast(model, contact);
-    let margin = (START - 0.5 + END_SKIN) * model.thickness;
     let (widened, for_solve) = match purpose {
         Purpose::Solve => (0, true),
         Purpose::Response { widened } => (widened, false),
@@ -123,8 +122,10 @@ fn surround(model: &ContactModel<'_>, purpose: Purpose, contact: &mut ContactScr
         }
         contact.ends.fill(Aabb::EMPTY);
     }
-    sweep(model, margin * (1 << widened) as Real, contact);
-    if searched == Searched::Nothing && !is_fast {
+    let ends_anywhere = searched == Searched::Nothing && !is_fast;
+    let margin = if ends_anywhere { 0.5 } else { START - 0.5 + END_SKIN };
+    sweep(model, margin * model.thickness * (1 << widened) as Real, contact);
+    if ends_anywhere {
         contact.ends.copy_from_slice(contact.boxes);
         *contact.searched = Searched::Swept;
     }
