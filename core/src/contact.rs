@@ -65,7 +65,7 @@ pub struct ContactScratch<'a> {
     pub boxes: &'a mut [Aabb],
     /// Boxes in which the vertices may end: there, the candidates are complete.
     pub ends: &'a mut [Aabb],
-    /// What the candidates are.
+    /// The kind of the candidates.
     pub searched: &'a mut Searched,
     /// Numbers of candidates.
     pub counts: &'a mut Counts,
@@ -93,10 +93,10 @@ pub struct ContactScratch<'a> {
     pub room: Room<'a>,
 }
 
-/// What the candidates are.
+/// The kind of the candidates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Searched {
-    /// There are none yet.
+    /// No pairs have been searched in this step.
     #[default]
     Nothing,
     /// The pairs within [reach](crate::response::repulsion::REACH) at the start of the step.

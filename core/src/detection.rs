@@ -58,7 +58,7 @@ pub fn most_pairs(model: &ContactModel<'_>) -> usize {
     MOST_PAIRS.max(MOST_PAIRS_PER_VERTEX * model.radii.len())
 }
 
-/// What a search is for.
+/// The purpose of a search.
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose {
     /// The solve of an implicit step, which needs the pairs that are near at its start. Where the cloth is slow, all pairs that
@@ -113,7 +113,9 @@ fn surround(model: &ContactModel<'_>, purpose: Purpose, contact: &mut ContactScr
         Purpose::Response { widened } => (widened, false),
     };
     if widened == 0 {
-        if matches!(searched, Searched::Swept | Searched::Comoving) && holds_end(model, contact) {
+        if matches!(searched, Searched::Swept | Searched::Comoving)
+            && (contact.end.iter().enumerate()).all(|(v, &end)| may_end(model, contact.ends, v, end))
+        {
             return false;
         }
         if is_quiet(model, contact) || for_solve && is_fast {
@@ -169,12 +171,10 @@ fn is_fast(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
     moved * model.surface.edges.len() as Real > FAST * long * start.len() as Real
 }
 
-/// Whether the motion ends where it may end.
-fn holds_end(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
-    contact.end.iter().zip(model.radii).zip(&*contact.ends).all(|((&end, radius), around)| {
-        let wide = 0.5 * model.thickness + radius;
-        around.contains(&Aabb { min: end - wide, max: end + wide })
-    })
+/// Whether a vertex that ends at `end` stays in its end box.
+pub fn may_end(model: &ContactModel<'_>, ends: &[Aabb], v: usize, end: Vec3) -> bool {
+    let wide = 0.5 * model.thickness + model.radii[v];
+    ends[v].contains(&Aabb { min: end - wide, max: end + wide })
 }
 
 /// Bound of the errors of distances and of the corners of boxes, m.
@@ -209,7 +209,6 @@ pub fn sweep(model: &ContactModel<'_>, margin: Real, contact: &mut ContactScratc
     *contact.searched = if is_rounded_little { Searched::Comoving } else { Searched::Swept };
     for (v, around) in contact.boxes.iter_mut().enumerate() {
         let (start, end) = (contact.start[v], contact.end[v]);
-        contact.displacements[v] = end - start;
         // The factor makes up for the rounding of the width. The corners are rounded monotonically, so boxes that
         // overlap before rounding also overlap after it, at any distance from the origin.
         let wide = |margin: Real| (margin + model.radii[v]) * (1.0 + 4.0 * Real::EPSILON);
@@ -301,9 +300,9 @@ fn lasts(contact: &ContactScratch<'_>) -> bool {
 }
 
 /// Drops the candidates that stay farther apart than `far` while each vertex moves to its end box, m. If `far` is twice the
-/// half width of the boxes around the start, they are not near at either end. They do not collide either: that half width is
-/// 0.51 thicknesses larger than what the end box leaves around a vertex, so a vertex ends up to 0.51 thicknesses farther from
-/// the middle of its box along each axis than the bound assumes. That brings two features nearer by 2 sqrt(3) 0.51 < 1.77
+/// half width of the boxes around the start, they are not near at either end. They do not collide either. The bound assumes
+/// that 1.01 thicknesses of the end box lie around a vertex, but the response leaves only 0.5. So a vertex may end farther
+/// from the middle of its box, by 0.51 thicknesses along each axis. That brings two features nearer by 2 sqrt(3) 0.51 < 1.77
 /// thicknesses, and `far` is 2.02.
 fn drop_apart(model: &ContactModel<'_>, far: Real, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) {
     let motion = motion(model, contact.start, contact.end, contact.ends);

@@ -2,7 +2,8 @@
 //!
 //! predict (forces, integration) -> [`place`] -> couple (implicit methods only: near pairs, contacts and elasticity, impacts
 //! of the motion) -> [`search`](detection::search) (candidates and their distances, where the motion needs other ones) ->
-//! [`respond`](response::respond) (contacts, impacts) -> settle -> [`new_crossing`](audit::new_crossing), if surfaces [touch](Outcome::Touches) -> keep the forces of contacts,
+//! [`respond`](response::respond) (contacts, impacts) -> settle -> [`new_crossing`](audit::new_crossing), if surfaces
+//! [touch](Outcome::Touches) -> keep the forces of contacts,
 //! commit. Without contact a step consists of the first and the last phase.
 //!
 //! Backward Euler without Newton's method predicts the motion without any force and leaves its one linear solve to the

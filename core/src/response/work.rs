@@ -3,6 +3,7 @@
 use super::constraint::{self, Constraint};
 use super::{ContactStatistics, PASSES};
 use crate::contact::ContactModel;
+use crate::detection;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3};
 
@@ -109,11 +110,9 @@ impl Motion<'_> {
 
     /// Whether a vertex moved in this round has left its box, less the margin of the box. In the first round the implicit
     /// solve may have moved any vertex.
-    pub fn leaves_boxes(&self, boxes: &[Aabb], model: &ContactModel<'_>) -> bool {
+    pub fn leaves_boxes(&self, ends: &[Aabb], model: &ContactModel<'_>) -> bool {
         self.end.iter().enumerate().any(|(v, &end)| {
-            let around = Vec3::splat(0.5 * model.thickness + model.radii[v]);
-            (self.round == 1 || self.rounds[v] == self.round)
-                && !((end - around).cmpge(boxes[v].min).all() && (end + around).cmple(boxes[v].max).all())
+            (self.round == 1 || self.rounds[v] == self.round) && !detection::may_end(model, ends, v, end)
         })
     }
 }

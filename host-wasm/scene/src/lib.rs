@@ -271,7 +271,7 @@ impl<'de> MapAccess<'de> for Entries {
 }
 
 impl Entries {
-    /// Goes on to the next key whose value is not undefined. Returns false if there is none.
+    /// Goes on to the next key whose value is not undefined. Returns false at the end.
     #[inline(never)]
     fn advance(&mut self) -> bool {
         while self.next < self.items.length() {
