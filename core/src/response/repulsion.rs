@@ -91,7 +91,10 @@ fn find_pairs(
             continue;
         }
         let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
-        if known.has(list, vertices) {
+        let displacements = gather(vertices, motion.displacements);
+        let nearest_end = distance - with_pairing!(kind, P => P::approach(&displacements));
+        let may_push = distance < model.thickness || nearest_end < model.thickness + margin;
+        if !may_push || known.has(list, vertices) {
             continue;
         }
         let x = gather(vertices, motion.start);
@@ -170,6 +173,10 @@ pub(crate) fn thickness(kind: Kind, model: &ContactModel<'_>, vertices: [u32; 4]
         return model.thickness;
     }
     let material = gather(vertices, model.material);
+    // Twice the thickness: far from every rounding error.
+    if with_pairing!(kind, P => P::box_distance(&material)) > 2.0 * model.thickness {
+        return model.thickness;
+    }
     let rest = sqrt(with_pairing!(kind, P => P::nearest(&material)).between.length_squared());
     model.thickness.min(0.9 * rest)
 }
