@@ -2,7 +2,7 @@
 //! the pair must end no nearer than it began, or no nearer than the thickness. Inelastic [Bridson 2002].
 
 use super::constraint::{self, Constraint};
-use super::repulsion::{self, coefficients, thickness};
+use super::repulsion::{self, coefficients, least_at_rest};
 use super::work::{List, Motion, Work, relax};
 use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, Pairs};
@@ -84,7 +84,7 @@ fn find_pairs<D: Dispatch>(
         if touch && ends >= repulsion::least_gap(before.gap, model.thickness) - continuous::TOUCH * separation {
             continue;
         }
-        let target = thickness(kind, model, vertices).min(before.gap);
+        let target = least_at_rest(kind, model, vertices, model.thickness).min(before.gap);
         let coefficients = coefficients(model, &impact, motion);
         list.push(Constraint::new(impact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO));
     }

@@ -100,9 +100,10 @@ fn find_pairs(
         let x = gather(vertices, motion.start);
         let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
         let Some(contact) = contact(kind, vertices, &x, &x, radius) else { continue };
-        let least = thickness(kind, model, vertices);
+        let reach = least_at_rest(kind, model, vertices, model.thickness + margin);
+        let least = reach.min(model.thickness);
         let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
-        let approaches = ends < least + margin;
+        let approaches = ends < reach;
         if (distance < least || approaches) && is_local_minimum(kind, &model.surface, motion.start, &contact) {
             let coefficients = coefficients(model, &contact, motion);
             list.push(Constraint::new(
@@ -164,21 +165,21 @@ pub(crate) fn coefficients(model: &ContactModel<'_>, contact: &Contact, motion: 
     model.laws[law as usize].coefficients(sqrt(sliding.length_squared()) / motion.step)
 }
 
-/// The thickness that a pair can keep. Neighbours on one sheet may be nearer than the thickness in its material.
+/// The part of a `distance` that a pair can keep, m. Neighbours on one sheet may be nearer in its material.
 #[cfg_attr(small, inline(never))]
-pub(crate) fn thickness(kind: Kind, model: &ContactModel<'_>, vertices: [u32; 4]) -> Real {
+pub(crate) fn least_at_rest(kind: Kind, model: &ContactModel<'_>, vertices: [u32; 4], distance: Real) -> Real {
     let sheet = |v: u32| model.firsts.partition_point(|&first| first <= v);
     let colliders = model.cloth() as u32;
     if vertices.iter().any(|&v| v >= colliders) || vertices.iter().any(|&v| sheet(v) != sheet(vertices[0])) {
-        return model.thickness;
+        return distance;
     }
     let material = gather(vertices, model.material);
-    // Twice the thickness: far from every rounding error.
-    if with_pairing!(kind, P => P::box_distance(&material)) > 2.0 * model.thickness {
-        return model.thickness;
+    // Twice the distance: far from every rounding error.
+    if with_pairing!(kind, P => P::box_distance(&material)) > 2.0 * distance {
+        return distance;
     }
     let rest = sqrt(with_pairing!(kind, P => P::nearest(&material)).between.length_squared());
-    model.thickness.min(0.9 * rest)
+    distance.min(0.9 * rest)
 }
 
 /// Solves the contacts.
