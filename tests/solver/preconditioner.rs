@@ -1,5 +1,5 @@
-//! Effects of the two-level preconditioner, as counts: far fewer iterations than with its blocks alone; blocks
-//! that are positive definite even if the matrix is not; and Newton's method in single precision stops at the
+//! Effects of the two-level preconditioner, as counts: far fewer iterations than with its blocks alone, and no more of
+//! them in a large sheet; blocks that are positive definite even if the matrix is not; and Newton's method in single precision stops at the
 //! rounding limit.
 
 use glam::{Mat3, Quat};
@@ -17,13 +17,13 @@ use nalgebra::Matrix3;
 
 const STEPS: u32 = 12;
 
-/// Statistics of the first steps of a built-in scene, after `change`.
-fn work(name: &str, change: impl Fn(&mut SceneDesc)) -> IntegratorStatistics {
+/// Statistics of the first `steps` of a built-in scene, after `change`.
+fn work(name: &str, steps: u32, change: impl Fn(&mut SceneDesc)) -> IntegratorStatistics {
     let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("the scene is built in").1;
     let mut scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
     change(&mut scene);
     let mut cloth = Simulation::new(&scene, &[]).expect("built-in scenes build");
-    for _ in 0..STEPS {
+    for _ in 0..steps {
         cloth.take_step().expect("the first steps are finite");
     }
     cloth.statistics()
@@ -32,10 +32,25 @@ fn work(name: &str, change: impl Fn(&mut SceneDesc)) -> IntegratorStatistics {
 #[test]
 fn patches_save_most_iterations() {
     for (name, saved) in [("hanging", 5), ("swing", 10)] {
-        let of = |preconditioner| work(name, |scene| scene.integrator.preconditioner = preconditioner).cg_iterations;
+        let of =
+            |preconditioner| work(name, STEPS, |scene| scene.integrator.preconditioner = preconditioner).cg_iterations;
         let (blocks, both) = (of(Preconditioner::BlockJacobi), of(Preconditioner::TwoLevel));
         assert!(both * saved < blocks, "{name}: {both} iterations with patches, {blocks} with blocks alone");
     }
+}
+
+/// From 16,000 vertices on, large patches are cut into small ones. Without these, the larger sheet needs 1.8 times as many
+/// iterations as the smaller one.
+#[test]
+fn a_large_sheet_needs_no_more_iterations() {
+    let of = |cells| {
+        work("hanging", 2, |scene| {
+            scene.cloth[0].grid.as_mut().expect("the sheet is a grid").cells = [cells; 2];
+        })
+        .cg_iterations
+    };
+    let (small, large) = (of(99), of(199));
+    assert!(large <= small, "{large} iterations with 40,000 vertices, {small} with 10,000");
 }
 
 #[test]
@@ -56,7 +71,7 @@ fn a_running_simulations_columns_make_another() {
 
 #[test]
 fn newton_in_single_precision_stops_at_rounding() {
-    let newton = work("swing", |scene| scene.integrator.newton = 20).newton_iterations;
+    let newton = work("swing", STEPS, |scene| scene.integrator.newton = 20).newton_iterations;
     assert!(newton < 6 * u64::from(STEPS), "{newton} Newton iterations in {STEPS} steps");
 }
 

@@ -1,7 +1,8 @@
 //! The coarse level of the two-level preconditioner `D^-1 + P (P^T A P)^-1 P^T`: the sheet is cut
 //! into patches that each move affinely, and the small system of their motions is solved exactly
 //! [Nicolaides 1987; with richer patches, Tamstorf 2015]. D^-1 alone spreads a change by one vertex
-//! per iteration; the coarse level spreads it across the whole sheet in one iteration.
+//! per iteration; the coarse level spreads it across the whole sheet in one iteration. A large sheet has one more term of
+//! this form: a [level](LEVELS) of small patches, which bridges the gap between single vertices and large patches.
 //!
 //! The small matrix is stored as the envelope of its lower triangle. Its values are double in both
 //! precisions, because the stiffness inside a patch cancels when they are summed. Solves use the factor rounded to the
@@ -51,6 +52,18 @@ pub struct CoarseFactor<'a> {
     /// Of each patch, its right side or its motion: one vector for each of (1, u, v).
     pub motions: &'a mut [[Lanes; 3]],
 }
+
+/// A level: its patches and the factor of their small matrix.
+#[derive(Debug, Default)]
+pub struct Level<'a> {
+    /// The patches.
+    pub patches: Patches<'a>,
+    /// The factor.
+    pub factor: CoarseFactor<'a>,
+}
+
+/// Number of levels: the patches that span the sheet, and smaller ones within each of them where these are large.
+pub const LEVELS: usize = 2;
 
 /// A block that couples the motions of two patches, indexed `[row][column]`.
 pub type Dense = [[Sum; MODES]; MODES];
@@ -115,7 +128,10 @@ fn add_row(patches: &Patches<'_>, system: &System<'_>, vertex: usize, factor: &m
     for at in row.clone() {
         add_block(patches, system, vertex, at, &mut sums);
         if at + 1 == row.end || label(at + 1) != label(at) {
-            spread(patches, vertex, label(at) as usize, &sums, factor);
+            let (own, other) = (patches.labels[vertex] as usize, label(at) as usize);
+            if patches.are_coupled(own.max(other), own.min(other)) {
+                spread(patches, vertex, other, &sums, factor);
+            }
             sums = [[0.0; MODES]; 3];
         }
     }

@@ -86,7 +86,7 @@ impl Method {
 pub enum Preconditioner {
     /// The inverse of each 3x3 diagonal block.
     BlockJacobi,
-    /// Block Jacobi plus an exact solve for the affine motions of patches ([`coarse`]).
+    /// Block Jacobi plus an exact solve for the affine motions of patches, in large scenes on two levels ([`coarse`]).
     #[default]
     TwoLevel,
 }

@@ -1,6 +1,9 @@
 //! Cuts a sheet into patches of about `PATCH` vertices. The material is halved repeatedly across
 //! its longest side. The patches are then numbered outward from one end, so that the small matrix
 //! has a narrow envelope.
+//!
+//! A large sheet is cut twice: into as many patches as the small matrix allows, and each of these again. Small patches are
+//! coupled within their large patch only, so that their matrix stays cheap.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -8,16 +11,19 @@ use core::ops::Range;
 
 use glam::DVec3;
 
-use super::coarse::{MODES, Patches};
+use super::coarse::{CoarseFactor, Dense, Level, MODES, Patches};
 use crate::forces::sparsity::SparsityPattern;
 use crate::integrate::pins::Pins;
-use crate::real::Real;
+use crate::real::{Lanes, Real, Sum};
 
 /// Vertices per patch. Smaller patches need fewer solver iterations but make the small system larger.
 const PATCH: usize = 64;
 
 /// Largest number of patches in a scene. With more, the small system costs more than it saves.
 const MOST_PATCHES: usize = 128;
+
+/// Patches that have at least so many times [`PATCH`] vertices on average are cut into small ones.
+const LEAST_REFINED: usize = 2;
 
 /// The owned columns of [`Patches`].
 #[derive(Clone, Debug, Default)]
@@ -34,11 +40,38 @@ impl PatchColumns {
     #[cfg_attr(small, optimize(size))]
     pub fn build(material: &[DVec3], cloths: &[Range<u32>], pattern: &SparsityPattern, pins: &Pins<'_>) -> Self {
         let size = PATCH.max(material.len().div_ceil(MOST_PATCHES));
-        let mut patches = Vec::new();
-        for cloth in cloths {
-            halve(material, cloth.clone().collect(), size, &mut patches);
+        let cloths = cloths.iter().map(|cloth| cloth.clone().collect());
+        Self::cut(material, cloths, size, pattern, pins, &|_, _| true)
+    }
+
+    /// Cuts each patch into small ones; into none if they are small already.
+    #[cfg_attr(small, optimize(size))]
+    pub fn refine(&self, material: &[DVec3], pattern: &SparsityPattern, pins: &Pins<'_>) -> Self {
+        let mut large = vec![Vec::new(); self.first_columns.len() / MODES];
+        if self.labels.len() < LEAST_REFINED * PATCH * large.len() {
+            return Self::default();
         }
-        let patches = outward(patches, pattern);
+        for (vertex, &label) in (0..).zip(&self.labels) {
+            large[label as usize].push(vertex);
+        }
+        let together = |a: u32, b: u32| self.labels[a as usize] == self.labels[b as usize];
+        Self::cut(material, large.into_iter(), PATCH, pattern, pins, &together)
+    }
+
+    /// Cuts parts of the vertices into patches of at most `size`. Patches are coupled where a pair of vertices is.
+    fn cut(
+        material: &[DVec3],
+        parts: impl Iterator<Item = Vec<u32>>,
+        size: usize,
+        pattern: &SparsityPattern,
+        pins: &Pins<'_>,
+        coupled: &dyn Fn(u32, u32) -> bool,
+    ) -> Self {
+        let mut patches = Vec::new();
+        for part in parts {
+            halve(material, part, size, &mut patches);
+        }
+        let patches = outward(patches, pattern, coupled);
         let mut built = Self {
             labels: labels(&patches, material.len()),
             coordinates: vec![[0.0; 2]; material.len()],
@@ -49,7 +82,7 @@ impl PatchColumns {
             built.set_coordinates(material, patch);
         }
         built.set_pins(pins);
-        built.set_envelope(patches.len(), pattern);
+        built.set_envelope(patches.len(), pattern, coupled);
         built
     }
 
@@ -103,9 +136,9 @@ impl PatchColumns {
         }
     }
 
-    fn set_envelope(&mut self, count: usize, pattern: &SparsityPattern) {
+    fn set_envelope(&mut self, count: usize, pattern: &SparsityPattern, coupled: &dyn Fn(u32, u32) -> bool) {
         let mut first: Vec<u32> = (0..count as u32).collect();
-        for (a, b) in pattern.pairs() {
+        for (a, b) in pattern.pairs().filter(|&(a, b)| coupled(a, b)) {
             let (a, b) = (self.labels[a as usize], self.labels[b as usize]);
             let (low, high) = (a.min(b), a.max(b));
             first[high as usize] = first[high as usize].min(low);
@@ -118,6 +151,65 @@ impl PatchColumns {
             self.first_columns.push(column);
             self.offsets.push(end);
         }
+    }
+}
+
+/// The owned columns of a [`Level`].
+#[derive(Clone, Debug, Default)]
+pub struct LevelColumns {
+    pub(crate) patches: PatchColumns,
+    values: Vec<Sum>,
+    own: Vec<Dense>,
+    inverse_diagonal: Vec<Sum>,
+    rounded: Vec<Real>,
+    vector: Vec<Real>,
+    motions: Vec<[Lanes; 3]>,
+}
+
+impl LevelColumns {
+    /// Allocates the factor of the patches.
+    pub fn new(patches: PatchColumns) -> Self {
+        let [rows, values] = patches.sizes();
+        Self {
+            values: vec![0.0; values],
+            own: vec![[[0.0; MODES]; MODES]; rows / MODES],
+            inverse_diagonal: vec![0.0; rows],
+            rounded: vec![0.0; values],
+            vector: vec![0.0; rows],
+            motions: vec![[Lanes::ZERO; 3]; rows / MODES],
+            patches,
+        }
+    }
+
+    /// Number of values of the factor.
+    pub fn values(&self) -> usize {
+        self.values.len()
+    }
+
+    /// The borrowed view.
+    pub fn view(&mut self) -> Level<'_> {
+        Level {
+            patches: self.patches.view(),
+            factor: CoarseFactor {
+                values: &mut self.values,
+                own: &mut self.own,
+                inverse_diagonal: &mut self.inverse_diagonal,
+                rounded: &mut self.rounded,
+                vector: &mut self.vector,
+                motions: &mut self.motions,
+            },
+        }
+    }
+
+    /// Size of the columns, bytes.
+    pub fn bytes(&self) -> usize {
+        self.patches.bytes()
+            + size_of_val(&self.values[..])
+            + size_of_val(&self.own[..])
+            + size_of_val(&self.inverse_diagonal[..])
+            + size_of_val(&self.rounded[..])
+            + size_of_val(&self.vector[..])
+            + size_of_val(&self.motions[..])
     }
 }
 
@@ -142,10 +234,10 @@ fn halve(material: &[DVec3], mut part: Vec<u32>, size: usize, patches: &mut Vec<
 }
 
 /// Orders patches breadth first, starting at a patch far from the others [Cuthill 1969].
-fn outward(patches: Vec<Vec<u32>>, pattern: &SparsityPattern) -> Vec<Vec<u32>> {
+fn outward(patches: Vec<Vec<u32>>, pattern: &SparsityPattern, coupled: &dyn Fn(u32, u32) -> bool) -> Vec<Vec<u32>> {
     let label = labels(&patches, patches.iter().map(Vec::len).sum());
     let mut neighbours = vec![Vec::new(); patches.len()];
-    for (a, b) in pattern.pairs() {
+    for (a, b) in pattern.pairs().filter(|&(a, b)| coupled(a, b)) {
         let (a, b) = (label[a as usize], label[b as usize]);
         if a != b {
             neighbours[a as usize].push(b);
