@@ -2,7 +2,7 @@
 //! a method does not use is empty.
 
 use crate::forces::matrix::{AssemblyMap, BlockMatrix};
-use crate::integrate::coarse::{LEVELS, Level};
+use crate::integrate::coarse::{CoarseFactor, Patches};
 use crate::integrate::columns::Sums;
 use crate::real::{Mat3, Real, Vec3};
 
@@ -57,8 +57,10 @@ pub struct Scratch<'a> {
     pub preconditioned: &'a mut [Vec3],
     /// Implicit: the block Jacobi preconditioner.
     pub inverse_diagonal: &'a mut [Mat3],
-    /// Two-level preconditioner: the levels of patches. A scene with few vertices has one.
-    pub levels: [Level<'a>; LEVELS],
+    /// Two-level preconditioner: the patches.
+    pub patches: Patches<'a>,
+    /// Two-level preconditioner: the factor of the small matrix of the patches.
+    pub coarse: CoarseFactor<'a>,
     /// Implicit: partial sums, one entry per [`PART`](crate::integrate::columns::PART) vertices.
     pub partials: &'a mut [Sums],
 }
@@ -72,14 +74,15 @@ mod owned {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    use super::{BlockMatrix, LEVELS, Mat3, Real, Scratch, Vec3};
+    use super::{BlockMatrix, CoarseFactor, Mat3, Real, Scratch, Vec3};
     use crate::forces::matrix::Block;
     use crate::forces::sparsity::SparsityPattern;
+    use crate::integrate::coarse::{Dense, MODES};
     use crate::integrate::columns::{PART, Sums};
-    use crate::integrate::patches::{LevelColumns, PatchColumns};
+    use crate::integrate::patches::PatchColumns;
     use crate::integrate::pins::Pins;
     use crate::integrate::{Method, Preconditioner, Scheme};
-    use crate::real::to_f64;
+    use crate::real::{Lanes, Sum, to_f64};
     use crate::scene::BuiltScene;
     use crate::traffic::TrafficSizes;
 
@@ -109,23 +112,29 @@ mod owned {
         preconditioned: Vec<Vec3>,
         inverse_diagonal: Vec<Mat3>,
         partials: Vec<Sums>,
-        levels: [LevelColumns; LEVELS],
+        patches: PatchColumns,
+        coarse_values: Vec<Sum>,
+        coarse_own: Vec<Dense>,
+        coarse_inverse_diagonal: Vec<Sum>,
+        coarse_rounded: Vec<Real>,
+        coarse_vector: Vec<Real>,
+        coarse_motions: Vec<[Lanes; 3]>,
     }
 
     /// Patches of a scene. A scene that was not built from a description may lack the ranges of cloths or the
     /// material coordinates; then it counts as one cloth, or the current positions are used.
-    fn levels(scene: &BuiltScene, pattern: &SparsityPattern) -> [LevelColumns; LEVELS] {
+    fn patches(scene: &BuiltScene, pattern: &SparsityPattern) -> PatchColumns {
         let positions = &scene.particles.positions;
         let mut cloths: Vec<_> = scene.cloths.iter().map(|cloth| cloth.vertices.clone()).collect();
         if cloths.is_empty() {
             cloths.push(0..positions.len() as u32);
         }
         let pins = &scene.pins.view();
-        let current: Vec<_> = positions.iter().map(|&x| to_f64(x).into()).collect();
-        let material = if scene.material.len() == positions.len() { &scene.material } else { &current };
-        let large = PatchColumns::build(material, &cloths, pattern, pins);
-        let small = large.refine(material, pattern, pins);
-        [large, small].map(LevelColumns::new)
+        if scene.material.len() == positions.len() {
+            return PatchColumns::build(&scene.material, &cloths, pattern, pins);
+        }
+        let material: Vec<_> = positions.iter().map(|&x| to_f64(x).into()).collect();
+        PatchColumns::build(&material, &cloths, pattern, pins)
     }
 
     impl ScratchColumns {
@@ -138,11 +147,12 @@ mod owned {
             let searches = implicit && scheme.newton > 1;
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
             let pattern = if implicit { SparsityPattern::build(vertices, model) } else { SparsityPattern::default() };
-            let levels = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
-                levels(scene, &pattern)
+            let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
+                patches(scene, &pattern)
             } else {
-                Default::default()
+                PatchColumns::default()
             };
+            let [coarse_rows, coarse_values] = patches.sizes();
             Self {
                 forces: column(true),
                 elements: vec![Vec3::ZERO; model.force_scratch()],
@@ -167,13 +177,19 @@ mod owned {
                 preconditioned: column(implicit),
                 inverse_diagonal: vec![Mat3::ZERO; if implicit { vertices } else { 0 }],
                 partials: vec![[0.0; 2]; if implicit { vertices.div_ceil(PART) } else { 0 }],
-                levels,
+                patches,
+                coarse_values: vec![0.0; coarse_values],
+                coarse_own: vec![[[0.0; MODES]; MODES]; coarse_rows / MODES],
+                coarse_inverse_diagonal: vec![0.0; coarse_rows],
+                coarse_rounded: vec![0.0; coarse_values],
+                coarse_vector: vec![0.0; coarse_rows],
+                coarse_motions: vec![[Lanes::ZERO; 3]; coarse_rows / MODES],
             }
         }
 
         /// Updates the fixed axes of the patches from the pins.
         pub(crate) fn set_pins(&mut self, pins: &Pins<'_>) {
-            self.levels.iter_mut().for_each(|level| level.patches.set_pins(pins));
+            self.patches.set_pins(pins);
         }
 
         /// Sizes that the memory traffic depends on.
@@ -181,7 +197,7 @@ mod owned {
             TrafficSizes {
                 vertices: self.forces.len(),
                 blocks: [self.pattern.columns.len(), self.pattern.mirrored.len()],
-                coarse_values: self.levels.iter().map(LevelColumns::values).sum(),
+                coarse_values: self.coarse_values.len(),
             }
         }
 
@@ -212,7 +228,13 @@ mod owned {
                 + size_of_val(&self.tangents[..])
                 + size_of_val(&self.inverse_diagonal[..])
                 + size_of_val(&self.partials[..])
-                + self.levels.iter().map(LevelColumns::bytes).sum::<usize>()
+                + self.patches.bytes()
+                + size_of_val(&self.coarse_values[..])
+                + size_of_val(&self.coarse_own[..])
+                + size_of_val(&self.coarse_inverse_diagonal[..])
+                + size_of_val(&self.coarse_rounded[..])
+                + size_of_val(&self.coarse_vector[..])
+                + size_of_val(&self.coarse_motions[..])
         }
 
         /// The borrowed view that a step takes.
@@ -247,7 +269,15 @@ mod owned {
                 preconditioned: &mut self.preconditioned,
                 inverse_diagonal: &mut self.inverse_diagonal,
                 partials: &mut self.partials,
-                levels: self.levels.each_mut().map(LevelColumns::view),
+                patches: self.patches.view(),
+                coarse: CoarseFactor {
+                    values: &mut self.coarse_values,
+                    own: &mut self.coarse_own,
+                    inverse_diagonal: &mut self.coarse_inverse_diagonal,
+                    rounded: &mut self.coarse_rounded,
+                    vector: &mut self.coarse_vector,
+                    motions: &mut self.coarse_motions,
+                },
             }
         }
     }

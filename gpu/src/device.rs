@@ -93,7 +93,7 @@ impl Gpu {
         let limits = device.limits();
         let largest_readback = limits.max_buffer_size;
         let largest_buffer = largest_readback.min(limits.max_storage_buffer_binding_size);
-        let programs = shaders::ALL.into_iter().map(|shader| Program::compile(&device, shader)).collect();
+        let programs = shaders::ALL.iter().map(|shader| Program::compile(&device, shader)).collect();
         let name = adapter.get_info().name;
         Ok(Self { name, device, queue, programs, largest_buffer, largest_readback, tick, ask, refused })
     }

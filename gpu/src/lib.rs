@@ -2,8 +2,9 @@
 //! a file of the same name, run through wgpu on any adapter.
 //!
 //! [`shaders`] lists the stages, [`slots`] the columns that they read and write, [`schedule`] the order in
-//! which they run. A host uses [`detector`]: it uploads boxes and positions, and reads back candidates with
-//! their distances. The candidates are exactly those of the core; distances agree to rounding.
+//! which they run. A host uses [`detector`]: it uploads boxes and positions, and reads back candidates and, with the
+//! feature `narrow-phase`, their distances and times of impact. The candidates are exactly those of the core; distances
+//! agree to rounding.
 #![forbid(unsafe_code)]
 
 mod buffer;

@@ -10,11 +10,13 @@ use crate::slots::Slot;
 /// The results that a detection reads back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DetectionQuery {
-    /// All candidates and their distances, as the response of a step needs them.
+    /// All candidates, as a step needs them.
     Candidates,
     /// Only the candidates nearer than the reach.
+    #[cfg(feature = "narrow-phase")]
     Contacts,
     /// All candidates, their distances and their times of impact.
+    #[cfg(feature = "narrow-phase")]
     Times,
 }
 
@@ -54,9 +56,10 @@ const SPARE: usize = 1024;
 impl ReadbackLayout {
     /// A layout for all pairs that the columns can hold.
     pub fn most(query: DetectionQuery, capacities: &Capacities) -> Self {
-        let Capacities { vertex_triangle, edge_edge, contacts, .. } = *capacities;
+        let Capacities { vertex_triangle, edge_edge, .. } = *capacities;
         let pairs = match query {
-            DetectionQuery::Contacts => [contacts, 0],
+            #[cfg(feature = "narrow-phase")]
+            DetectionQuery::Contacts => [capacities.contacts, 0],
             _ => [vertex_triangle, edge_edge],
         };
         Self { query, pairs }
@@ -72,29 +75,26 @@ impl ReadbackLayout {
     pub fn counted(&self, counters: &[u32]) -> [usize; 2] {
         let [vertex_triangle, edge_edge] = counts(counters, self.query);
         match self.query {
+            #[cfg(feature = "narrow-phase")]
             DetectionQuery::Contacts => [vertex_triangle + edge_edge, 0],
             _ => [vertex_triangle, edge_edge],
         }
     }
 
     fn slots(&self) -> &'static [Slot] {
-        use Slot::{
-            Contacts, Counters, EdgeEdge, EdgeEdgeDistances, EdgeEdgeTimes, VertexTriangle, VertexTriangleDistances,
-            VertexTriangleTimes,
-        };
         match self.query {
-            DetectionQuery::Candidates => {
-                &[Counters, VertexTriangle, EdgeEdge, VertexTriangleDistances, EdgeEdgeDistances]
-            }
-            DetectionQuery::Contacts => &[Counters, Contacts],
+            DetectionQuery::Candidates => &[Slot::Counters, Slot::VertexTriangle, Slot::EdgeEdge],
+            #[cfg(feature = "narrow-phase")]
+            DetectionQuery::Contacts => &[Slot::Counters, Slot::Contacts],
+            #[cfg(feature = "narrow-phase")]
             DetectionQuery::Times => &[
-                Counters,
-                VertexTriangle,
-                EdgeEdge,
-                VertexTriangleDistances,
-                EdgeEdgeDistances,
-                VertexTriangleTimes,
-                EdgeEdgeTimes,
+                Slot::Counters,
+                Slot::VertexTriangle,
+                Slot::EdgeEdge,
+                Slot::VertexTriangleDistances,
+                Slot::EdgeEdgeDistances,
+                Slot::VertexTriangleTimes,
+                Slot::EdgeEdgeTimes,
             ],
         }
     }
@@ -152,6 +152,7 @@ impl ReadbackLayout {
 /// The counted vertex-triangle pairs, then the edge-edge pairs: contacts or candidates, depending on the query.
 fn counts(counters: &[u32], query: DetectionQuery) -> [usize; 2] {
     let places = match query {
+        #[cfg(feature = "narrow-phase")]
         DetectionQuery::Contacts => [counters::CONTACTS, counters::CONTACTS + 1],
         _ => [counters::VERTEX_TRIANGLE, counters::EDGE_EDGE],
     };

@@ -22,6 +22,7 @@ pub struct Dispatch {
 const GROUP: usize = 256;
 
 /// Invocations per workgroup of the continuous tests, whose run times differ.
+#[cfg(feature = "narrow-phase")]
 const SMALL_GROUP: usize = 64;
 
 /// Bits of a key that one pass of the sort looks at.
@@ -45,7 +46,7 @@ pub fn of(order: &Order) -> Vec<Dispatch> {
     let order = &Order { params: order.params.with_room(&order.capacities), ..*order };
     let mut list = List { order, all: Vec::new() };
     let SurfaceSizes { vertices, triangles, .. } = order.sizes;
-    let Capacities { levels, rounds, pairs, vertex_triangle, edge_edge, .. } = order.capacities;
+    let Capacities { levels, rounds, pairs, .. } = order.capacities;
     list.each(&shaders::BOUNDS, "write_bounds", triangles);
     list.each(&shaders::LEVELS, "count_sizes", triangles);
     let division = Params { level: levels as u32, length: (ROUND * rounds) as u32, ..order.params };
@@ -64,19 +65,9 @@ pub fn of(order: &Order) -> Vec<Dispatch> {
     list.each(&shaders::CANDIDATES, "count_candidates", pairs);
     list.scan(2 * pairs);
     list.each(&shaders::CANDIDATES, "write_candidates", pairs);
-    list.each(&shaders::VERTEX_TRIANGLE, "write_distances", vertex_triangle);
-    list.each(&shaders::EDGE_EDGE, "write_distances", edge_edge);
-    if order.query == DetectionQuery::Contacts {
-        let both = vertex_triangle + edge_edge;
-        list.each(&shaders::CONTACTS, "count_contacts", both);
-        list.scan(both);
-        list.each(&shaders::CONTACTS, "write_contacts", both);
-    }
-    if order.query == DetectionQuery::Times {
-        for (shader, count) in [(&shaders::VERTEX_TRIANGLE_CCD, vertex_triangle), (&shaders::EDGE_EDGE_CCD, edge_edge)]
-        {
-            list.add(shader, "write_times", count.div_ceil(SMALL_GROUP), order.params);
-        }
+    #[cfg(feature = "narrow-phase")]
+    if order.query != DetectionQuery::Candidates {
+        list.narrow_phase();
     }
     list.all
 }
@@ -94,6 +85,26 @@ impl List<'_> {
     /// Adds an entry point with one invocation per element.
     fn each(&mut self, shader: &'static Shader, entry: &'static str, count: usize) {
         self.add(shader, entry, count.div_ceil(GROUP), self.order.params);
+    }
+
+    #[cfg(feature = "narrow-phase")]
+    fn narrow_phase(&mut self) {
+        let Capacities { vertex_triangle, edge_edge, .. } = self.order.capacities;
+        self.each(&shaders::VERTEX_TRIANGLE, "write_distances", vertex_triangle);
+        self.each(&shaders::EDGE_EDGE, "write_distances", edge_edge);
+        if self.order.query == DetectionQuery::Contacts {
+            let both = vertex_triangle + edge_edge;
+            self.each(&shaders::CONTACTS, "count_contacts", both);
+            self.scan(both);
+            self.each(&shaders::CONTACTS, "write_contacts", both);
+        }
+        if self.order.query == DetectionQuery::Times {
+            for (shader, count) in
+                [(&shaders::VERTEX_TRIANGLE_CCD, vertex_triangle), (&shaders::EDGE_EDGE_CCD, edge_edge)]
+            {
+                self.add(shader, "write_times", count.div_ceil(SMALL_GROUP), self.order.params);
+            }
+        }
     }
 
     fn scan(&mut self, length: usize) {

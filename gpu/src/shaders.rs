@@ -257,6 +257,7 @@ pub static CANDIDATES: Shader = Shader {
 };
 
 /// Distances of vertex-triangle candidates.
+#[cfg(feature = "narrow-phase")]
 pub static VERTEX_TRIANGLE: Shader = Shader {
     name: "narrow_phase/proximity, vertex_triangle",
     pieces: wgsl!(
@@ -279,6 +280,7 @@ pub static VERTEX_TRIANGLE: Shader = Shader {
 };
 
 /// Distances of edge-edge candidates.
+#[cfg(feature = "narrow-phase")]
 pub static EDGE_EDGE: Shader = Shader {
     name: "narrow_phase/proximity, edge_edge",
     pieces: wgsl!(
@@ -301,6 +303,7 @@ pub static EDGE_EDGE: Shader = Shader {
 };
 
 /// Candidates nearer than the reach.
+#[cfg(feature = "narrow-phase")]
 pub static CONTACTS: Shader = Shader {
     name: "narrow_phase/contacts",
     pieces: wgsl!("narrow_phase/contacts.wgsl"),
@@ -319,6 +322,7 @@ pub static CONTACTS: Shader = Shader {
 };
 
 /// Times of impact of vertex-triangle candidates.
+#[cfg(feature = "narrow-phase")]
 pub static VERTEX_TRIANGLE_CCD: Shader = Shader {
     name: "narrow_phase/continuous, vertex_triangle",
     pieces: wgsl!(
@@ -344,6 +348,7 @@ pub static VERTEX_TRIANGLE_CCD: Shader = Shader {
 };
 
 /// Times of impact of edge-edge candidates.
+#[cfg(feature = "narrow-phase")]
 pub static EDGE_EDGE_CCD: Shader = Shader {
     name: "narrow_phase/continuous, edge_edge",
     pieces: wgsl!(
@@ -369,7 +374,7 @@ pub static EDGE_EDGE_CCD: Shader = Shader {
 };
 
 /// All shaders, in the order of the data flow.
-pub static ALL: [&Shader; 20] = [
+pub static ALL: &[&Shader] = &[
     &BOUNDS,
     &LEVELS,
     &QUANTIZED_BOXES,
@@ -385,9 +390,14 @@ pub static ALL: [&Shader; 20] = [
     &BRUTE_FORCE_LEVEL,
     &FEATURES,
     &CANDIDATES,
+    #[cfg(feature = "narrow-phase")]
     &VERTEX_TRIANGLE,
+    #[cfg(feature = "narrow-phase")]
     &EDGE_EDGE,
+    #[cfg(feature = "narrow-phase")]
     &CONTACTS,
+    #[cfg(feature = "narrow-phase")]
     &VERTEX_TRIANGLE_CCD,
+    #[cfg(feature = "narrow-phase")]
     &EDGE_EDGE_CCD,
 ];

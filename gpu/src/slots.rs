@@ -120,8 +120,15 @@ impl Slot {
     /// Whether a detection with this query writes or reads the column.
     pub fn serves(self, query: DetectionQuery) -> bool {
         match self {
+            Self::Edges | Self::Radii | Self::Start | Self::VertexTriangleDistances | Self::EdgeEdgeDistances => {
+                query != DetectionQuery::Candidates
+            }
+            #[cfg(feature = "narrow-phase")]
             Self::Contacts => query == DetectionQuery::Contacts,
+            #[cfg(feature = "narrow-phase")]
             Self::End | Self::VertexTriangleTimes | Self::EdgeEdgeTimes => query == DetectionQuery::Times,
+            #[cfg(not(feature = "narrow-phase"))]
+            Self::Contacts | Self::End | Self::VertexTriangleTimes | Self::EdgeEdgeTimes => false,
             _ => true,
         }
     }

@@ -1,8 +1,7 @@
-//! Detection for the steps of a simulation: finds candidates and their distances on a device.
+//! Detection for the steps of a simulation: finds candidates on a device.
 
 use muslin_core::broad_phase::Counts;
 use muslin_core::contact::{ContactModel, ContactScratch, Pairs};
-use muslin_core::response::repulsion::REACH;
 
 use crate::buffer::DetectionError;
 use crate::detector::Detector;
@@ -46,7 +45,7 @@ impl StepDetector {
         self.detector = None;
     }
 
-    /// Finds candidates and their distances, as `muslin_core::detection::detect` does. Pairs that do not fit their
+    /// Finds candidates, for `muslin_core::dispatch::Dispatch::detect`. Pairs that do not fit their
     /// column are only counted. If the device is lost, it is opened again and the detection is repeated once.
     pub async fn detect(
         &mut self,
@@ -73,7 +72,6 @@ impl StepDetector {
             Some(detector) => detector,
             None => detector.insert(Detector::new(gpu, &model.surface, model.radii, DetectionQuery::Candidates)?),
         };
-        detector.set_distances(gpu, REACH * model.thickness, 0.0);
         detector.detect(gpu, contact.boxes, contact.start, contact.start, found).await?;
         for (stage, ms) in detector.stage_ms(gpu) {
             match stage_ms.iter_mut().find(|(known, _)| *known == stage) {
@@ -81,17 +79,15 @@ impl StepDetector {
                 None => stage_ms.push((stage, ms)),
             }
         }
-        take(&found.vertex_triangle, &found.vertex_triangle_distances, &mut contact.vertex_triangle);
-        take(&found.edge_edge, &found.edge_edge_distances, &mut contact.edge_edge);
+        take(&found.vertex_triangle, &mut contact.vertex_triangle);
+        take(&found.edge_edge, &mut contact.edge_edge);
         Ok(Counts { vertex_triangle: found.vertex_triangle.len(), edge_edge: found.edge_edge.len() })
     }
 }
 
-/// Copies the candidates and their distances, if all of them fit.
-fn take(candidates: &[[u32; 2]], distances: &[f32], pairs: &mut Pairs<'_>) {
-    let count = candidates.len();
-    if let (Some(own), Some(far)) = (pairs.candidates.get_mut(..count), pairs.distances.get_mut(..count)) {
+/// Copies the candidates, if all of them fit.
+fn take(candidates: &[[u32; 2]], pairs: &mut Pairs<'_>) {
+    if let Some(own) = pairs.candidates.get_mut(..candidates.len()) {
         own.copy_from_slice(candidates);
-        far.copy_from_slice(distances);
     }
 }

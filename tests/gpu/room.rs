@@ -27,7 +27,7 @@ fn what_had_no_room_spoils_nothing_after_it() {
     let Some(gpu) = gpu() else { return };
     let [(dense, surface), (sparse, _)] = [0.0, 2.0].map(|spread| columns(&soup(spread)));
     let (start, radii) = (vec![Vec3::ZERO; dense.len()], vec![0.0; dense.len()]);
-    let detector = || Detector::new(gpu, &surface.view(), &radii, DetectionQuery::Candidates).unwrap();
+    let detector = || Detector::new(gpu, &surface.view(), &radii, DetectionQuery::Times).unwrap();
     let detect = |detector: &mut Detector, boxes: &[Aabb]| {
         let mut found = DetectionResult::default();
         pollster::block_on(detector.detect(gpu, boxes, &start, &start, &mut found)).map(|()| found)

@@ -199,9 +199,6 @@ harness::both_precisions! {
         fn direction(x: &[Vec3; 4]) -> Option<Vec3> {
             P::direction(x)
         }
-        fn approach(moves: &[Vec3; 4]) -> Real {
-            P::approach(moves)
-        }
         fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
             ADVANCED.set(ADVANCED.get() + 1);
             P::time_of_impact(start, end, separation, tolerance)

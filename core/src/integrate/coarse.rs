@@ -1,8 +1,9 @@
 //! The coarse level of the two-level preconditioner `D^-1 + P (P^T A P)^-1 P^T`: the sheet is cut
 //! into patches that each move affinely, and the small system of their motions is solved exactly
 //! [Nicolaides 1987; with richer patches, Tamstorf 2015]. D^-1 alone spreads a change by one vertex
-//! per iteration; the coarse level spreads it across the whole sheet in one iteration. A large sheet has one more term of
-//! this form: a [level](LEVELS) of small patches, which bridges the gap between single vertices and large patches.
+//! per iteration; the coarse level spreads it across the whole sheet in one iteration. A large sheet has one more level: small
+//! patches bridge the gap between single vertices and large patches. The small system holds the motions of both, without
+//! the coupling between them: so each level is one more term of the sum.
 //!
 //! The small matrix is stored as the envelope of its lower triangle. Its values are double in both
 //! precisions, because the stiffness inside a patch cancels when they are summed. Solves use the factor rounded to the
@@ -23,9 +24,9 @@ const LEAST_PIVOT: Sum = 1e-10;
 /// The patches, borrowed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Patches<'a> {
-    /// The patch of each vertex.
+    /// The patch of each vertex, one level after the other.
     pub labels: &'a [u32],
-    /// (u, v) of each vertex in its patch, about -1 to 1.
+    /// (u, v) of each vertex in its patch, about -1 to 1, one level after the other.
     pub coordinates: &'a [[Real; 2]],
     /// Held axes of each vertex, as in [`Pins`](super::pins::Pins).
     pub held: &'a [u8],
@@ -53,22 +54,17 @@ pub struct CoarseFactor<'a> {
     pub motions: &'a mut [[Lanes; 3]],
 }
 
-/// A level: its patches and the factor of their small matrix.
-#[derive(Debug, Default)]
-pub struct Level<'a> {
-    /// The patches.
-    pub patches: Patches<'a>,
-    /// The factor.
-    pub factor: CoarseFactor<'a>,
-}
-
-/// Number of levels: the patches that span the sheet, and smaller ones within each of them where these are large.
-pub const LEVELS: usize = 2;
-
 /// A block that couples the motions of two patches, indexed `[row][column]`.
 pub type Dense = [[Sum; MODES]; MODES];
 
-impl Patches<'_> {
+impl<'a> Patches<'a> {
+    /// The patches of each level.
+    fn levels(&self) -> impl Iterator<Item = Self> + use<'a> {
+        let (all, vertices) = (*self, self.held.len().max(1));
+        let levels = all.labels.chunks(vertices).zip(all.coordinates.chunks(vertices));
+        levels.map(move |(labels, coordinates)| Self { labels, coordinates, ..all })
+    }
+
     #[inline]
     fn shape(&self, vertex: usize) -> [Sum; 3] {
         let [u, v] = self.coordinates[vertex];
@@ -99,10 +95,13 @@ impl Patches<'_> {
 pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, term: &dyn ConvexTerm, factor: &mut CoarseFactor<'_>) {
     factor.values.fill(0.0);
     factor.own.fill([[0.0; MODES]; MODES]);
-    for vertex in 0..system.masses.len() {
-        add_row(patches, system, vertex, factor);
+    for patches in patches.levels() {
+        let patches = &patches;
+        for vertex in 0..system.masses.len() {
+            add_row(patches, system, vertex, factor);
+        }
+        term.visit_curvature(&mut |part| add_curvature(patches, part, factor));
     }
-    term.visit_curvature(&mut |part| add_curvature(patches, part, factor));
     for (patch, own) in factor.own.iter().enumerate() {
         for r in 0..MODES {
             let row = patches.row(patch * MODES + r);
@@ -287,22 +286,26 @@ pub fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>, r: &[Vec3]) {
 
 /// Adds the motions of the patches to `z`, whose first vertex is `start`. The caller clears the held axes.
 pub fn add_motions(patches: &Patches<'_>, motions: &[[Lanes; 3]], start: usize, z: &mut [Vec3]) {
-    for (vertex, z) in (start..).zip(z) {
-        let (u, v, patch) = patches.place(vertex);
-        let [constant, along_u, along_v] = motions[patch];
-        *z += to_vec3(constant + along_u * u + along_v * v);
+    for patches in patches.levels() {
+        for (vertex, z) in (start..).zip(&mut *z) {
+            let (u, v, patch) = patches.place(vertex);
+            let [constant, along_u, along_v] = motions[patch];
+            *z += to_vec3(constant + along_u * u + along_v * v);
+        }
     }
 }
 
 /// Writes `P^T r` to the vector.
 fn restrict(patches: &Patches<'_>, r: &[Vec3], factor: &mut CoarseFactor<'_>) {
     factor.motions.fill([Lanes::ZERO; 3]);
-    for (vertex, &r) in r.iter().enumerate() {
-        let (u, v, patch) = patches.place(vertex);
-        let (r, [constant, along_u, along_v]) = (lanes(r), &mut factor.motions[patch]);
-        *constant += r;
-        *along_u += r * u;
-        *along_v += r * v;
+    for patches in patches.levels() {
+        for (vertex, &r) in r.iter().enumerate() {
+            let (u, v, patch) = patches.place(vertex);
+            let (r, [constant, along_u, along_v]) = (lanes(r), &mut factor.motions[patch]);
+            *constant += r;
+            *along_u += r * u;
+            *along_v += r * v;
+        }
     }
     for (motion, rows) in factor.motions.iter().zip(factor.vector.as_chunks_mut::<MODES>().0) {
         for (s, motion) in motion.iter().enumerate() {

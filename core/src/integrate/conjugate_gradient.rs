@@ -12,11 +12,11 @@
 //!
 //! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on the limit of iterations.
 
-use super::coarse::{self, Level};
+use super::coarse::{self, CoarseFactor, Patches};
 use super::columns::{Sums, dot, sum_parts};
 use super::convex_term::{ConvexTerm, Update};
 use super::pins::Pins;
-use super::{IntegratorStatistics, StepInput};
+use super::{IntegratorStatistics, Preconditioner, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
@@ -44,8 +44,8 @@ pub struct System<'a> {
 pub struct FactoredPreconditioner<'a, 'b> {
     /// Inverse of each diagonal block.
     pub inverse_diagonal: &'a [Mat3],
-    /// The levels of patches; none for block Jacobi.
-    pub levels: &'a mut [Level<'b>],
+    /// The patches and the factor of their small system; `None` for block Jacobi.
+    pub coarse: Option<(Patches<'a>, &'a mut CoarseFactor<'b>)>,
 }
 
 /// Writes the inverse of each diagonal block, with held axes decoupled.
@@ -158,15 +158,17 @@ pub(crate) fn solve<D: Dispatch>(
 ) -> Sum {
     c.dispatch.enter(Stage::Solve);
     let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
-    let used = s.levels.iter().take_while(|level| !level.patches.labels.is_empty()).count();
-    let levels = &mut s.levels[..used];
     if let Goal::Reduce(_) = goal {
         write_inverse_diagonal(&system, term, s.inverse_diagonal, c.dispatch);
-        for level in &mut *levels {
-            coarse::write_factor(&level.patches, &system, term, &mut level.factor);
+        if c.scheme.preconditioner == Preconditioner::TwoLevel {
+            coarse::write_factor(&s.patches, &system, term, &mut s.coarse);
         }
     }
-    let preconditioner = FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, levels };
+    let coarse = match c.scheme.preconditioner {
+        Preconditioner::BlockJacobi => None,
+        Preconditioner::TwoLevel => Some((s.patches, &mut s.coarse)),
+    };
+    let preconditioner = FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
     let mut i = Iterate {
         system,
         preconditioner,
@@ -261,18 +263,18 @@ impl Iterate<'_, '_> {
     fn precondition(&mut self, dispatch: &impl Dispatch) -> Sums {
         let Self { system, preconditioner, residual, preconditioned, partials, .. } = self;
         let (inverse, residual) = (preconditioner.inverse_diagonal, &**residual);
-        for level in &mut *preconditioner.levels {
-            coarse::solve(&level.patches, &mut level.factor, residual);
+        if let Some((patches, factor)) = &mut preconditioner.coarse {
+            coarse::solve(patches, factor, residual);
         }
-        let levels = &*preconditioner.levels;
+        let coarse = preconditioner.coarse.as_ref().map(|(patches, factor)| (patches, &*factor.motions));
         let products = sum_parts(preconditioned, partials, dispatch, |range, z| {
             let r = &residual[range.clone()];
             let before = dot(r, z);
             for ((z, &r), inverse) in z.iter_mut().zip(r).zip(&inverse[range.clone()]) {
                 *z = *inverse * r;
             }
-            for level in levels {
-                coarse::add_motions(&level.patches, level.factor.motions, range.start, z);
+            if let Some((patches, motions)) = coarse {
+                coarse::add_motions(patches, motions, range.start, z);
             }
             // Held axes of the residual are zero.
             [before, dot(r, z)]

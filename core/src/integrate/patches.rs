@@ -3,7 +3,7 @@
 //! has a narrow envelope.
 //!
 //! A large sheet is cut twice: into as many patches as the small matrix allows, and each of these again. Small patches are
-//! coupled within their large patch only, so that their matrix stays cheap.
+//! coupled within their large patch only, so that their part of the matrix stays cheap.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -11,10 +11,10 @@ use core::ops::Range;
 
 use glam::DVec3;
 
-use super::coarse::{CoarseFactor, Dense, Level, MODES, Patches};
+use super::coarse::{MODES, Patches};
 use crate::forces::sparsity::SparsityPattern;
 use crate::integrate::pins::Pins;
-use crate::real::{Lanes, Real, Sum};
+use crate::real::Real;
 
 /// Vertices per patch. Smaller patches need fewer solver iterations but make the small system larger.
 const PATCH: usize = 64;
@@ -39,51 +39,46 @@ impl PatchColumns {
     /// Builds the patches from material coordinates. Each cloth (a range of vertices) is cut separately.
     #[cfg_attr(small, optimize(size))]
     pub fn build(material: &[DVec3], cloths: &[Range<u32>], pattern: &SparsityPattern, pins: &Pins<'_>) -> Self {
-        let size = PATCH.max(material.len().div_ceil(MOST_PATCHES));
-        let cloths = cloths.iter().map(|cloth| cloth.clone().collect());
-        Self::cut(material, cloths, size, pattern, pins, &|_, _| true)
+        let count = material.len();
+        let size = PATCH.max(count.div_ceil(MOST_PATCHES));
+        let mut built = Self { held: vec![0; count], ..Self::default() };
+        built.offsets.push(0);
+        built.set_pins(pins);
+        let whole = cloths.iter().map(|cloth| cloth.clone().collect()).collect();
+        let large = built.add_level(material, whole, size, pattern, &[]);
+        if count >= LEAST_REFINED * PATCH * large.len() {
+            let labels = built.labels.clone();
+            built.add_level(material, large, PATCH, pattern, &labels);
+        }
+        built
     }
 
-    /// Cuts each patch into small ones; into none if they are small already.
+    /// Cuts parts of the vertices into patches of at most `size`, and returns them. Given labels, only patches of vertices with
+    /// the same label are coupled.
     #[cfg_attr(small, optimize(size))]
-    pub fn refine(&self, material: &[DVec3], pattern: &SparsityPattern, pins: &Pins<'_>) -> Self {
-        let mut large = vec![Vec::new(); self.first_columns.len() / MODES];
-        if self.labels.len() < LEAST_REFINED * PATCH * large.len() {
-            return Self::default();
-        }
-        for (vertex, &label) in (0..).zip(&self.labels) {
-            large[label as usize].push(vertex);
-        }
-        let together = |a: u32, b: u32| self.labels[a as usize] == self.labels[b as usize];
-        Self::cut(material, large.into_iter(), PATCH, pattern, pins, &together)
-    }
-
-    /// Cuts parts of the vertices into patches of at most `size`. Patches are coupled where a pair of vertices is.
-    fn cut(
+    fn add_level(
+        &mut self,
         material: &[DVec3],
-        parts: impl Iterator<Item = Vec<u32>>,
+        parts: Vec<Vec<u32>>,
         size: usize,
         pattern: &SparsityPattern,
-        pins: &Pins<'_>,
-        coupled: &dyn Fn(u32, u32) -> bool,
-    ) -> Self {
+        within: &[u32],
+    ) -> Vec<Vec<u32>> {
         let mut patches = Vec::new();
         for part in parts {
             halve(material, part, size, &mut patches);
         }
-        let patches = outward(patches, pattern, coupled);
-        let mut built = Self {
-            labels: labels(&patches, material.len()),
-            coordinates: vec![[0.0; 2]; material.len()],
-            held: vec![0; material.len()],
-            ..Self::default()
-        };
+        let is_coupled = |&(a, b): &(u32, u32)| within.get(a as usize) == within.get(b as usize);
+        let pairs: Vec<_> = pattern.pairs().filter(is_coupled).collect();
+        let patches = outward(patches, &pairs);
+        let (vertices, before) = (self.labels.len(), self.first_columns.len() / MODES);
+        self.coordinates.resize(vertices + material.len(), [0.0; 2]);
         for patch in &patches {
-            built.set_coordinates(material, patch);
+            self.set_coordinates(material, patch, vertices);
         }
-        built.set_pins(pins);
-        built.set_envelope(patches.len(), pattern, coupled);
-        built
+        self.labels.extend(labels(&patches, material.len()).iter().map(|label| label + before as u32));
+        self.add_envelope(before..before + patches.len(), vertices, &pairs);
+        patches
     }
 
     /// Copies the held axes of all pins.
@@ -118,8 +113,9 @@ impl PatchColumns {
         self.held.len() + size_of_val(&self.labels[..]) + size_of_val(&self.coordinates[..]) + 8 * self.offsets.len()
     }
 
-    /// Writes coordinates along the patch's longest direction and across it, scaled to about -1 to 1.
-    fn set_coordinates(&mut self, material: &[DVec3], patch: &[u32]) {
+    /// Writes coordinates along the patch's longest direction and across it, scaled to about -1 to 1. Those of the level
+    /// begin at `start`.
+    fn set_coordinates(&mut self, material: &[DVec3], patch: &[u32], start: usize) {
         let centre = patch.iter().map(|&v| material[v as usize]).sum::<DVec3>() / patch.len() as f64;
         let farthest = |project: &dyn Fn(DVec3) -> DVec3| {
             let arms = patch.iter().map(|&v| project(material[v as usize] - centre));
@@ -132,84 +128,25 @@ impl PatchColumns {
         let across = scaled(farthest(&|arm| arm - unit * arm.dot(unit)));
         for &v in patch {
             let arm = material[v as usize] - centre;
-            self.coordinates[v as usize] = [arm.dot(along) as Real, arm.dot(across) as Real];
+            self.coordinates[start + v as usize] = [arm.dot(along) as Real, arm.dot(across) as Real];
         }
     }
 
-    fn set_envelope(&mut self, count: usize, pattern: &SparsityPattern, coupled: &dyn Fn(u32, u32) -> bool) {
-        let mut first: Vec<u32> = (0..count as u32).collect();
-        for (a, b) in pattern.pairs().filter(|&(a, b)| coupled(a, b)) {
-            let (a, b) = (self.labels[a as usize], self.labels[b as usize]);
+    /// Adds the rows of patches. The labels of their level begin at `start`.
+    fn add_envelope(&mut self, patches: Range<usize>, start: usize, pairs: &[(u32, u32)]) {
+        let mut first: Vec<u32> = (0..patches.end as u32).collect();
+        for &(a, b) in pairs {
+            let (a, b) = (self.labels[start + a as usize], self.labels[start + b as usize]);
             let (low, high) = (a.min(b), a.max(b));
             first[high as usize] = first[high as usize].min(low);
         }
-        self.offsets.push(0);
-        let mut end = 0;
-        for row in 0..count * MODES {
+        let mut end = *self.offsets.last().unwrap_or(&0);
+        for row in patches.start * MODES..patches.end * MODES {
             let column = first[row / MODES] * MODES as u32;
             end += row as u32 + 1 - column;
             self.first_columns.push(column);
             self.offsets.push(end);
         }
-    }
-}
-
-/// The owned columns of a [`Level`].
-#[derive(Clone, Debug, Default)]
-pub struct LevelColumns {
-    pub(crate) patches: PatchColumns,
-    values: Vec<Sum>,
-    own: Vec<Dense>,
-    inverse_diagonal: Vec<Sum>,
-    rounded: Vec<Real>,
-    vector: Vec<Real>,
-    motions: Vec<[Lanes; 3]>,
-}
-
-impl LevelColumns {
-    /// Allocates the factor of the patches.
-    pub fn new(patches: PatchColumns) -> Self {
-        let [rows, values] = patches.sizes();
-        Self {
-            values: vec![0.0; values],
-            own: vec![[[0.0; MODES]; MODES]; rows / MODES],
-            inverse_diagonal: vec![0.0; rows],
-            rounded: vec![0.0; values],
-            vector: vec![0.0; rows],
-            motions: vec![[Lanes::ZERO; 3]; rows / MODES],
-            patches,
-        }
-    }
-
-    /// Number of values of the factor.
-    pub fn values(&self) -> usize {
-        self.values.len()
-    }
-
-    /// The borrowed view.
-    pub fn view(&mut self) -> Level<'_> {
-        Level {
-            patches: self.patches.view(),
-            factor: CoarseFactor {
-                values: &mut self.values,
-                own: &mut self.own,
-                inverse_diagonal: &mut self.inverse_diagonal,
-                rounded: &mut self.rounded,
-                vector: &mut self.vector,
-                motions: &mut self.motions,
-            },
-        }
-    }
-
-    /// Size of the columns, bytes.
-    pub fn bytes(&self) -> usize {
-        self.patches.bytes()
-            + size_of_val(&self.values[..])
-            + size_of_val(&self.own[..])
-            + size_of_val(&self.inverse_diagonal[..])
-            + size_of_val(&self.rounded[..])
-            + size_of_val(&self.vector[..])
-            + size_of_val(&self.motions[..])
     }
 }
 
@@ -234,10 +171,10 @@ fn halve(material: &[DVec3], mut part: Vec<u32>, size: usize, patches: &mut Vec<
 }
 
 /// Orders patches breadth first, starting at a patch far from the others [Cuthill 1969].
-fn outward(patches: Vec<Vec<u32>>, pattern: &SparsityPattern, coupled: &dyn Fn(u32, u32) -> bool) -> Vec<Vec<u32>> {
+fn outward(patches: Vec<Vec<u32>>, pairs: &[(u32, u32)]) -> Vec<Vec<u32>> {
     let label = labels(&patches, patches.iter().map(Vec::len).sum());
     let mut neighbours = vec![Vec::new(); patches.len()];
-    for (a, b) in pattern.pairs().filter(|&(a, b)| coupled(a, b)) {
+    for &(a, b) in pairs {
         let (a, b) = (label[a as usize], label[b as usize]);
         if a != b {
             neighbours[a as usize].push(b);

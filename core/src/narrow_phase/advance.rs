@@ -68,7 +68,7 @@ pub fn advance(
         let mut next = closing(first, between, &now, &end, time, target);
         if next < 1.0 {
             if advances == 0 {
-                speed = fastest(first, &start, &end);
+                speed = fastest(first, &core::array::from_fn(|i| end[i] - start[i]));
             }
             let upright = upright(first, &now, between);
             next = next.max(closing(first, upright, &now, &end, time, target));
@@ -133,10 +133,10 @@ fn upright(first: usize, &[a, b, c, d]: &[Vec3; 4], between: Vec3) -> Vec3 {
 }
 
 /// The largest displacement of a vertex of one feature relative to a vertex of the other.
-#[inline]
-fn fastest(first: usize, start: &[Vec3; 4], end: &[Vec3; 4]) -> Real {
-    let motion: [Vec3; 4] = core::array::from_fn(|i| end[i] - start[i]);
-    let (first, second) = motion.split_at(first);
+#[cfg_attr(small, inline(never))]
+#[cfg_attr(not(small), inline)]
+pub fn fastest(first: usize, displacements: &[Vec3; 4]) -> Real {
+    let (first, second) = displacements.split_at(first);
     let pairs = first.iter().flat_map(|&a| second.iter().map(move |&b| (a - b).length_squared()));
     sqrt(pairs.fold(0.0, Real::max))
 }

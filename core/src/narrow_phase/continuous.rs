@@ -15,7 +15,7 @@
 //! square roots by 9 u. A lower bound from bounding boxes has a smaller error than either. The approach has its own
 //! reserve.
 
-use super::advance::{ROUNDING, largest};
+use super::advance::{ROUNDING, fastest, largest};
 use super::time_of_impact::{StoredTime, TimeOfImpact};
 use super::{Pairing, gather};
 use crate::broad_phase::Surface;
@@ -51,7 +51,7 @@ pub struct LinearMotion<'a> {
 #[inline]
 fn farthest<P: Pairing>(displacements: &[Vec3; 4]) -> Real {
     let largest = displacements.iter().fold(Vec3::ZERO, |most, x| most.max(x.abs())).max_element();
-    P::approach(displacements) * (1.0 + 1e-5) + 4.0 * Real::EPSILON * largest
+    fastest(P::FIRST, displacements) * (1.0 + 1e-5) + 4.0 * Real::EPSILON * largest
 }
 
 /// Writes the time at which the features of each candidate come within `separation` of each other, or within half

@@ -2,7 +2,7 @@
 
 use super::Nearest;
 use crate::geometry::edge_edge::closest_parameters;
-use crate::real::{Real, Vec3};
+use crate::real::Vec3;
 
 /// The nearest points; `x` has the ends of the first edge, then the ends of the second.
 #[inline]
@@ -15,11 +15,4 @@ pub fn nearest(x: &[Vec3; 4]) -> Nearest {
 /// A unit normal for edges at distance zero: perpendicular to both.
 pub fn direction(x: &[Vec3; 4]) -> Option<Vec3> {
     (x[1] - x[0]).cross(x[3] - x[2]).try_normalize()
-}
-
-/// An upper bound of the distance that a point of one edge moves relative to the other edge, m.
-#[inline]
-pub fn approach(moves: &[Vec3; 4]) -> Real {
-    let along = |a: usize, b: usize| (moves[a] - moves[b]).length_squared();
-    crate::real::sqrt(along(0, 2).max(along(0, 3)).max(along(1, 2)).max(along(1, 3)))
 }

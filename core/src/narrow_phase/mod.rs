@@ -52,8 +52,6 @@ pub trait Pairing: Sync {
     fn nearest(x: &[Vec3; 4]) -> Nearest;
     /// A unit normal for features at distance zero, or `None` if the features are degenerate.
     fn direction(x: &[Vec3; 4]) -> Option<Vec3>;
-    /// An upper bound of the distance that a point of one feature moves relative to the other feature, m.
-    fn approach(moves: &[Vec3; 4]) -> Real;
     /// The time in [0, 1] at which the features first come within `separation` while they move linearly from
     /// `start` to `end`. It is never late.
     fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real>;
@@ -83,10 +81,6 @@ impl Pairing for VertexTriangle {
     fn direction(x: &[Vec3; 4]) -> Option<Vec3> {
         vertex_triangle::direction(x)
     }
-    #[inline]
-    fn approach(moves: &[Vec3; 4]) -> Real {
-        vertex_triangle::approach(moves)
-    }
     fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
         vertex_triangle_ccd::time_of_impact(start, end, separation, tolerance)
     }
@@ -114,10 +108,6 @@ impl Pairing for EdgeEdge {
     }
     fn direction(x: &[Vec3; 4]) -> Option<Vec3> {
         edge_edge::direction(x)
-    }
-    #[inline]
-    fn approach(moves: &[Vec3; 4]) -> Real {
-        edge_edge::approach(moves)
     }
     fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
         edge_edge_ccd::time_of_impact(start, end, separation, tolerance)
@@ -165,11 +155,17 @@ pub fn gather<T: Copy>(vertices: [u32; 4], column: &[T]) -> [T; 4] {
     vertices.map(|v| column[v as usize])
 }
 
+/// The nearest points of two features of a kind.
+#[cfg_attr(small, inline(never))]
+pub fn nearest(kind: Kind, x: &[Vec3; 4]) -> Nearest {
+    with_pairing!(kind, P => P::nearest(x))
+}
+
 /// The contact of two features with nearest points at the positions `x` and a gap measured at the positions
 /// `start`. `None` if the distance is zero and the features are too degenerate to have a normal.
 #[cfg_attr(small, inline(never))]
 pub fn contact(kind: Kind, vertices: [u32; 4], x: &[Vec3; 4], start: &[Vec3; 4], radius: Real) -> Option<Contact> {
-    let Nearest { weights, between } = with_pairing!(kind, P => P::nearest(x));
+    let Nearest { weights, between } = nearest(kind, x);
     let normal = match between.try_normalize() {
         Some(normal) => normal,
         None => with_pairing!(kind, P => P::direction(x))?,

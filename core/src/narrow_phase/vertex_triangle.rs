@@ -2,7 +2,7 @@
 
 use super::Nearest;
 use crate::geometry::point_triangle::closest_weights;
-use crate::real::{Real, Vec3};
+use crate::real::Vec3;
 
 /// The nearest points; `x` has the vertex, then the vertices of the triangle.
 #[inline]
@@ -15,11 +15,4 @@ pub fn nearest(x: &[Vec3; 4]) -> Nearest {
 /// A unit normal for a vertex at distance zero: the normal of the triangle.
 pub fn direction(x: &[Vec3; 4]) -> Option<Vec3> {
     (x[2] - x[1]).cross(x[3] - x[1]).try_normalize()
-}
-
-/// An upper bound of the distance that the vertex moves relative to a point of the triangle, m.
-#[inline]
-pub fn approach(moves: &[Vec3; 4]) -> Real {
-    let along = |k: usize| (moves[0] - moves[k]).length_squared();
-    crate::real::sqrt(along(1).max(along(2)).max(along(3)))
 }

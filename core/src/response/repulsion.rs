@@ -7,8 +7,9 @@ use super::friction::FrictionCoefficients;
 use super::work::{List, Motion, Work, relax};
 use crate::colliders::Form;
 use crate::contact::{ContactModel, Pairs};
+use crate::narrow_phase::advance::{fastest, slab};
 use crate::narrow_phase::local_minimum::is_local_minimum;
-use crate::narrow_phase::{Contact, Kind, Pairing, contact, gather, with_pairing};
+use crate::narrow_phase::{Contact, Kind, Pairing, contact, gather, nearest, with_pairing};
 use crate::real::{Real, sqrt};
 
 /// Sweeps over all contacts.
@@ -85,14 +86,13 @@ fn find_pairs(
     margin: Real,
     list: &mut List<'_>,
 ) {
-    let first = list.count;
+    let (start, first) = (list.count, with_pairing!(kind, P => P::FIRST));
     for (&candidate, &distance) in pairs.candidates[..count].iter().zip(&*pairs.distances) {
         if distance > REACH * model.thickness {
             continue;
         }
         let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
-        let displacements = gather(vertices, motion.displacements);
-        let nearest_end = distance - with_pairing!(kind, P => P::approach(&displacements));
+        let nearest_end = distance - fastest(first, &gather(vertices, motion.displacements));
         let may_push = distance < model.thickness || nearest_end < model.thickness + margin;
         if !may_push || known.has(list, vertices) {
             continue;
@@ -115,7 +115,7 @@ fn find_pairs(
             ));
         }
     }
-    list.sort_from(first);
+    list.sort_from(start);
 }
 
 /// Adds a constraint for each vertex that ends nearer to a plane than `least`, which depends on the gap at its start. Only
@@ -168,17 +168,20 @@ pub(crate) fn coefficients(model: &ContactModel<'_>, contact: &Contact, motion: 
 /// The part of a `distance` that a pair can keep, m. Neighbours on one sheet may be nearer in its material.
 #[cfg_attr(small, inline(never))]
 pub(crate) fn least_at_rest(kind: Kind, model: &ContactModel<'_>, vertices: [u32; 4], distance: Real) -> Real {
-    let sheet = |v: u32| model.firsts.partition_point(|&first| first <= v);
-    let colliders = model.cloth() as u32;
-    if vertices.iter().any(|&v| v >= colliders) || vertices.iter().any(|&v| sheet(v) != sheet(vertices[0])) {
+    let sheet = model.firsts.partition_point(|&first| first <= vertices[0]);
+    // The vertices of the colliders come last and are no sheet.
+    let Some(sheet) = model.firsts.get(sheet - 1..=sheet) else { return distance };
+    if vertices.iter().any(|&v| v < sheet[0] || v >= sheet[1]) {
         return distance;
     }
     let material = gather(vertices, model.material);
     // Twice the distance: far from every rounding error.
-    if with_pairing!(kind, P => P::box_distance(&material)) > 2.0 * distance {
+    let direction = material[0] - material[3];
+    let gap = slab(with_pairing!(kind, P => P::FIRST), direction, &material);
+    if gap > 2.0 * distance * sqrt(direction.length_squared()) {
         return distance;
     }
-    let rest = sqrt(with_pairing!(kind, P => P::nearest(&material)).between.length_squared());
+    let rest = sqrt(nearest(kind, &material).between.length_squared());
     distance.min(0.9 * rest)
 }
 
