@@ -118,7 +118,7 @@ fn elastic_sum(springs: &Springs<'_>, x: &[Vec3], vertex: usize) -> Vec3 {
     let (stiffness, _) = springs.stiffness[range.clone()].as_chunks::<4>();
     let mut sum = [Lanes::ZERO; 3];
     for ((others, rest), stiffness) in others.iter().zip(rest).zip(stiffness) {
-        add_four(&mut sum, others.map(|other| x[other as usize]), near, Lanes::new(*rest), Lanes::new(*stiffness));
+        add_four(&mut sum, lanes_towards(x, *others, near), Lanes::new(*rest), Lanes::new(*stiffness));
     }
     let [sum_x, sum_y, sum_z] = sum.map(|lanes| lanes.to_array().iter().sum());
     let mut sum = Vec3::new(sum_x, sum_y, sum_z);
@@ -128,9 +128,19 @@ fn elastic_sum(springs: &Springs<'_>, x: &[Vec3], vertex: usize) -> Vec3 {
     sum
 }
 
+/// The vectors to four vertices by axis, one vertex in each lane. Written out: arrays of vectors would go through memory.
 #[inline(always)]
-fn add_four(sum: &mut [Lanes; 3], fars: [Vec3; 4], near: Vec3, rest: Lanes, stiffness: Lanes) {
-    let d = [0, 1, 2].map(|axis| Lanes::new(fars.map(|far| far[axis])) - Lanes::splat(near[axis]));
+fn lanes_towards(x: &[Vec3], [a, b, c, d]: [u32; 4], near: Vec3) -> [Lanes; 3] {
+    let (a, b, c, d) = (x[a as usize], x[b as usize], x[c as usize], x[d as usize]);
+    [
+        Lanes::new([a.x, b.x, c.x, d.x]) - Lanes::splat(near.x),
+        Lanes::new([a.y, b.y, c.y, d.y]) - Lanes::splat(near.y),
+        Lanes::new([a.z, b.z, c.z, d.z]) - Lanes::splat(near.z),
+    ]
+}
+
+#[inline(always)]
+fn add_four(sum: &mut [Lanes; 3], d: [Lanes; 3], rest: Lanes, stiffness: Lanes) {
     let r = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
     let apart = r.simd_gt(rest * Lanes::splat(DEGENERATE));
     let factor = apart & (stiffness * (Lanes::splat(1.0) - rest / r));
