@@ -162,13 +162,17 @@ pub fn is_quiet(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool 
         && rounding(model, contact.start) <= MOST_ROUNDED * model.thickness
 }
 
-/// Whether the vertices move so far that boxes around their motion would overlap many others.
+/// Whether the vertices of the cloth move so far that boxes around their motion would overlap many others.
 fn is_fast(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
-    let (start, end) = (&*contact.start, &*contact.end);
+    let cloth = model.cloth();
+    let (start, end) = (&contact.start[..cloth], &contact.end[..cloth]);
     let moved: Real = (start.iter().zip(end)).map(|(&start, &end)| (end - start).abs().max_element()).sum();
-    let edges = model.surface.edges.iter().map(|edge| edge.map(|v| start[v as usize]));
-    let long: Real = edges.map(|[a, b]| (b - a).abs().max_element()).sum();
-    moved * model.surface.edges.len() as Real > FAST * long * start.len() as Real
+    let edges = model.surface.edges.iter().filter(|edge| edge[0].max(edge[1]) < cloth as u32);
+    let (long, count) = edges.fold((0.0, 0), |(long, count), edge| {
+        let [a, b] = edge.map(|v| start[v as usize]);
+        (long + (b - a).abs().max_element(), count + 1)
+    });
+    moved * count as Real > FAST * long * cloth as Real
 }
 
 /// Whether a vertex that ends at `end` stays in its end box.

@@ -54,3 +54,13 @@ fn around_valid(corners: [&Aabb; 3], mut owned: u8) -> (Aabb, u8) {
     }
     (union.unwrap_or(NOWHERE), owned)
 }
+
+/// Leaves out the passive triangles, which begin at `first_passive`, that no other triangle can touch: most of a large
+/// obstacle.
+pub fn leave_out_far(triangle_boxes: &mut [Aabb], first_passive: usize) {
+    let (active, passive) = triangle_boxes.split_at_mut(first_passive.min(triangle_boxes.len()));
+    let reach = active.iter().filter(|b| is_valid(b)).fold(Aabb::EMPTY, |reach, b| reach.union(b));
+    for far in passive.iter_mut().filter(|b| !b.overlaps(&reach)) {
+        *far = NOWHERE;
+    }
+}

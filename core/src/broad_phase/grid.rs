@@ -1,6 +1,6 @@
 //! The broad phase: computes bounds, then spheres, cells, entries, their sort and pairs for each level of sizes.
 
-use super::bounds::write_bounds;
+use super::bounds::{leave_out_far, write_bounds};
 use super::brute_force_level::for_each_brute_force_pair;
 use super::byte_boxes::{ByteBoxes, write_byte_boxes};
 use super::cells::{CellGrid, Home, write_cells};
@@ -65,6 +65,7 @@ pub fn candidates(
         spare,
     } = work;
     write_bounds(boxes, surface, triangle_boxes, owned, dispatch);
+    leave_out_far(triangle_boxes, surface.first_passive as usize);
     let moving_boxes = motion.map(|motion| {
         write_moving_boxes(motion, surface.triangles, moving_boxes, dispatch);
         &**moving_boxes

@@ -21,9 +21,14 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// Allocates columns with the lengths of the given ones.
-    pub fn build(positions: &[Vec3], previous: &[Vec3]) -> Self {
-        Self { columns: [positions, positions, previous, previous].map(<[Vec3]>::to_vec), ..Self::default() }
+    /// Allocates columns with the lengths of the given ones and room for so many multipliers.
+    pub fn build(positions: &[Vec3], previous: &[Vec3], multipliers: usize) -> Self {
+        let multipliers = Vec::with_capacity(multipliers);
+        Self {
+            multipliers,
+            columns: [positions, positions, previous, previous].map(<[Vec3]>::to_vec),
+            ..Self::default()
+        }
     }
 
     /// Size of the columns, bytes.

@@ -107,7 +107,8 @@ impl Simulation {
         let scratch = ScratchColumns::build(&built, &scheme);
         let room = PAIRS_PER_VERTEX * built.particles.positions.len();
         let contact = built.contact.as_ref().map(|contact| ContactScratchColumns::build(&contact.view(), room));
-        let kept = contact.as_ref().map(|_| Kept::build(&built.particles.positions, &scratch.previous_positions));
+        let kept =
+            contact.as_ref().map(|_| Kept::build(&built.particles.positions, &scratch.previous_positions, room / 8));
         // Material coordinates are needed only to cut the patches of the solver.
         built.material = Default::default();
         let (statistics, contact_statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
