@@ -107,17 +107,18 @@ pub async fn search<D: Dispatch>(
 #[cfg_attr(small, optimize(size))]
 fn surround(model: &ContactModel<'_>, purpose: Purpose, contact: &mut ContactScratch<'_>) -> bool {
     let searched = *contact.searched;
-    let is_fast = is_fast(model, contact);
     let (widened, for_solve) = match purpose {
         Purpose::Solve => (0, true),
         Purpose::Response { widened } => (widened, false),
     };
+    if widened == 0
+        && matches!(searched, Searched::Swept | Searched::Comoving)
+        && (contact.end.iter().enumerate()).all(|(v, &end)| may_end(model, contact.ends, v, end))
+    {
+        return false;
+    }
+    let is_fast = is_fast(model, contact);
     if widened == 0 {
-        if matches!(searched, Searched::Swept | Searched::Comoving)
-            && (contact.end.iter().enumerate()).all(|(v, &end)| may_end(model, contact.ends, v, end))
-        {
-            return false;
-        }
         if is_quiet(model, contact) || for_solve && is_fast {
             surround_start(model, contact);
             return searched != Searched::Near;

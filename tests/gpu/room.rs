@@ -8,16 +8,16 @@ use muslin_gpu::{DetectionError, DetectionQuery, DetectionResult, Detector};
 use super::methods::{columns, gpu};
 use harness::case::Case;
 
-/// Triangles on top of one another, or `spread` apart.
+/// Triangles on top of one another, or `spread` apart: so many that their candidates are too large for a buffer.
 fn soup(spread: f64) -> Case {
-    layers(1750, spread, 0.0)
+    layers(2200, 2200, spread, 0.0)
 }
 
-/// Triangles one above the other: `close` of them at the distance `spread`, the others farther apart; boxes are
+/// `count` triangles one above the other: `close` of them at the distance `spread`, the others farther apart; boxes are
 /// enlarged by `inflation`.
-fn layers(close: u32, spread: f64, inflation: f64) -> Case {
+fn layers(count: u32, close: u32, spread: f64, inflation: f64) -> Case {
     let corner = |i: u32| DVec3::splat(spread * f64::from(i.min(close)) + 2.0 * f64::from(i.saturating_sub(close)));
-    let corners: Vec<_> = (0..1750).map(|i| [corner(i), corner(i) + DVec3::X, corner(i) + DVec3::Y]).collect();
+    let corners: Vec<_> = (0..count).map(|i| [corner(i), corner(i) + DVec3::X, corner(i) + DVec3::Y]).collect();
     Case::soup("", &corners, inflation)
 }
 
@@ -27,7 +27,7 @@ fn what_had_no_room_spoils_nothing_after_it() {
     let Some(gpu) = gpu() else { return };
     let [(dense, surface), (sparse, _)] = [0.0, 2.0].map(|spread| columns(&soup(spread)));
     let (start, radii) = (vec![Vec3::ZERO; dense.len()], vec![0.0; dense.len()]);
-    let detector = || Detector::new(gpu, &surface.view(), &radii, DetectionQuery::Times).unwrap();
+    let detector = || Detector::new(gpu, &surface.view(), &radii, DetectionQuery::Candidates).unwrap();
     let detect = |detector: &mut Detector, boxes: &[Aabb]| {
         let mut found = DetectionResult::default();
         pollster::block_on(detector.detect(gpu, boxes, &start, &start, &mut found)).map(|()| found)
@@ -47,7 +47,7 @@ fn a_detector_finds_what_a_fresh_one_does() {
     // Apart; then more pairs of edges than the initial readback capacity, other kinds unchanged; then more pairs of
     // every kind.
     let cases = [(0, 0.38), (150, 0.38), (1750, 0.15), (0, 0.38), (1750, 0.38), (1750, 0.38)];
-    let cases = cases.map(|(close, spread)| layers(close, spread, 0.2));
+    let cases = cases.map(|(close, spread)| layers(1750, close, spread, 0.2));
     let radii = vec![0.0; cases[0].boxes.len()];
     let reaches = [[0.1, 0.02], [0.1, 0.02], [0.3, 0.01], [0.8, 0.01], [0.8, 0.01], [0.8, 0.04]];
     for query in [DetectionQuery::Candidates, DetectionQuery::Contacts, DetectionQuery::Times] {

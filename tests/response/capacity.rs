@@ -130,14 +130,17 @@ both_precisions! {
         }
     }
 
-    /// Drives steps of the falling sheet with columns for so many candidates. Calls `see` after each step, until one fails.
-    fn drive(room: usize, steps: u32, mut see: impl FnMut(&BuiltScene)) -> Result<(), Obstacle> {
+    /// Drives steps of the falling sheet with columns for so many candidates and constraints. Calls `see` after each step,
+    /// until one fails.
+    fn drive([pairs, constraints]: [usize; 2], steps: u32, mut see: impl FnMut(&BuiltScene)) -> Result<(), Obstacle> {
         let sim = kit::simulation(FALLING, &[]);
         let (mut built, scheme, length) = (kit::build(FALLING), *sim.scheme(), sim.step_length());
         let mut scratch = ScratchColumns::build(&built, &scheme);
         let model = built.contact.clone().expect("the scene has contact");
         let model = model.view();
-        let mut columns = Fixed(ContactScratchColumns::build(&model, room));
+        let mut columns = Fixed(ContactScratchColumns::build(&model, 0));
+        columns.0.grow_pairs(Counts { vertex_triangle: pairs, edge_edge: pairs });
+        columns.0.grow_constraints(constraints);
         let (mut statistics, mut contact_statistics, mut corrected) = (IntegratorStatistics::default(), ContactStatistics::default(), false);
         for n in 0..steps {
             let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
@@ -167,7 +170,7 @@ both_precisions! {
     fn a_host_without_a_heap_takes_the_same_steps() {
         let mut sim = kit::simulation(FALLING, &[]);
         let mut steps = 0;
-        let driven = drive(100_000, 60, |built| {
+        let driven = drive([100_000, 10_000], 60, |built| {
             sim.take_step().expect("the sheet falls");
             steps += 1;
             let same = built.particles.positions == sim.positions() && built.particles.velocities == sim.velocities();
@@ -179,17 +182,16 @@ both_precisions! {
 
     #[test]
     fn a_host_without_room_learns_what_it_lacks() {
-        let mut room = 10;
-        for attempt in 0.. {
-            let Err(obstacle) = drive(room, 60, |_| ()) else {
-                assert!(attempt > 0, "room for 10 candidates was enough");
-                return;
-            };
+        // First too few candidates and too few constraints, then as many as the step asks for.
+        let (mut room, mut lacked) = ([10, 1], [false; 2]);
+        while let Err(obstacle) = drive(room, 60, |_| ()) {
             let Cause::Short { pairs, constraints } = obstacle.cause else { panic!("{obstacle:?}") };
-            // There is an eighth as much room for constraints.
-            let needed = pairs.max(8 * constraints);
-            assert!(needed > room, "room for {room} candidates, and {obstacle:?}");
-            room = needed;
+            for (k, needed) in [pairs, constraints].into_iter().enumerate() {
+                assert!(needed == 0 || needed > room[k], "with room for {room:?}: {obstacle:?}");
+                room[k] = room[k].max(needed);
+                lacked[k] |= needed > 0;
+            }
         }
+        assert_eq!(lacked, [true; 2], "candidates and constraints lacked room");
     }
 }

@@ -1,6 +1,6 @@
 //! Effects of the two-level preconditioner, as counts: far fewer iterations than with its blocks alone, and no more of
-//! them in a large sheet; blocks that are positive definite even if the matrix is not; and Newton's method in single precision stops at the
-//! rounding limit.
+//! them in a large sheet; blocks that are positive definite even if the matrix is not; and Newton's method in single
+//! precision stops at the rounding limit.
 
 use glam::{Mat3, Quat};
 use harness::rng::Rng;

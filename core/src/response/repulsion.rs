@@ -170,7 +170,8 @@ pub(crate) fn coefficients(model: &ContactModel<'_>, contact: &Contact, motion: 
 pub(crate) fn least_at_rest(kind: Kind, model: &ContactModel<'_>, vertices: [u32; 4], distance: Real) -> Real {
     let sheet = model.firsts.partition_point(|&first| first <= vertices[0]);
     // The vertices of the colliders come last and are no sheet.
-    let Some(sheet) = model.firsts.get(sheet - 1..=sheet) else { return distance };
+    let sheet = sheet.checked_sub(1).and_then(|first| model.firsts.get(first..first + 2));
+    let Some(sheet) = sheet else { return distance };
     if vertices.iter().any(|&v| v < sheet[0] || v >= sheet[1]) {
         return distance;
     }
