@@ -26,7 +26,7 @@ fn ends_well(name: &str, most: f64) {
         }
     }
     println!("{name}: stretched by at most {largest:.3} of {most}");
-    assert_eq!(cloth.statistics().unconverged, 0, "{name}: solves ended at their limit of iterations");
+    assert_eq!(cloth.statistics().unconverged, 0, "{name}: solves ended before their tolerance");
 }
 
 macro_rules! scenes {

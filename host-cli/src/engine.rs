@@ -68,7 +68,7 @@ pub struct Report {
     pub matrix_products: u64,
     /// Solves ended by negative curvature.
     pub negative_curvature: u64,
-    /// Solves ended by their limit of iterations.
+    /// Solves that ended before their tolerance.
     pub unconverged: u64,
     /// Bytes that this work streams, without contact.
     pub streamed_bytes: u64,

@@ -183,9 +183,8 @@ impl Summary {
                 percent(self.stretch.max_of_all_frames)
             )
         });
-        let unconverged = (self.work.unconverged > 0).then(|| {
-            format!("{} solves ended at their limit of iterations, before their tolerance", self.work.unconverged)
-        });
+        let unconverged = (self.work.unconverged > 0)
+            .then(|| format!("{} solves ended before they reached their tolerance", self.work.unconverged));
         stretch.into_iter().chain(unconverged).collect()
     }
 

@@ -51,9 +51,11 @@ const RESTING: &str = r#"
 both_precisions! {
     use super::{GRID, RESTING, SHEET, STEP};
     use glam::DVec3;
+    use muslin::contact::{ContactRoom, ContactScratchColumns};
     use muslin::dispatch::Serial;
     use muslin::forces::matrix;
-    use muslin::implicit_contact::{self, augmented_contact};
+    use muslin::implicit_contact::multiplier::Multiplier;
+    use muslin::implicit_contact::{self, augmented_contact, exchange};
     use muslin::implicit_contact::augmented_contact::{ActiveContacts, AugmentedContact, ContactLines, Friction};
     use muslin::integrate::conjugate_gradient::add_diagonal;
     use muslin::integrate::pins::JumpSide;
@@ -437,5 +439,32 @@ both_precisions! {
         let moved = sim.positions().iter().zip(&settled).map(|(a, b)| a.distance(*b)).fold(0.0, Real::max);
         assert!(moved < 1e-6, "the sheet moved by {moved} m at rest");
         assert!(!sim.state().multipliers.is_empty(), "no contact carries the sheet");
+    }
+
+    /// A pair that is near and collides has two constraints. The force of the step before acts on it once.
+    #[test]
+    fn a_pair_with_two_constraints_gets_its_force_once() {
+        let contact = kit::build(RESTING).contact.expect("the scene has contact");
+        let model = contact.view();
+        let mut columns = ContactScratchColumns::build(&model, 100);
+        let scratch = &mut columns.columns();
+        let force = vec3([0.1, 0.2, 0.3]);
+        let pairs = [[0, 1, 2, 3], [4, 5, 6, 7], [4, 5, 6, 7], [0, 1, 2, 3]];
+        for (constraint, vertices) in scratch.constraints.iter_mut().zip(pairs) {
+            constraint.contact.vertices = vertices;
+            constraint.inverse_mass = 1.0;
+        }
+        scratch.multipliers[0] = Multiplier { vertices: [0, 1, 2, 3], force };
+        scratch.multipliers[1] = Multiplier { vertices: [4, 5, 6, 7], force: force * 2.0 };
+        scratch.lengths.multipliers = 2;
+        // The near pair first; what the motion brings near and its impacts later.
+        for constraints in [0..1, 1..4] {
+            exchange::add_contacts(scratch, constraints, STEP as Real, 0.004);
+        }
+        let got = scratch.contacts[..scratch.lengths.contacts].iter().map(|contact| contact.multiplier / STEP as Real);
+        let worst = got.zip([force, force * 2.0, Vec3::ZERO, Vec3::ZERO]).map(|(got, want)| got.distance(want));
+        let worst: Vec<_> = worst.collect();
+        assert_eq!(worst.len(), 4);
+        assert!(worst.iter().all(|&error| error < 1e-6), "errors of the four forces, N: {worst:?}");
     }
 }

@@ -6,10 +6,10 @@ use core::ops::Range;
 use super::augmented_contact::{AugmentedContact, Friction};
 use super::multiplier;
 use crate::contact::{ContactModel, ContactScratch};
-use crate::real::{Real, sqrt};
+use crate::real::{Real, Vec3, sqrt};
 use crate::response::constraint::{self, Constraint};
 use crate::response::friction::FrictionCoefficients;
-use crate::response::repulsion::MOST_LEVER_RATIO;
+use crate::response::repulsion::{Known, MOST_LEVER_RATIO};
 
 /// How far from the cone friction may be left, relative to what the cone allows.
 const SLACK: Real = 0.05;
@@ -22,15 +22,19 @@ const VIOLATION: Real = 0.3;
 const SMALL: Real = 0.1;
 
 /// Adds the constraints whose vertices can move to the contacts of the solve, with their displacements in place of
-/// velocities. `step` is the length of the step, s; `thickness` in m.
+/// velocities. If a pair has several constraints, the first one gets its multiplier. `step` is the length of the step, s;
+/// `thickness` in m.
 pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real, thickness: Real) {
     let multipliers = &scratch.multipliers[..scratch.lengths.multipliers];
+    let known = Known::sort(&scratch.constraints[..constraints.end], scratch.order);
     let mut given = scratch.lengths.contacts;
     for (index, constraint) in (constraints.start as u32..).zip(&scratch.constraints[constraints]) {
         let Constraint { contact, target, coefficients, inverse_mass, .. } = *constraint;
         if inverse_mass <= 0.0 {
             continue;
         }
+        let is_first = known.first(scratch.constraints, contact.vertices) == Some(index);
+        let force = if is_first { multiplier::force(multipliers, contact.vertices) } else { Vec3::ZERO };
         scratch.contacts[given] = AugmentedContact {
             vertices: contact.vertices,
             weights: contact.weights,
@@ -38,7 +42,7 @@ pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>,
             least_velocity: target - contact.gap,
             slack: VIOLATION * thickness,
             velocity: constraint::weighted(&contact, scratch.predicted) - constraint::weighted(&contact, scratch.start),
-            multiplier: multiplier::force(multipliers, contact.vertices) * step,
+            multiplier: force * step,
             coefficients: [coefficients.at_rest, coefficients.kinetic],
             constraint: index,
             ..AugmentedContact::default()

@@ -10,7 +10,7 @@
 //! 2006, ch. 5.2] with an exact line search: contacts that open, close, stick or slip on the way need no solve of their
 //! own. Without contacts these are linear conjugate gradients.
 //!
-//! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on the limit of iterations.
+//! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on a limit of iterations or updates.
 
 use super::coarse::{self, CoarseFactor, Patches};
 use super::columns::{Sums, dot, sum_parts};
@@ -106,7 +106,8 @@ const UPDATE_BELOW: Sum = 0.01;
 /// vertices, and its multiplier throws the cloth back in the next step.
 const MULTIPLIER_UPDATES: u32 = 4;
 
-/// Updates of a solve that has converged, after which its bounds are no longer changed.
+/// Updates of a solve that has converged, after which its bounds are no longer changed. A solve that they leave above its
+/// tolerance is counted as unconverged.
 const MOST_LAST_UPDATES: u32 = 8;
 
 /// Squared residual that the last update of the bounds may leave, relative to that at which the solve stops.
@@ -204,6 +205,7 @@ pub(crate) fn solve<D: Dispatch>(
             last_updates += 1;
             let left = if last_updates > 1 { LEFT * target } else { target };
             if rho <= left || last_updates == MOST_LAST_UPDATES {
+                statistics.unconverged += u64::from(rho > left);
                 break;
             }
             i.restart(rho);

@@ -119,7 +119,7 @@ pub struct IntegratorStatistics {
     pub matrix_products: u64,
     /// Linear solves that ended at a direction of negative curvature.
     pub negative_curvature: u64,
-    /// Solves, linear or by Newton's method, that reached their limit of iterations.
+    /// Solves, linear or by Newton's method, that ended before their tolerance, at a limit of iterations.
     pub unconverged: u64,
     /// Line searches that found no decrease.
     pub stalled_searches: u64,

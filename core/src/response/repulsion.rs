@@ -49,13 +49,12 @@ pub(crate) fn find(
 /// The pairs that already have a constraint.
 pub(crate) struct Known<'a> {
     order: &'a [u32],
-    count: usize,
 }
 
 impl<'a> Known<'a> {
     /// Without any.
     pub fn nothing() -> Self {
-        Self { order: &[], count: 0 }
+        Self { order: &[] }
     }
 
     /// The pairs of some constraints. Sorts their indices into `order`.
@@ -65,13 +64,14 @@ impl<'a> Known<'a> {
             *slot = k;
         }
         constraint::sort_by_vertices(constraints, &mut order[..count]);
-        Self { order: &order[..count], count }
+        Self { order: &order[..count] }
     }
 
-    fn has(&self, list: &List<'_>, vertices: [u32; 4]) -> bool {
-        // Constraints are only added behind the known ones.
-        let known = &list.all[..self.count];
-        self.order.binary_search_by_key(&vertices, |&k| known[k as usize].contact.vertices).is_ok()
+    /// The index of the first constraint of a pair. Constraints were only added behind the known ones.
+    pub fn first(&self, constraints: &[Constraint], vertices: [u32; 4]) -> Option<u32> {
+        let of = |k: u32| constraints[k as usize].contact.vertices;
+        let at = self.order.partition_point(|&k| of(k) < vertices);
+        self.order.get(at).copied().filter(|&k| of(k) == vertices)
     }
 }
 
@@ -94,7 +94,7 @@ fn find_pairs(
         let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
         let nearest_end = distance - fastest(first, &gather(vertices, motion.displacements));
         let may_push = distance < model.thickness || nearest_end < model.thickness + margin;
-        if !may_push || known.has(list, vertices) {
+        if !may_push || known.first(list.all, vertices).is_some() {
             continue;
         }
         let x = gather(vertices, motion.start);
@@ -142,7 +142,7 @@ pub(crate) fn find_planes(
                 gap: normal.dot(motion.start[v as usize] - motion.start[plane as usize]),
             };
             let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(normal);
-            if ends < least(contact.gap) && !known.has(list, contact.vertices) {
+            if ends < least(contact.gap) && known.first(list.all, contact.vertices).is_none() {
                 let target = model.thickness.min(contact.gap);
                 let coefficients = coefficients(model, &contact, motion);
                 list.push(Constraint::new(contact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO));

@@ -45,7 +45,7 @@ pub enum Verdict {
     /// A step failed, or an edge was stretched too far.
     #[serde(rename = "diverged")]
     Diverged,
-    /// A solve reached its limit of iterations.
+    /// A solve ended before its tolerance.
     #[serde(rename = "solver gave up")]
     GaveUp,
     /// It was not run, or took longer than the time left.
