@@ -53,7 +53,7 @@ both_precisions! {
     use muslin::scene::BuiltScene;
     use muslin::scratch::Scratch;
     use muslin::simulation::Simulation;
-    use muslin::step::{self, StepContact, Work};
+    use muslin::step::{self, History, StepContact, Work};
 
     const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
     const HELD: [u32; 2] = [0, SIDE as u32 - 1];
@@ -203,6 +203,7 @@ both_precisions! {
             ..Scratch::default()
         };
         let (scheme, mut statistics) = (scheme(method), IntegratorStatistics::default());
+        let mut history = History::Start;
         for n in 0..STEPS {
             let context = StepInput {
                 model: &model,
@@ -218,8 +219,8 @@ both_precisions! {
             };
             let work = Work { integrator: &mut statistics, contact: &mut ContactStatistics::default(), searched: &mut 0 };
             let contact = None::<StepContact<'_, NoContact>>;
-            let taken = block_on(step::take(&context, &mut particles, &mut scratch, contact, work));
-            assert_eq!(taken, Ok(false), "{} {}, step {n}", muslin::real::NAME, method.name());
+            let taken = block_on(step::take(&context, &mut particles, &mut scratch, contact, &mut history, work));
+            assert_eq!(taken, Ok(()), "{} {}, step {n}", muslin::real::NAME, method.name());
             see(n + 1, particles.positions, particles.velocities);
         }
     }

@@ -31,7 +31,7 @@ pub struct Scratch<'a> {
     pub base_positions: &'a mut [Vec3],
     /// BDF2: extrapolated velocities that the stage starts from, m/s.
     pub base_velocities: &'a mut [Vec3],
-    /// BDF2: whether the state before the last step is known.
+    /// BDF2: whether the step continues the last one. [`step::take`](crate::step::take) sets it.
     pub has_history: bool,
 
     /// Implicit: the system matrix.
@@ -99,7 +99,6 @@ mod owned {
         pub(crate) previous_velocities: Vec<Vec3>,
         base_positions: Vec<Vec3>,
         base_velocities: Vec<Vec3>,
-        pub(crate) has_history: bool,
         pattern: SparsityPattern,
         blocks: Vec<Block>,
         tangents: Vec<Real>,
@@ -164,7 +163,6 @@ mod owned {
                 previous_velocities: column(bdf2),
                 base_positions: column(bdf2),
                 base_velocities: column(bdf2),
-                has_history: false,
                 blocks: vec![Block::default(); pattern.columns.len()],
                 pattern,
                 tangents: vec![0.0; if implicit { model.tangent_scratch() } else { 0 }],
@@ -250,7 +248,7 @@ mod owned {
                 previous_velocities: &mut self.previous_velocities,
                 base_positions: &mut self.base_positions,
                 base_velocities: &mut self.base_velocities,
-                has_history: self.has_history,
+                has_history: false,
                 assembly_map: self.pattern.assembly_map(),
                 matrix: BlockMatrix {
                     offsets: &self.pattern.offsets,

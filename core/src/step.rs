@@ -18,7 +18,7 @@ use crate::detection::{self, Purpose, place};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::implicit_contact::{self, exchange, multiplier};
-use crate::integrate::{self, IntegratorStatistics, StepInput};
+use crate::integrate::{self, IntegratorStatistics, Method, Scheme, StepInput};
 use crate::particles::Particles;
 use crate::real::{Real, Vec3, sqrt};
 use crate::refusal::{Cause, Obstacle};
@@ -59,16 +59,51 @@ pub struct Work<'a> {
     pub searched: &'a mut u64,
 }
 
-/// Takes one step. Returns whether contact corrected it: then the next step [extrapolates](StepInput::extrapolates) nothing.
-/// Call [`Pins::set_out`](crate::integrate::pins::Pins::set_out) before the first step, to set the initial velocities of
-/// pins.
+/// How the state came about from which a step starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum History {
+    /// It is the initial state.
+    #[default]
+    Start,
+    /// By a step of the same length, which contact did not correct.
+    Smooth,
+    /// By a step of another length, or something else has changed it since, for example the host.
+    Cut,
+    /// By a step that contact corrected.
+    Corrected,
+}
+
+impl History {
+    /// Notes that the next step does not continue the last one.
+    pub fn cut(&mut self) {
+        if *self == Self::Smooth {
+            *self = Self::Cut;
+        }
+    }
+}
+
+/// Takes one step. Pass the `history` that the last step left. Call
+/// [`Pins::set_out`](crate::integrate::pins::Pins::set_out) before the first step, to set the initial velocities of pins.
+///
+/// Some steps are taken by backward Euler instead of the method of `input`. BDF2 needs a step of equal length before, without
+/// contact and without a jump of a pin's velocity in between. Implicit midpoint after contact would amplify the oscillation of
+/// stiff cloth that an impulse excites. After contact, the linear solve also [extrapolates](StepInput::extrapolates) nothing.
 pub async fn take<D: Dispatch, R: ContactRoom>(
     input: &StepInput<'_, D>,
     particles: &mut Particles<'_>,
     scratch: &mut Scratch<'_>,
     contact: Option<StepContact<'_, R>>,
+    history: &mut History,
     mut work: Work<'_>,
-) -> Result<bool, Obstacle> {
+) -> Result<(), Obstacle> {
+    let mut from = *history;
+    if input.scheme.method == Method::Bdf2 && input.pins.jump(input.time) {
+        from.cut();
+    }
+    let scheme = &Scheme { method: method(input.scheme.method, from), ..*input.scheme };
+    let extrapolates = input.extrapolates && from != History::Corrected;
+    let input = &StepInput { scheme, extrapolates, ..*input };
+    scratch.has_history = from == History::Smooth && !scratch.previous_positions.is_empty();
     predict(input, particles, scratch, work.integrator)?;
     let mut corrected = false;
     if let Some(mut contact) = contact {
@@ -78,7 +113,17 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
         keep_forces(input.step, &mut contact.columns.columns());
     }
     commit(particles, scratch);
-    Ok(corrected)
+    *history = if corrected { History::Corrected } else { History::Smooth };
+    Ok(())
+}
+
+/// The method of a step with a history.
+fn method(method: Method, history: History) -> Method {
+    match method {
+        Method::Bdf2 if matches!(history, History::Cut | History::Corrected) => Method::BackwardEuler,
+        Method::ImplicitMidpoint if history == History::Corrected => Method::BackwardEuler,
+        method => method,
+    }
 }
 
 /// Writes the candidate state without contact to `scratch`.
@@ -237,12 +282,11 @@ fn keep_forces(step: Real, contact: &mut ContactScratch<'_>) {
     contact.lengths.multipliers = multiplier::write(constraints, step, contact.order, contact.multipliers);
 }
 
-/// Makes the candidate state the state. For a method with history (BDF2) the old state becomes the history.
+/// Makes the candidate state the state. A method with history (BDF2) keeps the old state.
 fn commit(particles: &mut Particles<'_>, scratch: &mut Scratch<'_>) {
     if !scratch.previous_positions.is_empty() {
         scratch.previous_positions.copy_from_slice(particles.positions);
         scratch.previous_velocities.copy_from_slice(particles.velocities);
-        scratch.has_history = true;
     }
     particles.positions.copy_from_slice(scratch.next_positions);
     particles.velocities.copy_from_slice(scratch.next_velocities);

@@ -4,11 +4,11 @@
 //! hits, false hits and distances. The long fuzz tests: `-- --ignored --nocapture long_form`, or one of them:
 //! `never_missed::long_form`.
 
+mod complete;
 mod distances;
 mod fuzz;
 mod lattice;
 mod local_minimum;
-mod moving;
 mod never_missed;
 mod quiet;
 mod tight_inclusion;

@@ -143,7 +143,7 @@ pub struct StepInput<'a, D> {
     /// The method and its settings.
     pub scheme: &'a Scheme,
     /// Whether the single linear solve may linearise the forces at positions extrapolated by the velocities.
-    /// False after contact, which changes the velocities abruptly.
+    /// [`step::take`](crate::step::take) clears it after contact, which changes the velocities abruptly.
     pub extrapolates: bool,
     /// Whether contacts are solved after the candidate state is written ([`implicit_contact`](crate::implicit_contact)).
     pub has_contact: bool,

@@ -7,6 +7,7 @@ use crate::contact::ContactScratchColumns;
 use crate::dispatch::Dispatch;
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::real::{Sum, Vec3};
+use crate::step::History;
 
 /// Largest number of halvings. In the shortest substeps vertices that still collide are held back.
 const MOST_HALVINGS: u32 = 6;
@@ -16,8 +17,7 @@ const MOST_HALVINGS: u32 = 6;
 pub(super) struct Kept {
     columns: [Vec<Vec3>; 4],
     multipliers: Vec<Multiplier>,
-    has_history: bool,
-    after_contact: bool,
+    history: History,
 }
 
 impl Kept {
@@ -33,7 +33,8 @@ impl Kept {
 
     /// Size of the columns, bytes.
     pub fn bytes(&self) -> usize {
-        self.columns.iter().map(|column| size_of_val(&column[..])).sum::<usize>() + size_of_val(&self.multipliers[..])
+        let multipliers = self.multipliers.capacity() * size_of::<Multiplier>();
+        self.columns.iter().map(|column| size_of_val(&column[..])).sum::<usize>() + multipliers
     }
 }
 
@@ -52,9 +53,13 @@ impl Simulation {
         self.contact_statistics.rejected += 1;
         let whole = 1u32 << MOST_HALVINGS;
         let (mut done, mut halvings) = (0, 1);
+        if self.history == History::Start {
+            self.history = History::Cut;
+        }
         while done < whole {
             let length = whole >> halvings;
             let part = Substep { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
+            self.history.cut();
             match self.try_part(part, halvings == MOST_HALVINGS, dispatch).await {
                 Ok(()) => {
                     done += length;
@@ -67,6 +72,7 @@ impl Simulation {
                 Err(cannot) => return Err(cannot),
             }
         }
+        self.history.cut();
         Ok(())
     }
 
@@ -80,16 +86,16 @@ impl Simulation {
         }
         kept.multipliers.clear();
         kept.multipliers.extend_from_slice(contact.as_ref().map_or(&[], ContactScratchColumns::multipliers));
-        (kept.has_history, kept.after_contact) = (scratch.has_history, self.after_contact);
+        kept.history = self.history;
     }
 
     fn put_back(&mut self) {
         let kept = core::mem::take(&mut self.kept);
         let [positions, velocities, previous @ ..] = kept.columns.each_ref().map(|column| &column[..]);
-        let previous = if kept.has_history { previous } else { [&[][..]; 2] };
-        let (after_contact, multipliers) = (kept.after_contact, &kept.multipliers[..]);
+        let (after_contact, multipliers) = (false, &kept.multipliers[..]);
         let state = State { steps: self.steps, positions, velocities, previous, after_contact, multipliers };
         self.restore(&state, self.statistics, self.contact_statistics);
+        self.history = kept.history;
         self.kept = kept;
     }
 }

@@ -11,7 +11,7 @@ use crate::error::SceneError;
 use crate::forces::{Energy, Model};
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::pins::Pins;
-use crate::integrate::{IntegratorStatistics, Method, Scheme, StepInput};
+use crate::integrate::{IntegratorStatistics, Scheme, StepInput};
 use crate::mesh::SurfaceColumns;
 use crate::particles::{ParticleColumns, Particles};
 use crate::real::{Real, Sum, Vec3};
@@ -20,7 +20,7 @@ use crate::response::ContactStatistics;
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
 use crate::stage::Term;
-use crate::step::{self, StepContact, Work};
+use crate::step::{self, History, StepContact, Work};
 use crate::traffic::{self, TrafficSizes};
 
 mod halving;
@@ -43,8 +43,7 @@ pub struct Simulation {
     /// The state at the start of a step that is taken in substeps.
     kept: Kept,
     contact_statistics: ContactStatistics,
-    /// Whether the contact response changed the current state.
-    after_contact: bool,
+    history: History,
     /// Number of candidates found in this step, over all attempts.
     searched: u64,
     scheme: Scheme,
@@ -118,7 +117,7 @@ impl Simulation {
             contact,
             kept: kept.unwrap_or_default(),
             contact_statistics,
-            after_contact: false,
+            history: History::Start,
             searched: 0,
             scheme,
             step,
@@ -156,12 +155,8 @@ impl Simulation {
     /// Takes a part of a step. `hold` allows the last resort of the response, which holds vertices back.
     async fn try_part<D: Dispatch>(&mut self, part: Substep, hold: bool, dispatch: &D) -> Result<(), StepError> {
         let time = self.time_at(part.from);
-        // Jumps of pins matter only to a method with history.
-        if part != Substep::WHOLE || self.scratch.has_history && self.pins().jump(time) {
-            self.scratch.has_history = false;
-        }
-        let (scheme, extrapolates) = (&self.scheme_of(part), !self.after_contact);
-        let Self { built, scratch, contact, step, statistics, contact_statistics, searched, .. } = self;
+        let Self { built, scratch, contact, history, scheme, step, statistics, contact_statistics, searched, .. } =
+            self;
         let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
         let input = StepInput {
             model: &built.model.view(),
@@ -171,7 +166,7 @@ impl Simulation {
             time,
             step: *step * part.length as Real,
             scheme,
-            extrapolates,
+            extrapolates: true,
             has_contact: contact.is_some(),
             dispatch,
         };
@@ -180,28 +175,8 @@ impl Simulation {
         let columns = model.as_ref().zip(contact.as_mut());
         let contact = columns.map(|(model, columns)| StepContact { model, columns, hold });
         let work = Work { integrator: statistics, contact: contact_statistics, searched };
-        let mut view = scratch.view();
-        match step::take(&input, &mut particles, &mut view, contact, work).await {
-            Ok(corrected) => {
-                self.scratch.has_history = view.has_history && part == Substep::WHOLE && !corrected;
-                self.after_contact = corrected;
-                Ok(())
-            }
-            Err(Obstacle { cause, particle }) => Err(self.diverged(cause, particle, dispatch)),
-        }
-    }
-
-    /// The scheme of a part of a step, backward Euler in two cases. BDF2 needs a previous step of equal length
-    /// without an impulse or a velocity jump of a pin in between. Implicit midpoint after contact would amplify
-    /// the oscillation of stiff cloth that an impulse excites.
-    fn scheme_of(&self, part: Substep) -> Scheme {
-        let cut = part != Substep::WHOLE || self.steps > 0 && !self.scratch.has_history;
-        let method = match self.scheme.method {
-            Method::Bdf2 if cut => Method::BackwardEuler,
-            Method::ImplicitMidpoint if self.after_contact => Method::BackwardEuler,
-            method => method,
-        };
-        Scheme { method, ..self.scheme }
+        let taken = step::take(&input, &mut particles, &mut scratch.view(), contact, history, work).await;
+        taken.map_err(|Obstacle { cause, particle }| self.diverged(cause, particle, dispatch))
     }
 
     fn diverged(&mut self, cause: Cause, particle: u32, dispatch: &impl Dispatch) -> StepError {
@@ -330,8 +305,9 @@ impl Simulation {
 
     /// Clears all data about previous steps, because the new state does not follow from them.
     fn forget_the_past(&mut self) {
-        self.scratch.has_history = false;
-        self.after_contact = false;
+        if self.history != History::Start {
+            self.history = History::Cut;
+        }
         if let Some(contact) = &mut self.contact {
             contact.set_multipliers(&[]);
         }
@@ -364,13 +340,13 @@ impl Simulation {
 
     /// The state that a checkpoint stores.
     pub fn state(&self) -> State<'_> {
-        let known = if self.scratch.has_history { self.scratch.previous_positions.len() } else { 0 };
+        let known = if self.history == History::Smooth { self.scratch.previous_positions.len() } else { 0 };
         State {
             steps: self.steps,
             positions: self.positions(),
             velocities: self.velocities(),
             previous: [&self.scratch.previous_positions[..known], &self.scratch.previous_velocities[..known]],
-            after_contact: self.after_contact,
+            after_contact: self.history == History::Corrected,
             multipliers: self.contact.as_ref().map_or(&[], ContactScratchColumns::multipliers),
         }
     }
@@ -396,8 +372,12 @@ impl Simulation {
                 self.scratch.previous_positions.copy_from_slice(state.previous[0]);
                 self.scratch.previous_velocities.copy_from_slice(state.previous[1]);
             }
-            self.scratch.has_history = history > 0;
-            self.after_contact = state.after_contact;
+            self.history = match history == self.scratch.previous_positions.len() {
+                _ if state.after_contact => History::Corrected,
+                _ if state.steps == 0 => History::Start,
+                true => History::Smooth,
+                false => History::Cut,
+            };
             if let Some(contact) = &mut self.contact {
                 contact.set_multipliers(state.multipliers);
             }

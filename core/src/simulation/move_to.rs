@@ -17,7 +17,7 @@ impl Simulation {
         self.built.pins.move_to(vertex, [now, now + seconds], [from, place]);
         self.take_over_pins();
         // A two-step method cannot use the state from before the new motion.
-        self.scratch.has_history = false;
+        self.history.cut();
         self.built.pins.view().set_out(now, &mut self.built.particles.velocities);
         true
     }
@@ -26,7 +26,9 @@ impl Simulation {
     pub fn release(&mut self, vertex: u32) -> bool {
         let released = self.built.pins.release(vertex);
         self.take_over_pins();
-        self.scratch.has_history &= !released;
+        if released {
+            self.history.cut();
+        }
         released
     }
 

@@ -1,20 +1,30 @@
-//! Steps in which the cloth moves: no pair is missing from the candidates that collides, or is near at either end, while the
-//! vertices end anywhere in their boxes. Compared with all pairs whose boxes around the motion overlap.
+//! No pair is missing from the candidates that collides or is near at either end of a step. Compared with all pairs whose
+//! boxes around the motion overlap: in steps of cloth that moves fast, with vertices that end anywhere in their boxes, and in
+//! every search of the built-in scenes, most of which find their pairs among those that were kept.
+//!
+//! Run: `cargo test -p muslin-tests --test narrow_phase complete`; all steps of the built-in scenes:
+//! `cargo test -p muslin-tests --test narrow_phase -- --ignored --nocapture long_form_of_built_in`.
 
 harness::both_precisions! {
     use harness::rng::Rng;
     use harness::steps::Steps;
     use muslin::broad_phase::{self, Candidates, Counts, GridColumns};
-    use muslin::contact::{ContactModel, ContactScratchColumns, Searched};
+    use muslin::contact::{ContactModel, ContactRoom, ContactScratch, ContactScratchColumns, Searched};
     use muslin::detection::{self, Purpose};
     use muslin::dispatch::{Here, Serial, block_on};
     use muslin::geometry::aabb::Aabb;
     use muslin::narrow_phase::continuous::{self, LinearMotion};
     use muslin::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
     use muslin::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
+    use muslin::integrate::{IntegratorStatistics, StepInput};
+    use muslin::particles::{ParticleColumns, Particles};
     use muslin::real::{Real, Vec3, vec3};
+    use muslin::response::ContactStatistics;
     use muslin::response::impact::SEPARATION;
     use muslin::response::repulsion::REACH;
+    use muslin::scene::{BUILT_IN, SceneDesc};
+    use muslin::scratch::ScratchColumns;
+    use muslin::step::{self, History, StepContact, Work};
     use std::collections::BTreeSet;
 
     type Pairs = [Vec<[u32; 2]>; 2];
@@ -171,5 +181,135 @@ harness::both_precisions! {
             assert!(swept + comoving > 20 && hits > 100 && near > 100, "{swept} others, {hits} hits, {near} near pairs");
             assert!(3 * ours < 2 * all, "{ours} candidates of {all} pairs whose boxes overlap");
         }
+    }
+
+    /// Columns of contact that check the candidates of every search.
+    struct Checked<'a> {
+        model: &'a ContactModel<'a>,
+        columns: ContactScratchColumns,
+        /// The boxes for which pairs were kept at the last search.
+        kept: Vec<Aabb>,
+        /// Searches, and those of them that needed no new pairs.
+        searches: [u32; 2],
+        seen: Seen,
+    }
+
+    impl ContactRoom for Checked<'_> {
+        fn columns(&mut self) -> ContactScratch<'_> {
+            self.columns.view()
+        }
+        fn grow_pairs(&mut self, needed: Counts) -> bool {
+            self.columns.grow_pairs(needed)
+        }
+        fn grow_constraints(&mut self, needed: usize) -> bool {
+            self.columns.grow_constraints(needed);
+            true
+        }
+        /// A step calls this after each search.
+        fn grow_kept(&mut self) {
+            let view = self.columns.view();
+            if view.has_room(*view.counts) {
+                self.check();
+            }
+            ContactRoom::grow_kept(&mut self.columns);
+        }
+    }
+
+    impl Checked<'_> {
+        fn check(&mut self) {
+            let (model, seen) = (self.model, &mut self.seen);
+            let ours = candidates(&mut self.columns);
+            let view = self.columns.view();
+            let is_near = *view.searched == Searched::Near;
+            let lasted = is_near && self.kept[..] == view.kept.boxes[..];
+            self.kept.copy_from_slice(view.kept.boxes);
+            self.searches[0] += 1;
+            self.searches[1] += u32::from(lasted);
+            // Before the solve of a fast step, only the pairs that are near at its start are needed.
+            let end = if is_near && !detection::is_quiet(model, &view) { &*view.start } else { &*view.end };
+            let around: Vec<Aabb> = (view.start.iter().zip(end).zip(model.radii))
+                .map(|((&a, &b), &radius)| {
+                    let wide = (0.5 * REACH * model.thickness + radius) * 1.001;
+                    Aabb { min: a.min(b) - wide, max: a.max(b) + wide }
+                })
+                .collect();
+            let all = all_pairs(model, &around);
+            let motion = [&*view.start, end];
+            let needed = [
+                needed::<VertexTriangle>(model, &all[0], motion, !is_near, seen),
+                needed::<EdgeEdge>(model, &all[1], motion, !is_near, seen),
+            ];
+            for (needed, ours) in needed.iter().zip(&ours) {
+                let ours: BTreeSet<_> = ours.iter().copied().collect();
+                let missing: Vec<_> = needed.difference(&ours).collect();
+                let searches = self.searches[0];
+                assert!(missing.is_empty(), "search {searches}: {missing:?} are missing ({:?}, {lasted})", view.searched);
+            }
+        }
+    }
+
+    /// Runs a built-in scene for so many seconds at most, and checks every search. Returns the numbers of searches, of those
+    /// that needed no new pairs, and of pairs that are near or collide.
+    fn built_in(name: &str, seconds: f64) -> [usize; 3] {
+        let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("a built-in scene").1;
+        let scene: SceneDesc = toml::from_str(text).expect("a scene");
+        let (sim, mut built) = (kit::simulation(text, &[]), kit::build(text));
+        let (scheme, length) = (*sim.scheme(), sim.step_length());
+        let mut scratch = ScratchColumns::build(&built, &scheme);
+        let columns = built.contact.take().expect("the scene has contact");
+        let model = columns.view();
+        let mut checked = Checked {
+            model: &model,
+            columns: ContactScratchColumns::build(&model, 8),
+            kept: vec![Aabb::EMPTY; model.radii.len()],
+            searches: [0; 2],
+            seen: Seen::default(),
+        };
+        let mut history = History::Start;
+        let steps = (scene.duration.min(seconds) / scene.timing().step) as u32;
+        for n in 0..steps {
+            let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
+            let input = StepInput {
+                model: &built.model.view(),
+                pins: &built.pins.view(),
+                masses,
+                inverse_masses,
+                time: f64::from(n) * scene.timing().step,
+                step: length,
+                scheme: &scheme,
+                extrapolates: true,
+                has_contact: true,
+                dispatch: &Here(&Serial),
+            };
+            let mut particles = Particles { positions, velocities, masses, inverse_masses };
+            let contact = Some(StepContact { model: &model, columns: &mut checked, hold: false });
+            let (mut integrator, mut statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
+            let work = Work { integrator: &mut integrator, contact: &mut statistics, searched: &mut 0 };
+            let taken = block_on(step::take(&input, &mut particles, &mut scratch.view(), contact, &mut history, work));
+            taken.unwrap_or_else(|obstacle| panic!("{name}, step {n}: {obstacle:?}"));
+        }
+        let Checked { searches: [searches, lasted], seen, .. } = checked;
+        println!("{name}: {steps} steps, {searches} searches, {lasted} of pairs kept, {seen:?}");
+        [searches as usize, lasted as usize, seen.near + seen.hits]
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn no_search_of_a_built_in_scene_misses_a_pair() {
+        for (name, seconds, least_lasted) in [("ball", 0.6, 10), ("fold", 0.4, 5), ("twist", 0.5, 0)] {
+            let [searches, lasted, touching] = built_in(name, seconds);
+            assert!(searches > 80 && touching > 10_000, "{name}: {searches} searches, {touching} pairs that touch");
+            assert!(lasted >= least_lasted, "{name}: only {lasted} of {searches} searches found their pairs kept");
+        }
+    }
+
+    #[test]
+    #[ignore = "long"]
+    fn long_form_of_built_in_scenes() {
+        let scenes = BUILT_IN.iter().filter(|(_, text)| kit::build(text).contact.is_some());
+        let found: Vec<_> = scenes.map(|(name, _)| built_in(name, f64::INFINITY)).collect();
+        assert!(found.len() >= 9, "{} built-in scenes have contact", found.len());
+        let lasted: usize = found.iter().map(|[_, lasted, _]| lasted).sum();
+        assert!(lasted > 1000, "only {lasted} searches found their pairs kept");
     }
 }
