@@ -97,7 +97,7 @@ fn a_step_with_contact_allocates_nothing_once_there_is_room() {
     for method in [Method::SymplecticEuler, Method::BackwardEuler, Method::Bdf2] {
         let mut scene: SceneDesc = toml::from_str(TOUCHING).expect("the scene of this test parses");
         scene.integrator.method = method;
-        scene.integrator.step = if method.is_implicit() { 0.005 } else { 0.0004 };
+        scene.integrator.step = Some(if method.is_implicit() { 0.005 } else { 0.0004 });
         let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
         let (start, steps) = (cloth.clone(), (0.25 / scene.timing().step) as u32);
         let run = |cloth: &mut Simulation| {
@@ -182,7 +182,7 @@ fn a_step_that_is_taken_back_allocates_nothing() {
         let build = |text: &str| {
             let mut scene: SceneDesc = toml::from_str(text).expect("the scene of this test parses");
             scene.integrator.method = method;
-            scene.integrator.step = if method.is_implicit() { 0.005 } else { 0.0004 };
+            scene.integrator.step = Some(if method.is_implicit() { 0.005 } else { 0.0004 });
             Simulation::new(&scene, &[]).expect("the scene of this test builds")
         };
         let (name, taken) = (method.name(), "the step is taken");

@@ -30,6 +30,8 @@ pub enum Cause {
         /// Whether the particle is pinned, so that contact cannot move it.
         pinned: bool,
     },
+    /// The estimated error is larger than the limit of the input ([`StepInput::limit`](crate::integrate::StepInput::limit)).
+    Inaccurate,
     /// The columns of contact lack room. The host must take the step again with more.
     Short {
         /// Candidates of each kind that need room; 0 if there is enough.
@@ -45,7 +47,7 @@ impl Cause {
     /// Whether a shorter step may succeed.
     pub fn asks_for_shorter_step(self) -> bool {
         match self {
-            Self::Contact { .. } | Self::TooMuch => true,
+            Self::Contact { .. } | Self::TooMuch | Self::Inaccurate => true,
             Self::NotFinite | Self::Short { .. } | Self::Stopped => false,
         }
     }
@@ -104,6 +106,7 @@ impl core::fmt::Display for StepError {
             Cause::Short { pairs, constraints } => {
                 write!(f, "step {step} needs room for {pairs} candidates and {constraints} contacts")
             }
+            Cause::Inaccurate => write!(f, "the error of step {step} is larger than its limit"),
             Cause::Stopped => write!(f, "step {step} was given up"),
         }
     }

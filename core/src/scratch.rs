@@ -23,16 +23,16 @@ pub struct Scratch<'a> {
     /// RK4: velocities inside the step, m/s.
     pub stage_velocities: &'a mut [Vec3],
 
-    /// BDF2: positions before the last step, m.
+    /// BDF2, and implicit midpoint with a largest error: positions before the last step, m.
     pub previous_positions: &'a mut [Vec3],
-    /// BDF2: velocities before the last step, m/s.
+    /// BDF2, and implicit midpoint with a largest error: velocities before the last step, m/s.
     pub previous_velocities: &'a mut [Vec3],
     /// BDF2: extrapolated positions that the stage starts from, m.
     pub base_positions: &'a mut [Vec3],
     /// BDF2: extrapolated velocities that the stage starts from, m/s.
     pub base_velocities: &'a mut [Vec3],
-    /// BDF2: whether the step continues the last one. [`step::take`](crate::step::take) sets it.
-    pub has_history: bool,
+    /// The length of the last step if this one continues it, s. [`step::take`](crate::step::take) sets it.
+    pub last_step: Option<Real>,
 
     /// Implicit: the system matrix.
     pub matrix: BlockMatrix<'a>,
@@ -145,6 +145,7 @@ mod owned {
             let implicit = scheme.method.is_implicit();
             let searches = implicit && scheme.newton > 1;
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
+            let history = bdf2 || (scheme.method == Method::ImplicitMidpoint && scheme.error.is_some());
             let pattern = if implicit { SparsityPattern::build(vertices, model) } else { SparsityPattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
                 patches(scene, &pattern)
@@ -159,8 +160,8 @@ mod owned {
                 next_velocities: column(true),
                 stage_positions: column(rk4 || implicit),
                 stage_velocities: column(rk4),
-                previous_positions: column(bdf2),
-                previous_velocities: column(bdf2),
+                previous_positions: column(history),
+                previous_velocities: column(history),
                 base_positions: column(bdf2),
                 base_velocities: column(bdf2),
                 blocks: vec![Block::default(); pattern.columns.len()],
@@ -248,7 +249,7 @@ mod owned {
                 previous_velocities: &mut self.previous_velocities,
                 base_positions: &mut self.base_positions,
                 base_velocities: &mut self.base_velocities,
-                has_history: false,
+                last_step: None,
                 assembly_map: self.pattern.assembly_map(),
                 matrix: BlockMatrix {
                     offsets: &self.pattern.offsets,

@@ -10,7 +10,8 @@
 //! phase couple.
 //!
 //! The driver asks its host for more room in the columns of contact ([`ContactRoom`]), for candidates that are found
-//! elsewhere ([`Dispatch::detect`]) and for a shorter step ([`Obstacle`]). A step that fails does not change the state.
+//! elsewhere ([`Dispatch::detect`]) and for a shorter step ([`Obstacle`]), for example if the [estimated
+//! error](local_error) is too large. A step that fails does not change the state.
 
 use crate::audit;
 use crate::contact::{ContactModel, ContactRoom, ContactScratch};
@@ -18,7 +19,7 @@ use crate::detection::{self, Purpose, place};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::implicit_contact::{self, exchange, multiplier};
-use crate::integrate::{self, IntegratorStatistics, Method, Scheme, StepInput};
+use crate::integrate::{self, IntegratorStatistics, Method, Scheme, StepInput, bdf2, local_error};
 use crate::particles::Particles;
 use crate::real::{Real, Vec3, sqrt};
 use crate::refusal::{Cause, Obstacle};
@@ -60,14 +61,17 @@ pub struct Work<'a> {
 }
 
 /// How the state came about from which a step starts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum History {
     /// It is the initial state.
     #[default]
     Start,
-    /// By a step of the same length, which contact did not correct.
-    Smooth,
-    /// By a step of another length, or something else has changed it since, for example the host.
+    /// By a step that contact did not correct.
+    Smooth {
+        /// The length of that step, s.
+        step: Real,
+    },
+    /// By a step, but something has changed it since, for example the host.
     Cut,
     /// By a step that contact corrected.
     Corrected,
@@ -76,18 +80,20 @@ pub enum History {
 impl History {
     /// Notes that the next step does not continue the last one.
     pub fn cut(&mut self) {
-        if *self == Self::Smooth {
+        if let Self::Smooth { .. } = self {
             *self = Self::Cut;
         }
     }
 }
 
-/// Takes one step. Pass the `history` that the last step left. Call
+/// Takes one step and returns its [estimated error](local_error), m, if the input has a [limit](StepInput::limit) and the
+/// method an estimate. Pass the `history` that the last step left. Call
 /// [`Pins::set_out`](crate::integrate::pins::Pins::set_out) before the first step, to set the initial velocities of pins.
 ///
-/// Some steps are taken by backward Euler instead of the method of `input`. BDF2 needs a step of equal length before, without
-/// contact and without a jump of a pin's velocity in between. Implicit midpoint after contact would amplify the oscillation of
-/// stiff cloth that an impulse excites. After contact, the linear solve also [extrapolates](StepInput::extrapolates) nothing.
+/// Some steps are taken by backward Euler instead of the method of `input`. BDF2 needs a step before that is at least half as
+/// long, without contact and without a jump of a pin's velocity in between. Implicit midpoint after contact would amplify the
+/// oscillation of stiff cloth that an impulse excites. After contact, the linear solve also
+/// [extrapolates](StepInput::extrapolates) nothing.
 pub async fn take<D: Dispatch, R: ContactRoom>(
     input: &StepInput<'_, D>,
     particles: &mut Particles<'_>,
@@ -95,26 +101,59 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     contact: Option<StepContact<'_, R>>,
     history: &mut History,
     mut work: Work<'_>,
-) -> Result<(), Obstacle> {
+) -> Result<Option<Real>, Obstacle> {
     let mut from = *history;
-    if input.scheme.method == Method::Bdf2 && input.pins.jump(input.time) {
+    let is_too_long = |last| input.step > bdf2::MOST_GROWTH * last;
+    let cuts = input.pins.jump(input.time) || matches!(from, History::Smooth { step } if is_too_long(step));
+    if input.scheme.method == Method::Bdf2 && cuts {
         from.cut();
     }
     let scheme = &Scheme { method: method(input.scheme.method, from), ..*input.scheme };
     let extrapolates = input.extrapolates && from != History::Corrected;
     let input = &StepInput { scheme, extrapolates, ..*input };
-    scratch.has_history = from == History::Smooth && !scratch.previous_positions.is_empty();
+    scratch.last_step = match from {
+        History::Smooth { step } if !scratch.previous_positions.is_empty() => Some(step),
+        History::Smooth { .. } | History::Start | History::Cut | History::Corrected => None,
+    };
     predict(input, particles, scratch, work.integrator)?;
-    let mut corrected = false;
-    if let Some(mut contact) = contact {
-        corrected = resolve(input, particles, scratch, &mut contact, &mut work).await?;
-        // The response decides by comparisons, which do not detect NaN.
-        test_finite(scratch)?;
-        keep_forces(input.step, &mut contact.columns.columns());
+    let Some(mut contact) = contact else {
+        let error = test_error(input, particles, false, None, scratch, work.integrator)?;
+        commit(particles, scratch, work.integrator);
+        *history = History::Smooth { step: input.step };
+        return Ok(error);
+    };
+    let corrected = resolve(input, particles, scratch, &mut contact, &mut work).await?;
+    // The response decides by comparisons, which do not detect NaN.
+    test_finite(scratch)?;
+    let contact = &mut contact.columns.columns();
+    let error = test_error(input, particles, corrected, Some(contact), scratch, work.integrator)?;
+    keep_forces(input.step, contact);
+    commit(particles, scratch, work.integrator);
+    *history = if corrected { History::Corrected } else { History::Smooth { step: input.step } };
+    Ok(error)
+}
+
+/// Estimates the error of the candidate state, m, if the input asks for it.
+fn test_error<D: Dispatch>(
+    input: &StepInput<'_, D>,
+    particles: &Particles<'_>,
+    corrected: bool,
+    contact: Option<&ContactScratch<'_>>,
+    scratch: &mut Scratch<'_>,
+    statistics: &mut IntegratorStatistics,
+) -> Result<Option<Real>, Obstacle> {
+    let Some(limit) = input.limit else { return Ok(None) };
+    let add_impulses = |out: &mut [Vec3]| {
+        if let Some(contact) = contact {
+            exchange::add_impulses(contact, input.step, out);
+        }
+    };
+    let error = local_error::estimate(input, particles, corrected, add_impulses, scratch, statistics);
+    if error.is_some_and(|error| error > limit || error.is_nan()) {
+        statistics.inaccurate += 1;
+        return Err(farthest(Cause::Inaccurate, particles, scratch));
     }
-    commit(particles, scratch);
-    *history = if corrected { History::Corrected } else { History::Smooth };
-    Ok(())
+    Ok(error)
 }
 
 /// The method of a step with a history.
@@ -283,7 +322,8 @@ fn keep_forces(step: Real, contact: &mut ContactScratch<'_>) {
 }
 
 /// Makes the candidate state the state. A method with history (BDF2) keeps the old state.
-fn commit(particles: &mut Particles<'_>, scratch: &mut Scratch<'_>) {
+fn commit(particles: &mut Particles<'_>, scratch: &mut Scratch<'_>, statistics: &mut IntegratorStatistics) {
+    statistics.committed += 1;
     if !scratch.previous_positions.is_empty() {
         scratch.previous_positions.copy_from_slice(particles.positions);
         scratch.previous_velocities.copy_from_slice(particles.velocities);

@@ -1,7 +1,7 @@
 //! Checkpoints: the saved state of a run, which a later run continues bit for bit.
 //!
-//! Little-endian layout: magic, version, precision, CRC of the scene, steps, whether contact changed the state,
-//! hash chain, counters of work, counters of contact, record of the run, each column after its length, and the
+//! Little-endian layout: magic, version, precision, CRC of the scene, steps, whether contact changed the state, halvings of
+//! the substeps, length of the last one, hash chain, counters of work, counters of contact, record of the run, each column after its length, and the
 //! CRC of all bytes before. The file is written completely or not at all.
 
 use std::io::Write;
@@ -17,7 +17,7 @@ use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// The contents of a checkpoint.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,7 +139,8 @@ fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
     for word in [VERSION, *precision as u32, *scene] {
         bytes.extend(word.to_le_bytes());
     }
-    let state = [snapshot.steps, snapshot.after_contact.into(), *chain];
+    let Snapshot { steps, after_contact, halvings, last_step, .. } = *snapshot;
+    let state = [steps, after_contact.into(), halvings.into(), last_step.to_bits(), *chain];
     for word in state.iter().chain(&snapshot.work).chain(&snapshot.contacts).chain(&record.encode()) {
         bytes.extend(word.to_le_bytes());
     }
@@ -172,8 +173,9 @@ fn fields(mut rest: &[u8]) -> Option<Checkpoint> {
     };
     let scene = u32::from_le_bytes(take(&mut rest)?);
     let mut word = || take(&mut rest).map(u64::from_le_bytes);
-    let (steps, after_contact, chain) = (word()?, word()? != 0, word()?);
-    let mut snapshot = Snapshot { steps, after_contact, ..Snapshot::default() };
+    let (steps, after_contact) = (word()?, word()? != 0);
+    let (halvings, last_step, chain) = (word()? as u32, f64::from_bits(word()?), word()?);
+    let mut snapshot = Snapshot { steps, after_contact, halvings, last_step, ..Snapshot::default() };
     let mut record = [0; record::WORDS];
     for counter in snapshot.work.iter_mut().chain(&mut snapshot.contacts).chain(&mut record) {
         *counter = word()?;
@@ -200,8 +202,9 @@ mod tests {
 
     fn example() -> Checkpoint {
         let columns = [vec![1, 2, 3, 4], vec![5; 24], vec![], vec![9; 12], vec![7; 28]];
-        let (work, contacts) = ([1, 2, 3, 4, 5, 6, 7], [8, 9, 1, 2, 3, 4, 5]);
-        let snapshot = Snapshot { steps: 77, work, contacts, columns, after_contact: true };
+        let (work, contacts) = ([1, 2, 3, 4, 5, 6, 7, 8, 9, 1], [8, 9, 1, 2, 3, 4, 5]);
+        let snapshot =
+            Snapshot { steps: 77, work, contacts, columns, after_contact: true, halvings: 3, last_step: 0.125 };
         let start = Start { crossings: Some(3), untangled: None };
         let record = Record {
             start,

@@ -70,6 +70,8 @@ pub struct Report {
     pub negative_curvature: u64,
     /// Solves that ended before their tolerance.
     pub unconverged: u64,
+    /// Steps and substeps: committed, taken back because of their error, and largest number of halvings.
+    pub substeps: [u64; 3],
     /// Bytes that this work streams, without contact.
     pub streamed_bytes: u64,
     /// Counters of contact: candidates, proximity, impacts, zones, failsafe, rejected steps.
@@ -93,13 +95,17 @@ pub struct Snapshot {
     /// Steps taken.
     pub steps: u64,
     /// Counters of work, in the order of the core's `IntegratorStatistics`.
-    pub work: [u64; 7],
+    pub work: [u64; 10],
     /// Counters of contact, in the order of the core's `ContactStatistics`.
     pub contacts: [u64; 7],
     /// Positions, velocities, for BDF2 the positions and velocities of the step before, and the forces of contacts.
     pub columns: [Vec<u8>; 5],
     /// Whether contact changed the state in the last step.
     pub after_contact: bool,
+    /// How often the substeps are halved.
+    pub halvings: u32,
+    /// Length of the last step or substep, s; 0 if the next one does not continue it.
+    pub last_step: f64,
 }
 
 /// Result of untangling a start state.
@@ -306,6 +312,8 @@ macro_rules! engine {
                             }
                             // The columns of `Simulation` grow.
                             Cause::Short { .. } => "report this as a fault of Muslin, with the scene",
+                            // The shortest substeps are committed whatever their error.
+                            Cause::Inaccurate => "report this as a fault of Muslin, with the scene",
                             Cause::Stopped => return Halt::Stopped,
                         };
                         let is_instability = matches!(diverged.cause, Cause::NotFinite | Cause::TooMuch);
@@ -355,6 +363,7 @@ macro_rules! engine {
                         matrix_products: work.matrix_products,
                         negative_curvature: work.negative_curvature,
                         unconverged: work.unconverged,
+                        substeps: [work.committed, work.inaccurate, work.most_halvings],
                         streamed_bytes: self.streamed_bytes(),
                         contacts: [
                             contact_statistics.candidates,
@@ -446,6 +455,9 @@ macro_rules! engine {
                             w.negative_curvature,
                             w.unconverged,
                             w.stalled_searches,
+                            w.committed,
+                            w.inaccurate,
+                            w.most_halvings,
                         ],
                         contacts: [t.candidates, t.proximity, t.impacts, t.zones, t.touching, t.failsafe, t.rejected],
                         columns: [
@@ -456,6 +468,8 @@ macro_rules! engine {
                             multipliers_to_bytes(state.multipliers),
                         ],
                         after_contact: state.after_contact,
+                        halvings: state.halvings,
+                        last_step: state.last_step.into(),
                     }
                 }
 
@@ -470,6 +484,9 @@ macro_rules! engine {
                         negative_curvature: w[4],
                         unconverged: w[5],
                         stalled_searches: w[6],
+                        committed: w[7],
+                        inaccurate: w[8],
+                        most_halvings: w[9],
                     };
                     let t = snapshot.contacts;
                     let contact_statistics = ContactStatistics {
@@ -483,9 +500,19 @@ macro_rules! engine {
                     };
                     let [positions, velocities, previous_positions, previous_velocities] = &columns;
                     let previous: [&[Vec3]; 2] = [previous_positions, previous_velocities];
-                    let Snapshot { steps, after_contact, .. } = *snapshot;
+                    let Snapshot { steps, after_contact, halvings, .. } = *snapshot;
+                    let last_step = snapshot.last_step as Real;
                     let multipliers = &multipliers_from_bytes(&snapshot.columns[4]);
-                    let state = State { steps, positions, velocities, previous, after_contact, multipliers };
+                    let state = State {
+                        steps,
+                        positions,
+                        velocities,
+                        previous,
+                        last_step,
+                        halvings,
+                        after_contact,
+                        multipliers,
+                    };
                     Simulation::restore(self, &state, work, contact_statistics)
                 }
             }

@@ -13,7 +13,7 @@ const MOST_FRAMES: f64 = 2_147_483_647.0;
 
 /// Checks the numbers of frames and steps of a scene; the message says which values to change.
 pub fn check(scene: &SceneDesc) -> Result<(), String> {
-    let (duration, rate, step) = (scene.duration, scene.frame_rate, scene.integrator.step);
+    let (duration, rate, step) = (scene.duration, scene.frame_rate, scene.integrator.step());
     let frames = duration * rate;
     if frames > MOST_FRAMES {
         return Err(format!(

@@ -25,6 +25,8 @@ pub struct Summary {
     pub frames: u64,
     pub steps: u64,
     pub rejected_steps: u64,
+    /// Null without a largest error.
+    pub error_control: Option<ErrorControl>,
     pub simulated_s: f64,
     pub wall_s: f64,
     pub verdict: &'static str,
@@ -45,6 +47,17 @@ pub struct Summary {
     pub penetration_m: Option<f64>,
     pub work: Work,
     pub state_hash: String,
+}
+
+/// The substeps of a run with a largest error, totals.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorControl {
+    /// The largest error that the scene allows, m.
+    pub error_m: f64,
+    pub accepted: u64,
+    /// Taken back because their error was too large.
+    pub taken_back: u64,
+    pub shortest_s: f64,
 }
 
 /// Mean times per step, ms, over the steps of this process.
@@ -170,6 +183,14 @@ impl Summary {
             self.work.cg_iterations,
             self.state_hash,
         );
+        if let Some(ErrorControl { error_m, accepted, taken_back, shortest_s }) = &self.error_control {
+            text += &format!(
+                "\nerror at most {} mm in a step: {accepted} substeps accepted, {taken_back} taken back, the shortest \
+                 {:.3} ms",
+                1e3 * error_m,
+                1e3 * shortest_s
+            );
+        }
         text += &self.contact_lines();
         text
     }

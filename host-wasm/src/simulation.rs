@@ -116,8 +116,8 @@ impl Simulation {
         let mut next = Cloth::new(&desc, &[]).map_err(error)?;
         let state = self.own.state();
         let steps = (self.own.time() / f64::from(next.step_length())).round() as u64;
-        // The previous state and the contacts may belong to another method, step length or collider, so they are dropped.
-        let state = State { steps, previous: [&[]; 2], multipliers: &[], ..state };
+        // The previous state, the substeps and the contacts may belong to another method, step length or collider, so they are dropped.
+        let state = State { steps, previous: [&[]; 2], last_step: 0.0, halvings: 0, multipliers: &[], ..state };
         if next.restore(&state, self.own.statistics(), self.own.contact_statistics()) {
             self.released.iter().for_each(|&vertex| _ = next.release(vertex));
             for &vertex in &self.held {

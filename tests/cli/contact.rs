@@ -272,7 +272,7 @@ fn a_resumed_run_tells_of_the_whole() {
     let place = Place::new();
     let deep = DROP.replace("friction = 0.3", "friction = 0.3\ncontinuous = false").replace("0.22, 0.0]", "0.4, 0.0]");
     place.write("deep.toml", deep);
-    for words in ["--set integrator.method=bdf2", "--precision f64"] {
+    for words in ["--set integrator.method=bdf2", "--precision f64", "--set integrator.error=0.0005"] {
         let words = format!("deep.toml --duration 0.5 --audit {words}");
         let whole = place.run(&format!("{words} --checkpoint 40"));
         let parts = place.run(&format!("{words} --resume out/checkpoint.muslin"));
@@ -284,6 +284,7 @@ fn a_resumed_run_tells_of_the_whole() {
             "stretch",
             "contacts",
             "rejected_steps",
+            "error_control",
             "penetration_m",
             "verdict",
             "intersections",

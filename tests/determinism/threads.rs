@@ -78,7 +78,7 @@ both_precisions! {
     use super::{EVERYTHING, LARGE, STEP, THREADS, TOUCHING};
     use muslin::diagnostics::StateHash;
     use muslin::dispatch::{Dispatch, Serial};
-    use muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
+    use muslin::integrate::{Jacobian, Method, Preconditioner, Scheme, Tolerance};
     use muslin::real::{Real, vec3};
     use muslin::simulation::Simulation;
     use harness::rng::Rng;
@@ -118,7 +118,7 @@ both_precisions! {
 
     fn scheme(method: Method) -> Scheme {
         let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
-        Scheme { method, newton: 1, tolerance: 1e-4, preconditioner, jacobian }
+        Scheme { method, newton: 1, tolerance: Tolerance::Residual(1e-4), preconditioner, jacobian, error: None }
     }
 
     #[test]
@@ -142,6 +142,14 @@ both_precisions! {
     fn contact_under_any_threads() {
         for method in [Method::SymplecticEuler, Method::BackwardEuler, Method::Bdf2] {
             check(TOUCHING, scheme(method), 30);
+        }
+    }
+
+    #[test]
+    fn error_control_under_any_threads() {
+        let error = 1e-4;
+        for method in [Method::BackwardEuler, Method::ImplicitMidpoint, Method::Bdf2] {
+            check(TOUCHING, Scheme { tolerance: Tolerance::within(error), error: Some(error), ..scheme(method) }, 30);
         }
     }
 

@@ -8,7 +8,7 @@ use muslin_core_f64::forces::drag::DragColumns;
 use muslin_core_f64::forces::gravity::Gravity;
 use muslin_core_f64::forces::spring::{Spring, SpringColumns};
 use muslin_core_f64::integrate::pins::{AT_REST, PinColumns};
-use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
+use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme, Tolerance};
 use muslin_core_f64::particles::ParticleColumns;
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
@@ -108,12 +108,19 @@ impl Net {
 /// One linearised step, solved to rounding: exact for linear forces.
 pub fn linearised(method: Method) -> Scheme {
     let preconditioner = Preconditioner::BlockJacobi;
-    Scheme { method, newton: 1, tolerance: 1e-14, preconditioner, jacobian: Jacobian::Projected }
+    Scheme {
+        method,
+        newton: 1,
+        tolerance: Tolerance::Residual(1e-14),
+        preconditioner,
+        jacobian: Jacobian::Projected,
+        error: None,
+    }
 }
 
 /// Newton's method until the residual has fallen to `tolerance` times its initial value.
 pub fn converged(method: Method, tolerance: f64) -> Scheme {
-    Scheme { newton: 100, tolerance, ..linearised(method) }
+    Scheme { newton: 100, tolerance: Tolerance::Residual(tolerance), ..linearised(method) }
 }
 
 /// Steps a damped simulation until no vertex is faster than `speed`, m/s. Panics after `most` steps.

@@ -10,10 +10,16 @@ use harness::kit::double as kit;
 use harness::net::{converged, linearised};
 use harness::rng::Rng;
 use harness::steps::Steps;
+use muslin_core_f64::contact::NoContact;
+use muslin_core_f64::dispatch::{Serial, block_on};
 use muslin_core_f64::integrate::pins::JumpSide;
-use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
+use muslin_core_f64::integrate::{IntegratorStatistics, Jacobian, Method, Scheme, StepInput};
+use muslin_core_f64::particles::Particles;
+use muslin_core_f64::response::ContactStatistics;
 use muslin_core_f64::scene::BuiltScene;
+use muslin_core_f64::scratch::ScratchColumns;
 use muslin_core_f64::simulation::Simulation;
+use muslin_core_f64::step::{self, History, StepContact, Work};
 
 /// Largest permitted difference between the measured order and the method's.
 const BOUND: f64 = 0.05;
@@ -37,6 +43,45 @@ fn run(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) -> Vec<DVe
         sim.take_step().unwrap_or_else(|error| panic!("{} with {steps} steps {error}", scheme.method.name()));
     }
     [sim.positions(), sim.velocities()].concat()
+}
+
+/// Positions then velocities after `steps` units of time, by steps of one and of two units in turns.
+fn run_unequal(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) -> Vec<DVec3> {
+    let unit = duration / f64::from(steps);
+    let mut columns = ScratchColumns::build(built, &scheme);
+    let (mut state, mut history) = (built.particles.clone(), History::Start);
+    let (mut integrator, mut contact) = (IntegratorStatistics::default(), ContactStatistics::default());
+    let (mut done, mut lengths) = (0, [1, 1, 2].into_iter().cycle());
+    while done < steps {
+        let length = lengths.next().unwrap_or(1);
+        let input = StepInput {
+            model: &built.model.view(),
+            pins: &built.pins.view(),
+            masses: &built.particles.masses,
+            inverse_masses: &built.particles.inverse_masses,
+            time: f64::from(done) * unit,
+            step: f64::from(length) * unit,
+            scheme: &scheme,
+            extrapolates: true,
+            limit: None,
+            has_contact: false,
+            dispatch: &Serial,
+        };
+        let mut particles = Particles {
+            positions: &mut state.positions,
+            velocities: &mut state.velocities,
+            masses: input.masses,
+            inverse_masses: input.inverse_masses,
+        };
+        let work = Work { integrator: &mut integrator, contact: &mut contact, searched: &mut 0 };
+        let none = None::<StepContact<'_, NoContact>>;
+        let scratch = &mut columns.view();
+        let taken = step::take(&input, &mut particles, scratch, none, &mut history, work);
+        block_on(taken)
+            .unwrap_or_else(|obstacle| panic!("{} at {done} of {steps}: {obstacle:?}", scheme.method.name()));
+        done += length;
+    }
+    [state.positions, state.velocities].concat()
 }
 
 fn distance(a: &[DVec3], b: &[DVec3]) -> f64 {
@@ -126,6 +171,17 @@ fn pins_that_jump_at_the_end_of_a_step() {
         built.particles.velocities[pin as usize] = DVec3::ZERO;
     }
     all_methods("pins that jump", &built);
+}
+
+#[test]
+fn methods_of_second_order_keep_it_when_steps_vary() {
+    let built = cloth(MEMBRANE, 1.0, "", "");
+    let truth = run(&built, linearised(Method::Rk4), DURATION, 8192);
+    for method in [Method::ImplicitMidpoint, Method::Bdf2] {
+        let what = format!("unequal steps, {}", method.name());
+        let run = |steps| run_unequal(&built, converged(method, NEWTON), DURATION, steps);
+        check(&what, run, &truth, 256, 3, 2.0);
+    }
 }
 
 #[test]

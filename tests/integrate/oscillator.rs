@@ -168,6 +168,8 @@ fn bdf2_follows_its_characteristic_polynomial() {
                 positions: &x,
                 velocities: &v,
                 previous: [&xp, &vp],
+                last_step: z,
+                halvings: 0,
                 after_contact: false,
                 multipliers: &[],
             };

@@ -278,6 +278,7 @@ harness::both_precisions! {
                 step: length,
                 scheme: &scheme,
                 extrapolates: true,
+                limit: None,
                 has_contact: true,
                 dispatch: &Here(&Serial),
             };

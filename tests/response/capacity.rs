@@ -166,6 +166,7 @@ both_precisions! {
                 step: length,
                 scheme: &scheme,
                 extrapolates: true,
+                limit: None,
                 has_contact: true,
                 dispatch: &Serial,
             };

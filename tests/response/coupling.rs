@@ -59,7 +59,7 @@ both_precisions! {
     use muslin::implicit_contact::augmented_contact::{ActiveContacts, AugmentedContact, ContactLines, Friction};
     use muslin::integrate::conjugate_gradient::add_diagonal;
     use muslin::integrate::pins::JumpSide;
-    use muslin::integrate::{self, StepInput, Jacobian, Method, Preconditioner, Scheme, IntegratorStatistics};
+    use muslin::integrate::{self, StepInput, Jacobian, Method, Preconditioner, Scheme, Tolerance, IntegratorStatistics};
     use muslin::particles::Particles;
     use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
     use muslin::scene::BuiltScene;
@@ -171,7 +171,8 @@ both_precisions! {
         given: Vec<AugmentedContact>,
     ) -> Corrected {
         let tolerance = kit::bound(1e-6, 1e-13) as Real;
-        let scheme = Scheme { method: advance.method, newton: 1, tolerance, preconditioner, jacobian: Jacobian::Projected };
+        let (tolerance, jacobian) = (Tolerance::Residual(tolerance), Jacobian::Projected);
+        let scheme = Scheme { method: advance.method, newton: 1, tolerance, preconditioner, jacobian, error: None };
         let mut columns = ScratchColumns::build(&built, &scheme);
         let (mut particles, mut work) = (built.particles.clone(), IntegratorStatistics::default());
         let (model, pins) = (built.model.view(), built.pins.view());
@@ -184,6 +185,7 @@ both_precisions! {
             step: STEP as Real,
             scheme: &scheme,
             extrapolates: true,
+            limit: None,
             has_contact: true,
             dispatch: &Serial,
         };
@@ -196,7 +198,7 @@ both_precisions! {
         let s = &mut columns.view();
         assert_eq!(s.solution.len(), VERTICES as usize, "the sheet has other vertices");
         if advance.history {
-            s.has_history = true;
+            s.last_step = Some(STEP as Real);
             let mut rng = Rng::new(7);
             for (k, (x, v)) in s.previous_positions.iter_mut().zip(&mut *s.previous_velocities).enumerate() {
                 *v = particles.velocities[k] + vec3(rng.cube(0.1).into());

@@ -11,7 +11,7 @@ use muslin_core_f64::spectrum::Tangent;
 both_precisions! {
     use glam::DVec3;
     use harness::steps::Steps;
-    use muslin::integrate::{Jacobian, Method, Preconditioner, Scheme};
+    use muslin::integrate::{Jacobian, Method, Preconditioner, Scheme, Tolerance};
     use muslin::real::{Real, Vec3, to_f64, vec3};
     use muslin::simulation::Simulation;
     use harness::rng::Rng;
@@ -44,7 +44,7 @@ both_precisions! {
             *v = vec3((throw + spin.cross(at) + rng.cube(0.3)).into());
         }
         let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
-        let scheme = Scheme { method, newton, tolerance: tolerance as Real, preconditioner, jacobian };
+        let scheme = Scheme { method, newton, tolerance: Tolerance::Residual(tolerance as Real), preconditioner, jacobian, error: None };
         Simulation::from_columns(built, scheme, step as Real)
     }
 

@@ -52,6 +52,19 @@ pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>,
     scratch.lengths.contacts = given;
 }
 
+/// Adds the impulses of the constraints to a column over the vertices of the cloth, kg m/s. `step` is the length of the step,
+/// s.
+pub fn add_impulses(scratch: &ContactScratch<'_>, step: Real, out: &mut [Vec3]) {
+    for constraint in &scratch.constraints[..scratch.lengths.constraints] {
+        let impulse = (constraint.contact.normal * constraint.normal_impulse + constraint.friction_impulse) / step;
+        for (&vertex, weight) in constraint.contact.vertices.iter().zip(constraint.contact.weights) {
+            if let Some(out) = out.get_mut(vertex as usize) {
+                *out += impulse * weight;
+            }
+        }
+    }
+}
+
 /// Writes the impulses that the solve found to the constraints. The response starts from them.
 pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, step: Real) {
     for constraint in &mut scratch.constraints[..scratch.lengths.constraints] {

@@ -12,7 +12,7 @@ use crate::dispatch::Dispatch;
 use crate::forces;
 use crate::integrate::conjugate_gradient::{self, Goal};
 use crate::integrate::newton::{self, ImplicitStage, MOST_STRAIN};
-use crate::integrate::{IntegratorStatistics, StepInput};
+use crate::integrate::{IntegratorStatistics, StepInput, Tolerance};
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
@@ -39,7 +39,7 @@ pub fn correct<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) -> Option<Sum> {
-    let length = c.stage_length(s.has_history);
+    let length = c.stage_length(s.last_step);
     start(c, length, contacts, s);
     if !c.defers_solve() {
         if contacts.iter().all(|contact| contact.impulse == Vec3::ZERO) {
@@ -49,14 +49,8 @@ pub fn correct<D: Dispatch>(
     }
     let stage = ImplicitStage { length, positions: x, velocities: v };
     for linearization in 1..=MOST_LINEARIZATIONS {
-        let tolerance = rough(c) * newton::weight_factor(c, length, s);
-        let target = conjugate_gradient::solve(
-            c,
-            &mut ActiveContacts::new(contacts, lines),
-            Goal::Reduce(tolerance),
-            s,
-            statistics,
-        );
+        let goal = c.goal(rough(c) * newton::weight_factor(c, length, s));
+        let target = conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), goal, s, statistics);
         let part = MOST_STRAIN / (length * forces::strain_rate(c.model, s.solution));
         let left = (MOST_LINEARIZATIONS - linearization) as Real;
         // Steps that are much too long for the motion gain nothing.
@@ -85,18 +79,18 @@ pub fn resume<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let left = Sum::from(c.scheme.tolerance) / rough(c);
+    let left = left(c);
     let (before, added) = contacts.split_at_mut(known);
     if added.is_empty() && (left == 1.0 || target.is_none()) {
         return;
     }
-    let length = c.stage_length(s.has_history);
+    let length = c.stage_length(s.last_step);
     if !added.is_empty() {
         before.iter_mut().for_each(AugmentedContact::update_multiplier);
         start(c, length, added, s);
     }
     let Some(target) = target else {
-        solve_change(c, (contacts, lines), c.scheme.tolerance.into(), s, statistics);
+        solve_change(c, (contacts, lines), c.scheme.tolerance.residual().into(), s, statistics);
         return;
     };
     conjugate_gradient::solve(
@@ -112,7 +106,16 @@ pub fn resume<D: Dispatch>(
 
 /// Relative residual at which [`correct`] stops.
 fn rough<D: Dispatch>(c: &StepInput<'_, D>) -> Sum {
-    ROUGH.max(c.scheme.tolerance.into())
+    ROUGH.max(c.scheme.tolerance.residual().into())
+}
+
+/// By how much [`resume`] reduces the residual that [`correct`] left.
+fn left<D: Dispatch>(c: &StepInput<'_, D>) -> Sum {
+    match c.scheme.tolerance {
+        Tolerance::Residual(residual) => Sum::from(residual) / rough(c),
+        // The solve does not pause before its goal, which is rough enough.
+        Tolerance::Displacement(_) => 1.0,
+    }
 }
 
 /// Starts contacts, whose displacements over a stage of `length` become velocities.
@@ -135,10 +138,10 @@ fn solve_change<D: Dispatch>(
 ) -> Sum {
     s.residual.fill(Vec3::ZERO);
     let target =
-        conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), Goal::Reduce(tolerance), s, statistics);
+        conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), c.goal(tolerance), s, statistics);
     // A contact changes the velocity as much as the displacement over the step. The second-order methods would
     // extrapolate the change: the cloth would bounce.
-    let length = c.stage_length(s.has_history);
+    let length = c.stage_length(s.last_step);
     add_solution(c, length, length / c.step, s);
     target
 }

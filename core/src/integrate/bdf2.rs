@@ -1,6 +1,7 @@
-//! BDF2, M (v1 - vh) = g f(x1, v1), x1 = xh + g v1 with g = 2h/3, xh = (4 x0 - x-1)/3 and
-//! vh = (4 v0 - v-1)/3 [Choi 2002]: a backward Euler stage from an extrapolated state. Second order,
-//! dissipative. The step must be constant. A step without history uses implicit midpoint.
+//! BDF2, M (v1 - vh) = g f(x1, v1), x1 = xh + g v1 with g = h (1 + w) / (1 + 2 w), xh = x0 + (x0 - x-1) w^2 / (1 + 2 w) and
+//! vh likewise, where w is the length h of the step relative to the last one [Hairer 1993, III.5]. For equal steps g = 2h/3
+//! and xh = (4 x0 - x-1)/3 [Choi 2002]. It is a backward Euler stage from an extrapolated state. Second order, dissipative,
+//! stable for w up to 1 + sqrt(2). A step without history uses implicit midpoint.
 
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput, implicit_midpoint};
@@ -8,13 +9,23 @@ use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3};
 use crate::scratch::Scratch;
 
-/// g, s.
-pub fn stage_length(step: Real) -> Real {
-    step * (2.0 / 3.0)
+/// Largest length of a step, relative to the last one.
+pub const MOST_GROWTH: Real = 2.0;
+
+/// g, s. `last` is the length of the last step, s.
+pub fn stage_length(step: Real, last: Real) -> Real {
+    let w = step / last;
+    step * ((1.0 + w) / (1.0 + 2.0 * w))
+}
+
+/// The truncation error of a step, relative to the third derivative times the cube of its length [Hairer 1993, III.5].
+pub fn error_constant(step: Real, last: Real) -> Real {
+    let w = step / last;
+    (1.0 + w) * (1.0 + w) / (6.0 * w * (1.0 + 2.0 * w))
 }
 
 /// Writes the state after one step to `s.next_positions` and `s.next_velocities`. Reads
-/// `s.previous_positions` and `s.previous_velocities` if `s.has_history` is set.
+/// `s.previous_positions` and `s.previous_velocities` if `s.last_step` is given.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     x: &[Vec3],
@@ -22,15 +33,16 @@ pub fn advance<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    if !s.has_history {
+    let Some(last) = s.last_step else {
         return implicit_midpoint::advance(c, x, v, s, statistics);
-    }
-    let g = stage_length(c.step);
+    };
+    let (g, w) = (stage_length(c.step, last), c.step / last);
+    let (up, down) = (w * w, 1.0 + 2.0 * w);
     let (xp, vp) = (&*s.previous_positions, &*s.previous_velocities);
     c.dispatch.run((&mut *s.base_positions, &mut *s.base_velocities), |start, (xh, vh)| {
         for (i, (xh, vh)) in (start..).zip(xh.iter_mut().zip(vh)) {
-            *xh = x[i] + (x[i] - xp[i]) / 3.0;
-            *vh = v[i] + (v[i] - vp[i]) / 3.0;
+            *xh = x[i] + (x[i] - xp[i]) * up / down;
+            *vh = v[i] + (v[i] - vp[i]) * up / down;
         }
     });
     let (base_positions, base_velocities) =

@@ -142,9 +142,13 @@ struct Iterate<'a, 'b> {
 pub(crate) enum Goal {
     /// At the preconditioned residual of the start times this.
     Reduce(Sum),
+    /// At this square of the preconditioned residual.
+    Within(Sum),
     /// At this square of the preconditioned residual, by the preconditioner of the solve before. It goes on with that
     /// solve.
     Reach(Sum),
+    /// After so many iterations, by the preconditioner of the solve before.
+    Iterate(u32),
 }
 
 /// Writes y to `s.solution`; NaN if the residual is not finite. `A y0` is in `s.residual`; the solve leaves
@@ -159,40 +163,29 @@ pub(crate) fn solve<D: Dispatch>(
 ) -> Sum {
     c.dispatch.enter(Stage::Solve);
     let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
-    if let Goal::Reduce(_) = goal {
+    if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
         write_inverse_diagonal(&system, term, s.inverse_diagonal, c.dispatch);
         if c.scheme.preconditioner == Preconditioner::TwoLevel {
             coarse::write_factor(&s.patches, &system, term, &mut s.coarse);
         }
     }
-    let coarse = match c.scheme.preconditioner {
-        Preconditioner::BlockJacobi => None,
-        Preconditioner::TwoLevel => Some((s.patches, &mut s.coarse)),
-    };
-    let preconditioner = FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, coarse };
-    let mut i = Iterate {
-        system,
-        preconditioner,
-        solution: s.solution,
-        elastic: s.residual,
-        residual: s.gradient,
-        preconditioned: s.preconditioned,
-        direction: s.direction,
-        product: s.products,
-        slope: 0.0,
-        partials: s.partials,
-    };
+    let mut i = Iterate::new(c, s);
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
     let [_, free] = i.precondition(c.dispatch);
     let mut rho = if term.is_zero() { free } else { i.gradient(term, c.dispatch) };
     let target = match goal {
         Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
-        Goal::Reach(target) => target,
+        Goal::Within(target) | Goal::Reach(target) => target,
+        Goal::Iterate(_) => 0.0,
     };
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
     let (mut updates, mut last_updates) = (0, 0);
-    let most = if term.is_zero() { MOST_ITERATIONS } else { MOST_WITH_CONTACTS };
+    let most = match goal {
+        Goal::Iterate(most) => most,
+        Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) if term.is_zero() => MOST_ITERATIONS,
+        Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) => MOST_WITH_CONTACTS,
+    };
     i.restart(rho);
     loop {
         if rho <= target && term.is_zero() {
@@ -212,7 +205,8 @@ pub(crate) fn solve<D: Dispatch>(
             (updated_at, since_update) = (rho, 0);
         }
         if !rho.is_finite() || iterations == most {
-            statistics.unconverged += u64::from(rho.is_finite());
+            let asked = matches!(goal, Goal::Iterate(_));
+            statistics.unconverged += u64::from(rho.is_finite() && !asked);
             break;
         }
         (iterations, since_update) = (iterations + 1, since_update + 1);
@@ -239,7 +233,26 @@ pub(crate) fn solve<D: Dispatch>(
     target
 }
 
-impl Iterate<'_, '_> {
+impl<'a, 'b> Iterate<'a, 'b> {
+    fn new<D: Dispatch>(c: &StepInput<'a, D>, s: &'a mut Scratch<'b>) -> Self {
+        let coarse = match c.scheme.preconditioner {
+            Preconditioner::BlockJacobi => None,
+            Preconditioner::TwoLevel => Some((s.patches, &mut s.coarse)),
+        };
+        Self {
+            system: System { matrix: &s.matrix, masses: c.masses, pins: c.pins },
+            preconditioner: FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, coarse },
+            solution: s.solution,
+            elastic: s.residual,
+            residual: s.gradient,
+            preconditioned: s.preconditioned,
+            direction: s.direction,
+            product: s.products,
+            slope: 0.0,
+            partials: s.partials,
+        }
+    }
+
     /// Writes the residual from its elastic part and the impulses, and preconditions it. Returns its squared norm.
     fn gradient(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) -> Sum {
         self.residual.copy_from_slice(self.elastic);

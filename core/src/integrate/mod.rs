@@ -11,6 +11,7 @@ pub mod conjugate_gradient;
 pub mod convex_term;
 pub mod explicit_euler;
 pub mod implicit_midpoint;
+pub mod local_error;
 pub mod midpoint;
 pub mod newton;
 #[cfg(feature = "alloc")]
@@ -26,6 +27,7 @@ use crate::dispatch::Dispatch;
 use crate::forces::{self, Model};
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
+use conjugate_gradient::Goal;
 use pins::{JumpSide, Pins};
 
 /// The integration methods.
@@ -98,12 +100,43 @@ pub struct Scheme {
     pub method: Method,
     /// Largest number of Newton iterations per step; 1: one linear solve without line search.
     pub newton: u32,
-    /// Relative residual at which conjugate gradients and Newton stop.
-    pub tolerance: Real,
+    /// Where linear solves and Newton's method stop.
+    pub tolerance: Tolerance,
     /// The preconditioner.
     pub preconditioner: Preconditioner,
     /// The Jacobian of the forces.
     pub jacobian: Jacobian,
+    /// Largest [estimated error](local_error) of a step, m; `None`: all steps have the same length.
+    pub error: Option<Real>,
+}
+
+/// Where linear solves and Newton's method stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// At a relative residual.
+    Residual(Real),
+    /// Linear solves stop where the rest of the solution moves the vertices by less, m, in the root mean square.
+    /// Newton's method stops at [`NEWTON_RESIDUAL`].
+    Displacement(Real),
+}
+
+/// Relative residual at which Newton's method stops if the tolerance is a displacement.
+pub const NEWTON_RESIDUAL: Real = 1e-3;
+
+impl Tolerance {
+    /// Where the solves of a step stop by default, for a step whose error may be this large, m: their part of the error
+    /// is a tenth.
+    pub fn within(error: Real) -> Self {
+        Self::Displacement(0.1 * error)
+    }
+
+    /// The relative residual at which Newton's method stops.
+    pub(crate) fn residual(self) -> Real {
+        match self {
+            Self::Residual(residual) => residual,
+            Self::Displacement(_) => NEWTON_RESIDUAL,
+        }
+    }
 }
 
 /// Counts of the integrator's work, independent of the machine.
@@ -123,6 +156,12 @@ pub struct IntegratorStatistics {
     pub unconverged: u64,
     /// Line searches that found no decrease.
     pub stalled_searches: u64,
+    /// Steps and parts of steps that were committed.
+    pub committed: u64,
+    /// Steps and parts of steps that were taken back because their error was too large.
+    pub inaccurate: u64,
+    /// Largest number of times that a step was halved.
+    pub most_halvings: u64,
 }
 
 /// Input of every method: the forces, pins and masses of the particles, and the time step.
@@ -145,6 +184,9 @@ pub struct StepInput<'a, D> {
     /// Whether the single linear solve may linearise the forces at positions extrapolated by the velocities.
     /// [`step::take`](crate::step::take) clears it after contact, which changes the velocities abruptly.
     pub extrapolates: bool,
+    /// Largest [estimated error](local_error) with which the step is committed, m. Infinite: the error is only estimated.
+    /// `None`: it is not estimated.
+    pub limit: Option<Real>,
     /// Whether contacts are solved after the candidate state is written ([`implicit_contact`](crate::implicit_contact)).
     pub has_contact: bool,
     /// Runs the kernels.
@@ -159,11 +201,25 @@ impl<D: Dispatch> StepInput<'_, D> {
     }
 
     /// Length over which the velocity that the method's stage is solved for moves the positions, s.
-    pub fn stage_length(&self, has_history: bool) -> Real {
+    /// `last` is the length of the last step if this one continues it, s.
+    pub fn stage_length(&self, last: Option<Real>) -> Real {
         match self.scheme.method {
-            Method::Bdf2 if has_history => bdf2::stage_length(self.step),
-            Method::Bdf2 | Method::BackwardEuler | Method::ImplicitMidpoint => self.step,
+            Method::Bdf2 => last.map_or(self.step, |last| bdf2::stage_length(self.step, last)),
+            Method::BackwardEuler | Method::ImplicitMidpoint => self.step,
             Method::ExplicitEuler | Method::SymplecticEuler | Method::Midpoint | Method::Rk4 => self.step,
+        }
+    }
+
+    /// Where a linear solve stops; `residual` is the relative residual for it if the tolerance is a residual.
+    pub(crate) fn goal(&self, residual: Sum) -> Goal {
+        match self.scheme.tolerance {
+            Tolerance::Residual(_) => Goal::Reduce(residual),
+            // The kinetic energy of the error of the velocities is at most half of its energy in the system.
+            Tolerance::Displacement(displacement) => {
+                let mass: Sum = self.masses.iter().map(|&mass| Sum::from(mass)).sum();
+                let velocity = Sum::from(displacement) / Sum::from(self.step);
+                Goal::Within(mass * velocity * velocity)
+            }
         }
     }
 

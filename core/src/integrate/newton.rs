@@ -92,8 +92,8 @@ fn linearized_step<D: Dispatch>(
     if c.defers_solve() {
         return;
     }
-    let tolerance = Sum::from(c.scheme.tolerance) * weight_factor(c, stage.length, s);
-    solve_linear(c, tolerance, s, statistics);
+    let tolerance = Sum::from(c.scheme.tolerance.residual()) * weight_factor(c, stage.length, s);
+    solve_linear(c, c.goal(tolerance), s, statistics);
     add_scaled(c, s.solution, 1.0, s.next_velocities);
 }
 
@@ -133,7 +133,7 @@ fn newton_iterations<D: Dispatch>(
         c.pins.filter(s.residual);
         let norm = residual_norm(c, s.residual);
         if iteration == 0 {
-            target = Sum::from(c.scheme.tolerance) * norm.max(weight);
+            target = Sum::from(c.scheme.tolerance.residual()) * norm.max(weight);
         }
         // Once the residual may be only rounding, continue only while each iteration halves it.
         let exhausted = norm <= rounding && norm > 0.5 * previous;
@@ -149,8 +149,8 @@ fn newton_iterations<D: Dispatch>(
         statistics.newton_iterations += 1;
         // Save the residual, which is the negative gradient of the objective: conjugate gradients overwrite it.
         s.base_residual.copy_from_slice(s.residual);
-        let tolerance = c.scheme.tolerance.max(INNER_TOLERANCE).into();
-        solve_linear(c, tolerance, s, statistics);
+        let tolerance = c.scheme.tolerance.residual().max(INNER_TOLERANCE).into();
+        solve_linear(c, Goal::Reduce(tolerance), s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
         match search(c, stage, slope, s, statistics) {
             Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
@@ -192,11 +192,11 @@ fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, 
 /// Solves `(M + S) y = r` and writes y to `s.solution`. S is in `s.matrix` and r is in `s.residual`.
 fn solve_linear<D: Dispatch>(
     c: &StepInput<'_, D>,
-    tolerance: Sum,
+    goal: Goal,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    conjugate_gradient::solve(c, &mut NoTerm, Goal::Reduce(tolerance), s, statistics);
+    conjugate_gradient::solve(c, &mut NoTerm, goal, s, statistics);
     c.dispatch.enter(Stage::Integrate);
 }
 

@@ -1,6 +1,6 @@
 //! Range checks of the numbers in a scene.
 
-use super::SceneDesc;
+use super::{IntegratorDesc, SceneDesc};
 use crate::error::SceneError;
 use crate::real::Real;
 
@@ -33,6 +33,24 @@ pub(super) fn finite(key: &'static str, values: &[f64]) -> Result<(), SceneError
     if values.iter().all(|&v| (v as Real).is_finite()) { Ok(()) } else { Err(SceneError::NotFinite { key }) }
 }
 
+fn check_integrator(integrator: &IntegratorDesc) -> Result<(), SceneError> {
+    if let Some(step) = integrator.step {
+        positive("integrator.step", step)?;
+    }
+    if let Some(error) = integrator.error {
+        positive("integrator.error", error)?;
+        if !integrator.method.is_implicit() {
+            return Err(SceneError::NoErrorControl);
+        }
+    }
+    if let Some(value) = integrator.tolerance
+        && positive("integrator.tolerance", value)? >= 1.0
+    {
+        return Err(SceneError::NotBelowOne { key: "integrator.tolerance", value });
+    }
+    positive("integrator.newton", f64::from(integrator.newton)).map(|_| ())
+}
+
 /// Checks the numbers outside of cloths, colliders and contact, and that the scene has a cloth.
 pub(super) fn check_numbers(scene: &SceneDesc) -> Result<(), SceneError> {
     if scene.cloth.is_empty() {
@@ -40,11 +58,7 @@ pub(super) fn check_numbers(scene: &SceneDesc) -> Result<(), SceneError> {
     }
     not_negative("duration", scene.duration)?;
     positive("frame_rate", scene.frame_rate)?;
-    positive("integrator.step", scene.integrator.step)?;
-    if positive("integrator.tolerance", scene.integrator.tolerance)? >= 1.0 {
-        return Err(SceneError::NotBelowOne { key: "integrator.tolerance", value: scene.integrator.tolerance });
-    }
-    positive("integrator.newton", f64::from(scene.integrator.newton))?;
+    check_integrator(&scene.integrator)?;
     finite("gravity", &scene.gravity.unwrap_or_default())?;
     if let Some(drag) = &scene.drag {
         not_negative("drag.linear", drag.linear)?;

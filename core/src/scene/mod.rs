@@ -31,8 +31,9 @@ pub use resource::{Content, PointCache, Resource};
 pub use select::{SelectDesc, SheetSide};
 pub use tube::TubeDesc;
 
-use crate::integrate::{Jacobian, Method, Preconditioner};
+use crate::integrate::{Jacobian, Method, Preconditioner, Tolerance};
 use crate::mesh::rest::RestSource;
+use crate::real::Real;
 
 /// A whole scene.
 #[derive(Clone, Debug)]
@@ -256,12 +257,16 @@ pub struct WindDesc {
 pub struct IntegratorDesc {
     /// The method.
     pub method: Method,
-    /// The largest time step, s.
-    pub step: f64,
+    /// The longest time step, s. Absent: 1/60 s with a largest error, else 0.005 s.
+    pub step: Option<f64>,
+    /// The largest error of a step, m, for implicit methods: steps get shorter where their estimated error is larger.
+    /// Absent: every step has the length `step`; if that is absent too, the largest error is 0.001 m.
+    pub error: Option<f64>,
     /// Maximum number of Newton iterations per step, with line search; 1: one linear solve without it.
     pub newton: u32,
-    /// Relative residual at which conjugate gradients and Newton's method stop.
-    pub tolerance: f64,
+    /// Relative residual at which conjugate gradients and Newton's method stop. Absent: 1e-4, or with a largest error as
+    /// small as it needs.
+    pub tolerance: Option<f64>,
     /// Preconditioner of the conjugate gradients.
     pub preconditioner: Preconditioner,
     /// The Jacobian that implicit methods use.
@@ -272,11 +277,50 @@ impl Default for IntegratorDesc {
     fn default() -> Self {
         Self {
             method: Method::BackwardEuler,
-            step: 0.005,
+            step: None,
+            error: None,
             newton: 1,
-            tolerance: 1e-4,
+            tolerance: None,
             preconditioner: Preconditioner::TwoLevel,
             jacobian: Jacobian::Projected,
+        }
+    }
+}
+
+/// The largest error of a step where a scene gives neither an error nor a step, m.
+const ERROR: f64 = 1e-3;
+
+/// The longest step with a largest error, s.
+const LONGEST_STEP: f64 = 1.0 / 60.0;
+
+/// The step of methods without error control, s.
+const FIXED_STEP: f64 = 0.005;
+
+/// The relative residual without a largest error.
+const RESIDUAL: f64 = 1e-4;
+
+impl IntegratorDesc {
+    /// The largest error of a step, m; `None`: all steps have the same length.
+    pub fn error(&self) -> Option<f64> {
+        let fits = self.step.is_none() && self.method.is_implicit();
+        self.error.or(fits.then_some(ERROR))
+    }
+
+    /// The longest step, s.
+    pub fn step(&self) -> f64 {
+        self.step.unwrap_or(if self.error().is_some() { LONGEST_STEP } else { FIXED_STEP })
+    }
+
+    /// The relative residual at which solves stop without a largest error.
+    pub fn residual(&self) -> f64 {
+        self.tolerance.unwrap_or(RESIDUAL)
+    }
+
+    /// Where solves stop.
+    pub fn tolerance(&self) -> Tolerance {
+        match (self.tolerance, self.error()) {
+            (None, Some(error)) => Tolerance::within(error as Real),
+            _ => Tolerance::Residual(self.residual() as Real),
         }
     }
 }
@@ -327,7 +371,7 @@ impl SceneDesc {
         // A small tolerance: 3 s at 30 frames per second give 90 frames, whatever the rounding.
         let whole = |ratio: f64| libm::ceil(ratio - 1e-9);
         let frame = 1.0 / self.frame_rate;
-        let steps_per_frame = whole(frame / self.integrator.step).max(1.0);
+        let steps_per_frame = whole(frame / self.integrator.step()).max(1.0);
         Timing {
             frames: whole(self.duration * self.frame_rate) as u64,
             steps_per_frame: steps_per_frame as u64,

@@ -23,13 +23,13 @@ use crate::stage::Term;
 use crate::step::{self, History, StepContact, Work};
 use crate::traffic::{self, TrafficSizes};
 
-mod halving;
 mod move_to;
+mod substeps;
 mod untangling;
 
 pub use crate::refusal::{Cause, StepError};
 
-use halving::Kept;
+use substeps::Kept;
 
 /// Initial capacity: candidates of each kind per vertex.
 const PAIRS_PER_VERTEX: usize = 64;
@@ -44,6 +44,10 @@ pub struct Simulation {
     kept: Kept,
     contact_statistics: ContactStatistics,
     history: History,
+    /// How often the substeps are halved.
+    halvings: u32,
+    /// The largest estimated error of a substep of the last step, m.
+    estimate: Option<Real>,
     /// Number of candidates found in this step, over all attempts.
     searched: u64,
     scheme: Scheme,
@@ -52,7 +56,7 @@ pub struct Simulation {
     statistics: IntegratorStatistics,
 }
 
-/// A part of a step. A step that cannot be made free of intersections is divided into halves.
+/// A part of a step. A step is divided into halves if it cannot be made free of intersections or its error is too large.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Substep {
     /// Start, as a fraction of the step, 0..1.
@@ -75,8 +79,12 @@ pub struct State<'a> {
     pub positions: &'a [Vec3],
     /// Velocities, m/s.
     pub velocities: &'a [Vec3],
-    /// Positions and velocities one step before, for BDF2; empty if there is no history.
+    /// Positions and velocities before the last step or substep, for methods that need them; empty if there are none.
     pub previous: [&'a [Vec3]; 2],
+    /// Length of the last step or substep, s; 0 if the next one does not continue it.
+    pub last_step: Real,
+    /// How often the substeps are halved.
+    pub halvings: u32,
     /// Whether contact changed this state. If so, the next step of implicit midpoint uses backward Euler.
     pub after_contact: bool,
     /// The forces of contacts in the last step, sorted by their vertices.
@@ -87,15 +95,16 @@ impl Simulation {
     /// Builds a scene. [`scene::build`] documents the errors.
     ///
     /// The step is the longest that divides a frame into whole steps and is not longer than the step
-    /// of the scene ([`SceneDesc::timing`]).
+    /// of the scene ([`SceneDesc::timing`]). With a largest error, it is divided into substeps whose error is smaller.
     pub fn new(desc: &SceneDesc, resources: &[Resource]) -> Result<Self, SceneError> {
         let built = scene::build(desc, resources)?;
         let scheme = Scheme {
             method: desc.integrator.method,
             newton: desc.integrator.newton,
-            tolerance: desc.integrator.tolerance as Real,
+            tolerance: desc.integrator.tolerance(),
             preconditioner: desc.integrator.preconditioner,
             jacobian: desc.integrator.jacobian,
+            error: desc.integrator.error().map(|error| error as Real),
         };
         Ok(Self::from_columns(built, scheme, desc.timing().step as Real))
     }
@@ -106,8 +115,8 @@ impl Simulation {
         let scratch = ScratchColumns::build(&built, &scheme);
         let room = PAIRS_PER_VERTEX * built.particles.positions.len();
         let contact = built.contact.as_ref().map(|contact| ContactScratchColumns::build(&contact.view(), room));
-        let kept =
-            contact.as_ref().map(|_| Kept::build(&built.particles.positions, &scratch.previous_positions, room / 8));
+        let kept = (contact.is_some() || scheme.error.is_some())
+            .then(|| Kept::build(&built.particles.positions, &scratch.previous_positions, room / 8));
         // Material coordinates are needed only to cut the patches of the solver.
         built.material = Default::default();
         let (statistics, contact_statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
@@ -118,6 +127,8 @@ impl Simulation {
             kept: kept.unwrap_or_default(),
             contact_statistics,
             history: History::Start,
+            halvings: 0,
+            estimate: None,
             searched: 0,
             scheme,
             step,
@@ -126,7 +137,7 @@ impl Simulation {
         }
     }
 
-    /// Takes one step, divided into substeps if surfaces would collide. A step that fails does not change
+    /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that fails does not change
     /// the state. Blocks while candidates are found elsewhere, for example on a GPU; that work must not need
     /// this thread. [`await_step`](Self::await_step) does not block.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
@@ -139,10 +150,7 @@ impl Simulation {
     pub async fn await_step<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;
-        let taken = match self.try_part(Substep::WHOLE, false, dispatch).await {
-            Err(cannot) if cannot.cause.asks_for_shorter_step() => self.step_in_halves(dispatch).await,
-            taken => taken,
-        };
+        let taken = self.take_substeps(dispatch).await;
         match taken {
             Ok(()) => self.steps += 1,
             // The host takes this step again, so its work is not counted.
@@ -152,9 +160,15 @@ impl Simulation {
         taken
     }
 
-    /// Takes a part of a step. `hold` allows the last resort of the response, which holds vertices back.
-    async fn try_part<D: Dispatch>(&mut self, part: Substep, hold: bool, dispatch: &D) -> Result<(), StepError> {
-        let time = self.time_at(part.from);
+    /// Takes a substep and returns its estimated error, m, if the scheme has a largest one. `last_resort` accepts every
+    /// error and allows the response to hold vertices back.
+    async fn try_substep<D: Dispatch>(
+        &mut self,
+        substep: Substep,
+        last_resort: bool,
+        dispatch: &D,
+    ) -> Result<Option<Real>, Obstacle> {
+        let time = self.time_at(substep.from);
         let Self { built, scratch, contact, history, scheme, step, statistics, contact_statistics, searched, .. } =
             self;
         let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
@@ -164,22 +178,22 @@ impl Simulation {
             masses,
             inverse_masses,
             time,
-            step: *step * part.length as Real,
+            step: *step * substep.length as Real,
             scheme,
             extrapolates: true,
+            limit: scheme.error.map(|error| if last_resort { Real::INFINITY } else { error }),
             has_contact: contact.is_some(),
             dispatch,
         };
         let mut particles = Particles { positions, velocities, masses, inverse_masses };
         let model = built.contact.as_ref().map(|model| model.view());
         let columns = model.as_ref().zip(contact.as_mut());
-        let contact = columns.map(|(model, columns)| StepContact { model, columns, hold });
+        let contact = columns.map(|(model, columns)| StepContact { model, columns, hold: last_resort });
         let work = Work { integrator: statistics, contact: contact_statistics, searched };
-        let taken = step::take(&input, &mut particles, &mut scratch.view(), contact, history, work).await;
-        taken.map_err(|Obstacle { cause, particle }| self.diverged(cause, particle, dispatch))
+        step::take(&input, &mut particles, &mut scratch.view(), contact, history, work).await
     }
 
-    fn diverged(&mut self, cause: Cause, particle: u32, dispatch: &impl Dispatch) -> StepError {
+    fn diverged(&mut self, Obstacle { cause, particle }: Obstacle, dispatch: &impl Dispatch) -> StepError {
         let term = self.hardest_term(particle, dispatch);
         StepError { step: self.steps + 1, particle, term, cause }
     }
@@ -258,6 +272,12 @@ impl Simulation {
     /// Counts of the integrator's work since the start.
     pub fn statistics(&self) -> IntegratorStatistics {
         self.statistics
+    }
+
+    /// The largest [estimated error](crate::integrate::local_error) of a substep of the last step, m, if the scheme has a
+    /// largest error.
+    pub fn estimated_error(&self) -> Option<Real> {
+        self.estimate
     }
 
     /// The integration scheme.
@@ -340,12 +360,15 @@ impl Simulation {
 
     /// The state that a checkpoint stores.
     pub fn state(&self) -> State<'_> {
-        let known = if self.history == History::Smooth { self.scratch.previous_positions.len() } else { 0 };
+        let last_step = if let History::Smooth { step } = self.history { step } else { 0.0 };
+        let known = if last_step > 0.0 { self.scratch.previous_positions.len() } else { 0 };
         State {
             steps: self.steps,
             positions: self.positions(),
             velocities: self.velocities(),
             previous: [&self.scratch.previous_positions[..known], &self.scratch.previous_velocities[..known]],
+            last_step,
+            halvings: self.halvings,
             after_contact: self.history == History::Corrected,
             multipliers: self.contact.as_ref().map_or(&[], ContactScratchColumns::multipliers),
         }
@@ -372,12 +395,16 @@ impl Simulation {
                 self.scratch.previous_positions.copy_from_slice(state.previous[0]);
                 self.scratch.previous_velocities.copy_from_slice(state.previous[1]);
             }
-            self.history = match history == self.scratch.previous_positions.len() {
-                _ if state.after_contact => History::Corrected,
-                _ if state.steps == 0 => History::Start,
-                true => History::Smooth,
-                false => History::Cut,
+            self.history = if state.after_contact {
+                History::Corrected
+            } else if state.last_step > 0.0 && history == self.scratch.previous_positions.len() {
+                History::Smooth { step: state.last_step }
+            } else if state.steps == 0 {
+                History::Start
+            } else {
+                History::Cut
             };
+            self.halvings = state.halvings;
             if let Some(contact) = &mut self.contact {
                 contact.set_multipliers(state.multipliers);
             }

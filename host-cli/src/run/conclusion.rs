@@ -6,7 +6,7 @@ use super::course::{Course, Ending};
 use crate::args::Backend;
 use crate::pool::Pool;
 use crate::scene_file::SceneFile;
-use crate::summary::{StageMs, Stretch, Summary};
+use crate::summary::{ErrorControl, StageMs, Stretch, Summary};
 
 impl Course {
     /// The message on crossings; `None` if the audit found no crossing in any frame.
@@ -64,6 +64,11 @@ impl Course {
             frames: self.frames,
             steps: self.steps,
             rejected_steps: report.contacts[5],
+            error_control: scene.desc.integrator.error().map(|error_m| {
+                let [accepted, taken_back, halvings] = report.substeps;
+                let shortest_s = self.timing.step / 2f64.powi(halvings as i32);
+                ErrorControl { error_m, accepted, taken_back, shortest_s }
+            }),
             simulated_s: report.time,
             wall_s: wall.as_secs_f64(),
             verdict: match (&divergence, self.record.crossings) {

@@ -127,7 +127,7 @@ fn say_what_changed(arguments: &RunArguments, scene: &SceneFile, timing: &Timing
     if arguments.quiet {
         return;
     }
-    let (asked, duration, rate) = (scene.desc.integrator.step, scene.desc.duration, scene.desc.frame_rate);
+    let (asked, duration, rate) = (scene.desc.integrator.step(), scene.desc.duration, scene.desc.frame_rate);
     let (n, step) = (timing.steps_per_frame, 1e3 * timing.step);
     if asked > 1.001 / rate {
         print_note(&format!(

@@ -51,9 +51,9 @@ impl Variant {
     /// the solver never dominates the error.
     pub fn tolerance(&self, scene: &SceneFile) -> f64 {
         let integrator = &scene.desc.integrator;
-        let finer = (self.step(scene) / integrator.step).min(1.0).powi(order(self.method));
+        let finer = (self.step(scene) / integrator.step()).min(1.0).powi(order(self.method));
         let least = LEAST_TOLERANCE[usize::from(self.precision == Precision::F64)];
-        (integrator.tolerance * finer).max(least).min(integrator.tolerance)
+        (integrator.residual() * finer).max(least).min(integrator.residual())
     }
 
     /// The scene to run, with one frame per sample.
@@ -67,6 +67,7 @@ impl Variant {
         let mut own = vec![
             ("integrator.method", Some(Value::String(self.method.name().into()))),
             ("integrator.step", Some(Value::Float(self.step(scene)))),
+            ("integrator.error", None),
         ];
         if self.method.is_implicit() {
             own.push(("integrator.tolerance", Some(Value::Float(self.tolerance(scene)))));

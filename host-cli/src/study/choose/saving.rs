@@ -40,7 +40,7 @@ impl Candidate {
 /// Leaves out the terms that are not needed one after the other, whole terms before their parts.
 pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Candidate, mean_edges: &[f64]) -> Result<Candidate, Failure> {
     if found.row.variant.method.is_implicit() {
-        let looser = LOOSER * found.scene.desc.integrator.tolerance;
+        let looser = LOOSER * found.scene.desc.integrator.residual();
         let edits = [("integrator.tolerance".into(), Some(Value::Float(looser)))];
         found = attempt(pilot, found, &format!("with a solver {LOOSER} times as loose"), &edits)?;
     }

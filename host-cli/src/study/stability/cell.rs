@@ -98,6 +98,7 @@ pub fn fly(
         ("integrator.method", Some(Value::String(subject.method.name().into()))),
         ("integrator.newton", Some(Value::Integer(subject.newton.into()))),
         ("integrator.step", Some(Value::Float(step))),
+        ("integrator.error", None),
     ])?;
     let limits = Limits { wall: share.left().max(Duration::from_millis(1)), energy };
     fly_scene(share.study, &scene, Precision::F32, steps / SAMPLES, limits)

@@ -101,7 +101,7 @@ fn ground(study: &Study<'_>, stiffness: f64, damping: f64) -> Result<Ground, Fai
 fn liveliest(share: &Share<'_, '_>, ground: &Ground, to_its_end: bool) -> Result<f64, Failure> {
     let desc = &share.study.scene.desc;
     let witness = Subject { method: Method::BackwardEuler, newton: 1 };
-    let step = desc.integrator.step.min(desc.duration / SAMPLES as f64);
+    let step = desc.integrator.step().min(desc.duration / SAMPLES as f64);
     let watched = cell::watched(desc.duration, step, witness.method);
     let steps = if to_its_end { cell::whole(desc.duration, step) } else { watched };
     let run = cell::fly(share, witness, ground, (step, steps), f64::INFINITY)?;
@@ -113,7 +113,7 @@ fn steps(study: &Study<'_>, subject: Subject, grounds: &[Ground]) -> Vec<f64> {
     if subject.method.is_implicit() {
         let desc = &study.scene.desc;
         let longest = desc.duration / SAMPLES as f64;
-        let steps = (-FINER..=COARSER).map(|k| desc.integrator.step.min(longest) * 2f64.powi(k));
+        let steps = (-FINER..=COARSER).map(|k| desc.integrator.step().min(longest) * 2f64.powi(k));
         return steps.filter(|&step| step <= longest).collect();
     }
     let limit = |ground: &Ground| variant::limit(&ground.modes, subject.method);

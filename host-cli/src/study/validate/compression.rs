@@ -2,7 +2,7 @@
 //! does not.
 
 use glam::DVec3;
-use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
+use muslin_core_f64::integrate::{Jacobian, Method, Scheme, Tolerance};
 use muslin_core_f64::simulation::Simulation;
 
 use super::bisect::threshold;
@@ -68,7 +68,8 @@ fn pressed(lab: &Lab, material: &str, jacobian: Jacobian, newton: u32) -> Result
         for (place, x) in built.particles.positions.iter_mut().enumerate() {
             *x = *x * (1.0 - 0.1 * f64::from(tenths)) + scatter3(place) * 1e-4;
         }
-        let scheme = Scheme { jacobian, newton, tolerance: 1e-8, ..linearised(Method::BackwardEuler) };
+        let scheme =
+            Scheme { jacobian, newton, tolerance: Tolerance::Residual(1e-8), ..linearised(Method::BackwardEuler) };
         let mut sim = Simulation::from_columns(built, scheme, 0.05);
         lab.steps(&mut sim, 1)?;
         solves += sim.statistics().negative_curvature;

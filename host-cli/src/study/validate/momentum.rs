@@ -2,7 +2,7 @@
 //! of their solves.
 
 use glam::DVec3;
-use muslin_core_f64::integrate::{Jacobian, Method, Scheme};
+use muslin_core_f64::integrate::{Jacobian, Method, Scheme, Tolerance};
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::Tangent;
 
@@ -47,7 +47,11 @@ fn thrown(method: Method, tolerance: f64, step: f64) -> Result<Simulation, Miss>
         *x += scatter3(place) * 0.005;
         *v = throw + spin.cross(*x) + scatter3(place + 100) * 0.3;
     }
-    Ok(Simulation::from_columns(built, Scheme { tolerance, ..linearised(method) }, step))
+    Ok(Simulation::from_columns(
+        built,
+        Scheme { tolerance: Tolerance::Residual(tolerance), ..linearised(method) },
+        step,
+    ))
 }
 
 /// The sum of the magnitudes of all momenta, kg m/s.

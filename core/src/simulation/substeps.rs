@@ -1,0 +1,129 @@
+//! Substeps: a step that fails, or whose error is too large, is divided into halves, and each half again if it fails.
+//!
+//! With a largest error ([`Scheme::error`](crate::integrate::Scheme::error)) the length of the substeps follows the estimated
+//! error: it is doubled where the error is a quarter of the largest, because errors grow with the square of the length after
+//! contact, and the next step starts with it. Without a largest error, each step is first tried whole.
+
+use alloc::vec::Vec;
+
+use super::{Simulation, State, StepError, Substep};
+use crate::contact::ContactScratchColumns;
+use crate::dispatch::Dispatch;
+use crate::implicit_contact::multiplier::Multiplier;
+use crate::real::{Real, Sum, Vec3};
+use crate::refusal::{Cause, Obstacle};
+use crate::step::History;
+
+/// Largest number of halvings. In the shortest substeps vertices that still collide are held back, and every error is
+/// accepted.
+const MOST_HALVINGS: u32 = 6;
+
+/// The error below which substeps get twice as long, relative to the largest one.
+const SMALL_ERROR: Real = 0.25;
+
+/// Copy of the [`State`] before a step. The columns are allocated once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept {
+    columns: [Vec<Vec3>; 4],
+    multipliers: Vec<Multiplier>,
+    history: History,
+}
+
+impl Kept {
+    /// Allocates columns with the lengths of the given ones and room for so many multipliers.
+    pub fn build(positions: &[Vec3], previous: &[Vec3], multipliers: usize) -> Self {
+        let multipliers = Vec::with_capacity(multipliers);
+        Self {
+            multipliers,
+            columns: [positions, positions, previous, previous].map(<[Vec3]>::to_vec),
+            ..Self::default()
+        }
+    }
+
+    /// Size of the columns, bytes.
+    pub fn bytes(&self) -> usize {
+        let multipliers = self.multipliers.capacity() * size_of::<Multiplier>();
+        self.columns.iter().map(|column| size_of_val(&column[..])).sum::<usize>() + multipliers
+    }
+}
+
+impl Simulation {
+    /// Takes a step, in as many substeps as necessary. Restores the state if that fails.
+    pub(super) async fn take_substeps<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
+        let begun = self.halvings;
+        // A step that is tried whole does not change the state until it succeeds.
+        if self.halvings == 0 {
+            match self.try_substep(Substep::WHOLE, false, dispatch).await {
+                Ok(error) => {
+                    self.estimate = error;
+                    return Ok(());
+                }
+                Err(obstacle) if obstacle.cause.asks_for_shorter_step() => self.halve(obstacle.cause),
+                Err(obstacle) => return Err(self.diverged(obstacle, dispatch)),
+            }
+        }
+        self.keep();
+        let taken = self.advance(dispatch).await;
+        if taken.is_err() {
+            self.put_back();
+            self.halvings = begun;
+        }
+        taken.map_err(|obstacle| self.diverged(obstacle, dispatch))
+    }
+
+    async fn advance<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Obstacle> {
+        let whole = 1u32 << MOST_HALVINGS;
+        let mut done = 0;
+        self.estimate = None;
+        while done < whole {
+            let length = whole >> self.halvings;
+            let substep = Substep { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
+            match self.try_substep(substep, self.halvings == MOST_HALVINGS, dispatch).await {
+                Ok(error) => {
+                    done += length;
+                    self.estimate = self.estimate.into_iter().chain(error).reduce(Real::max);
+                    let may_grow = error.zip(self.scheme.error).is_none_or(|(error, most)| error < SMALL_ERROR * most);
+                    self.halvings -= u32::from(may_grow && self.halvings > 0 && done % (2 * length) == 0);
+                }
+                Err(obstacle) if self.halvings < MOST_HALVINGS && obstacle.cause.asks_for_shorter_step() => {
+                    self.halve(obstacle.cause);
+                }
+                Err(obstacle) => return Err(obstacle),
+            }
+        }
+        if self.scheme.error.is_none() {
+            self.halvings = 0;
+        }
+        Ok(())
+    }
+
+    /// Makes substeps half as long.
+    fn halve(&mut self, cause: Cause) {
+        self.contact_statistics.rejected += u64::from(cause != Cause::Inaccurate);
+        self.halvings += 1;
+        self.statistics.most_halvings = self.statistics.most_halvings.max(self.halvings.into());
+    }
+
+    fn keep(&mut self) {
+        let Self { built, scratch, contact, kept, .. } = self;
+        let particles = &built.particles;
+        let own =
+            [&particles.positions, &particles.velocities, &scratch.previous_positions, &scratch.previous_velocities];
+        for (kept, own) in kept.columns.iter_mut().zip(own) {
+            kept.copy_from_slice(own);
+        }
+        kept.multipliers.clear();
+        kept.multipliers.extend_from_slice(contact.as_ref().map_or(&[], ContactScratchColumns::multipliers));
+        kept.history = self.history;
+    }
+
+    fn put_back(&mut self) {
+        let kept = core::mem::take(&mut self.kept);
+        let [positions, velocities, previous @ ..] = kept.columns.each_ref().map(|column| &column[..]);
+        let multipliers = &kept.multipliers[..];
+        let state = State { positions, velocities, previous, multipliers, ..self.state() };
+        self.restore(&state, self.statistics, self.contact_statistics);
+        self.history = kept.history;
+        self.kept = kept;
+    }
+}
