@@ -205,9 +205,7 @@ impl fmt::Display for SceneError {
                 write!(f, "{key} = {}: must not be negative, and must be finite", Number(value))
             }
             Self::NotBelowOne { key, value } => write!(f, "{key} = {}: must be less than 1", Number(value)),
-            Self::NoErrorControl => {
-                f.write_str("integrator.error needs an implicit method: give integrator.method, or leave the error out")
-            }
+            Self::NoErrorControl => f.write_str("integrator.error needs an implicit integrator.method"),
             Self::TooFar { a, b } => {
                 write!(
                     f,

@@ -106,7 +106,7 @@ impl core::fmt::Display for StepError {
             Cause::Short { pairs, constraints } => {
                 write!(f, "step {step} needs room for {pairs} candidates and {constraints} contacts")
             }
-            Cause::Inaccurate => write!(f, "the error of step {step} is larger than its limit"),
+            Cause::Inaccurate => write!(f, "step {step} has too large an error"),
             Cause::Stopped => write!(f, "step {step} was given up"),
         }
     }

@@ -65,11 +65,6 @@ pub struct Substep {
     pub length: Sum,
 }
 
-impl Substep {
-    /// The whole step.
-    pub const WHOLE: Self = Self { from: 0.0, length: 1.0 };
-}
-
 /// The state that a checkpoint stores, borrowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<'a> {

@@ -51,20 +51,13 @@ impl Simulation {
     /// Takes a step, in as many substeps as necessary. Restores the state if that fails.
     pub(super) async fn take_substeps<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         let begun = self.halvings;
-        // A step that is tried whole does not change the state until it succeeds.
-        if self.halvings == 0 {
-            match self.try_substep(Substep::WHOLE, false, dispatch).await {
-                Ok(error) => {
-                    self.estimate = error;
-                    return Ok(());
-                }
-                Err(obstacle) if obstacle.cause.asks_for_shorter_step() => self.halve(obstacle.cause),
-                Err(obstacle) => return Err(self.diverged(obstacle, dispatch)),
-            }
+        // Without room for a copy, a step is never divided, and one that fails does not change the state.
+        let keeps = !self.kept.columns[0].is_empty();
+        if keeps {
+            self.keep();
         }
-        self.keep();
         let taken = self.advance(dispatch).await;
-        if taken.is_err() {
+        if taken.is_err() && keeps {
             self.put_back();
             self.halvings = begun;
         }
