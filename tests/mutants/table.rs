@@ -45,8 +45,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "BDF2 looks back by the wrong part",
         file: "core/src/integrate/bdf2.rs",
-        old: "*vh = v[i] + (v[i] - vp[i]) / 3.0;",
-        new: "*vh = v[i] + (v[i] - vp[i]) / 3.1;",
+        old: "*vh = v[i] + (v[i] - vp[i]) * up / down;",
+        new: "*vh = v[i] + (v[i] - vp[i]) * up / (down + 0.1);",
         everyday: &["integrate"],
         all: &[],
     },
