@@ -46,7 +46,7 @@ both_precisions! {
     use muslin::forces::{Model, ModelColumns, Term};
     use muslin::forces::matrix::{Block, BlockMatrix, Mirrored, NOT_STORED, AssemblyMap};
     use muslin::integrate::pins::{AT_REST, Key, Motion, PinColumns, Pins};
-    use muslin::integrate::{StepInput, Jacobian, Method, Preconditioner, Scheme, Tolerance, IntegratorStatistics};
+    use muslin::integrate::{StepInput, Method, Scheme, IntegratorStatistics};
     use muslin::particles::{ParticleColumns, Particles};
     use muslin::response::ContactStatistics;
     use muslin::real::{Mat3, Real, Sum, Vec3, vec3};
@@ -79,8 +79,7 @@ both_precisions! {
     }
 
     fn scheme(method: Method) -> Scheme {
-        let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
-        Scheme { method, newton: 1, tolerance: Tolerance::Residual(1e-4), preconditioner, jacobian, error: None }
+        Scheme::fixed(method, 1e-4)
     }
 
     fn owned(method: Method) -> Simulation {

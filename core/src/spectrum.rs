@@ -7,7 +7,7 @@ use crate::dispatch::Serial;
 use crate::forces::matrix::multiply;
 use crate::forces::{TangentScale, write_tangents};
 use crate::integrate::stability::Mode;
-use crate::integrate::{Jacobian, Method, Preconditioner, Scheme, Tolerance};
+use crate::integrate::{Jacobian, Method, Scheme};
 use crate::real::{Real, Sum, Vec3, dot_sum};
 use crate::scene::BuiltScene;
 use crate::scratch::ScratchColumns;
@@ -26,14 +26,7 @@ pub struct Tangent<'a> {
 impl<'a> Tangent<'a> {
     /// The tangent of a scene. `position` and `velocity` are the factors in S.
     pub fn of(scene: &'a BuiltScene, position: Real, velocity: Real, jacobian: Jacobian) -> Self {
-        let scheme = Scheme {
-            method: Method::BackwardEuler,
-            newton: 1,
-            tolerance: Tolerance::Residual(0.0),
-            preconditioner: Preconditioner::BlockJacobi,
-            jacobian,
-            error: None,
-        };
+        let scheme = Scheme { jacobian, ..Scheme::fixed(Method::BackwardEuler, 0.0) };
         let mut scratch = ScratchColumns::build(scene, &scheme);
         let s = &mut scratch.view();
         let (x, scale) = (&scene.particles.positions, TangentScale { position, velocity });

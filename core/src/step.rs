@@ -98,14 +98,14 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     input: &StepInput<'_, D>,
     particles: &mut Particles<'_>,
     scratch: &mut Scratch<'_>,
-    contact: Option<StepContact<'_, R>>,
+    mut contact: Option<StepContact<'_, R>>,
     history: &mut History,
     mut work: Work<'_>,
 ) -> Result<Option<Real>, Obstacle> {
     let mut from = *history;
     let is_too_long = |last| input.step > bdf2::MOST_GROWTH * last;
-    let cuts = input.pins.jump(input.time) || matches!(from, History::Smooth { step } if is_too_long(step));
-    if input.scheme.method == Method::Bdf2 && cuts {
+    let grows = matches!(from, History::Smooth { step } if is_too_long(step));
+    if input.scheme.method == Method::Bdf2 && (grows || input.pins.jump(input.time)) {
         from.cut();
     }
     let scheme = &Scheme { method: method(input.scheme.method, from), ..*input.scheme };
@@ -116,18 +116,17 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
         History::Smooth { .. } | History::Start | History::Cut | History::Corrected => None,
     };
     predict(input, particles, scratch, work.integrator)?;
-    let Some(mut contact) = contact else {
-        let error = test_error(input, particles, false, None, scratch, work.integrator)?;
-        commit(particles, scratch, work.integrator);
-        *history = History::Smooth { step: input.step };
-        return Ok(error);
-    };
-    let corrected = resolve(input, particles, scratch, &mut contact, &mut work).await?;
-    // The response decides by comparisons, which do not detect NaN.
-    test_finite(scratch)?;
-    let contact = &mut contact.columns.columns();
-    let error = test_error(input, particles, corrected, Some(contact), scratch, work.integrator)?;
-    keep_forces(input.step, contact);
+    let mut corrected = false;
+    if let Some(contact) = &mut contact {
+        corrected = resolve(input, particles, scratch, contact, &mut work).await?;
+        // The response decides by comparisons, which do not detect NaN.
+        test_finite(scratch)?;
+    }
+    let mut columns = contact.as_mut().map(|contact| contact.columns.columns());
+    let error = test_error(input, particles, corrected, columns.as_ref(), scratch, work.integrator)?;
+    if let Some(columns) = &mut columns {
+        keep_forces(input.step, columns);
+    }
     commit(particles, scratch, work.integrator);
     *history = if corrected { History::Corrected } else { History::Smooth { step: input.step } };
     Ok(error)

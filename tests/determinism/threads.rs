@@ -117,8 +117,7 @@ both_precisions! {
     }
 
     fn scheme(method: Method) -> Scheme {
-        let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
-        Scheme { method, newton: 1, tolerance: Tolerance::Residual(1e-4), preconditioner, jacobian, error: None }
+        Scheme::fixed(method, 1e-4)
     }
 
     #[test]

@@ -36,7 +36,7 @@ macro_rules! kit {
             use $muslin::forces::term::ForceTerm;
             use $muslin::forces::wind::WindColumns;
             use $muslin::forces::{self, Energy, Model, TangentScale};
-            use $muslin::integrate::{Jacobian, Method, Preconditioner, Scheme, Tolerance};
+            use $muslin::integrate::{Jacobian, Method, Scheme};
             use $muslin::mesh::rest::RestTriangle;
             use $muslin::mesh::{Incidence, IncidenceColumns, SurfaceColumns, TriMesh};
             use $muslin::narrow_phase::advance::{ROUNDING, advance};
@@ -248,15 +248,7 @@ macro_rules! kit {
                 jacobian: Jacobian,
             ) -> Dense<N> {
                 let x: Vec<Vec3> = x.iter().map(|x| vec3(x.to_array())).collect();
-                let preconditioner = Preconditioner::BlockJacobi;
-                let scheme = Scheme {
-                    method: Method::BackwardEuler,
-                    newton: 1,
-                    tolerance: Tolerance::Residual(0.1),
-                    preconditioner,
-                    jacobian,
-                    error: None,
-                };
+                let scheme = Scheme { jacobian, ..Scheme::fixed(Method::BackwardEuler, 0.1) };
                 let mut columns = ScratchColumns::build(built, &scheme);
                 let Scratch { assembly_map, tangents, mut matrix, .. } = columns.view();
                 let scale = TangentScale { position: position as Real, velocity: velocity as Real };

@@ -8,7 +8,7 @@ use muslin_core_f64::forces::drag::DragColumns;
 use muslin_core_f64::forces::gravity::Gravity;
 use muslin_core_f64::forces::spring::{Spring, SpringColumns};
 use muslin_core_f64::integrate::pins::{AT_REST, PinColumns};
-use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme, Tolerance};
+use muslin_core_f64::integrate::{Method, Scheme, Tolerance};
 use muslin_core_f64::particles::ParticleColumns;
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
@@ -107,15 +107,7 @@ impl Net {
 
 /// One linearised step, solved to rounding: exact for linear forces.
 pub fn linearised(method: Method) -> Scheme {
-    let preconditioner = Preconditioner::BlockJacobi;
-    Scheme {
-        method,
-        newton: 1,
-        tolerance: Tolerance::Residual(1e-14),
-        preconditioner,
-        jacobian: Jacobian::Projected,
-        error: None,
-    }
+    Scheme::fixed(method, 1e-14)
 }
 
 /// Newton's method until the residual has fallen to `tolerance` times its initial value.

@@ -1,5 +1,4 @@
-//! Error control: the estimate beside the true error of a step, the length of substeps, and what a substep leaves behind
-//! that is taken back.
+//! Error control: the estimate and the true error of a step, the length of substeps, and substeps that are taken back.
 
 use harness::both_precisions;
 
@@ -59,9 +58,9 @@ const SCENES: [(&str, f64); 12] = [
 /// The largest error in these scenes, m.
 const ERROR: f64 = 1e-3;
 
-/// Part of the substeps in which the estimate is within a factor of three, %. It is 89. In `curtain` and
-/// `twist` it is too small: exact motion amplifies folds that backward Euler damps.
-const MOST_STEPS: usize = 85;
+/// Least part of the substeps in which the estimate is within a factor of three, %. Measured: 89. In `curtain` and
+/// `twist` the estimate is too small: exact motion amplifies folds that backward Euler damps.
+const LEAST_PERCENT: usize = 85;
 
 /// Steps that the true error of a step is measured with.
 const FINER: u32 = 8;
@@ -70,9 +69,9 @@ both_precisions! {
     use super::{ERROR, FINER, LANDING, SWING};
     use muslin::dispatch::Serial;
     use muslin::implicit_contact::multiplier::Multiplier;
-    use muslin::integrate::{Scheme, Tolerance};
+    use muslin::integrate::{Method, Scheme, Tolerance};
     use muslin::real::{Real, Vec3};
-    use muslin::scene::BUILT_IN;
+    use muslin::scene::{BUILT_IN, BuiltScene};
     use muslin::simulation::{Simulation, State};
 
     /// The state of a simulation, owned.
@@ -148,6 +147,18 @@ both_precisions! {
         }
     }
 
+    #[test]
+    fn a_state_with_too_many_halvings_is_refused() {
+        let mut sim = kit::simulation(LANDING, &[]);
+        step(&mut sim);
+        let state = Owned::of(&sim);
+        for halvings in [7, 32, u32::MAX] {
+            let state = State { halvings, ..state.view(1) };
+            assert!(!sim.restore(&state, sim.statistics(), sim.contact_statistics()), "{halvings} halvings");
+        }
+        assert_eq!(Owned::of(&sim), state);
+    }
+
     /// A smaller error needs more work and gives a smaller distance from a fine run.
     #[test]
     fn a_smaller_error_is_smaller() {
@@ -172,29 +183,28 @@ both_precisions! {
         }
     }
 
-    /// The ratio of the estimated error to the true one, for each substep that the control accepts in a built-in scene. Each
-    /// length of a substep has its own simulation.
-    pub fn ratios(name: &str, seconds: f64) -> Vec<Real> {
-        const LEVELS: usize = 7;
-        let most = ERROR as Real;
-        let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("a built-in scene").1;
-        let built = kit::build(text);
-        let own = Scheme { tolerance: Tolerance::within(most), error: Some(1e9), ..*kit::simulation(text, &[]).scheme() };
-        let finer = Scheme { tolerance: Tolerance::Residual(1e-4), error: None, ..own };
-        let length = |level: usize| 1.0 / 60.0 / f64::from(1u32 << level);
-        let at = |scheme: Scheme, parts: u32| -> [Simulation; LEVELS] {
-            std::array::from_fn(|level| {
-                Simulation::from_columns(built.clone(), scheme, (length(level) / f64::from(parts)) as Real)
-            })
-        };
-        let (mut coarse, mut fine) = (at(own, 1), at(finer, FINER));
+    /// Lengths of substeps, each half of the one before.
+    const LEVELS: usize = 7;
+
+    /// Simulations with steps of 1/60 s, 1/120 s and so on, each divided into `parts`.
+    fn levels(built: &BuiltScene, scheme: Scheme, parts: u32) -> [Simulation; LEVELS] {
+        std::array::from_fn(|level| {
+            let step = 1.0 / 60.0 / f64::from(1u32 << level) / f64::from(parts);
+            Simulation::from_columns(built.clone(), scheme, step as Real)
+        })
+    }
+
+    /// Takes substeps by error control, each by the simulation with steps of its length. A substep that is accepted is seen
+    /// with the state before it, the number of the step and its level.
+    fn drive(built: &BuiltScene, scheme: Scheme, seconds: f64, mut see: impl FnMut(&Owned, u64, usize, &Simulation)) {
+        let most = scheme.error.expect("a largest error");
+        let mut sims = levels(built, Scheme { error: Some(1e9), ..scheme }, 1);
         let whole = 1u64 << (LEVELS - 1);
-        let end = (60.0 * seconds) as u64 * whole;
-        let (mut done, mut level, mut ratios) = (0, 0, vec![]);
-        let mut state = Owned::of(&coarse[0]);
-        while done < end {
+        let (mut done, mut level) = (0, 0);
+        let mut state = Owned::of(&sims[0]);
+        while done < (60.0 * seconds) as u64 * whole {
             let parts = whole >> level;
-            let (sim, truth) = (&mut coarse[level], &mut fine[level]);
+            let sim = &mut sims[level];
             let view = State { halvings: 0, ..state.view(done / parts) };
             assert!(sim.restore(&view, sim.statistics(), sim.contact_statistics()));
             step(sim);
@@ -203,19 +213,49 @@ both_precisions! {
                 level += 1;
                 continue;
             }
+            see(&state, done / parts, level, sim);
+            state = Owned::of(sim);
+            done += parts;
+            level -= usize::from(estimate < 0.25 * most && level > 0 && done % (2 * parts) == 0);
+        }
+    }
+
+    /// The simulations of `drive` never go on from a substep that was taken back.
+    #[test]
+    fn a_substep_that_is_taken_back_leaves_nothing_behind() {
+        for method in [Method::BackwardEuler, Method::ImplicitMidpoint, Method::Bdf2] {
+            let own = *kit::simulation(LANDING, &[]).scheme();
+            let (built, scheme) = (kit::build(LANDING), Scheme { method, ..own });
+            let mut want = vec![];
+            drive(&built, scheme, 0.4, |_, _, _, sim| want = Owned::of(sim).columns[0].clone());
+            let mut sim = Simulation::from_columns(built, scheme, (1.0 / 60.0) as Real);
+            (0..24).for_each(|_| step(&mut sim));
+            assert!(sim.statistics().inaccurate > 0, "{}: none is taken back", method.name());
+            assert_eq!(sim.positions(), want, "{} {}", muslin::real::NAME, method.name());
+        }
+    }
+
+    /// The ratio of the estimated error to the true one, for each substep in a built-in scene.
+    pub fn ratios(name: &str, seconds: f64) -> Vec<Real> {
+        let (most, mut ratios) = (ERROR as Real, vec![]);
+        let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("a built-in scene").1;
+        let (built, own) = (kit::build(text), *kit::simulation(text, &[]).scheme());
+        let scheme = Scheme { tolerance: Tolerance::within(most), error: Some(most), ..own };
+        let finer = Scheme { tolerance: Tolerance::Residual(1e-4), error: None, ..own };
+        let mut fine = levels(&built, finer, FINER);
+        drive(&built, scheme, seconds, |before, number, level, sim| {
+            let truth = &mut fine[level];
             // The exact motion does not know the method's history.
-            let view = State { steps: done / parts * u64::from(FINER), previous: [&[]; 2], last_step: 0.0, ..view };
+            let view = before.view(number * u64::from(FINER));
+            let view = State { halvings: 0, previous: [&[]; 2], last_step: 0.0, ..view };
             assert!(truth.restore(&view, truth.statistics(), truth.contact_statistics()));
             (0..FINER).for_each(|_| step(truth));
             let error = distance(sim.positions(), truth.positions());
             // Smaller ones are rounding.
             if error > 3e-6 {
-                ratios.push(estimate / error);
+                ratios.push(sim.estimated_error().expect("an estimate") / error);
             }
-            state = Owned::of(sim);
-            done += parts;
-            level -= usize::from(estimate < 0.25 * most && level > 0 && done % (2 * parts) == 0);
-        }
+        });
         ratios
     }
 }
@@ -223,23 +263,24 @@ both_precisions! {
 #[test]
 #[ignore = "slow"]
 fn the_estimate_is_within_a_factor_of_three_in_most_steps() {
-    let mut all = vec![];
+    let (mut near, mut count) = (0, 0);
     for (name, seconds) in SCENES {
         let mut ratios = single::ratios(name, seconds);
+        if name == "swing" {
+            let double: f64 = double::ratios(name, seconds).iter().sum();
+            let single: f64 = ratios.iter().map(|&ratio| f64::from(ratio)).sum();
+            assert!(
+                (single / double - 1.0).abs() < 0.01,
+                "{name}: the ratios add up to {single} in f32, {double} in f64"
+            );
+        }
         ratios.sort_by(f32::total_cmp);
-        let near = ratios.iter().filter(|ratio| (1.0 / 3.0..=3.0).contains(*ratio)).count();
+        let own = ratios.iter().filter(|ratio| (1.0 / 3.0..=3.0).contains(*ratio)).count();
         let [low, median, high] = [1, 10, 19].map(|k| ratios[k * ratios.len() / 20]);
-        let percent = 100 * near / ratios.len();
-        println!("{name}: {} substeps, {percent} % within 3; ratio {low:.2}, {median:.2}, {high:.2}", ratios.len());
-        all.push((near, ratios.len()));
+        println!("{name}: {own} of {} substeps within 3; ratio {low:.2}, {median:.2}, {high:.2}", ratios.len());
+        (near, count) = (near + own, count + ratios.len());
     }
-    let double = double::ratios("swing", 0.6);
-    let [a, b] = [single::ratios("swing", 0.6).into_iter().map(f64::from).sum::<f64>(), double.iter().sum()];
-    assert!((a / b - 1.0).abs() < 0.01, "in both precisions the ratios in swing add up to {a} and {b}");
-    let (near, count) = all.iter().fold((0, 0), |(a, b), (near, count)| (a + near, b + count));
     println!("all: {near} of {count}");
-    assert!(
-        100 * near >= MOST_STEPS * count,
-        "the estimate is within a factor of 3 in {near} of {count} substeps only"
-    );
+    let enough = 100 * near >= LEAST_PERCENT * count;
+    assert!(enough, "the estimate is within a factor of 3 in {near} of {count} substeps only");
 }

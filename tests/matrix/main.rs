@@ -13,7 +13,7 @@ use harness::kit::double as kit;
 use harness::rng::Rng;
 use harness::steps::Steps;
 use muslin_core_f64::integrate::stability::longest_step;
-use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme, Tolerance};
+use muslin_core_f64::integrate::{Method, Scheme};
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::spectrum::fastest_modes;
@@ -157,8 +157,7 @@ fn foretold(start: &str, method: Method, newton: u32) -> &'static str {
 
 /// A scheme with at most `newton` Newton iterations.
 fn scheme(method: Method, newton: u32) -> Scheme {
-    let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
-    Scheme { method, newton, tolerance: Tolerance::Residual(1e-6), preconditioner, jacobian, error: None }
+    Scheme { newton, ..Scheme::fixed(method, 1e-6) }
 }
 
 /// Whether the energy of a free sheet, which can only decrease, stays within ten times its initial value.

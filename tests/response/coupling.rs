@@ -59,7 +59,7 @@ both_precisions! {
     use muslin::implicit_contact::augmented_contact::{ActiveContacts, AugmentedContact, ContactLines, Friction};
     use muslin::integrate::conjugate_gradient::add_diagonal;
     use muslin::integrate::pins::JumpSide;
-    use muslin::integrate::{self, StepInput, Jacobian, Method, Preconditioner, Scheme, Tolerance, IntegratorStatistics};
+    use muslin::integrate::{self, StepInput, Method, Preconditioner, Scheme, IntegratorStatistics};
     use muslin::particles::Particles;
     use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
     use muslin::scene::BuiltScene;
@@ -171,8 +171,7 @@ both_precisions! {
         given: Vec<AugmentedContact>,
     ) -> Corrected {
         let tolerance = kit::bound(1e-6, 1e-13) as Real;
-        let (tolerance, jacobian) = (Tolerance::Residual(tolerance), Jacobian::Projected);
-        let scheme = Scheme { method: advance.method, newton: 1, tolerance, preconditioner, jacobian, error: None };
+        let scheme = Scheme { preconditioner, ..Scheme::fixed(advance.method, tolerance) };
         let mut columns = ScratchColumns::build(&built, &scheme);
         let (mut particles, mut work) = (built.particles.clone(), IntegratorStatistics::default());
         let (model, pins) = (built.model.view(), built.pins.view());

@@ -11,7 +11,7 @@ use muslin_core_f64::spectrum::Tangent;
 both_precisions! {
     use glam::DVec3;
     use harness::steps::Steps;
-    use muslin::integrate::{Jacobian, Method, Preconditioner, Scheme, Tolerance};
+    use muslin::integrate::{Method, Scheme};
     use muslin::real::{Real, Vec3, to_f64, vec3};
     use muslin::simulation::Simulation;
     use harness::rng::Rng;
@@ -43,8 +43,7 @@ both_precisions! {
             *x = vec3(at.into());
             *v = vec3((throw + spin.cross(at) + rng.cube(0.3)).into());
         }
-        let (preconditioner, jacobian) = (Preconditioner::BlockJacobi, Jacobian::Projected);
-        let scheme = Scheme { method, newton, tolerance: Tolerance::Residual(tolerance as Real), preconditioner, jacobian, error: None };
+        let scheme = Scheme { newton, ..Scheme::fixed(method, tolerance as Real) };
         Simulation::from_columns(built, scheme, step as Real)
     }
 

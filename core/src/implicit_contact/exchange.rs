@@ -54,7 +54,6 @@ pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>,
 
 /// Adds the impulses of the constraints to a column over the vertices of the cloth, kg m/s. `step` is the length of the step,
 /// s.
-#[cfg_attr(small, optimize(size))]
 pub fn add_impulses(scratch: &ContactScratch<'_>, step: Real, out: &mut [Vec3]) {
     for constraint in &scratch.constraints[..scratch.lengths.constraints] {
         let impulse = (constraint.contact.normal * constraint.normal_impulse + constraint.friction_impulse) / step;

@@ -148,7 +148,7 @@ pub(crate) enum Goal {
     /// solve.
     Reach(Sum),
     /// After so many iterations, by the preconditioner of the solve before.
-    Iterate(u32),
+    Iterations(u32),
 }
 
 /// Writes y to `s.solution`; NaN if the residual is not finite. `A y0` is in `s.residual`; the solve leaves
@@ -162,8 +162,8 @@ pub(crate) fn solve<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) -> Sum {
     c.dispatch.enter(Stage::Solve);
-    let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
     if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
+        let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
         write_inverse_diagonal(&system, term, s.inverse_diagonal, c.dispatch);
         if c.scheme.preconditioner == Preconditioner::TwoLevel {
             coarse::write_factor(&s.patches, &system, term, &mut s.coarse);
@@ -177,12 +177,12 @@ pub(crate) fn solve<D: Dispatch>(
     let target = match goal {
         Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
         Goal::Within(target) | Goal::Reach(target) => target,
-        Goal::Iterate(_) => 0.0,
+        Goal::Iterations(_) => 0.0,
     };
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
     let (mut updates, mut last_updates) = (0, 0);
     let most = match goal {
-        Goal::Iterate(most) => most,
+        Goal::Iterations(most) => most,
         Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) if term.is_zero() => MOST_ITERATIONS,
         Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) => MOST_WITH_CONTACTS,
     };
@@ -205,7 +205,7 @@ pub(crate) fn solve<D: Dispatch>(
             (updated_at, since_update) = (rho, 0);
         }
         if !rho.is_finite() || iterations == most {
-            let asked = matches!(goal, Goal::Iterate(_));
+            let asked = matches!(goal, Goal::Iterations(_));
             statistics.unconverged += u64::from(rho.is_finite() && !asked);
             break;
         }

@@ -9,6 +9,7 @@
 use super::columns::{dot, sum_parts};
 use super::conjugate_gradient::{self, Goal};
 use super::convex_term::NoTerm;
+use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, Method, StepInput, bdf2};
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
@@ -32,12 +33,18 @@ pub fn estimate<D: Dispatch>(
     if !c.scheme.method.is_implicit() {
         return None;
     }
+    let count = particles.positions.len();
     let truncation = truncation(c, particles.velocities, corrected, s);
     // Newton's method has made its own defect small, perhaps without a solve whose preconditioner could measure it.
     if c.scheme.newton > 1 {
         return Some(truncation);
     }
-    Some(truncation + defect(c, particles, corrected, add_impulses, s, statistics))
+    let to_position = write_residual(c, particles, corrected, s, statistics);
+    add_impulses(s.residual);
+    c.pins.filter(s.residual);
+    conjugate_gradient::solve(c, &mut NoTerm, Goal::Iterations(ITERATIONS), s, statistics);
+    let [sum, _] = sum_parts(s.solution, s.partials, c.dispatch, |_, part| [dot(part, part), 0.0]);
+    Some(truncation + to_position * root_mean_square(sum, count))
 }
 
 /// The truncation error, m.
@@ -74,46 +81,9 @@ fn coefficients(method: Method, step: Real, last: Option<Real>) -> [Real; 2] {
     }
 }
 
-/// The defect, m.
-fn defect<D: Dispatch>(
-    c: &StepInput<'_, D>,
-    particles: &Particles<'_>,
-    corrected: bool,
-    add_impulses: impl FnOnce(&mut [Vec3]),
-    s: &mut Scratch<'_>,
-    statistics: &mut IntegratorStatistics,
-) -> Real {
-    let to_position = write_residual(c, particles, corrected, s, statistics);
-    add_impulses(s.residual);
-    c.pins.filter(s.residual);
-    conjugate_gradient::solve(c, &mut NoTerm, Goal::Iterate(ITERATIONS), s, statistics);
-    let [sum, _] = sum_parts(s.solution, s.partials, c.dispatch, |_, part| [dot(part, part), 0.0]);
-    to_position * root_mean_square(sum, particles.positions.len())
-}
-
-/// The stage whose equations the defect is measured by.
-enum Stage {
-    /// The whole step, by backward Euler.
-    End,
-    /// To the middle of the step.
-    Middle,
-    /// From the extrapolated state of BDF2, a step of this length, s.
-    Extrapolated(Real),
-}
-
-/// After contact, the stage is that of backward Euler, because the response changes the end of the step.
-fn stage<D: Dispatch>(c: &StepInput<'_, D>, corrected: bool, last: Option<Real>) -> Stage {
-    match (c.scheme.method, last) {
-        _ if corrected => Stage::End,
-        (Method::Bdf2, Some(_)) => Stage::Extrapolated(c.stage_length(last)),
-        (Method::ImplicitMidpoint, _) | (Method::Bdf2, None) => Stage::Middle,
-        (Method::BackwardEuler, _) => Stage::End,
-        (Method::ExplicitEuler | Method::SymplecticEuler | Method::Midpoint | Method::Rk4, _) => Stage::End,
-    }
-}
-
-/// Writes the residual `M (vh - v) + g f(x, v)` of the stage to `s.residual`, where v and x are its velocities and
-/// positions. Returns by how much a change of v changes the positions at the end of the step, s.
+/// Writes the residual of the equations that the step solved to `s.residual`: of the stage of its method, after contact of
+/// backward Euler, because the response changes the end of the step. Returns by how much a change of the stage's velocities
+/// changes the positions at the end of the step, s.
 fn write_residual<D: Dispatch>(
     c: &StepInput<'_, D>,
     particles: &Particles<'_>,
@@ -122,27 +92,24 @@ fn write_residual<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) -> Real {
     let (x0, v0) = (&*particles.positions, &*particles.velocities);
+    let (is_middle, extrapolates) = match c.scheme.method {
+        Method::ImplicitMidpoint => (!corrected, false),
+        Method::Bdf2 => (!corrected && s.last_step.is_none(), !corrected && s.last_step.is_some()),
+        Method::BackwardEuler => (false, false),
+        Method::ExplicitEuler | Method::SymplecticEuler | Method::Midpoint | Method::Rk4 => (false, false),
+    };
     let (x1, v1) = (&*s.next_positions, &*s.next_velocities);
-    let stage = stage(c, corrected, s.last_step);
-    let is_middle = matches!(stage, Stage::Middle);
     c.dispatch.run((&mut *s.stage_positions, &mut *s.products), |start, (x, v)| {
         for (i, (x, v)) in (start..).zip(x.iter_mut().zip(v)) {
             (*x, *v) = if is_middle { ((x0[i] + x1[i]) * 0.5, (x1[i] - x0[i]) / c.step) } else { (x1[i], v1[i]) };
         }
     });
-    let (base, length, to_position) = match stage {
-        Stage::End => (v0, c.step, c.step),
-        Stage::Middle => (v0, 0.5 * c.step, c.step),
-        Stage::Extrapolated(length) => (&*s.base_velocities, length, length),
-    };
     c.forces(s.stage_positions, s.products, s.elements, s.forces, statistics);
-    let (v, f) = (&*s.products, &*s.forces);
-    c.dispatch.run(&mut *s.residual, |start, part| {
-        for (i, r) in (start..).zip(part) {
-            *r = (base[i] - v[i]) * c.masses[i] + f[i] * length;
-        }
-    });
-    to_position
+    let length = if is_middle { 0.5 * c.step } else { c.stage_length(s.last_step.filter(|_| extrapolates)) };
+    let velocities = if extrapolates { &*s.base_velocities } else { v0 };
+    let stage = ImplicitStage { length, positions: x0, velocities };
+    newton::residual(c, &stage, s.products, s.forces, s.residual);
+    if is_middle { c.step } else { length }
 }
 
 fn root_mean_square(sum: Sum, count: usize) -> Real {

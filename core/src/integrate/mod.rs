@@ -110,6 +110,21 @@ pub struct Scheme {
     pub error: Option<Real>,
 }
 
+impl Scheme {
+    /// One linear solve a step, to a relative residual, by block Jacobi and the projected Jacobian; all steps have the same
+    /// length.
+    pub const fn fixed(method: Method, residual: Real) -> Self {
+        Self {
+            method,
+            newton: 1,
+            tolerance: Tolerance::Residual(residual),
+            preconditioner: Preconditioner::BlockJacobi,
+            jacobian: Jacobian::Projected,
+            error: None,
+        }
+    }
+}
+
 /// Where linear solves and Newton's method stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {

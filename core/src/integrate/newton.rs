@@ -179,10 +179,19 @@ fn write_matrix<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s:
     );
 }
 
-/// `residual = M (vh - v) + g f`.
 fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &mut Scratch<'_>) {
-    let (v, f) = (&*s.next_velocities, &*s.forces);
-    c.dispatch.run(&mut *s.residual, |start, part| {
+    residual(c, stage, s.next_velocities, s.forces, s.residual);
+}
+
+/// `out = M (vh - v) + g f` of a stage, kg m/s.
+pub(crate) fn residual<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    stage: &ImplicitStage<'_>,
+    v: &[Vec3],
+    f: &[Vec3],
+    out: &mut [Vec3],
+) {
+    c.dispatch.run(out, |start, part| {
         for (i, r) in (start..).zip(part) {
             *r = (stage.velocities[i] - v[i]) * c.masses[i] + f[i] * stage.length;
         }

@@ -29,7 +29,7 @@ mod untangling;
 
 pub use crate::refusal::{Cause, StepError};
 
-use substeps::Kept;
+use substeps::{Kept, MOST_HALVINGS};
 
 /// Initial capacity: candidates of each kind per vertex.
 const PAIRS_PER_VERTEX: usize = 64;
@@ -74,7 +74,7 @@ pub struct State<'a> {
     pub positions: &'a [Vec3],
     /// Velocities, m/s.
     pub velocities: &'a [Vec3],
-    /// Positions and velocities before the last step or substep, for methods that need them; empty if there are none.
+    /// Positions and velocities before the last step or substep; empty if the method does not need them.
     pub previous: [&'a [Vec3]; 2],
     /// Length of the last step or substep, s; 0 if the next one does not continue it.
     pub last_step: Real,
@@ -132,8 +132,8 @@ impl Simulation {
         }
     }
 
-    /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that fails does not change
-    /// the state. Blocks while candidates are found elsewhere, for example on a GPU; that work must not need
+    /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that
+    /// fails does not change the state. Blocks while candidates are found elsewhere, for example on a GPU; that work must not need
     /// this thread. [`await_step`](Self::await_step) does not block.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         block_on(self.await_step(dispatch))
@@ -370,7 +370,7 @@ impl Simulation {
     }
 
     /// Restores a checkpoint of the same scene. Returns false and changes nothing if the lengths of the
-    /// columns differ.
+    /// columns differ or there are too many halvings.
     pub fn restore(
         &mut self,
         state: &State<'_>,
@@ -381,6 +381,7 @@ impl Simulation {
         let history = state.previous[0].len();
         let fits = state.positions.len() == count
             && state.velocities.len() == count
+            && state.halvings <= MOST_HALVINGS
             && state.previous[1].len() == history
             && (history == 0 || history == self.scratch.previous_positions.len());
         if fits {

@@ -1,8 +1,8 @@
 //! Substeps: a step that fails, or whose error is too large, is divided into halves, and each half again if it fails.
 //!
 //! With a largest error ([`Scheme::error`](crate::integrate::Scheme::error)) the length of the substeps follows the estimated
-//! error: it is doubled where the error is a quarter of the largest, because errors grow with the square of the length after
-//! contact, and the next step starts with it. Without a largest error, each step is first tried whole.
+//! error: it is doubled where the error is below a quarter of the largest, because the error of backward Euler grows with the
+//! square of the length. The next step starts with the length of the last substep. Without a largest error, each step is first tried whole.
 
 use alloc::vec::Vec;
 
@@ -16,12 +16,12 @@ use crate::step::History;
 
 /// Largest number of halvings. In the shortest substeps vertices that still collide are held back, and every error is
 /// accepted.
-const MOST_HALVINGS: u32 = 6;
+pub(super) const MOST_HALVINGS: u32 = 6;
 
 /// The error below which substeps get twice as long, relative to the largest one.
 const SMALL_ERROR: Real = 0.25;
 
-/// Copy of the [`State`] before a step. The columns are allocated once.
+/// Copy of the [`State`] before a step that is divided. The columns are allocated once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
     columns: [Vec<Vec3>; 4],
@@ -48,28 +48,27 @@ impl Kept {
 }
 
 impl Simulation {
-    /// Takes a step, in as many substeps as necessary. Restores the state if that fails.
+    /// Takes a step, in as many substeps as necessary.
     pub(super) async fn take_substeps<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         let begun = self.halvings;
-        // Without room for a copy, a step is never divided, and one that fails does not change the state.
-        let keeps = !self.kept.columns[0].is_empty();
-        if keeps {
-            self.keep();
-        }
         let taken = self.advance(dispatch).await;
-        if taken.is_err() && keeps {
-            self.put_back();
+        if taken.is_err() {
             self.halvings = begun;
         }
         taken.map_err(|obstacle| self.diverged(obstacle, dispatch))
     }
 
+    /// Takes the substeps. Restores the state if one fails.
     async fn advance<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Obstacle> {
         let whole = 1u32 << MOST_HALVINGS;
         let mut done = 0;
         self.estimate = None;
         while done < whole {
             let length = whole >> self.halvings;
+            // A step that is tried whole does not change the state until it succeeds.
+            if done == 0 && self.halvings > 0 {
+                self.keep();
+            }
             let substep = Substep { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
             match self.try_substep(substep, self.halvings == MOST_HALVINGS, dispatch).await {
                 Ok(error) => {
@@ -81,7 +80,12 @@ impl Simulation {
                 Err(obstacle) if self.halvings < MOST_HALVINGS && obstacle.cause.asks_for_shorter_step() => {
                     self.halve(obstacle.cause);
                 }
-                Err(obstacle) => return Err(obstacle),
+                Err(obstacle) => {
+                    if done > 0 {
+                        self.put_back();
+                    }
+                    return Err(obstacle);
+                }
             }
         }
         if self.scheme.error.is_none() {

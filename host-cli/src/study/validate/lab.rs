@@ -7,7 +7,7 @@ use glam::DVec3;
 use muslin_core_f64::dispatch::{Dispatch, Serial, Split};
 use muslin_core_f64::error::{MeshError, SceneError};
 use muslin_core_f64::forces;
-use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme, Tolerance};
+use muslin_core_f64::integrate::{Method, Scheme, Tolerance};
 use muslin_core_f64::scene::{self, BuiltScene, Resource, SceneDesc};
 use muslin_core_f64::simulation::{Cause, Simulation, StepError};
 
@@ -131,15 +131,7 @@ pub fn forces(built: &BuiltScene, x: &[DVec3]) -> Vec<DVec3> {
 
 /// One linear solve per step, down to rounding.
 pub fn linearised(method: Method) -> Scheme {
-    let preconditioner = Preconditioner::BlockJacobi;
-    Scheme {
-        method,
-        newton: 1,
-        tolerance: Tolerance::Residual(1e-14),
-        preconditioner,
-        jacobian: Jacobian::Projected,
-        error: None,
-    }
+    Scheme::fixed(method, 1e-14)
 }
 
 /// Newton's method, until the residual is at most `tolerance` times its initial value.
