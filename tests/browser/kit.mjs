@@ -68,9 +68,7 @@ export const spot = (page, vertex) =>
 export const dark = (page, vertex) =>
   page.evaluate(async (vertex) => {
     const { camera, picture, run } = muslin;
-    const view = { ...run().view };
-    // Copies, because the cloth may move meanwhile.
-    for (const name of ["positions", "normals", "strains"]) view[name] = view[name].slice();
+    const { view } = run();
     const from = 3 * (vertex < 0 ? view.positions.length / 3 + vertex : vertex);
     const [x, y] = camera.project(camera.matrix(true), view.positions.slice(from, from + 3));
     const scale = picture.canvas.width / camera.size[0];

@@ -378,3 +378,21 @@ test("a stall is not caught up; a lost context is drawn anew", { skip }, async (
   await steps(page, at + 3);
   await page.close();
 });
+
+test("the picture keeps its columns when the memory of the module grows", { skip }, async () => {
+  const { page, errors } = await open("#scene=cantilever&compare=0");
+  const [before, after] = await inPage(page, async () => {
+    const m = await import("/dist/muslin.js");
+    muslin.run().paused = true;
+    const { view } = muslin.run();
+    const floats = () => ["positions", "normals", "strains"].map((name) => view[name].length);
+    const before = floats();
+    // A large cloth grows the memory.
+    new m.Cloth("hanging").free();
+    return [before, floats()];
+  });
+  assert.ok(before[0] > 0);
+  assert.deepEqual(after, before);
+  assert.deepEqual(errors, []);
+  await page.close();
+});

@@ -81,11 +81,9 @@ export class Run {
 
   #look() {
     const { cloth } = this;
-    // The calls that make copies come first, because they may move the memory that the other columns are views of.
-    // With a device, columns are copied, because a step may be running while they are used.
     const view = { bodies: cloth.bodies(), pins: Array.from(cloth.pins()) };
-    const kept = (column) => (this.device ? column.slice() : column);
-    for (const name of ["positions", "normals", "strains"]) view[name] = kept(cloth[name]());
+    // Copies, because the module's memory may move, and a step on a device may run while they are used.
+    for (const name of ["positions", "normals", "strains"]) view[name] = cloth[name]().slice();
     this.view = view;
   }
 
