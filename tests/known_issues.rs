@@ -12,7 +12,7 @@ use muslin_core_f64::forces::TangentScale;
 use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::forces::hinge::HingeColumns;
 use muslin_core_f64::forces::seam::SeamColumns;
-use muslin_core_f64::scene::SceneDesc;
+use muslin_core_f64::scene::{BUILT_IN, SceneDesc};
 use muslin_core_f64::simulation::Simulation;
 
 /// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
@@ -92,6 +92,25 @@ fn one_linear_step_of_a_stiff_sheet_can_overshoot() {
     let (linear, converged) = (stretch(1), stretch(20));
     assert!((1.02..1.03).contains(&converged), "converged, the sheet is stretched to {converged}");
     assert!(linear > 3.0, "one linear step stretches to {linear}, converged to {converged}");
+}
+
+#[test]
+fn error_control_of_implicit_midpoint_lets_a_stiff_sheet_ring() {
+    let text = BUILT_IN.iter().find(|(name, _)| *name == "skirt").expect("the scene is built in").1;
+    let stretch = |step: f64, error: Option<f64>| {
+        let mut scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
+        (scene.integrator.step, scene.integrator.error) = (Some(step), error);
+        let mut cloth = Simulation::new(&scene, &[]).expect("built-in scenes build");
+        let mut largest = 0.0_f64;
+        while cloth.time() < 0.1 {
+            cloth.take_step().expect("the start of the scene stays finite");
+            largest = largest.max(cloth.stretch().max - 1.0);
+        }
+        largest
+    };
+    let (controlled, fixed) = (stretch(1.0 / 60.0, Some(0.001)), stretch(1.0 / 240.0, None));
+    assert!(fixed < 0.02, "by steps of 1/240 s the skirt stretches by {fixed}");
+    assert!(controlled > 2.0 * fixed, "under error control it stretches by {controlled}, by fixed steps by {fixed}");
 }
 
 #[test]

@@ -18,7 +18,7 @@ use crate::surface::{write_normals, write_strains};
 pub struct Simulation {
     own: Cloth,
     clock: Clock,
-    frame: Frame,
+    settings: Settings,
     chain: StateHash,
     /// Vertices that the page holds; `released` are vertices that it freed. Both stay so when the scene is changed.
     held: Vec<u32>,
@@ -27,16 +27,17 @@ pub struct Simulation {
     strains: Vec<f32>,
 }
 
-/// Frames per second and duration, s, of a scene.
+/// Frames per second, duration, s, and largest error of a step, m, of a scene.
 #[derive(Clone, Copy)]
-struct Frame {
-    rate: f64,
+struct Settings {
+    frame_rate: f64,
     duration: f64,
+    step_error: Option<f64>,
 }
 
-impl Frame {
+impl Settings {
     fn of(desc: &SceneDesc) -> Self {
-        Self { rate: desc.frame_rate, duration: desc.duration }
+        Self { frame_rate: desc.frame_rate, duration: desc.duration, step_error: desc.integrator.error() }
     }
 }
 
@@ -57,7 +58,7 @@ impl Simulation {
         Ok(Self {
             own,
             clock: Clock::default(),
-            frame: Frame::of(&desc),
+            settings: Settings::of(&desc),
             chain,
             held: Vec::new(),
             released: Vec::new(),
@@ -130,7 +131,7 @@ impl Simulation {
         let count = next.positions().len();
         self.normals.resize(count, Vec3::ZERO);
         self.strains.resize(count, 0.0);
-        (self.own, self.frame) = (next, Frame::of(&desc));
+        (self.own, self.settings) = (next, Settings::of(&desc));
         Ok(())
     }
 
@@ -254,16 +255,22 @@ impl Simulation {
         self.own.step_length().into()
     }
 
+    /// The largest error of a step, m; none if all steps have the same length.
+    #[wasm_bindgen(getter, js_name = stepError)]
+    pub fn step_error(&self) -> Option<f64> {
+        self.settings.step_error
+    }
+
     /// Frames of the scene per simulated second.
     #[wasm_bindgen(getter, js_name = frameRate)]
     pub fn frame_rate(&self) -> f64 {
-        self.frame.rate
+        self.settings.frame_rate
     }
 
     /// Duration of the scene, s.
     #[wasm_bindgen(getter)]
     pub fn duration(&self) -> f64 {
-        self.frame.duration
+        self.settings.duration
     }
 
     /// The hash chain over the states of all steps, as `muslin run` prints it.

@@ -141,6 +141,8 @@ export class Cloth {
   readonly time: number;
   /** The step in use, s: the longest step that divides a frame evenly and is not longer than the scene's step. */
   readonly stepLength: number;
+  /** The largest error of a step, m: where the estimate exceeds it, the step is divided. `undefined`: steps are not divided. */
+  readonly stepError: number | undefined;
   /** Frames per simulated second. */
   readonly frameRate: number;
   /** Duration of the scene, s. */

@@ -233,6 +233,10 @@ export class Cloth {
     return this.#idle.stepLength;
   }
 
+  get stepError() {
+    return this.#idle.stepError;
+  }
+
   get frameRate() {
     return this.#idle.frameRate;
   }

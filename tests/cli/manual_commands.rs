@@ -36,7 +36,7 @@ fn shortened(command: &str) -> String {
     let mut short = command.to_owned();
     match command.split(' ').next() {
         // This duration is long enough for a checkpoint after 100 steps.
-        Some("run") if command.contains("curtain") => with(&mut short, "--duration 0.9"),
+        Some("run") if command.contains("curtain") => with(&mut short, "--duration 1.8"),
         Some("run") => with(&mut short, "--duration 0.05"),
         Some("needs" | "choose" | "chart" | "stability") => {
             let budget = short.find("--budget ").map(|at| at + "--budget ".len());

@@ -1,3 +1,5 @@
-// The integrators, explicit ones first.
+// The integrators.
 
-export const METHODS = ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
+/** The methods that can control the error of their steps. */
+export const IMPLICIT = ["backward-euler", "implicit-midpoint", "bdf2"];
+export const METHODS = ["explicit-euler", "symplectic-euler", "midpoint", "rk4", ...IMPLICIT];

@@ -6,7 +6,7 @@ import { Camera } from "./camera.js";
 import { chart } from "./chart.js";
 import { Hand } from "./hand.js";
 import { materials } from "./materials.js";
-import { METHODS } from "./methods.js";
+import { IMPLICIT, METHODS } from "./methods.js";
 import { Numbers } from "./numbers.js";
 import { Picture } from "./picture.js";
 import { Run } from "./run.js";
@@ -28,6 +28,8 @@ const list = (id, names) => el(id).append(...names.map((name) => new Option(name
 /** The name of a scene that the user typed in. */
 const OWN = "own";
 const DETAILS = ["quick", "as in the scene"];
+/** The largest error of a step of quick scenes, m. */
+const QUICK_ERROR = 0.004;
 
 const state = { scene: "ball", changes: {}, shown: {} };
 /** The text of the scene that the user typed in last. */
@@ -61,9 +63,18 @@ function valueAt(scene, key) {
   return key.split(".").reduce((owner, part) => (Array.isArray(owner) ? owner[0] : owner)?.[part], scene);
 }
 
-/** Makes a scene quick: half of the cells in each direction, a solver that stops early. The page shows the error. */
+const method_of = (scene) => scene.integrator?.method ?? "backward-euler";
+
+/** The largest error of a step, m, for a method: a coarse one if the page is quick. Explicit methods have none. */
+function step_error(scene, method) {
+  if (!IMPLICIT.includes(method)) return undefined;
+  return state.shown.detail ? scene.integrator?.error : QUICK_ERROR;
+}
+
+/** Makes a scene quick: half of the cells in each direction, and steps with a larger error, which the page shows. */
 function quick(scene) {
-  const changes = { "integrator.tolerance": 0.01 };
+  const method = state.changes["integrator.method"] ?? method_of(scene);
+  const changes = { "integrator.error": step_error(scene, method) };
   const halved = (count) => (count > 5 ? Math.ceil(count / 2) : count);
   scene.cloth?.forEach?.(({ grid, tube, disc }, k) => {
     for (const [kind, of] of Object.entries({ grid, tube })) {
@@ -82,7 +93,7 @@ function show() {
   el("about").textContent = scene.description ?? "";
   el("detail").value = state.shown.detail ? DETAILS[1] : DETAILS[0];
   el("material").value = state.shown.material ?? "as in the scene";
-  el("method").value = scene.integrator.method;
+  el("method").value = method_of(scene);
   el("length").value = +(1000 * run.cloth.stepLength).toPrecision(4);
   const wind = Math.hypot(...(scene.drag?.wind?.velocity ?? [0]));
   el("wind").value = el("speed").value = wind.toFixed(1);
@@ -226,7 +237,10 @@ function listen() {
       show();
     });
   };
-  el("method").onchange = () => change({ "integrator.method": el("method").value });
+  el("method").onchange = () => {
+    const method = el("method").value;
+    change({ "integrator.method": method, "integrator.error": step_error(base, method) });
+  };
   el("length").onchange = () => {
     const step = el("length").valueAsNumber / 1000;
     if (step > 0) change({ "integrator.step": step });
@@ -246,7 +260,7 @@ function listen() {
   el("chart").onclick = () => {
     if (stop) return stop();
     el("chart").textContent = "Stop measuring";
-    stop = chart(el("plot"), run.cloth.scene, CHARTED, () => {
+    stop = chart(el("plot"), run.cloth, CHARTED, () => {
       el("chart").textContent = "Speed against accuracy";
       stop = undefined;
     });

@@ -14,11 +14,11 @@ export class Reference {
   /** The reason why there is no reference. */
   why;
 
-  constructor(scene, step) {
+  constructor(scene, accuracy) {
     this.#worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
     this.#worker.onmessage = ({ data }) => this.#hear(data);
     this.#worker.onerror = ({ message }) => this.#give_up(message ?? "the worker does not start");
-    this.tell({ ask: "start", scene, step });
+    this.tell({ ask: "start", scene, ...accuracy });
   }
 
   /** Sends an action to the worker, which advances the reference to the page's time and repeats the action there. */

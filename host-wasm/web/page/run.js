@@ -8,6 +8,9 @@ const LONGEST = 1 / 15;
 /** Time for steps before the next frame is drawn, ms. */
 const BUDGET = 24;
 
+/** What makes a run accurate: step, s, error of a step, m, and tolerance of the solver. */
+const accuracy = ({ stepLength: step, stepError: error, scene }) => ({ step, error, tolerance: scene.integrator?.tolerance });
+
 export class Run {
   #todo = [];
   #due = 0;
@@ -63,15 +66,14 @@ export class Run {
   set(changes) {
     const before = this.cloth.time;
     this.cloth.set(changes);
-    const { scene, stepLength: step, time: after } = this.cloth;
-    this.reference?.tell({ ask: "change", changes, step, time: before, after, tolerance: scene.integrator.tolerance });
+    this.reference?.tell({ ask: "change", changes, ...accuracy(this.cloth), time: before, after: this.cloth.time });
   }
 
   /** Switches the reference on or off. It starts now if no step was taken, otherwise at the next start of the run. */
   compare(whether) {
     this.comparing = whether;
     this.reference?.end();
-    this.reference = whether && this.cloth.steps === 0 ? new Reference(this.cloth.scene, this.cloth.stepLength) : undefined;
+    this.reference = whether && this.cloth.steps === 0 ? new Reference(this.cloth.scene, accuracy(this.cloth)) : undefined;
   }
 
   /** Switches detection on the GPU on or off. Call it between steps. */

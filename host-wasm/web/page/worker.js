@@ -14,25 +14,28 @@ let reference;
 /** The page's time minus the reference's, s. A change of the step rounds each clock to whole steps of its own. */
 let ahead = 0;
 
-/** Changes that make a run the reference of a run with this step and tolerance. */
-const finer = (step, tolerance = 1e-4, by) => ({
+/** Changes that make a run the reference of a run with this step, error of a step and tolerance. */
+const finer = ({ step, error, tolerance }, by) => ({
   // Slightly longer, so that rounding to single precision does not add a step.
   "integrator.step": (step / by) * (1 + 1e-6),
-  "integrator.tolerance": Math.min(tolerance, Math.max(SHARPEST, SHARPER * tolerance)),
+  // The error of a step of backward Euler falls with the square of the step.
+  "integrator.error": error && error / by ** 2,
+  // Without a tolerance the solver follows the error.
+  "integrator.tolerance": error && !tolerance ? undefined : sharper(tolerance),
 });
-const reference_of = (scene, step, by) => changed(scene, finer(step, scene.integrator.tolerance, by));
+const sharper = (tolerance = 1e-4) => Math.min(tolerance, Math.max(SHARPEST, SHARPER * tolerance));
 
 const asks = {
   // The reference's step divides the page's step. This is not the scene's step if that does not divide a frame.
-  start({ scene, step }) {
+  start({ scene, ...accuracy }) {
     reference?.free();
-    reference = new Cloth(reference_of(scene, step, FINER));
+    reference = new Cloth(changed(scene, finer(accuracy, FINER)));
     ahead = 0;
   },
   // These actions happen at the page's time.
-  change({ changes, step, tolerance, time, after }) {
+  change({ changes, time, after, ...accuracy }) {
     go_on(time);
-    reference.set({ ...changes, ...finer(step, tolerance, FINER) });
+    reference.set({ ...changes, ...finer(accuracy, FINER) });
     ahead = after - reference.time;
   },
   moveTo({ vertex, place, seconds, time }) {
@@ -48,10 +51,12 @@ const asks = {
     const positions = reference.positions().slice();
     postMessage({ kind: "reached", time, positions }, [positions.buffer]);
   },
-  chart: ({ scene, seconds }) => chart({ frame_rate: 30, ...scene }, seconds),
+  chart: ({ scene, step, seconds }) => chart({ frame_rate: 30, ...scene }, Math.min(step, LONGEST), seconds),
 };
 
 const COARSER = [4, 2, 1, 0.5, 0.25];
+/** Longest step around which the chart tries steps, s: explicit methods fail with longer ones. */
+const LONGEST = 1 / 180;
 const TRUTH = 32;
 
 function go_on(time) {
@@ -72,8 +77,7 @@ function ran(scene, seconds) {
   }
 }
 
-function chart(scene, seconds) {
-  const { step } = scene.integrator;
+function chart(scene, step, seconds) {
   // A method of second order, unless contact reduces all methods to first order.
   const method = scene.contact ? "backward-euler" : "bdf2";
   const best = changed(scene, { "integrator.method": method });
@@ -81,8 +85,9 @@ function chart(scene, seconds) {
   const until = Math.max(1, Math.round(seconds * scene.frame_rate)) / scene.frame_rate;
   const tell = (what) => postMessage({ kind: "chart", until, ...what });
   tell({ doing: `the reference: ${method} in steps of ${((1000 * step) / TRUTH).toPrecision(3)} ms` });
-  const truth = ran(reference_of(best, step, TRUTH), until).positions;
-  const own = rms(ran(reference_of(best, step, TRUTH / 2), until).positions, truth);
+  const reached = (by) => ran(changed(best, finer({ step, tolerance: scene.integrator?.tolerance }, by)), until).positions;
+  const truth = reached(TRUTH);
+  const own = rms(reached(TRUTH / 2), truth);
   tell({ reference: own });
   // Of step lengths that give the same number of steps per frame, one is tried.
   const steps_of = (coarser) => Math.max(1, Math.ceil(1 / (step * coarser * scene.frame_rate) - 1e-9));
@@ -91,7 +96,8 @@ function chart(scene, seconds) {
     for (const step of tried) {
       tell({ doing: `${method} in steps of ${(1000 * step).toPrecision(3)} ms` });
       try {
-        const run = ran(changed(scene, { "integrator.method": method, "integrator.step": step }), until);
+        const fixed = { "integrator.method": method, "integrator.step": step, "integrator.error": undefined };
+        const run = ran(changed(scene, fixed), until);
         tell({ point: { method, step: run.step, ms: run.ms / until, error: rms(run.positions, truth) } });
       } catch (error) {
         tell({ point: { method, step, failed: error.message } });
