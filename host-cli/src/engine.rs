@@ -141,6 +141,10 @@ pub trait Engine: Send {
     fn counted(&self) -> Counted;
     /// Numbers about the state and the work.
     fn report(&self) -> Report;
+    /// Steps and substeps committed since the start.
+    fn substeps(&self) -> u64;
+    /// The largest estimated error of a substep of the last step, m; `None` without error control.
+    fn estimated_error(&self) -> Option<f64>;
     /// The largest ratio of edge length to rest length.
     fn largest_stretch(&self) -> f64;
     /// Whether the integration method is implicit.
@@ -346,6 +350,14 @@ macro_rules! engine {
                 fn counted(&self) -> Counted {
                     let ContactStatistics { candidates, proximity, .. } = self.contact_statistics();
                     Counted { streamed_bytes: self.streamed_bytes(), candidates, contacts: proximity }
+                }
+
+                fn substeps(&self) -> u64 {
+                    self.statistics().committed
+                }
+
+                fn estimated_error(&self) -> Option<f64> {
+                    self.estimated_error().map(Into::into)
                 }
 
                 fn report(&self) -> Report {

@@ -145,3 +145,23 @@ fn a_run_of_no_time_shows_the_start() {
     assert_eq!(PointCache::parse(&place.read("out/cloth.pc2")).frames.len(), 1);
     assert!(place.path("out/preview.gif").exists());
 }
+
+#[test]
+fn error_control_is_plotted() {
+    let place = Place::new();
+    let run = |words: &str| {
+        let outcome = place.muslin(&format!("run tiny.toml --out out --json --export none {words}"));
+        outcome.expect(0)
+    };
+    let control = "--set integrator.method=backward-euler --set integrator.error=0.00001";
+    run(&format!("--preview none {control}"));
+    assert_eq!(place.files("out"), ["summary.json"]);
+    let summary = run(control).json();
+    assert_eq!(place.files("out"), ["preview.gif", "steps.svg", "summary.json"]);
+    let plot = String::from_utf8(place.read("out/steps.svg")).unwrap();
+    assert!(plot.contains("tiny: substeps"), "{plot}");
+    assert!(summary["error_control"]["accepted"].as_u64() > summary["steps"].as_u64(), "{summary}");
+    // Without error control no plot is written, and the old one is named.
+    let outcome = run("");
+    assert!(outcome.stderr.contains("of an earlier run: out/steps.svg"), "{outcome:?}");
+}

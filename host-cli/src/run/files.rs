@@ -31,9 +31,21 @@ pub fn write_preview(
     Ok(Some(path))
 }
 
-/// Frames and previews that a run may write in its folder.
-const OUTPUTS: [&str; 8] =
-    ["frames", "cloth.pc2", "cloth.obj", "cloth.usda", "vtp", "cloth.vtp.series", "preview.gif", "preview.png"];
+/// Frames and pictures that a run may write in its folder.
+const OUTPUTS: [&str; 9] = [
+    "frames",
+    "cloth.pc2",
+    "cloth.obj",
+    "cloth.usda",
+    "vtp",
+    "cloth.vtp.series",
+    "preview.gif",
+    "preview.png",
+    STEP_PLOT,
+];
+
+/// Name of the plot of the substeps.
+const STEP_PLOT: &str = "steps.svg";
 
 /// Outputs in the folder `out` that this run did not write.
 pub fn older(out: &Path, written: &[PathBuf]) -> Vec<PathBuf> {
@@ -52,8 +64,15 @@ pub fn to_json(summary: &Summary) -> Result<String, Failure> {
 
 /// Writes `summary.json`.
 pub fn write_summary(summary: &Summary, out: &Path) -> Result<PathBuf, Failure> {
+    write_text(&to_json(summary)?, out.join("summary.json"))
+}
+
+/// Writes the plot of the substeps.
+pub fn write_step_plot(svg: &str, out: &Path) -> Result<PathBuf, Failure> {
+    write_text(svg, out.join(STEP_PLOT))
+}
+
+fn write_text(text: &str, path: PathBuf) -> Result<PathBuf, Failure> {
     use std::io::Write;
-    let text = to_json(summary)?;
-    whole::write(out.join("summary.json"), |file| writeln!(file, "{text}"))
-        .map_err(|error| Failure::Tool(error.to_string()))
+    whole::write(path, |file| writeln!(file, "{text}")).map_err(|error| Failure::Tool(error.to_string()))
 }

@@ -4,12 +4,13 @@ mod conclusion;
 pub mod course;
 mod files;
 pub mod start;
+mod step_plot;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
-use muslin_core::scene::Timing;
+use muslin_core::scene::{SceneDesc, Timing};
 
 use crate::args::{Backend, Precision, PreviewKind, RunArguments};
 use crate::checkpoint::{self, Checkpoint};
@@ -24,7 +25,8 @@ use crate::progress;
 use crate::record::Start;
 use crate::scene_file::{self, SceneFile};
 use course::{Course, Ending, Witness, total_steps};
-use files::{to_json, write_preview, write_summary};
+use files::{to_json, write_preview, write_step_plot, write_summary};
+use step_plot::{Row, StepPlot};
 
 /// Name of the checkpoint in the output directory.
 const CHECKPOINT: &str = "checkpoint.muslin";
@@ -42,6 +44,8 @@ struct Files<'a> {
     scene_crc: u32,
     exporter: Exporter,
     preview: Option<Preview>,
+    /// The plot of the substeps under error control, and the substeps before the next step.
+    step_plot: Option<(StepPlot, u64)>,
     /// Positions of the colliders' vertices, m.
     solids: Vec<[f32; 3]>,
     bar: ProgressBar,
@@ -77,7 +81,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         None => untangle(engine.as_mut(), arguments, &pool),
     };
     let mut course = Course::begin(engine, timing, arguments.precision, arguments.audit, start, resumed);
-    let mut files = Files::begin(arguments, out, scene_crc, &course, resumed.is_some(), scene.desc.frame_rate)?;
+    let mut files = Files::begin(arguments, out, scene_crc, &course, resumed.is_some(), &scene.desc)?;
     pool.install(|| {
         if resumed.is_none() {
             course.frame(&pool, &mut files)?;
@@ -156,14 +160,17 @@ impl<'a> Files<'a> {
         scene_crc: u32,
         course: &Course,
         resumed: bool,
-        frame_rate: f64,
+        desc: &SceneDesc,
     ) -> Result<Self, Failure> {
+        let frame_rate = desc.frame_rate;
         let Course { engine, timing, positions, steps, .. } = course;
         let first_frame = if resumed { steps / timing.steps_per_frame + 1 } else { 0 };
         let exporter = Exporter::create(&out, &arguments.export, engine.triangles(), frame_rate, first_frame as u32)?;
         let bar = progress_bar(arguments, total_steps(timing), *steps);
-        let mut files = Self { arguments, out, scene_crc, exporter, preview: None, solids: Vec::new(), bar };
+        let (preview, step_plot, solids) = (None, None, Vec::new());
+        let mut files = Self { arguments, out, scene_crc, exporter, preview, step_plot, solids, bar };
         if arguments.preview != PreviewKind::None {
+            files.step_plot = desc.integrator.error().map(|most| (StepPlot::new(most), engine.substeps()));
             engine.write_solids(&mut files.solids);
             let most = PREVIEW_MEMORY / (12 * (positions.len() + files.solids.len()));
             let (triangles, pins, solids) = (engine.triangles(), engine.pins(), engine.solids());
@@ -216,9 +223,11 @@ impl<'a> Files<'a> {
         summary.warnings().iter().for_each(|warning| print_note(warning));
         summary.divergence = summary.divergence.map(|what| format!("{what}. The frames before it are kept"));
         let intersecting = course.intersecting(scene);
-        let Self { arguments, out, exporter, preview, .. } = self;
+        let Self { arguments, out, exporter, preview, step_plot, .. } = self;
         let mut written = exporter.finish()?;
         written.extend(write_preview(arguments, preview.as_ref(), &out)?);
+        let plot = step_plot.and_then(|(plot, _)| plot.draw(&scene.desc.name));
+        written.extend(plot.map(|plot| write_step_plot(&plot, &out)).transpose()?);
         written.push(write_summary(&summary, &out)?);
         if arguments.json {
             print_data(&to_json(&summary)?)?;
@@ -254,6 +263,12 @@ impl Witness for Files<'_> {
     fn step(&mut self, course: &Course) -> Result<(), Failure> {
         if self.arguments.checkpoint.is_some_and(|every| course.steps.is_multiple_of(every)) {
             self.write_checkpoint(course)?;
+        }
+        if let (Some((plot, before)), Some(error)) = (&mut self.step_plot, course.engine.estimated_error()) {
+            let after = course.engine.substeps();
+            let substep = course.timing.step / (after - *before) as f64;
+            *before = after;
+            plot.add(Row { time: course.steps as f64 * course.timing.step, substep, error });
         }
         self.bar.set_position(course.steps);
         Ok(())
