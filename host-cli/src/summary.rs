@@ -197,15 +197,22 @@ impl Summary {
 
     /// Warnings for a person: signs that the result is wrong, although the run reached its end.
     pub fn warnings(&self) -> Vec<String> {
+        let shorter = match self.error_control {
+            Some(_) => "a smaller integrator.error, or a shorter integrator.step beside it",
+            None => "a smaller integrator.step",
+        };
         let stretch = (self.divergence.is_none() && self.stretch.max_of_all_frames > TOO_LONG).then(|| {
             format!(
-                "cloth does not stretch by {}: take a smaller integrator.step, or check density (kg/m^2), stiffness \
+                "cloth does not stretch by {}: take {shorter}, or check density (kg/m^2), stiffness \
                  (N/m), the mesh's size (m) and how far pins and colliders pull it",
                 percent(self.stretch.max_of_all_frames)
             )
         });
-        let unconverged = (self.work.unconverged > 0)
-            .then(|| format!("{} solves ended before they reached their tolerance", self.work.unconverged));
+        let unconverged = (self.work.unconverged > 0).then(|| {
+            let count = self.work.unconverged;
+            let solves = if count == 1 { "solve" } else { "solves" };
+            format!("{count} {solves} ended above the tolerance: take {shorter}")
+        });
         stretch.into_iter().chain(unconverged).collect()
     }
 

@@ -382,16 +382,18 @@ test("a stall is not caught up; a lost context is drawn anew", { skip }, async (
 
 test("the picture keeps its columns when the memory of the module grows", { skip }, async () => {
   const { page, errors } = await open("#scene=cantilever&compare=0");
-  const [before, after] = await inPage(page, async () => {
+  const [before, after, moved] = await inPage(page, async () => {
     const m = await import("/dist/muslin.js");
     muslin.run().paused = true;
-    const { view } = muslin.run();
+    const { view, cloth } = muslin.run();
+    const own = cloth.positions();
     const floats = () => ["positions", "normals", "strains"].map((name) => view[name].length);
     const before = floats();
     // A large cloth grows the memory.
     new m.Cloth("hanging").free();
-    return [before, floats()];
+    return [before, floats(), own.length];
   });
+  assert.equal(moved, 0, "the memory moved");
   assert.ok(before[0] > 0);
   assert.deepEqual(after, before);
   assert.deepEqual(errors, []);
@@ -408,6 +410,16 @@ test("a quick scene has a coarse error of its steps, but not with an explicit me
   await page.selectOption("#method", "bdf2");
   await page.waitForFunction(() => muslin.run().cloth.scene.integrator.method === "bdf2");
   assert.deepEqual(await settings(), [{ method: "bdf2", error: 0.004 }, 0.004]);
+  // The chosen method stays, and the error is the one of the level of detail.
+  for (const [detail, error] of [["as in the scene", undefined], ["quick", 0.004]]) {
+    await page.selectOption("#detail", detail);
+    await page.waitForFunction((error) => muslin.run().cloth.scene.integrator.error === error, error);
+    assert.equal((await settings())[0].method, "bdf2");
+  }
+  await page.fill("#length", "8");
+  await page.locator("#length").blur();
+  await page.waitForFunction(() => muslin.run().cloth.scene.integrator.step === 0.008);
+  assert.equal((await settings())[1], 0.004, "a step is the longest one, and is divided as before");
   assert.equal(await page.locator("#banner").getAttribute("class"), "");
   assert.deepEqual(errors, []);
   await page.close();

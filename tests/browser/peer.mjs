@@ -24,7 +24,9 @@ const Jolt = await (await import(pathToFileURL(peer))).default();
 const muslin = await import(pathToFileURL(join(dist, "muslin.js")));
 await muslin.load(readFileSync(join(dist, "muslin_wasm_bg.wasm")));
 
-const sheet = new muslin.Cloth("hanging");
+// Fixed steps to one tolerance: the figures of the manual.
+const fixed = { "integrator.step": 1 / 60, "integrator.tolerance": 1e-3 };
+const sheet = new muslin.Cloth(muslin.changed(muslin.scene("hanging"), fixed));
 const [rest, triangles, pins] = [sheet.positions().slice(), sheet.triangles().slice(), Array.from(sheet.pins())];
 const [cloth] = sheet.scene.cloth;
 const count = rest.length / 3;

@@ -9,12 +9,14 @@ import { browser, root } from "./kit.mjs";
 
 const SECONDS = 2;
 const TURNS = 15;
+// Fixed steps, so that both take the same number.
+const [STEP, TOLERANCE] = [1 / 60, 1e-3];
 const muslin = join(process.env.CARGO_TARGET_DIR ?? join(root, "target"), "release/muslin");
 
 function native() {
   const out = mkdtempSync(join(tmpdir(), "muslin-speed-"));
   try {
-    const run = ["run", "hanging", "--threads", "1", "--duration", SECONDS, "--preview", "none", "--json", "--quiet", "--out", out];
+    const run = ["run", "hanging", "--set", `integrator.step=${STEP}`, "--set", `integrator.tolerance=${TOLERANCE}`, "--threads", "1", "--duration", SECONDS, "--preview", "none", "--json", "--quiet", "--out", out];
     const { steps, state_hash: hash, stage_ms: stages } = JSON.parse(execFileSync(muslin, run.map(String), { encoding: "utf8" }));
     return { steps, hash, ms: stages.predict + stages.broad_phase + stages.narrow_phase + stages.response };
   } finally {
@@ -25,10 +27,10 @@ function native() {
 const chromium = await browser({ webgpu: false });
 const { page } = await chromium.open("blank.html");
 const inBrowser = () =>
-  page.evaluate(async (seconds) => {
+  page.evaluate(async ([seconds, step, tolerance]) => {
     const m = await import("/dist/muslin.js");
     await m.load();
-    const cloth = new m.Cloth("hanging");
+    const cloth = new m.Cloth(m.changed(m.scene("hanging"), { "integrator.step": step, "integrator.tolerance": tolerance }));
     const steps = Math.round(seconds / cloth.stepLength);
     cloth.takeTimes();
     cloth.step(steps);
@@ -36,7 +38,7 @@ const inBrowser = () =>
     const hash = cloth.stateHash();
     cloth.free();
     return { steps, hash, ms };
-  }, SECONDS);
+  }, [SECONDS, STEP, TOLERANCE]);
 
 const ratios = [];
 await inBrowser();

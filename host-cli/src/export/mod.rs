@@ -15,7 +15,7 @@ use whole::WriteError;
 pub enum Format {
     /// One Wavefront OBJ file for each frame, in `frames/`.
     Obj,
-    /// A point cache `cloth.pc2` beside the mesh `cloth.obj` that it moves (Blender, Houdini).
+    /// A point cache `cloth.pc2` beside the mesh `cloth.obj` that it moves (Blender).
     Pc2,
     /// `cloth.usda`, one animated mesh (USD).
     Usda,

@@ -264,11 +264,12 @@ impl Witness for Files<'_> {
         if self.arguments.checkpoint.is_some_and(|every| course.steps.is_multiple_of(every)) {
             self.write_checkpoint(course)?;
         }
-        if let (Some((plot, before)), Some(error)) = (&mut self.step_plot, course.engine.estimated_error()) {
+        if let Some((plot, before)) = &mut self.step_plot {
             let after = course.engine.substeps();
-            let substep = course.timing.step / (after - *before) as f64;
+            let substep = course.timing.step / (after - *before).max(1) as f64;
             *before = after;
-            plot.add(Row { time: course.steps as f64 * course.timing.step, substep, error });
+            let time = course.steps as f64 * course.timing.step;
+            course.engine.estimated_error().into_iter().for_each(|error| plot.add(Row { time, substep, error }));
         }
         self.bar.set_position(course.steps);
         Ok(())

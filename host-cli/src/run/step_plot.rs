@@ -20,7 +20,7 @@ const LEAST: f64 = 1e-4;
 pub struct Row {
     /// Simulated time at the end, s.
     pub time: f64,
-    /// Mean length of the substeps of a step, s; of several steps the shortest mean.
+    /// Mean length of the substeps of the step, s. Of several steps this is the shortest mean.
     pub substep: f64,
     /// The largest estimated error of a substep, m.
     pub error: f64,
@@ -71,7 +71,8 @@ impl StepPlot {
 
     /// The picture as SVG; `None` without steps.
     pub fn draw(&self, scene: &str) -> Option<String> {
-        let times = (self.rows.first()?.time, self.rows.last()?.time);
+        let (first, last) = (self.rows.first()?, self.rows.last()?);
+        let times = (first.time - first.substep, last.time);
         let least = LEAST * self.most;
         let curve = |value: fn(&Row) -> f64, least: f64| {
             let data: Vec<_> = self.rows.iter().map(|row| (row.time, 1e3 * value(row).max(least))).collect();

@@ -6,7 +6,7 @@ const COLOURS = ["#c33", "#e80", "#a70", "#380", "#07a", "#44c", "#a3a"];
 const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [360, 300, 56, 38, 10];
 
 /** Measures a cloth's scene in a worker and draws into a figure. Returns a function that ends it. */
-export function chart(figure, { scene, stepLength: step }, seconds, over) {
+export function chart(figure, { scene, stepLength: step, stepError: error }, seconds, over) {
   const state = { name: scene.name, points: [], doing: "", failed: [] };
   const worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
   const end = () => {
@@ -25,7 +25,7 @@ export function chart(figure, { scene, stepLength: step }, seconds, over) {
     else figure.innerHTML = drawn(state);
   };
   worker.onerror = ({ message }) => worker.onmessage({ data: { kind: "failed", why: message ?? "the worker does not start" } });
-  worker.postMessage({ ask: "chart", scene, step, seconds });
+  worker.postMessage({ ask: "chart", scene, step, error, seconds });
   figure.hidden = false;
   figure.innerHTML = drawn(state);
   return end;

@@ -68,13 +68,13 @@ const method_of = (scene) => scene.integrator?.method ?? "backward-euler";
 /** The largest error of a step, m, for a method: a coarse one if the page is quick. Explicit methods have none. */
 function step_error(scene, method) {
   if (!IMPLICIT.includes(method)) return undefined;
-  return state.shown.detail ? scene.integrator?.error : QUICK_ERROR;
+  const own = state.changes["integrator.error"] ?? scene.integrator?.error;
+  return state.shown.detail ? own : Math.max(QUICK_ERROR, own ?? 0);
 }
 
-/** Makes a scene quick: half of the cells in each direction, and steps with a larger error, which the page shows. */
+/** Makes a scene quick: half of the cells in each direction, and a solver that follows the error of a step. */
 function quick(scene) {
-  const method = state.changes["integrator.method"] ?? method_of(scene);
-  const changes = { "integrator.error": step_error(scene, method) };
+  const changes = { "integrator.tolerance": undefined };
   const halved = (count) => (count > 5 ? Math.ceil(count / 2) : count);
   scene.cloth?.forEach?.(({ grid, tube, disc }, k) => {
     for (const [kind, of] of Object.entries({ grid, tube })) {
@@ -118,11 +118,11 @@ function keep(changes) {
   }
 }
 
-/** Changes values. If one is refused, the scene and the controls stay as before. */
-function change(changes) {
+/** Changes values, and stores those in `kept`. If one is refused, the scene and the controls stay as before. */
+function change(changes, kept = changes) {
   attempt(() => {
     run.set(changes);
-    keep(changes);
+    keep(kept);
     say("");
     show();
   });
@@ -132,6 +132,7 @@ function change(changes) {
 function open(name, text = name) {
   const scene = read(text);
   const changes = { ...(state.shown.detail ? {} : quick(scene)), ...state.changes };
+  changes["integrator.error"] = step_error(scene, changes["integrator.method"] ?? method_of(scene));
   if (run) run.open(scene, changes);
   else run = new Run(scene, changes, picture, hand, say);
   base = scene;
@@ -238,13 +239,17 @@ function listen() {
     });
   };
   el("method").onchange = () => {
-    const method = el("method").value;
-    change({ "integrator.method": method, "integrator.error": step_error(base, method) });
+    const method = { "integrator.method": el("method").value };
+    change({ ...method, "integrator.error": step_error(base, el("method").value) }, method);
   };
   el("length").onchange = () => {
     const step = el("length").valueAsNumber / 1000;
-    if (step > 0) change({ "integrator.step": step });
-    else show();
+    // With the error that the run has: a step alone would fix the length of all steps.
+    run.ask(() => {
+      const { stepError: error } = run.cloth;
+      if (step > 0) change({ "integrator.step": step, ...(error && { "integrator.error": error }) });
+      else show();
+    });
   };
   el("wind").oninput = () => (el("speed").value = el("wind").value);
   el("wind").onchange = () => wind(el("wind").valueAsNumber);
@@ -259,10 +264,12 @@ function listen() {
   el("device").onchange = device;
   el("chart").onclick = () => {
     if (stop) return stop();
-    el("chart").textContent = "Stop measuring";
-    stop = chart(el("plot"), run.cloth, CHARTED, () => {
-      el("chart").textContent = "Speed against accuracy";
-      stop = undefined;
+    run.ask(() => {
+      stop ??= chart(el("plot"), run.cloth, CHARTED, () => {
+        el("chart").textContent = "Speed against accuracy";
+        stop = undefined;
+      });
+      el("chart").textContent = "Stop measuring";
     });
   };
   el("use").onclick = () => anew(OWN, el("text").value);

@@ -14,7 +14,7 @@ let reference;
 /** The page's time minus the reference's, s. A change of the step rounds each clock to whole steps of its own. */
 let ahead = 0;
 
-/** Changes that make a run the reference of a run with this step, error of a step and tolerance. */
+/** Changes that make a run the reference of a run with this step, tolerance and largest error of a step. */
 const finer = ({ step, error, tolerance }, by) => ({
   // Slightly longer, so that rounding to single precision does not add a step.
   "integrator.step": (step / by) * (1 + 1e-6),
@@ -51,11 +51,11 @@ const asks = {
     const positions = reference.positions().slice();
     postMessage({ kind: "reached", time, positions }, [positions.buffer]);
   },
-  chart: ({ scene, step, seconds }) => chart({ frame_rate: 30, ...scene }, Math.min(step, LONGEST), seconds),
+  chart: ({ scene, step, error, seconds }) => chart({ frame_rate: 30, ...scene }, error ? Math.min(step, LONGEST) : step, seconds),
 };
 
 const COARSER = [4, 2, 1, 0.5, 0.25];
-/** Longest step around which the chart tries steps, s: explicit methods fail with longer ones. */
+/** Longest step around which the chart of a run under error control tries steps, s: explicit methods fail with longer ones. */
 const LONGEST = 1 / 180;
 const TRUTH = 32;
 
