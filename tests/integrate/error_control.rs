@@ -260,26 +260,29 @@ both_precisions! {
     }
 }
 
+/// How many substeps of a scene have an estimate within a factor of three of the error, and how many substeps there are.
+fn near(name: &str, seconds: f64) -> [usize; 2] {
+    let mut ratios = single::ratios(name, seconds);
+    if name == "swing" {
+        let double: f64 = double::ratios(name, seconds).iter().sum();
+        let single: f64 = ratios.iter().map(|&ratio| f64::from(ratio)).sum();
+        assert!((single / double - 1.0).abs() < 0.01, "{name}: the ratios add up to {single} in f32, {double} in f64");
+    }
+    ratios.sort_by(f32::total_cmp);
+    let own = ratios.iter().filter(|ratio| (1.0 / 3.0..=3.0).contains(*ratio)).count();
+    let [low, median, high] = [1, 10, 19].map(|k| ratios[k * ratios.len() / 20]);
+    println!("{name}: {own} of {} substeps within 3; ratio {low:.2}, {median:.2}, {high:.2}", ratios.len());
+    [own, ratios.len()]
+}
+
 #[test]
 #[ignore = "slow"]
 fn the_estimate_is_within_a_factor_of_three_in_most_steps() {
-    let (mut near, mut count) = (0, 0);
-    for (name, seconds) in SCENES {
-        let mut ratios = single::ratios(name, seconds);
-        if name == "swing" {
-            let double: f64 = double::ratios(name, seconds).iter().sum();
-            let single: f64 = ratios.iter().map(|&ratio| f64::from(ratio)).sum();
-            assert!(
-                (single / double - 1.0).abs() < 0.01,
-                "{name}: the ratios add up to {single} in f32, {double} in f64"
-            );
-        }
-        ratios.sort_by(f32::total_cmp);
-        let own = ratios.iter().filter(|ratio| (1.0 / 3.0..=3.0).contains(*ratio)).count();
-        let [low, median, high] = [1, 10, 19].map(|k| ratios[k * ratios.len() / 20]);
-        println!("{name}: {own} of {} substeps within 3; ratio {low:.2}, {median:.2}, {high:.2}", ratios.len());
-        (near, count) = (near + own, count + ratios.len());
-    }
+    let counts = std::thread::scope(|scope| {
+        let scenes = SCENES.map(|(name, seconds)| scope.spawn(move || near(name, seconds)));
+        scenes.map(|scene| scene.join().expect("the scene runs"))
+    });
+    let [near, count] = counts.into_iter().fold([0, 0], |[near, count], [own, of]| [near + own, count + of]);
     println!("all: {near} of {count}");
     let enough = 100 * near >= LEAST_PERCENT * count;
     assert!(enough, "the estimate is within a factor of 3 in {near} of {count} substeps only");
