@@ -420,6 +420,9 @@ test("a quick scene has a coarse error of its steps, but not with an explicit me
   await page.locator("#length").blur();
   await page.waitForFunction(() => muslin.run().cloth.scene.integrator.step === 0.008);
   assert.equal((await settings())[1], 0.004, "a step is the longest one, and is divided as before");
+  await page.selectOption("#detail", "as in the scene");
+  await page.waitForFunction(() => muslin.run().cloth.scene.integrator.error === undefined);
+  assert.equal((await settings())[0].step, 0.008);
   assert.equal(await page.locator("#banner").getAttribute("class"), "");
   assert.deepEqual(errors, []);
   await page.close();

@@ -160,6 +160,9 @@ fn error_control_is_plotted() {
     assert_eq!(place.files("out"), ["preview.gif", "steps.svg", "summary.json"]);
     let plot = String::from_utf8(place.read("out/steps.svg")).unwrap();
     assert!(plot.contains("tiny: substeps"), "{plot}");
+    // Two curves from the start through the ends of the 20 steps.
+    let curves = plot.split("<path").filter(|path| path.contains("#0072b2"));
+    assert_eq!(curves.map(|path| path.matches(['M', 'L']).count()).collect::<Vec<_>>(), [21, 21], "{plot}");
     let accepted = summary["error_control"]["accepted"].as_u64().unwrap();
     assert!(accepted > summary["steps"].as_u64().unwrap(), "{summary}");
     // Without error control no plot is written, and the old one is named.

@@ -147,7 +147,7 @@ both_precisions! {
     #[test]
     fn error_control_under_any_threads() {
         let error = 1e-4;
-        for method in [Method::BackwardEuler, Method::Bdf2] {
+        for method in [Method::BackwardEuler, Method::ImplicitMidpoint, Method::Bdf2] {
             check(TOUCHING, Scheme { tolerance: Tolerance::within(error), error: Some(error), ..scheme(method) }, 30);
         }
     }

@@ -26,7 +26,7 @@ use crate::record::Start;
 use crate::scene_file::{self, SceneFile};
 use course::{Course, Ending, Witness, total_steps};
 use files::{to_json, write_preview, write_step_plot, write_summary};
-use step_plot::{Row, StepPlot};
+use step_plot::StepPlot;
 
 /// Name of the checkpoint in the output directory.
 const CHECKPOINT: &str = "checkpoint.muslin";
@@ -44,8 +44,8 @@ struct Files<'a> {
     scene_crc: u32,
     exporter: Exporter,
     preview: Option<Preview>,
-    /// The plot of the substeps under error control, and the substeps before the next step.
-    step_plot: Option<(StepPlot, u64)>,
+    /// The plot of the substeps under error control.
+    step_plot: Option<StepPlot>,
     /// Positions of the colliders' vertices, m.
     solids: Vec<[f32; 3]>,
     bar: ProgressBar,
@@ -170,7 +170,7 @@ impl<'a> Files<'a> {
         let (preview, step_plot, solids) = (None, None, Vec::new());
         let mut files = Self { arguments, out, scene_crc, exporter, preview, step_plot, solids, bar };
         if arguments.preview != PreviewKind::None {
-            files.step_plot = desc.integrator.error().map(|most| (StepPlot::new(most), engine.substeps()));
+            files.step_plot = desc.integrator.error().map(|most| StepPlot::new(most, engine.substeps()));
             engine.write_solids(&mut files.solids);
             let most = PREVIEW_MEMORY / (12 * (positions.len() + files.solids.len()));
             let (triangles, pins, solids) = (engine.triangles(), engine.pins(), engine.solids());
@@ -226,7 +226,7 @@ impl<'a> Files<'a> {
         let Self { arguments, out, exporter, preview, step_plot, .. } = self;
         let mut written = exporter.finish()?;
         written.extend(write_preview(arguments, preview.as_ref(), &out)?);
-        let plot = step_plot.and_then(|(plot, _)| plot.draw(&scene.desc.name));
+        let plot = step_plot.and_then(|plot| plot.draw(&scene.desc.name));
         written.extend(plot.map(|plot| write_step_plot(&plot, &out)).transpose()?);
         written.push(write_summary(&summary, &out)?);
         if arguments.json {
@@ -264,12 +264,8 @@ impl Witness for Files<'_> {
         if self.arguments.checkpoint.is_some_and(|every| course.steps.is_multiple_of(every)) {
             self.write_checkpoint(course)?;
         }
-        if let Some((plot, before)) = &mut self.step_plot {
-            let after = course.engine.substeps();
-            let substep = course.timing.step / (after - *before).max(1) as f64;
-            *before = after;
-            let time = course.steps as f64 * course.timing.step;
-            course.engine.estimated_error().into_iter().for_each(|error| plot.add(Row { time, substep, error }));
+        if let Some(plot) = &mut self.step_plot {
+            plot.step(course);
         }
         self.bar.set_position(course.steps);
         Ok(())

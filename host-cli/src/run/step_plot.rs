@@ -8,6 +8,8 @@ use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
+use super::course::Course;
+
 /// Size of one panel, px.
 const PANEL: [f64; 2] = [720.0, 220.0];
 /// Most points of a curve. A longer run merges neighbouring steps.
@@ -17,13 +19,13 @@ const LEAST: f64 = 1e-4;
 
 /// One step, or several that are drawn as one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+struct Row {
     /// Simulated time at the end, s.
-    pub time: f64,
+    time: f64,
     /// Mean length of the substeps of the step, s. Of several steps this is the shortest mean.
-    pub substep: f64,
+    substep: f64,
     /// The largest estimated error of a substep, m.
-    pub error: f64,
+    error: f64,
 }
 
 impl Row {
@@ -38,6 +40,8 @@ impl Row {
 pub struct StepPlot {
     /// The largest allowed error of a substep, m.
     most: f64,
+    /// Substeps before the next step.
+    substeps: u64,
     rows: Vec<Row>,
     /// Steps of the last row, and of a full one.
     filled: usize,
@@ -45,13 +49,23 @@ pub struct StepPlot {
 }
 
 impl StepPlot {
-    /// A plot without steps; `most` is the largest allowed error of a substep, m.
-    pub fn new(most: f64) -> StepPlot {
-        StepPlot { most, rows: Vec::new(), filled: 0, stride: 1 }
+    /// A plot without steps. `most` is the largest allowed error of a substep, m; `substeps` were taken before.
+    pub fn new(most: f64, substeps: u64) -> StepPlot {
+        StepPlot { most, substeps, rows: Vec::new(), filled: 0, stride: 1 }
     }
 
-    /// Takes the next step.
-    pub fn add(&mut self, row: Row) {
+    /// Adds the step that was just taken.
+    pub fn step(&mut self, course: &Course) {
+        let (engine, step) = (&course.engine, course.timing.step);
+        let substeps = engine.substeps();
+        let (time, substep) = (course.steps as f64 * step, step / (substeps - self.substeps) as f64);
+        self.substeps = substeps;
+        if let Some(error) = engine.estimated_error() {
+            self.add(Row { time, substep, error });
+        }
+    }
+
+    fn add(&mut self, row: Row) {
         if self.rows.len() == MOST && self.filled == self.stride {
             self.rows = self.rows.chunks(2).map(Row::merged).collect();
             self.stride *= 2;
@@ -75,7 +89,10 @@ impl StepPlot {
         let times = (first.time - first.substep, last.time);
         let least = LEAST * self.most;
         let curve = |value: fn(&Row) -> f64, least: f64| {
-            let data: Vec<_> = self.rows.iter().map(|row| (row.time, 1e3 * value(row).max(least))).collect();
+            let point = |time: f64, row: &Row| (time, 1e3 * value(row).max(least));
+            // From the start of the first step, so that a single step is a line.
+            let start = point(times.0, first);
+            let data: Vec<_> = [start].into_iter().chain(self.rows.iter().map(|row| point(row.time, row))).collect();
             Plot::Line(LinePlot::new().with_data(data).with_color("#0072b2").with_stroke_width(1.2))
         };
         let allowed = LinePlot::new().with_data(<[f64; 2]>::from(times).map(|time| (time, 1e3 * self.most)));
@@ -110,7 +127,7 @@ mod tests {
     use super::*;
 
     fn plot(steps: usize) -> StepPlot {
-        let mut plot = StepPlot::new(1e-3);
+        let mut plot = StepPlot::new(1e-3, 0);
         for k in 1..=steps {
             let hard = k == 7;
             let [substep, error] = if hard { [1e-3, 9e-4] } else { [1e-2, 1e-5] };
@@ -130,6 +147,12 @@ mod tests {
         }
     }
 
+    /// Number of points of each curve.
+    fn points(svg: &str) -> Vec<usize> {
+        let curves = svg.split("<path").filter(|path| path.contains("#0072b2"));
+        curves.map(|path| path.matches(['M', 'L']).count()).collect()
+    }
+
     #[test]
     fn is_drawn_if_there_is_a_step() {
         assert_eq!(plot(0).draw("ball"), None);
@@ -137,6 +160,7 @@ mod tests {
             let svg = plot(steps).draw("ball").unwrap();
             assert!(svg.starts_with("<svg") && svg.contains("ball: substeps"), "{svg}");
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+            assert_eq!(points(&svg), [steps + 1; 2]);
         }
     }
 }

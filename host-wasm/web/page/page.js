@@ -247,7 +247,10 @@ function listen() {
     // With the error that the run has: a step alone would fix the length of all steps.
     run.ask(() => {
       const { stepError: error } = run.cloth;
-      if (step > 0) change({ "integrator.step": step, ...(error && { "integrator.error": error }) });
+      const own = { "integrator.step": step };
+      const both = error ? { ...own, "integrator.error": error } : own;
+      // The error of a quick scene belongs to its level of detail.
+      if (step > 0) change(both, state.shown.detail ? both : own);
       else show();
     });
   };
