@@ -119,6 +119,10 @@ const SEARCHED: Sum = 0.01;
 /// Limit of evaluations in a line search.
 const MOST_EVALUATIONS: u32 = 12;
 
+/// Relative residual that a solve within a displacement reaches at least. In short steps from rest the whole solution can
+/// move the vertices by less than the displacement: without this the cloth would hover.
+const ROUGHLY: Sum = 0.1;
+
 /// The columns of a solve.
 struct Iterate<'a, 'b> {
     system: System<'a>,
@@ -142,7 +146,7 @@ struct Iterate<'a, 'b> {
 pub(crate) enum Goal {
     /// At the preconditioned residual of the start times this.
     Reduce(Sum),
-    /// At this square of the preconditioned residual.
+    /// At this square of the preconditioned residual, and at a [rough](ROUGHLY) relative residual.
     Within(Sum),
     /// At this square of the preconditioned residual, by the preconditioner of the solve before. It goes on with that
     /// solve.
@@ -176,7 +180,8 @@ pub(crate) fn solve<D: Dispatch>(
     let mut rho = if term.is_zero() { free } else { i.gradient(term, c.dispatch) };
     let target = match goal {
         Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
-        Goal::Within(target) | Goal::Reach(target) => target,
+        Goal::Within(target) => target.min(free.max(rho) * ROUGHLY * ROUGHLY),
+        Goal::Reach(target) => target,
         Goal::Iterations(_) => 0.0,
     };
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);

@@ -130,8 +130,8 @@ impl Scheme {
 pub enum Tolerance {
     /// At a relative residual.
     Residual(Real),
-    /// Linear solves stop where the rest of the solution moves the vertices by less, m, in the root mean square.
-    /// Newton's method stops at [`NEWTON_RESIDUAL`].
+    /// Linear solves stop where the rest of the solution moves the vertices by less, m, in the root mean square, and is at
+    /// most a tenth of the solution. Newton's method stops at [`NEWTON_RESIDUAL`].
     Displacement(Real),
 }
 
