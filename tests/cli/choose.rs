@@ -70,8 +70,9 @@ fn choose(place: &Place, words: &str) -> Value {
             _ => assert!(error.is_none() && row["why"].is_string() && ["failed", "dear"].contains(&verdict), "{row}"),
         }
     }
-    let is_chosen =
-        |row: &Value| ["method", "precision", "step", "terms"].iter().all(|k| row[k] == choice["chosen"][k]);
+    let is_chosen = |row: &Value| {
+        ["method", "precision", "step", "allowed_error", "terms"].iter().all(|k| row[k] == choice["chosen"][k])
+    };
     let chosen =
         choice["considered"].as_array().unwrap().iter().find(|row| is_chosen(row) && row["verdict"] == "meets");
     assert_eq!(chosen.unwrap()["error"], choice["predicted"]["error"], "the choice was considered");

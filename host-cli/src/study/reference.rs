@@ -158,7 +158,7 @@ pub fn refine(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Reference
     let end = study.seconds() + share;
     let mut reference =
         Reference { rule, runs: Vec::new(), failed: None, cut: None, self_error: f64::INFINITY, before: None };
-    let mut variant = Variant { method: rule.method, precision: Precision::F64, steps: 1 };
+    let mut variant = Variant::fixed(rule.method, Precision::F64, 1);
     while variant.steps <= MOST_STEPS {
         let left = end - study.seconds();
         let next = reference.runs.last().map_or(0.0, |(_, run)| 2.0 * run.wall);
@@ -188,7 +188,7 @@ pub fn refine(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Reference
                 break;
             }
         }
-        variant.steps *= 2;
+        variant = variant.finer();
     }
     Ok(reference)
 }

@@ -190,7 +190,7 @@ fn whole_contact(scene: &SceneDesc) -> Term {
 }
 
 /// Number of iterations in which a step usually converges.
-const CONVERGED: u32 = 20;
+pub const CONVERGED: u32 = 20;
 
 fn newton(scene: &SceneDesc) -> Option<Term> {
     let iterations = |n: u32| vec![("integrator.newton".into(), Some(Value::Integer(n.into())))];

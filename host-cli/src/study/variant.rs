@@ -1,25 +1,29 @@
-//! One way to run the scene of a study: method, precision and step.
+//! One way to run the scene of a study: method, precision, and either a step or an allowed error of a step.
 
 use muslin_core::integrate::Method;
 use muslin_core::integrate::stability::{Mode, longest_step};
+use muslin_core::scene::IntegratorDesc;
 use toml::Value;
 
 use crate::args::Precision;
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
+use crate::units::{length, time};
 
 /// Number of samples at which runs are compared, at equal time intervals.
 pub const SAMPLES: u64 = 20;
 
-/// A method, a step and a precision.
+/// A method, a precision and a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Variant {
     /// The method.
     pub method: Method,
     /// The precision.
     pub precision: Precision,
-    /// Steps from sample to sample.
+    /// Steps from sample to sample; with an allowed error these are the longest steps.
     pub steps: u64,
+    /// The allowed error of a step, m; `None`: all steps have the same length.
+    pub error: Option<f64>,
 }
 
 /// The order of a method's error in the step, where forces are smooth.
@@ -42,18 +46,69 @@ pub fn limit(modes: &[Mode], method: Method) -> Option<f64> {
 const LEAST_TOLERANCE: [f64; 2] = [1e-6, 1e-12];
 
 impl Variant {
-    /// Length of a step, s.
+    /// All steps have the same length.
+    pub const fn fixed(method: Method, precision: Precision, steps: u64) -> Self {
+        Self { method, precision, steps, error: None }
+    }
+
+    /// An implicit method under error control with an allowed error of a step, m. The longest step is that of the
+    /// scene if the scene has error control too, else the default; no step is longer than a frame.
+    pub fn controlled(scene: &SceneFile, method: Method, precision: Precision, error: f64) -> Self {
+        let own = &scene.desc.integrator;
+        let step = own.step.filter(|_| own.error.is_some());
+        let longest = IntegratorDesc { method, step, error: Some(error), ..IntegratorDesc::default() }.step();
+        let longest = longest.min(1.0 / scene.desc.frame_rate);
+        let sample = scene.desc.duration / SAMPLES as f64;
+        let steps = (sample / longest - 1e-9).ceil().max(1.0) as u64;
+        Self { error: Some(error), ..Self::fixed(method, precision, steps) }
+    }
+
+    /// The next finer variant: half the step, or the allowed error that halves the step where forces are smooth.
+    pub fn finer(self) -> Self {
+        match self.error {
+            None => Self { steps: 2 * self.steps, ..self },
+            Some(error) => Self { error: Some(error / 2f64.powi(order(self.method) + 1)), ..self },
+        }
+    }
+
+    /// What is changed for the next finer variant, in words.
+    pub const fn finer_words(&self) -> &'static str {
+        match (self.error, order(self.method)) {
+            (None, _) => "half the step",
+            (Some(_), 1) => "a quarter of the allowed error",
+            (Some(_), _) => "an eighth of the allowed error",
+        }
+    }
+
+    /// How fine it is: steps from sample to sample, or the inverse of the allowed error, 1/m.
+    pub fn fineness(&self) -> f64 {
+        self.error.map_or(self.steps as f64, f64::recip)
+    }
+
+    /// The same variant with another fineness; a number of steps is rounded up.
+    pub fn with_fineness(self, fineness: f64) -> Self {
+        match self.error {
+            None => Self { steps: fineness.ceil().max(1.0) as u64, ..self },
+            Some(_) => Self { error: Some(fineness.recip()), ..self },
+        }
+    }
+
+    /// Length of a step, s; with an allowed error of the longest one.
     pub fn step(&self, scene: &SceneFile) -> f64 {
         scene.desc.duration / (SAMPLES * self.steps) as f64
     }
 
-    /// The solver's tolerance. For steps shorter than the scene's it is reduced by the order of the method, so that
-    /// the solver never dominates the error.
-    pub fn tolerance(&self, scene: &SceneFile) -> f64 {
+    /// The solver's tolerance; `None` for explicit methods, and with an allowed error, which the solver follows. For
+    /// steps shorter than the scene's it is reduced by the order of the method, so that the solver never dominates the
+    /// error.
+    pub fn tolerance(&self, scene: &SceneFile) -> Option<f64> {
+        if !self.method.is_implicit() || self.error.is_some() {
+            return None;
+        }
         let integrator = &scene.desc.integrator;
         let finer = (self.step(scene) / integrator.step()).min(1.0).powi(order(self.method));
         let least = LEAST_TOLERANCE[usize::from(self.precision == Precision::F64)];
-        (integrator.residual() * finer).max(least).min(integrator.residual())
+        Some((integrator.residual() * finer).max(least).min(integrator.residual()))
     }
 
     /// The scene to run, with one frame per sample.
@@ -62,21 +117,30 @@ impl Variant {
         self.chosen(scene)?.changed(&sampled)
     }
 
-    /// The scene with this method, step and tolerance.
+    /// The scene with this method, step, allowed error and tolerance.
     pub fn chosen(&self, scene: &SceneFile) -> Result<SceneFile, Failure> {
         let mut own = vec![
             ("integrator.method", Some(Value::String(self.method.name().into()))),
             ("integrator.step", Some(Value::Float(self.step(scene)))),
-            ("integrator.error", None),
+            ("integrator.error", self.error.map(Value::Float)),
         ];
+        // The scene may keep a tolerance with an explicit method, which ignores it.
         if self.method.is_implicit() {
-            own.push(("integrator.tolerance", Some(Value::Float(self.tolerance(scene)))));
+            own.push(("integrator.tolerance", self.tolerance(scene).map(Value::Float)));
         }
         scene.changed(&own)
     }
 
+    /// Its step in words: `5.00 ms`, or `an error of 0.1 mm a step`.
+    pub fn stride(&self, scene: &SceneFile) -> String {
+        match self.error {
+            None => time(self.step(scene)),
+            Some(error) => format!("an error of {} a step", length(error)),
+        }
+    }
+
     /// Name in the progress bar.
     pub fn name(&self, scene: &SceneFile) -> String {
-        format!("{} {}, step {:.3e} s", self.method.name(), self.precision.name(), self.step(scene))
+        format!("{} {} by {}", self.method.name(), self.precision.name(), self.stride(scene))
     }
 }

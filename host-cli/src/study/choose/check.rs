@@ -12,10 +12,11 @@ use super::pilot::Pilot;
 use super::row::Row;
 use super::saving::Candidate;
 
-/// A choice that misses the tolerance in the check gets 1 / `FINER` more steps. The choice is checked at most
-/// `ROUNDS` times.
+/// A choice that misses the tolerance in the check gets 1 / `FINER` more steps, or `SMALLER` times the allowed error. The
+/// choice is checked at most `ROUNDS` times.
 const ROUNDS: u64 = 4;
 const FINER: u64 = 16;
+const SMALLER: f64 = 0.8;
 
 /// The choice is run this often if a run takes less than `SHORT`, s.
 const REPEATS: usize = 3;
@@ -61,7 +62,7 @@ pub fn check(pilot: &mut Pilot<'_>, mut found: Candidate) -> Result<Checked, Fai
 /// time for this run, the variant of the pilot's reference and `None`.
 fn finer_reference(pilot: &Pilot<'_>) -> Result<(Variant, Option<Trajectory>), Failure> {
     let coarse = pilot.reference.best().0;
-    let variant = Variant { steps: 2 * coarse.steps, ..coarse };
+    let variant = coarse.finer();
     let wall = pilot.study.left().max(Duration::from_millis(1));
     let run = fly(pilot.study, &variant, Limits { wall, energy: f64::INFINITY })?;
     Ok(match run.ending {
@@ -86,9 +87,12 @@ fn measure(pilot: &Pilot<'_>, found: &Candidate, finer: Option<&Trajectory>) -> 
     Ok((if complete { pilot.error(&run, reference) } else { f64::INFINITY }, median(walls)))
 }
 
-/// Runs the choice with a few more steps to its end. This gives the new prediction.
+/// Runs a slightly finer choice to its end. This gives the new prediction.
 fn shorter(pilot: &mut Pilot<'_>, found: &Candidate) -> Result<Row, Failure> {
-    let steps = found.row.variant.steps;
-    let variant = Variant { steps: steps + steps.div_ceil(FINER), ..found.row.variant };
+    let variant = found.row.variant;
+    let variant = match variant.error {
+        None => Variant { steps: variant.steps + variant.steps.div_ceil(FINER), ..variant },
+        Some(error) => Variant { error: Some(SMALLER * error), ..variant },
+    };
     pilot.weigh_whole(&found.scene, variant, &found.row.terms)
 }

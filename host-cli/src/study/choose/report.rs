@@ -18,11 +18,13 @@ pub struct Chosen {
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
-    /// Step, s.
+    /// Step, s; with an allowed error the longest one.
     pub step: f64,
-    /// Step that `muslin run` takes, s: it may be shorter, to fit the frames.
+    /// Step that `muslin run` takes, s: it may be shorter, to fit the frames; with an allowed error the longest one.
     pub run_step: f64,
-    /// Tolerance of the solver; `None` for explicit methods.
+    /// Allowed error of a step, m; `None`: all steps have the same length.
+    pub allowed_error: Option<f64>,
+    /// Tolerance of the solver; `None` for explicit methods and where it follows the allowed error.
     pub solver_tolerance: Option<f64>,
     /// Terms that are left out or simplified, in words.
     pub terms: Vec<String>,
@@ -57,8 +59,8 @@ pub struct ReferenceReport {
 pub struct Nearest {
     /// Name as in a scene file.
     pub method: &'static str,
-    /// Step, s.
-    pub step: f64,
+    /// Its step, or the allowed error of a step, in words.
+    pub stride: String,
     /// RMS distance from the reference, m.
     pub error: f64,
 }
@@ -103,8 +105,7 @@ pub struct Choice {
 pub fn of(pilot: &Pilot<'_>, checked: &Checked) -> Result<Choice, Failure> {
     let (study, row) = (pilot.study, &checked.found.row);
     let (reference, _): &(Variant, _) = pilot.reference.best();
-    let implicit = row.variant.method.is_implicit();
-    let longest = Variant { steps: pilot.fewest_steps(), ..row.variant };
+    let longest = Variant::fixed(row.variant.method, row.variant.precision, pilot.fewest_steps());
     Ok(Choice {
         scene: study.scene.desc.name.clone(),
         duration_s: study.scene.desc.duration,
@@ -115,8 +116,9 @@ pub fn of(pilot: &Pilot<'_>, checked: &Checked) -> Result<Choice, Failure> {
             method: row.method,
             precision: row.precision,
             step: row.step,
+            allowed_error: row.allowed_error,
             run_step: row.variant.chosen(&checked.found.scene)?.desc.timing().step,
-            solver_tolerance: implicit.then(|| row.variant.tolerance(&checked.found.scene)),
+            solver_tolerance: row.variant.tolerance(&checked.found.scene),
             terms: row.terms.clone(),
         },
         predicted: Figures { error: row.error.unwrap_or(checked.error), wall_s: row.wall_s },
@@ -148,7 +150,7 @@ fn is_bound(pilot: &Pilot<'_>) -> bool {
 fn nearest_other(pilot: &Pilot<'_>) -> Option<Nearest> {
     let rule = pilot.reference.rule;
     let others = pilot.considered.iter().filter(|row| row.terms.is_empty() && row.variant.method != rule.method);
-    let told = others.filter_map(|row| Some(Nearest { method: row.method, step: row.step, error: row.error? }));
+    let told = others.filter_map(|row| Some(Nearest { method: row.method, stride: row.stride(), error: row.error? }));
     let nearest = told.min_by(|a, b| a.error.total_cmp(&b.error));
     nearest.filter(|_| rule.measure == Measure::Outline)
 }
@@ -180,7 +182,7 @@ impl Choice {
         lines.push(String::new());
         lines.extend(self.answered());
         lines.push(String::new());
-        lines.push(format!("{:<18}{:<5}{:>11}{:>13}{:>11}  verdict", "method", "", "step", "error", "time"));
+        lines.push(format!("{:<18}{:<5}{:>15}{:>13}{:>11}  verdict", "method", "", "step", "error", "time"));
         lines.extend(self.considered.iter().map(|row| line(row, self.tolerance)));
         lines.join("\n")
     }
@@ -208,14 +210,7 @@ impl Choice {
         if self.measure == Measure::Outline {
             let nearest = self.nearest_other.as_ref().map_or_else(
                 || "no other method reached the end".into(),
-                |n| {
-                    format!(
-                        "the nearest other method, {} with {}, is {} from it",
-                        n.method,
-                        time(n.step),
-                        length(n.error)
-                    )
-                },
+                |n| format!("the nearest other method, {} with {}, is {} from it", n.method, n.stride, length(n.error)),
             );
             lines.push(format!("With contact, {} confirms its own reference only: {nearest}", r.method));
         }
@@ -231,8 +226,11 @@ impl Choice {
         let c = &self.chosen;
         let terms = if c.terms.is_empty() { "with all terms".into() } else { c.terms.join(", ") };
         let solver = c.solver_tolerance.map_or_else(String::new, |to| format!(", solver tolerance {to:.1e}"));
-        let mut lines =
-            vec![format!("Chosen: {} {} with steps of {}{solver}, {terms}", c.method, c.precision, time(c.step))];
+        let stride = match c.allowed_error {
+            None => format!("steps of {}", time(c.step)),
+            Some(error) => format!("an error of {} a step, the longest {}", length(error), time(c.step)),
+        };
+        let mut lines = vec![format!("Chosen: {} {} with {stride}{solver}, {terms}", c.method, c.precision)];
         if is_cut(c.run_step, c.step) {
             lines.push(format!(
                 "A frame is not a whole number of these steps: muslin run takes steps of {}",
@@ -243,7 +241,7 @@ impl Choice {
             format!("Why: {}", self.reason),
             format!("Predicted: {} in {}", length(self.predicted.error), time(self.predicted.wall_s)),
             format!(
-                "Checked with the chosen step: {} in {}, against a reference with steps of {}",
+                "Checked: {} in {}, against a reference with steps of {}",
                 length(self.measured.error),
                 time(self.measured.wall_s),
                 time(self.reference.check_step)
@@ -274,10 +272,10 @@ fn line(row: &Row, tolerance: f64) -> String {
     let told = |error| apart(error, tolerance)[0].clone();
     let error = row.error.map_or_else(|| "-".into(), told);
     format!(
-        "{:<18}{:<5}{:>11}{error:>13}{:>11}  {verdict}{terms}",
+        "{:<18}{:<5}{:>15}{error:>13}{:>11}  {verdict}{terms}",
         row.method,
         row.precision,
-        time(row.step),
+        row.stride(),
         time(row.wall_s)
     )
 }

@@ -5,8 +5,8 @@ use serde::Serialize;
 use crate::engine::Report;
 use crate::scene_file::SceneFile;
 use crate::study::median::median;
-use crate::study::variant::Variant;
-use crate::units::time;
+use crate::study::variant::{SAMPLES, Variant};
+use crate::units::{length, time};
 
 /// The result of a run with respect to the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -30,8 +30,10 @@ pub struct Row {
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
-    /// Step, s.
+    /// Step, s; with an allowed error the longest one.
     pub step: f64,
+    /// Allowed error of a step, m; `None`: all steps have the same length.
+    pub allowed_error: Option<f64>,
     /// Terms that are left out or simplified, in words.
     pub terms: Vec<String>,
     /// RMS error over all samples; `None` if the run did not reach its end.
@@ -40,6 +42,8 @@ pub struct Row {
     pub wall_s: f64,
     /// Number of timed runs.
     pub repeats: usize,
+    /// Steps; under error control the ones that were kept.
+    pub steps: u64,
     /// Evaluations of all forces.
     pub force_evaluations: u64,
     /// Iterations of conjugate gradients.
@@ -60,10 +64,13 @@ pub struct Row {
 impl Row {
     /// A run of a variant of a scene that took `wall` seconds; its verdict is not known yet.
     pub fn new(scene: &SceneFile, variant: Variant, terms: &[String], report: &Report, wall: f64) -> Self {
+        let steps = report.substeps[0].max(1);
         Self {
             method: variant.method.name(),
             precision: variant.precision.name(),
             step: variant.step(scene),
+            allowed_error: variant.error,
+            steps,
             terms: terms.to_vec(),
             error: None,
             wall_s: wall,
@@ -87,7 +94,17 @@ impl Row {
 
     /// Name in sentences.
     pub fn name(&self) -> String {
-        format!("{} {} by {}", self.method, self.precision, time(self.step))
+        format!("{} {} by {}", self.method, self.precision, self.stride())
+    }
+
+    /// Its step in words, or the allowed error of a step.
+    pub fn stride(&self) -> String {
+        self.allowed_error.map_or_else(|| time(self.step), |error| format!("error {}", length(error)))
+    }
+
+    /// Whether error control divided a step.
+    pub fn is_divided(&self) -> bool {
+        self.allowed_error.is_some() && self.steps > SAMPLES * self.variant.steps
     }
 
     /// Whether it meets the tolerance.
@@ -95,10 +112,10 @@ impl Row {
         self.verdict == Verdict::Meets
     }
 
-    /// Whether another run of the same method, precision and terms meets the tolerance with less counted work. Then
+    /// Whether another run of the same method, precision, kind of step and terms meets the tolerance with less counted work. Then
     /// that run is cheaper, whatever the clock shows.
     pub fn is_outdone(&self, other: &Self) -> bool {
-        let kind = |row: &Self| (row.method, row.precision, row.terms.clone());
+        let kind = |row: &Self| (row.method, row.precision, row.allowed_error.is_some(), row.terms.clone());
         let counts = |row: &Self| [row.force_evaluations, row.cg_iterations];
         let (own, fewer) = (counts(self), counts(other));
         other.meets() && kind(self) == kind(other) && own != fewer && own.iter().zip(fewer).all(|(a, b)| b <= *a)

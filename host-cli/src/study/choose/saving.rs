@@ -19,8 +19,8 @@ const WORTH: f64 = 0.05;
 const PAIRS: usize = 5;
 const LONG: f64 = 2.0;
 
-/// Factor by which the solver's tolerance is loosened.
-const LOOSER: f64 = 10.0;
+/// Factors by which the solver's tolerance is loosened, tried in turn.
+const LOOSER: [f64; 3] = [10.0, 100.0, 1000.0];
 
 /// A choice: the simplified scene and how it is run.
 pub struct Candidate {
@@ -39,10 +39,8 @@ impl Candidate {
 
 /// Leaves out the terms that are not needed one after the other, whole terms before their parts.
 pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Candidate, mean_edges: &[f64]) -> Result<Candidate, Failure> {
-    if found.row.variant.method.is_implicit() {
-        let looser = LOOSER * found.scene.desc.integrator.residual();
-        let edits = [("integrator.tolerance".into(), Some(Value::Float(looser)))];
-        found = attempt(pilot, found, &format!("with a solver {LOOSER} times as loose"), &edits)?;
+    if found.row.variant.tolerance(&found.scene).is_some() {
+        found = loosen(pilot, found)?;
     }
     let modelled = |scene: &SceneFile| terms::of(&scene.desc, mean_edges);
     let mut names: Vec<Term> = modelled(&found.scene);
@@ -52,22 +50,37 @@ pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Candidate, mean_edges: &[f64]
         // The term as it is now: a simplification of another term may have changed it.
         let now = modelled(&found.scene).into_iter().find(|term| (term.name, term.kind) == (name.name, name.kind));
         if let Some(term) = now {
-            found = attempt(pilot, found, &term.run, &term.edits)?;
+            let terms = [found.row.terms.clone(), vec![term.run]].concat();
+            found = attempt(pilot, found, &terms, &term.edits)?;
         }
     }
     Ok(found)
 }
 
-/// Applies the edits if the choice still meets the tolerance and saves time; otherwise returns it unchanged.
-fn attempt(pilot: &mut Pilot<'_>, found: Candidate, words: &str, edits: &[Edit]) -> Result<Candidate, Failure> {
+/// Loosens the solver as far as that saves time.
+fn loosen(pilot: &mut Pilot<'_>, found: Candidate) -> Result<Candidate, Failure> {
+    let residual = found.scene.desc.integrator.residual();
+    let mut loosest = found;
+    for factor in LOOSER {
+        let terms = [format!("with a solver {factor} times as loose")];
+        let edits = [("integrator.tolerance".into(), Some(Value::Float(factor * residual)))];
+        loosest = attempt(pilot, loosest, &terms, &edits)?;
+        if loosest.row.terms != terms {
+            break;
+        }
+    }
+    Ok(loosest)
+}
+
+/// Applies the edits if the choice still meets the tolerance and saves time; otherwise returns it unchanged. `terms` are
+/// the words for all its changes.
+fn attempt(pilot: &mut Pilot<'_>, found: Candidate, terms: &[String], edits: &[Edit]) -> Result<Candidate, Failure> {
     let longest = pilot.left();
     if longest <= 0.0 {
         return Ok(found);
     }
     let scene = found.scene.changed(edits)?;
-    let mut terms = found.row.terms.clone();
-    terms.push(words.into());
-    let row = pilot.weigh(&scene, found.row.variant, &terms, longest)?;
+    let row = pilot.weigh(&scene, found.row.variant, terms, longest)?;
     if !row.meets() {
         return Ok(found);
     }

@@ -1,5 +1,5 @@
-//! Search for the cheapest method and step. For each method the step is halved until a run meets the tolerance, and
-//! then refined between the last two steps.
+//! Search for the cheapest method and step. For each method the step is halved, or the allowed error of a step reduced,
+//! until a run meets the tolerance; then the search goes on between the last two runs.
 
 use muslin_core::integrate::Method;
 use muslin_core::integrate::stability::Mode;
@@ -34,11 +34,18 @@ const STALLED: f64 = 0.7;
 const AIM: f64 = 0.9;
 const NEAR: f64 = 0.8;
 
-/// To try a longer step, the number of steps is reduced by the fraction 1 / `FEWER`.
+/// To try a longer step, the number of steps is reduced by the fraction 1 / `FEWER`; to try a larger allowed error, it is
+/// multiplied by `LARGER`.
 const FEWER: u64 = 20;
+const LARGER: f64 = 1.5;
 
-/// Number of runs between a step that misses the tolerance and one that meets it.
+/// The first allowed error of a step, as a multiple of the tolerance.
+const COARSEST: f64 = 4.0;
+
+/// Number of runs between one that misses the tolerance and one that meets it, and the smallest ratio of allowed errors
+/// that is tried.
 const BETWEEN: u32 = 3;
+const CLOSE: f64 = 1.03;
 
 /// If the cheapest run takes less than `SHORT` seconds, all runs that take up to `RIVAL` times as long are measured
 /// `ROUNDS` more times.
@@ -50,16 +57,22 @@ const SHORT: f64 = 2.0;
 pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>, Failure> {
     let modes = engine.fastest_modes(STEADY, ITERATIONS);
     let methods = methods(pilot.reference.rule.measure);
-    for (place, &method) in methods.iter().enumerate() {
-        let share = pilot.left() / (methods.len() - place) as f64;
-        let steps = first(pilot, &modes, method);
-        let variant = Variant { method, precision: Precision::F32, steps };
-        climb(pilot, variant, pilot.study.seconds() + share)?;
+    let firsts: Vec<_> = methods.into_iter().flat_map(|method| firsts(pilot, &modes, method)).collect();
+    for (place, &first) in firsts.iter().enumerate() {
+        let share = pilot.left() / (firsts.len() - place) as f64;
+        climb(pilot, first, pilot.study.seconds() + share)?;
     }
     if pilot.study.is_clocked() {
         time_rivals(pilot)?;
     }
     Ok(pilot.cheapest().cloned())
+}
+
+/// The coarsest runs of a method: with fixed steps and, if it is implicit, under error control.
+fn firsts(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> Vec<Variant> {
+    let fixed = Variant::fixed(method, Precision::F32, first(pilot, modes, method));
+    let controlled = Variant::controlled(&pilot.study.scene, method, Precision::F32, COARSEST * pilot.tolerance);
+    [fixed].into_iter().chain(method.is_implicit().then_some(controlled)).collect()
 }
 
 /// Initial number of steps between two samples. An explicit method starts with a step slightly shorter than its own
@@ -74,7 +87,8 @@ fn first(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> u64 {
     steps.max(pilot.fewest_steps())
 }
 
-/// Halves the step until a run meets the tolerance or costs too much, or until the study has run for `end` seconds.
+/// Runs finer and finer variants until one meets the tolerance or costs too much, or until the study has run for `end`
+/// seconds.
 fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Failure> {
     let scene = &pilot.study.scene;
     let mut patience = PATIENCE[usize::from(variant.method.is_implicit())];
@@ -103,8 +117,12 @@ fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Fa
             Verdict::Dear => patience -= 1,
             Verdict::Misses | Verdict::Failed => {}
         }
+        if before.as_ref().is_some_and(|before| row.is_divided() && row.steps <= before.steps) {
+            // Error control divides no step further.
+            break;
+        }
         before = Some(row);
-        variant.steps *= 2;
+        variant = variant.finer();
     }
     Ok(())
 }
@@ -115,36 +133,48 @@ fn is_stalled(before: Option<&Row>, row: &Row) -> bool {
     row.verdict == Verdict::Misses && before.zip(row.error).is_some_and(|(before, now)| now > STALLED * before)
 }
 
-/// Looks for a longer step than the first one if the first one already meets the tolerance. Explicit methods gain from
+/// Looks for a coarser run than the first one if the first one already meets the tolerance. Explicit methods gain from
 /// it too. Their first step can be too short: the theoretical limit holds for the start of the scene only, the first
 /// step lies below it, and step counts are rounded up.
 fn lengthen(pilot: &mut Pilot<'_>, mut meets: Row, end: f64) -> Result<(), Failure> {
     let scene = &pilot.study.scene;
-    loop {
+    while let Some(coarser) = coarser(pilot, &meets) {
         let left = end - pilot.study.seconds();
-        let steps = meets.variant.steps - meets.variant.steps.div_ceil(FEWER);
-        if left <= 0.0 || steps < pilot.fewest_steps() {
-            return Ok(());
+        if left <= 0.0 {
+            break;
         }
-        let row = pilot.weigh(scene, Variant { steps, ..meets.variant }, &[], left)?;
+        let row = pilot.weigh(scene, coarser, &[], left)?;
         if !row.meets() {
-            return Ok(());
+            break;
         }
         meets = row;
     }
+    Ok(())
 }
 
-/// Looks for the longest step between one that misses the tolerance and one that meets it.
+/// The next coarser variant; `None` if its steps are as long as they may be.
+fn coarser(pilot: &Pilot<'_>, row: &Row) -> Option<Variant> {
+    let variant = row.variant;
+    match variant.error {
+        None => {
+            let steps = variant.steps - variant.steps.div_ceil(FEWER);
+            (steps >= pilot.fewest_steps()).then_some(Variant { steps, ..variant })
+        }
+        Some(error) => row.is_divided().then_some(Variant { error: Some(LARGER * error), ..variant }),
+    }
+}
+
+/// Looks for the coarsest run between one that misses the tolerance and one that meets it.
 fn refine(pilot: &mut Pilot<'_>, mut misses: Row, mut meets: Row, end: f64) -> Result<(), Failure> {
     for _ in 0..BETWEEN {
         let left = end - pilot.study.seconds();
         let near = meets.error.is_some_and(|error| error >= NEAR * pilot.tolerance) && misses.error.is_some();
-        if near || left <= 0.0 || misses.variant.steps + 1 >= meets.variant.steps {
+        if near || left <= 0.0 || are_neighbours(&misses.variant, &meets.variant) {
             break;
         }
-        let steps = between(&misses, &meets, pilot.tolerance);
+        let variant = between(&misses, &meets, pilot.tolerance);
         let scene = &pilot.study.scene;
-        let row = pilot.weigh(scene, Variant { steps, ..meets.variant }, &[], left)?;
+        let row = pilot.weigh(scene, variant, &[], left)?;
         match row.meets() {
             true => meets = row,
             false => misses = row,
@@ -153,17 +183,29 @@ fn refine(pilot: &mut Pilot<'_>, mut misses: Row, mut meets: Row, end: f64) -> R
     Ok(())
 }
 
-/// Estimates the number of steps that gives an error slightly below the tolerance. The estimate uses the order of
-/// convergence between two runs. If the error of one run is unknown, the estimate is the geometric mean of the two
-/// numbers of steps. Always strictly between the two runs.
-fn between(misses: &Row, meets: &Row, tolerance: f64) -> u64 {
-    let [coarse, fine] = [misses, meets].map(|row| (row.variant.steps as f64).ln());
+/// Whether no variant between them is of use.
+fn are_neighbours(coarse: &Variant, fine: &Variant) -> bool {
+    match coarse.error {
+        None => fine.steps <= coarse.steps + 1,
+        Some(_) => fine.fineness() <= CLOSE * CLOSE * coarse.fineness(),
+    }
+}
+
+/// Estimates the variant that gives an error slightly below the tolerance. The estimate uses the order of convergence
+/// between two runs. If the error of one run is unknown, the estimate is the geometric mean of their finenesses. Always
+/// strictly between the two runs.
+fn between(misses: &Row, meets: &Row, tolerance: f64) -> Variant {
+    let [coarse, fine] = [misses, meets].map(|row| row.variant.fineness());
     let part = match misses.error.zip(meets.error) {
         Some((far, near)) if near > 0.0 => (far / (AIM * tolerance)).ln() / (far / near).ln(),
         _ => 0.5,
     };
-    let steps = (coarse + part * (fine - coarse)).exp().ceil() as u64;
-    steps.clamp(misses.variant.steps + 1, meets.variant.steps - 1)
+    let estimate = coarse * (fine / coarse).powf(part);
+    let [least, most] = match meets.variant.error {
+        None => [coarse + 1.0, fine - 1.0],
+        Some(_) => [CLOSE * coarse, fine / CLOSE],
+    };
+    meets.variant.with_fineness(estimate.clamp(least, most))
 }
 
 /// Repeats all runs that are nearly as cheap as the cheapest, in turn, `ROUNDS` times, because a single measurement of

@@ -47,24 +47,31 @@ fn layout(choice: &Choice, times: (f64, f64), low: f64, crosses: &Crosses) -> La
         .with_x_tick_format(TickFormat::Sci)
         .with_y_tick_format(ticks)
         .with_title(format!("{}: chosen {} {}", choice.scene, choice.chosen.method, choice.chosen.precision))
-        .with_x_label("computing time, s; crosses: failed or given up")
+        .with_x_label("computing time, s; crosses: failed or given up; dotted: error control")
         .with_y_label(format!("RMS error of {}, m", choice.measure.name()))
 }
 
-/// The runs of one method with all terms, in the order of their steps, and its crosses. Marks of double precision
-/// are larger.
+/// The runs of one method with all terms in series of one precision and kind of step, from coarse to fine, and its
+/// crosses. Marks of double precision are larger, lines of error control dotted.
 fn method(rows: &[Row], (method, color, marker): (&str, &str, MarkerShape), crosses: &mut Crosses) -> Vec<Plot> {
-    let of = |precision: &'static str| {
-        let own = rows.iter().filter(move |row| row.method == method && row.precision == precision);
-        let ended = own.filter(|row| row.terms.is_empty()).filter_map(|row| Some((row, row.error?)));
-        let mut ended: Vec<_> = ended.collect();
-        ended.sort_by(|(a, _), (b, _)| b.step.total_cmp(&a.step));
+    let of = |precision: &'static str, controlled: bool| {
+        let is_in = |row: &&Row| (row.precision, row.allowed_error.is_some()) == (precision, controlled);
+        let own = rows.iter().filter(|row| row.method == method && row.terms.is_empty()).filter(is_in);
+        let mut ended: Vec<_> = own.filter_map(|row| Some((row, row.error?))).collect();
+        ended.sort_by(|(a, _), (b, _)| a.variant.fineness().total_cmp(&b.variant.fineness()));
         ended.into_iter().map(|(row, error)| (row.wall_s, DRAWN * error)).collect::<Vec<_>>()
     };
     let mut name = Some(method);
     let mut plots = Vec::new();
-    for (data, size) in [(of("f32"), 4.0), (of("f64"), 6.5)].into_iter().filter(|(data, _)| !data.is_empty()) {
+    for (precision, size, controlled) in
+        [("f32", 4.0, false), ("f64", 6.5, false), ("f32", 4.0, true), ("f64", 6.5, true)]
+    {
+        let data = of(precision, controlled);
+        if data.is_empty() {
+            continue;
+        }
         let line = LinePlot::new().with_data(data.clone()).with_color(color).with_stroke_width(1.0);
+        let line = if controlled { line.with_dotted() } else { line };
         let marks = ScatterPlot::new().with_data(data).with_color(color).with_marker(marker).with_size(size);
         plots.extend([Plot::Line(line), Plot::Scatter(named(marks, &mut name))]);
     }

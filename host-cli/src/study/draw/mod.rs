@@ -1,10 +1,14 @@
 //! Pictures of studies.
 
+mod causes;
 mod choose;
+mod control;
 mod crosses;
 mod master_curve;
 mod needs;
+mod series;
 mod stability;
+mod stretch;
 mod work_precision;
 
 pub use choose::choose;

@@ -107,7 +107,7 @@ fn change_layout(needs: &Needs) -> Layout {
     let layout = layout(
         needs,
         span(needs),
-        "change; dashed: change by half the step",
+        &format!("change; dashed: by {}", needs.finer),
         &format!("RMS change of {}, mm", needs.measure.name()),
     )
     .with_log_x()

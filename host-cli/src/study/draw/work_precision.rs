@@ -1,4 +1,5 @@
-//! The picture of `muslin chart`: error against step and error against cost.
+//! The picture of `muslin chart`: error against step and against cost, allowed against reached error, the causes of the
+//! error, and with contact the stretch.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::scatter::MarkerShape;
@@ -7,14 +8,18 @@ use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
-use crate::study::work_precision::{Chart, Row};
+use crate::study::work_precision::{Chart, Row, front};
 use crate::units::round_length;
 
 use super::crosses::Crosses;
-use super::{LOOKS, named, range};
+use super::{LOOKS, causes, control, named, range, series, stretch};
 
 /// Factor from the error to the drawn number: the library draws nothing below 1e-10.
-const DRAWN: f64 = 1e6;
+pub const DRAWN: f64 = 1e6;
+
+/// Colours of what belongs to no method, and of the front.
+const GRAY: &str = "#666666";
+const FRONT: &str = "#cccccc";
 
 /// Size of one panel, px.
 const PANEL: [f64; 2] = [430.0, 400.0];
@@ -30,8 +35,9 @@ struct Panel {
     title: &'static str,
     label: &'static str,
     across: fn(&Row) -> f64,
-    /// Whether failures are shown: the time of a failed run is not the cost of any result.
-    failures: bool,
+    /// Whether costs are compared. Then failures are not shown, since the time of a failed run is not the cost of any
+    /// result; the front and the runs with other solvers are.
+    costs: bool,
     /// Drawn number of an error as large as the diagonal.
     unit: f64,
     up: String,
@@ -41,14 +47,21 @@ struct Panel {
     format: fn(f64) -> String,
 }
 
+impl Panel {
+    /// The position of a run, if its error is known.
+    fn at(&self, row: &Row) -> Option<(f64, f64)> {
+        Some(((self.across)(row), self.unit * row.error_rms?))
+    }
+}
+
 /// Error as a part of the diagonal against step, and beside it error as a length against computing time.
 pub fn work_precision(chart: &Chart) -> String {
     let measure = chart.measure.name();
     let by_step = Panel {
         title: "by step",
-        label: "step, s",
+        label: "step, s; with error control the mean",
         across: |row| row.step,
-        failures: true,
+        costs: false,
         unit: DRAWN,
         up: format!("RMS error of {measure} / {:.2} m", chart.diagonal_m),
         aside: 0.0,
@@ -58,16 +71,21 @@ pub fn work_precision(chart: &Chart) -> String {
         title: "by cost, as a length",
         label: "computing time, s",
         across: |row| row.wall_s,
-        failures: false,
+        costs: true,
         unit: DRAWN * chart.diagonal_m,
         up: format!("RMS error of {measure}"),
         aside: -14.0,
         format: |drawn| round_length(drawn / DRAWN),
     };
-    let (plots, layouts): (Vec<_>, Vec<_>) = [by_step, by_cost].iter().map(|panel| draw(chart, panel)).unzip();
+    let mut panels = vec![draw(chart, &by_step), draw(chart, &by_cost)];
+    panels.extend(control::panel(chart));
+    panels.extend(causes::panel(chart));
+    panels.extend(stretch::panel(chart));
+    let rows = panels.len().div_ceil(2);
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
     let hollow =
         if has_nearest(chart) { "; hollow, with a tick down: below the resolution of the reference" } else { "" };
-    let figure = Figure::new(1, 2)
+    let figure = Figure::new(rows, 2)
         .with_title(format!("{}, {} s{hollow}", chart.scene, chart.duration_s))
         .with_plots(plots)
         .with_layouts(layouts)
@@ -90,7 +108,7 @@ fn has_nearest(chart: &Chart) -> bool {
 }
 
 fn layout(chart: &Chart, panel: &Panel, low: f64, crosses: &Crosses) -> Layout {
-    let shown = chart.rows.iter().filter(|row| row.stable || panel.failures);
+    let shown = chart.rows.iter().filter(|row| row.stable || !panel.costs);
     Layout::new(range(shown.map(panel.across)), (low, crosses.top()))
         .with_log_scale()
         .with_x_tick_format(TickFormat::Sci)
@@ -101,45 +119,41 @@ fn layout(chart: &Chart, panel: &Panel, low: f64, crosses: &Crosses) -> Layout {
         .with_y_label_offset(panel.aside, 0.0)
 }
 
-/// A line and marks for each method and precision, and legend entries for the kinds of marks.
+/// A line and marks for each method, precision and kind of step, and legend entries for the kinds of marks.
 fn curves(chart: &Chart, panel: &Panel, crosses: &mut Crosses) -> Vec<Plot> {
     let mut plots = Vec::new();
+    plots.extend(panel.costs.then(|| cheapest(chart, panel)));
     for (method, color, marker) in LOOKS {
         let mut name = Some(method);
-        for precision in ["f64", "f32"] {
-            let rows: Vec<_> =
-                chart.rows.iter().filter(|row| row.method == method && row.precision == precision).collect();
-            let marks = ScatterPlot::new().with_color(color).with_size(if precision == "f64" { 4.5 } else { 2.5 });
-            plots.extend(plots_of(&rows, panel, precision, marks.clone().with_marker(marker), &mut name));
-            plots.extend(nearest(&rows, panel, chart.reference.least_charted, marks.with_marker(marker), &mut name));
+        let own: Vec<_> = chart.rows.iter().filter(|row| row.method == method).collect();
+        let marks = ScatterPlot::new().with_color(color).with_marker(marker);
+        for rows in series::each(&own) {
+            plots.extend(series::one(&rows, |row| panel.at(row), marks.clone(), &mut name));
+            let marks = marks.clone().with_size(series::size(rows[0].precision));
+            plots.extend(nearest(&rows, panel, chart.reference.least_charted, marks, &mut name));
         }
+        let varied = own.iter().filter(|row| panel.costs && row.solver.is_some());
+        let varied: Vec<_> = varied.filter_map(|row| panel.at(row)).collect();
+        let marks = ScatterPlot::new().with_data(varied).with_color(color).with_marker(MarkerShape::Plus);
+        plots.push(Plot::Scatter(marks.with_size(5.0)));
         // Rows of failures are reserved in both panels, so that both end at the same error.
-        let failures = chart.rows.iter().filter(|row| row.method == method && !row.stable);
-        let failures = crosses.row(failures.map(panel.across));
-        if panel.failures && !failures.is_empty() {
+        let failures = crosses.row(own.iter().filter(|row| !row.stable).map(|row| (panel.across)(row)));
+        if !panel.costs && !failures.is_empty() {
             let marks = ScatterPlot::new().with_data(failures).with_color(color).with_marker(MarkerShape::Cross);
             plots.push(Plot::Scatter(named(marks.with_size(5.0), &mut name)));
         }
     }
-    plots.extend(meanings());
+    plots.extend(meanings(chart));
     plots
 }
 
-/// Line and marks of the errors that the reference resolves.
-fn plots_of(
-    rows: &[&Row],
-    panel: &Panel,
-    precision: &str,
-    marks: ScatterPlot,
-    name: &mut Option<&'static str>,
-) -> Vec<Plot> {
-    let at: Vec<_> = rows.iter().filter_map(|row| Some(((panel.across)(row), panel.unit * row.error_rms?))).collect();
-    if at.is_empty() {
-        return Vec::new();
-    }
-    let line = LinePlot::new().with_data(at.clone()).with_color(marks.color.clone()).with_stroke_width(1.5);
-    let line = if precision == "f64" { line } else { line.with_dashed() };
-    vec![Plot::Line(line), Plot::Scatter(named(marks.with_data(at), name))]
+/// The front of the cheapest runs.
+fn cheapest(chart: &Chart, panel: &Panel) -> Plot {
+    let least = chart.reference.least_charted;
+    let points = front(&chart.rows, least).into_iter();
+    let points = points.filter_map(|row| Some(((panel.across)(row), panel.unit * row.error_at_most(least)?)));
+    let line = LinePlot::new().with_data(points.collect::<Vec<_>>()).with_color(FRONT).with_stroke_width(6.0);
+    Plot::Line(line.with_legend("cheapest"))
 }
 
 /// Hollow marks for errors that are too small for the reference. They stand at the smallest error that it resolves,
@@ -164,14 +178,20 @@ fn nearest(rows: &[&Row], panel: &Panel, least: f64, marks: ScatterPlot, name: &
 }
 
 /// Legend entries that all methods share; they draw nothing.
-fn meanings() -> [Plot; 3] {
-    const GRAY: &str = "#666666";
+fn meanings(chart: &Chart) -> Vec<Plot> {
     let none = Vec::<(f64, f64)>::new;
     let line = || LinePlot::new().with_data(none()).with_color(GRAY).with_stroke_width(1.5);
-    let marks = ScatterPlot::new().with_data(none()).with_color(GRAY).with_size(4.5);
-    [
+    let marks = |marker| ScatterPlot::new().with_data(none()).with_color(GRAY).with_size(4.5).with_marker(marker);
+    let mut meanings = vec![
         Plot::Line(line().with_legend("f64")),
         Plot::Line(line().with_dashed().with_legend("f32, small marks")),
-        Plot::Scatter(marks.with_marker(MarkerShape::Cross).with_legend("failed")),
-    ]
+        Plot::Scatter(marks(MarkerShape::Cross).with_legend("failed")),
+    ];
+    if chart.rows.iter().any(Row::is_controlled) {
+        meanings.push(Plot::Line(line().with_dotted().with_legend("error control")));
+    }
+    if chart.rows.iter().any(|row| row.solver.is_some()) {
+        meanings.push(Plot::Scatter(marks(MarkerShape::Plus).with_legend("other solver")));
+    }
+    meanings
 }

@@ -11,7 +11,7 @@ use super::row::{Change, Counts, Row, Verdict, own_error};
 use super::trial::{Baseline, Trial, why_not};
 use super::words::{extent, list, moved};
 
-/// Terms of the scene that the step hides: each alone changes less than half the step does.
+/// Terms of the scene that the step hides: each alone changes less than a finer run does.
 #[derive(Clone, Debug, Serialize)]
 pub struct Hidden {
     /// Names of the terms, without those that are parts of other hidden terms.
@@ -35,13 +35,17 @@ pub struct Needs {
     pub vertices: usize,
     /// Name as in a scene file; it runs in single precision.
     pub method: &'static str,
-    /// Step of the study, s: it fits 20 equal parts of the time.
+    /// Step of the study, s: it fits 20 equal parts of the time; with an allowed error the longest one.
     pub step: f64,
-    /// Step that `muslin run` takes, s: it fits the frames.
+    /// Step that `muslin run` takes, s: it fits the frames; with an allowed error the longest one.
     pub run_step: f64,
+    /// Allowed error of a step, m; `None`: all steps have the same length.
+    pub allowed_error: Option<f64>,
     /// The compared quantity: positions, or with contact the outline.
     pub measure: Measure,
-    /// The change by half the step; `None` if that run did not reach its end.
+    /// What `step_error` is the change by: half the step, or a part of the allowed error.
+    pub finer: &'static str,
+    /// The change by a finer run; `None` if that run did not reach its end.
     pub step_error: Option<Change>,
     /// Why `step_error` is missing.
     pub step_error_why: Option<String>,
@@ -74,8 +78,10 @@ pub fn of(study: &Study<'_>, baseline: &Baseline, trials: &[Trial], hidden: Hidd
         step: baseline.variant.step(&study.scene),
         run_step: study.scene.desc.timing().step,
         measure: baseline.measure,
+        allowed_error: baseline.variant.error,
+        finer: baseline.variant.finer_words(),
         step_error: own_error(baseline),
-        step_error_why: why_not(&baseline.half),
+        step_error_why: why_not(&baseline.finer),
         wall_s: wall_as_it_is(baseline, trials),
         counts: Counts::of(&baseline.run.report),
         machine: study.machine(),
@@ -103,14 +109,14 @@ fn wall_as_it_is(baseline: &Baseline, trials: &[Trial]) -> f64 {
 
 /// Sentence about the terms that the step hides and their common cost.
 fn conclusion(hidden: &Hidden, baseline: &Baseline) -> String {
-    let what = moved(baseline.measure);
+    let (what, finer) = (moved(baseline.measure), baseline.variant.finer_words());
     match (hidden.terms.as_slice(), &hidden.without_them) {
         ([], _) if own_error(baseline).is_none() => {
-            format!("How far half the step moves the {what} is not known, so no term can be judged as too small")
+            format!("How far {finer} moves the {what} is not known, so no term can be judged as too small")
         }
         ([_], _) => called(hidden, what),
-        ([_, ..], Some(row)) => format!("{}; {}", called(hidden, what), without_them(row, what)),
-        _ => format!("No modelled term that was run to the end moves the {what} by less than half the step does"),
+        ([_, ..], Some(row)) => format!("{}; {}", called(hidden, what), without_them(row, what, finer)),
+        _ => format!("No modelled term that was run to the end moves the {what} by less than {finer} does"),
     }
 }
 
@@ -127,11 +133,11 @@ fn called(hidden: &Hidden, what: &str) -> String {
 }
 
 /// Sentence about the run without all hidden terms.
-fn without_them(row: &Row, what: &str) -> String {
+fn without_them(row: &Row, what: &str, finer: &str) -> String {
     let change = row.change_rms.zip(row.change_max).zip(row.change_end);
     let Some(((rms, max), end)) = change else { return row.sentence.clone() };
     let moves = extent(Change { rms, max, end }, row.positions_rms);
-    let more = if row.exceeds_step == Some(true) { ", more than half the step does," } else { "" };
+    let more = if row.exceeds_step == Some(true) { format!(", more than {finer} does,") } else { String::new() };
     let takes = row.cost_range.zip(row.cost_fraction).map(|([least, most], cost)| {
         let [cost, least, most] = [cost, most, least].map(|cost| 100.0 * (1.0 - cost));
         let known = if row.repeats == 1 { "timed once".into() } else { format!("{least:.0} to {most:.0} %") };
@@ -145,7 +151,7 @@ fn capital(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// If rounding changes more than this part of half the step's change, the motion is no longer determined.
+/// If rounding changes more than this part of the change by a finer run, the motion is no longer determined.
 const UNSTABLE: f64 = 0.1;
 
 impl Needs {
@@ -162,21 +168,25 @@ impl Needs {
     /// The report as text.
     pub fn lines(&self) -> String {
         let what = moved(self.measure);
+        let stride = match self.allowed_error {
+            None => format!("steps of {}", time(self.step)),
+            Some(error) => format!("an error of {} a step, the longest {}", length(error), time(self.step)),
+        };
         let mut lines = vec![format!(
-            "{}: {} s of {} vertices, {} f32 with steps of {}, computed in {}",
+            "{}: {} s of {} vertices, {} f32 with {stride}, computed in {}",
             self.scene,
             self.duration_s,
             self.vertices,
             self.method,
-            time(self.step),
             time(self.wall_s)
         )];
         lines.push(match (&self.step_error, &self.step_error_why) {
             (Some(own), _) => format!(
-                "Half the step moves the {what} by {}: a term that moves it by less cannot be judged at this step",
+                "{} moves the {what} by {}: a term that moves it by less cannot be judged",
+                capital(self.finer),
                 extent(*own, None)
             ),
-            (None, why) => format!("Half the step {}", why.as_deref().unwrap_or("is not known")),
+            (None, why) => format!("{} {}", capital(self.finer), why.as_deref().unwrap_or("is not known")),
         });
         if (self.step / self.run_step - 1.0).abs() > 1e-6 {
             let (taken, own) = (time(self.step), time(self.run_step));

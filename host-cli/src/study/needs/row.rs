@@ -149,7 +149,7 @@ pub struct Row {
     pub change_end: Option<f64>,
     /// RMS change of the positions, m, where the change is of the outline.
     pub positions_rms: Option<f64>,
-    /// Whether it changes more than half the step does; `None` if one of the two is not known.
+    /// Whether it changes more than a finer run does; `None` if one of the two is not known.
     pub exceeds_step: Option<bool>,
     /// Time with the term minus time without it, as a part of the time of the unchanged scene.
     pub cost_fraction: Option<f64>,
@@ -200,14 +200,14 @@ impl Row {
             sentence: String::new(),
             why: trial.run.as_ref().map_or_else(late, why_not),
         };
-        row.sentence = words::sentence(&row, &term.subject, change, cost, baseline.measure);
+        row.sentence = words::sentence(&row, &term.subject, change, cost, baseline);
         row
     }
 }
 
-/// The change by half the step; `None` if that run did not reach its end.
+/// The change by a finer run; `None` if that run did not reach its end.
 pub fn own_error(baseline: &Baseline) -> Option<Change> {
-    why_not(&baseline.half).is_none().then(|| Change::of(baseline, &baseline.half, baseline.measure))
+    why_not(&baseline.finer).is_none().then(|| Change::of(baseline, &baseline.finer, baseline.measure))
 }
 
 #[cfg(test)]

@@ -26,12 +26,12 @@ const KEPT: u32 = 10;
 
 /// The unchanged scene, which all trials are compared with.
 pub struct Baseline {
-    /// The scene's own method and step, in single precision.
+    /// The scene's own method and step, or allowed error of a step, in single precision.
     pub variant: Variant,
     /// The run of the unchanged scene.
     pub run: Trajectory,
-    /// The run with half the step.
-    pub half: Trajectory,
+    /// The run with half the step, or with a smaller allowed error.
+    pub finer: Trajectory,
     /// The quantity that is compared.
     pub measure: Measure,
     /// Masses of the vertices, kg.
@@ -41,24 +41,33 @@ pub struct Baseline {
 }
 
 impl Baseline {
-    /// Runs the unchanged scene, also with half its step.
+    /// Runs the unchanged scene, also finer.
     pub fn fly(study: &Study<'_>) -> Result<Self, Failure> {
         let (engine, _) = engine::build(&study.scene, Precision::F32)
             .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
         let desc = &study.scene.desc;
-        let sampled = SceneDesc { frame_rate: SAMPLES as f64 / desc.duration, ..desc.clone() };
-        let steps = sampled.timing().steps_per_frame;
-        let variant = Variant { method: desc.integrator.method, precision: Precision::F32, steps };
-        let half = Variant { steps: 2 * steps, ..variant };
+        let variant = own_variant(study);
+        let by_finer = format!("by {}", variant.finer_words());
         Ok(Self {
             run: complete(study, fly(study, &study.scene, &variant, "as it is")?)?,
-            half: fly(study, &study.scene, &half, "by half the step")?,
+            finer: fly(study, &study.scene, &variant.finer(), &by_finer)?,
             variant,
             measure: if desc.contact.is_some() { Measure::Outline } else { Measure::Positions },
             masses: engine.masses(),
             mean_edges: engine.mean_edges(),
         })
     }
+}
+
+/// The variant that `muslin run` takes, but for the samples: each is a whole number of steps.
+fn own_variant(study: &Study<'_>) -> Variant {
+    let desc = &study.scene.desc;
+    let method = desc.integrator.method;
+    if let Some(error) = desc.integrator.error() {
+        return Variant::controlled(&study.scene, method, Precision::F32, error);
+    }
+    let sampled = SceneDesc { frame_rate: SAMPLES as f64 / desc.duration, ..desc.clone() };
+    Variant::fixed(method, Precision::F32, sampled.timing().steps_per_frame)
 }
 
 /// Runs a variant until its end or the end of the budget.
@@ -77,8 +86,8 @@ fn complete(study: &Study<'_>, run: Trajectory) -> Result<Trajectory, Failure> {
             study.arguments.budget
         ))),
         Some(why) => Err(Failure::Diverged(format!(
-            "{scene} as it is {why}; there is nothing to compare with: take a smaller integrator.step or a shorter \
-             --duration"
+            "{scene} as it is {why}; there is nothing to compare with: take a smaller {} or a shorter --duration",
+            if study.scene.desc.integrator.error().is_some() { "integrator.error" } else { "integrator.step" }
         ))),
     }
 }

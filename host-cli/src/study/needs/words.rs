@@ -5,6 +5,7 @@ use crate::study::terms::VariantKind;
 use crate::units::length;
 
 use super::row::{Change, Cost, Row};
+use super::trial::Baseline;
 
 /// The compared quantity, in words.
 pub const fn moved(measure: Measure) -> &'static str {
@@ -15,13 +16,14 @@ pub const fn moved(measure: Measure) -> &'static str {
 }
 
 /// The sentence of a row; `subject` is the term together with its simpler alternative, if it has one.
-pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<Cost>, measure: Measure) -> String {
+pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<Cost>, baseline: &Baseline) -> String {
     let Some(change) = change else {
         return format!("{} it {}", row.run, row.why.as_deref().unwrap_or("is not known"));
     };
     let would = row.kind == VariantKind::Added;
-    let what = moved(measure);
-    let hidden = if row.exceeds_step == Some(false) { ", less than half the step does," } else { "" };
+    let (what, finer) = (moved(baseline.measure), baseline.variant.finer_words());
+    let less = format!(", less than {finer} does,");
+    let hidden = if row.exceeds_step == Some(false) { less.as_str() } else { "" };
     let moves = match (change.max > 0.0, would) {
         (true, true) => format!("would move the {what} by {}{hidden}", extent(change, row.positions_rms)),
         (true, false) => format!("moves the {what} by {}{hidden}", extent(change, row.positions_rms)),

@@ -1,5 +1,5 @@
-//! The runs of one method in one precision. The step is halved from just beyond the stability limit until rounding,
-//! the reference or the time ends the series.
+//! The runs of one method in one precision. The step is halved, or the allowed error of a step reduced, from just
+//! beyond the stability limit until rounding, the reference or the time ends the series.
 
 use std::time::Duration;
 
@@ -8,45 +8,17 @@ use muslin_core::integrate::Method;
 use crate::args::Precision;
 use crate::failure::Failure;
 use crate::study::Study;
-use crate::study::distance;
-use crate::study::median::median;
-use crate::study::reference::{BLOWN_UP, MOST_STEPS, Reference};
-use crate::study::trajectory::{Ending, Limits, Trajectory, fly};
+use crate::study::reference::MOST_STEPS;
 use crate::study::variant::{self, Variant};
 
 use super::report::{Agreement, Row, is_of_order};
-
-/// Runs shorter than `SHORT`, s, are made `REPEATS` times, and the median time counts.
-const SHORT: f64 = 1.0;
-const REPEATS: usize = 3;
-
-/// RMS error, as a part of the diagonal, from which on a run has lost the reference completely.
-const LOST: f64 = 0.5;
+use super::weigh::{Yardstick, weigh};
 
 /// Largest error of an implicit method that confirms the reference, as a part of the diagonal.
 const NEAR: f64 = 1e-2;
 
 /// An error larger than this many times the error in double precision is rounding.
 const ROUNDING: f64 = 2.0;
-
-/// The reference and the scales that runs are measured by.
-pub struct Yardstick<'a> {
-    /// The reference and the coarser runs before it.
-    pub reference: &'a Reference,
-    /// Masses of the vertices, kg.
-    pub masses: &'a [f64],
-    /// Diagonal of the cloth's bounding box, m.
-    pub diagonal: f64,
-    /// The shortest step that is run, s.
-    pub finest: f64,
-}
-
-impl Yardstick<'_> {
-    /// The largest kinetic and elastic energy of the reference, J.
-    fn liveliest(&self) -> f64 {
-        self.reference.liveliest(self.masses.iter().sum())
-    }
-}
 
 /// Why there are no shorter steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,15 +29,15 @@ pub enum End {
     Rounding,
     /// They would take too long, or are below the requested shortest step.
     Time,
+    /// Error control divides no step further.
+    Shortest,
 }
 
-/// The series of runs of a method in a precision.
+/// The series of runs of a method in a precision, with fixed steps or under error control.
 pub struct Ladder {
-    /// The method.
-    pub method: Method,
-    /// The precision.
-    pub precision: Precision,
-    /// From long steps to short ones: the last run that failed before the first stable one, and all later runs.
+    /// The coarsest run that is tried.
+    pub first: Variant,
+    /// From coarse to fine: the last run that failed before the first stable one, and all later runs.
     pub rows: Vec<Row>,
     /// Why there are no more rows.
     pub end: End,
@@ -74,6 +46,21 @@ pub struct Ladder {
 }
 
 impl Ladder {
+    /// Whether its steps have a fixed length.
+    pub fn is_fixed(&self) -> bool {
+        self.first.error.is_none()
+    }
+
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.first.method
+    }
+
+    /// The precision.
+    pub fn precision(&self) -> Precision {
+        self.first.precision
+    }
+
     /// Why no step works.
     pub fn why_nothing(&self) -> String {
         let Some(last) = self.rows.last() else {
@@ -81,10 +68,11 @@ impl Ladder {
             return why.into();
         };
         let why = last.why.as_deref().unwrap_or_default();
-        format!(
-            "no step down to {:.1e} s works, shorter steps take too long or are excluded by --finest: {why}",
-            last.step
-        )
+        let tried = match last.allowed_error_m {
+            None => format!("no step down to {:.1e} s", last.step),
+            Some(error) => format!("no allowed error down to {error:.1e} m"),
+        };
+        format!("{tried} works, finer runs take too long or are excluded by --finest: {why}")
     }
 
     /// Errors of the last consecutive runs whose errors are at least `least`.
@@ -105,132 +93,78 @@ impl Ladder {
 /// The implicit method that converges to the reference by its own order and comes nearest to it. Without one, a
 /// reference by explicit steps alone could have converged to an error that all explicit methods share.
 pub fn agreement(ladders: &[Ladder], least: f64) -> Option<Agreement> {
-    let implicit = ladders.iter().filter(|l| l.method.is_implicit() && l.precision == Precision::F64);
+    let is_witness = |l: &&Ladder| l.is_fixed() && l.method().is_implicit() && l.precision() == Precision::F64;
+    let implicit = ladders.iter().filter(is_witness);
     let agreements = implicit.filter_map(|ladder| {
         let (order, error_rms) = (ladder.order(least)?, *ladder.errors(least).last()?);
-        let agrees = error_rms < NEAR && is_of_order(order, variant::order(ladder.method).into());
-        agrees.then_some(Agreement { method: ladder.method.name(), order, error_rms })
+        let agrees = error_rms < NEAR && is_of_order(order, variant::order(ladder.method()).into());
+        agrees.then_some(Agreement { method: ladder.method().name(), order, error_rms })
     });
     agreements.min_by(|a, b| a.error_rms.total_cmp(&b.error_rms))
 }
 
-/// Runs a method with shorter and shorter steps for about the time `share`; `twin` is the series of the same method
-/// in double precision.
+/// Runs finer and finer variants, from `first` on, for about the time `share`; `twin` is the same series in double
+/// precision.
 pub fn climb(
     study: &Study<'_>,
     yardstick: &Yardstick<'_>,
-    method: Method,
-    precision: Precision,
+    first: Variant,
     share: Duration,
     twin: Option<&Ladder>,
 ) -> Result<Ladder, Failure> {
     let end = study.seconds() + share.as_secs_f64();
-    let mut ladder = Ladder { method, precision, rows: Vec::new(), end: End::Time, tried: false };
-    let mut variant = Variant { method, precision, steps: 1 };
-    let mut last_wall = 0.0;
+    let mut ladder = Ladder { first, rows: Vec::new(), end: End::Time, tried: false };
+    let mut variant = first;
     // The reference is not compared with itself.
-    let is_wanted = |variant: &Variant| variant.steps <= MOST_STEPS && variant.step(&study.scene) >= yardstick.finest;
-    while is_wanted(&variant) && variant != yardstick.reference.best().0 {
+    let is_wanted = |variant: &Variant, last: Option<&Row>| {
+        variant.steps <= MOST_STEPS && next_step(study, variant, last) >= yardstick.finest
+    };
+    while is_wanted(&variant, ladder.rows.last()) && variant != yardstick.reference.best().0 {
         let left = end - study.seconds();
         ladder.tried |= left > 0.0;
-        let Some((run, walls)) = fly_or_find(study, yardstick, &variant, left, 2.0 * last_wall)? else { break };
-        last_wall = if run.ending == Ending::Complete { run.wall } else { 0.0 };
-        let row = measure(study, yardstick, &variant, &run, walls);
+        let last_wall = ladder.rows.last().filter(|row| row.stable).map_or(0.0, |row| row.wall_s);
+        let Some(row) = weigh(study, yardstick, &variant, left, 2.0 * last_wall)? else { break };
+        ladder.end = ended(&row, ladder.rows.last(), twin);
         // Of the runs that fail before the first stable one, only the last is kept.
         if !row.stable && !ladder.rows.iter().any(|row| row.stable) {
             ladder.rows.clear();
         }
-        ladder.end = match twin {
-            _ if row.is_nearest() => End::Reference,
-            Some(twin) if is_rounding(&row, twin) => End::Rounding,
-            _ => End::Time,
-        };
         ladder.rows.push(row);
         if ladder.end != End::Time {
             break;
         }
-        variant.steps *= 2;
+        variant = variant.finer();
     }
     Ok(ladder)
 }
 
-/// Whether the error of a row is rounding: larger than the error of the same step in double precision.
+/// The step of a variant, s; under error control about half the mean step of the last run.
+fn next_step(study: &Study<'_>, variant: &Variant, last: Option<&Row>) -> f64 {
+    match last.filter(|_| variant.error.is_some()) {
+        Some(last) => 0.5 * last.step,
+        None => variant.step(&study.scene),
+    }
+}
+
+/// Why no run after this one is of use; `End::Time` if one is.
+fn ended(row: &Row, before: Option<&Row>, twin: Option<&Ladder>) -> End {
+    let is_undivided = |before: &Row| row.is_divided() && row.steps <= before.steps;
+    match twin {
+        _ if row.is_nearest() => End::Reference,
+        Some(twin) if is_rounding(row, twin) => End::Rounding,
+        _ if before.is_some_and(is_undivided) => End::Shortest,
+        _ => End::Time,
+    }
+}
+
+/// Whether the error of a row is rounding: larger than the error of the same variant in double precision.
 fn is_rounding(row: &Row, twin: &Ladder) -> bool {
-    let same = twin.rows.iter().find(|other| other.step == row.step).and_then(|other| other.error_rms);
+    let same = Variant { precision: Precision::F64, ..row.variant };
+    let same = twin.rows.iter().find(|other| other.variant == same).and_then(|other| other.error_rms);
     match (row.error_rms, same) {
         (Some(single), Some(double)) => single > ROUNDING * double,
         // In double precision the error is too small for the reference to resolve.
         (Some(_), None) => twin.end == End::Reference,
         _ => false,
-    }
-}
-
-/// Runs a variant, several times if it is short; takes it from the reference if it was run there. `None` if it
-/// takes, or is `expected` to take, more than the time left, s.
-fn fly_or_find(
-    study: &Study<'_>,
-    yardstick: &Yardstick<'_>,
-    variant: &Variant,
-    left: f64,
-    expected: f64,
-) -> Result<Option<(Trajectory, Vec<f64>)>, Failure> {
-    let known = yardstick.reference.runs.iter().chain(&yardstick.reference.failed).find(|(known, _)| known == variant);
-    if known.is_none() && left <= expected {
-        return Ok(None);
-    }
-    let limits = Limits { wall: Duration::from_secs_f64(left.max(0.0)), energy: BLOWN_UP * yardstick.liveliest() };
-    let run = match known {
-        Some((_, run)) => limits.judge(run.clone()),
-        None => fly(study, variant, limits)?,
-    };
-    if run.ending == Ending::OutOfTime {
-        return Ok(None);
-    }
-    let mut walls = vec![run.wall];
-    while run.ending == Ending::Complete && run.wall < SHORT && walls.len() < study.repeats(REPEATS) {
-        let repeat = fly(study, variant, limits)?;
-        // A repeat that ran out of time gives no time.
-        if repeat.ending != Ending::Complete {
-            break;
-        }
-        walls.push(repeat.wall);
-    }
-    Ok(Some((run, walls)))
-}
-
-fn measure(study: &Study<'_>, yardstick: &Yardstick<'_>, variant: &Variant, run: &Trajectory, walls: Vec<f64>) -> Row {
-    let reference = &yardstick.reference.best().1;
-    let complete = run.ending == Ending::Complete;
-    let measure = yardstick.reference.rule.measure;
-    let off = complete.then(|| measure.between(run, reference, yardstick.masses));
-    let error = off.map(|off| [off.rms, off.max].map(|m| m / yardstick.diagonal));
-    let stable = error.is_some_and(|[rms, _]| rms < LOST);
-    let least = yardstick.reference.least() / yardstick.diagonal;
-    let resolved = error.filter(|[rms, _]| stable && *rms >= least);
-    let why = match &run.ending {
-        Ending::Complete if resolved.is_some() => None,
-        Ending::Complete if stable => Some(format!("below {least:.1e}, the resolution of the reference")),
-        Ending::Complete => Some("lost: it no longer resembles the reference".into()),
-        Ending::Diverged(what) => Some(what.clone()),
-        Ending::Grown => Some(format!("its energy grew to {BLOWN_UP} times the largest energy of the reference")),
-        Ending::OutOfTime => Some("it took too long".into()),
-    };
-    Row {
-        method: variant.method.name(),
-        precision: variant.precision.name(),
-        step: variant.step(&study.scene),
-        tolerance: variant.method.is_implicit().then(|| variant.tolerance(&study.scene)),
-        error_rms: resolved.map(|[rms, _]| rms),
-        error_max: resolved.map(|[_, max]| max),
-        energy_drift: stable.then(|| distance::energy_drift(run, reference) / yardstick.liveliest()),
-        stretch: run.stretch,
-        penetration_m: run.penetration,
-        repeats: walls.len(),
-        wall_s: median(walls),
-        force_evaluations: run.report.force_evaluations,
-        cg_iterations: run.report.cg_iterations,
-        matrix_products: run.report.matrix_products,
-        stable,
-        why,
     }
 }

@@ -1,8 +1,11 @@
-//! `muslin chart`: error against cost of every method in both precisions.
+//! `muslin chart`: error against cost of every method in both precisions, with fixed steps and under error control.
 
+mod causes;
 mod ladder;
 mod refusal;
 mod report;
+mod variations;
+mod weigh;
 mod winners;
 
 use muslin_core::integrate::Method;
@@ -11,13 +14,17 @@ use crate::args::{ChartArguments, Precision};
 use crate::engine;
 use crate::failure::Failure;
 
+use super::Study;
 use super::distance::{self, Measure};
 use super::draw;
 use super::reference::{self, Rule};
-use super::{Study, variant};
-use ladder::{Ladder, Yardstick};
+use super::variant::{self, Variant};
+pub use causes::{Cause, Causes};
+use ladder::Ladder;
 pub use report::{Chart, Row};
 use report::{Omitted, Order, ReferenceReport};
+use weigh::Yardstick;
+pub use winners::front;
 
 /// Runs the command.
 pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
@@ -34,7 +41,7 @@ pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
     let finest = arguments.finest.unwrap_or(0.0);
     let yardstick = Yardstick { reference: &reference, masses: &masses, diagonal, finest };
     let ladders = climb(&study, &yardstick, &methods(&arguments.methods, rule.measure))?;
-    let chart = summarise(&study, &yardstick, &ladders);
+    let chart = complete(&study, &yardstick, &ladders)?;
     if !chart.rows.iter().any(|row| row.stable) {
         return Err(Failure::Diverged(refusal::nothing_charted(&chart)));
     }
@@ -60,36 +67,67 @@ fn methods(asked: &[Method], measure: Measure) -> Vec<Method> {
     methods
 }
 
-/// Runs every method in both precisions. Double precision comes first, since its errors show where single precision
-/// ends in rounding.
+/// The part of the budget that is left for each of the variations of the cheapest runs and the causes of the error.
+const KEPT: f64 = 0.1;
+
+/// The largest allowed error of a step that is tried, as a part of the diagonal.
+const COARSEST: f64 = 1e-2;
+
+/// Runs every method in both precisions, with fixed steps and, if it is implicit, under error control. Double
+/// precision comes first, since its errors show where single precision ends in rounding.
 fn climb(study: &Study<'_>, yardstick: &Yardstick<'_>, methods: &[Method]) -> Result<Vec<Ladder>, Failure> {
+    let firsts: Vec<_> = methods.iter().flat_map(|&method| firsts(study, method, yardstick.diagonal)).collect();
+    let kept = study.left().mul_f64(2.0 * KEPT);
     let mut ladders: Vec<Ladder> = Vec::new();
-    for (place, &method) in methods.iter().enumerate() {
-        for (half, precision) in [Precision::F64, Precision::F32].into_iter().enumerate() {
-            let to_come = 2 * (methods.len() - place) - half;
-            let share = study.left() / to_come as u32;
-            let twin = ladders.last().filter(|_| precision == Precision::F32);
-            let ladder = ladder::climb(study, yardstick, method, precision, share, twin)?;
-            ladders.push(ladder);
-        }
+    for (place, &first) in firsts.iter().enumerate() {
+        let share = study.left().saturating_sub(kept) / (firsts.len() - place) as u32;
+        let twin = ladders.last().filter(|_| first.precision == Precision::F32);
+        let ladder = ladder::climb(study, yardstick, first, share, twin)?;
+        ladders.push(ladder);
     }
     Ok(ladders)
 }
 
-fn summarise(study: &Study<'_>, yardstick: &Yardstick<'_>, ladders: &[Ladder]) -> Chart {
+/// The coarsest runs of a method.
+fn firsts(study: &Study<'_>, method: Method, diagonal: f64) -> Vec<Variant> {
+    let fixed = |precision| Variant::fixed(method, precision, 1);
+    let controlled = |precision| Variant::controlled(&study.scene, method, precision, COARSEST * diagonal);
+    let precisions = [Precision::F64, Precision::F32];
+    let controlled = precisions.map(controlled).into_iter().filter(|_| method.is_implicit());
+    precisions.map(fixed).into_iter().chain(controlled).collect()
+}
+
+/// Varies the solver of the cheapest runs, separates the causes of the error, and makes the report.
+fn complete(study: &Study<'_>, yardstick: &Yardstick<'_>, ladders: &[Ladder]) -> Result<Chart, Failure> {
+    let mut rows: Vec<_> = ladders.iter().flat_map(|ladder| ladder.rows.iter().cloned()).collect();
+    let end = study.seconds() + 0.5 * study.left().as_secs_f64();
+    rows.extend(variations::of(study, yardstick, &rows, end)?);
+    let end = study.seconds() + study.left().as_secs_f64();
+    let causes = causes::of(study, yardstick, &rows, end)?;
+    Ok(summarise(study, yardstick, ladders, rows, causes))
+}
+
+fn summarise(
+    study: &Study<'_>,
+    yardstick: &Yardstick<'_>,
+    ladders: &[Ladder],
+    rows: Vec<Row>,
+    causes: Option<Causes>,
+) -> Chart {
     let (variant, best) = yardstick.reference.best();
     let measure = yardstick.reference.rule.measure;
     let omitted = ladders.iter().filter(|ladder| !ladder.rows.iter().any(|row| row.stable)).map(|ladder| Omitted {
-        method: ladder.method.name(),
-        precision: ladder.precision.name(),
+        method: ladder.method().name(),
+        precision: ladder.precision().name(),
+        error_control: !ladder.is_fixed(),
         why: ladder.why_nothing(),
     });
-    let orders = ladders.iter().filter(|ladder| ladder.precision == Precision::F64).filter_map(|ladder| {
+    let is_ordered = |ladder: &&Ladder| ladder.is_fixed() && ladder.precision() == Precision::F64;
+    let orders = ladders.iter().filter(is_ordered).filter_map(|ladder| {
         let measured = ladder.order(yardstick.reference.least_in_order() / yardstick.diagonal)?;
-        Some(Order { method: ladder.method.name(), measured, theory: variant::order(ladder.method).into() })
+        Some(Order { method: ladder.method().name(), measured, theory: variant::order(ladder.method()).into() })
     });
-    let rows: Vec<_> = ladders.iter().flat_map(|ladder| ladder.rows.iter().cloned()).collect();
-    let least = yardstick.reference.least() / yardstick.diagonal;
+    let least = yardstick.least();
     Chart {
         scene: study.scene.desc.name.clone(),
         duration_s: study.scene.desc.duration,
@@ -107,6 +145,7 @@ fn summarise(study: &Study<'_>, yardstick: &Yardstick<'_>, ladders: &[Ladder]) -
         machine: study.machine(),
         winners: winners::of(&rows, least),
         rows,
+        causes,
         orders: orders.collect(),
         omitted: omitted.collect(),
         study_s: study.seconds(),

@@ -4,13 +4,22 @@ use serde::Serialize;
 
 use crate::study::distance::Measure;
 use crate::study::draw::LOOKS;
+use crate::study::variant::{SAMPLES, Variant};
 use crate::units::{length, time};
+
+use super::causes::Causes;
 
 /// Order of RK4, the reference's method without contact.
 const RK4: f64 = 4.0;
 
 /// Largest difference between a measured order and theory.
 const NEAR_THEORY: f64 = 0.1;
+
+/// Number of allowed errors that the text shows for each method.
+const MOST_PAIRS: usize = 5;
+
+/// Ending of the name of a method under error control.
+const CONTROLLED: &str = " with error control";
 
 /// Whether a measured order agrees with theory.
 pub fn is_of_order(measured: f64, theory: f64) -> bool {
@@ -24,10 +33,14 @@ pub struct Row {
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
-    /// Step, s.
+    /// Step, s; under error control the mean.
     pub step: f64,
-    /// Tolerance of the solver; `None` for explicit methods.
+    /// Allowed error of a step, m; `None`: all steps have the same length.
+    pub allowed_error_m: Option<f64>,
+    /// Tolerance of the solver; `None` for explicit methods and where it follows the allowed error.
     pub tolerance: Option<f64>,
+    /// How the solver differs from that of the other runs; `None` for most runs.
+    pub solver: Option<&'static str>,
     /// Root mean square error over all samples: of the positions, weighted by mass, or of the outline. `None` if
     /// the run failed or the error is too small for the reference to resolve.
     pub error_rms: Option<f64>,
@@ -44,6 +57,8 @@ pub struct Row {
     pub wall_s: f64,
     /// Number of timed runs.
     pub repeats: usize,
+    /// Steps; under error control the ones that were kept.
+    pub steps: u64,
     /// Evaluations of all forces.
     pub force_evaluations: u64,
     /// Iterations of conjugate gradients.
@@ -54,12 +69,46 @@ pub struct Row {
     pub stable: bool,
     /// Why the run failed, or why it has no error.
     pub why: Option<String>,
+    /// The variant that was run.
+    #[serde(skip)]
+    pub variant: Variant,
 }
 
 impl Row {
+    /// Whether error control divided a step.
+    pub fn is_divided(&self) -> bool {
+        self.is_controlled() && self.steps > SAMPLES * self.variant.steps
+    }
+
+    /// Whether it ran under error control.
+    pub fn is_controlled(&self) -> bool {
+        self.allowed_error_m.is_some()
+    }
+
+    /// Whether it belongs to the series of a method with fixed steps.
+    pub fn is_fixed(&self) -> bool {
+        !self.is_controlled() && self.solver.is_none()
+    }
+
+    /// Whether it belongs to the series of a method with fixed steps in double precision.
+    fn is_of(&self, method: &str) -> bool {
+        self.is_fixed() && self.method == method && self.precision == "f64"
+    }
+
+    /// Its RMS error, m, on a cloth with the given diagonal, m; `None` if it is not known.
+    pub fn reached_m(&self, diagonal: f64) -> Option<f64> {
+        self.error_rms.map(|error| error * diagonal)
+    }
+
     /// Whether its error is too small for the reference to resolve.
     pub fn is_nearest(&self) -> bool {
         self.stable && self.error_rms.is_none()
+    }
+
+    /// The method, and whether it runs under error control.
+    pub fn approach(&self) -> String {
+        let control = if self.is_controlled() { CONTROLLED } else { "" };
+        format!("{}{control}", self.method)
     }
 
     /// Its error, or `least` as an upper bound; `None` if the run failed.
@@ -105,12 +154,16 @@ pub struct Winner {
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
-    /// Step, s.
+    /// Step, s; under error control the mean.
     pub step: f64,
+    /// Allowed error of a step, m; `None`: all steps have the same length.
+    pub allowed_error_m: Option<f64>,
+    /// How the solver differs from that of the other runs.
+    pub solver: Option<&'static str>,
     /// Computing time, s.
     pub wall_s: f64,
-    /// The second cheapest method, and its time over the time of the cheapest.
-    pub next: Option<(&'static str, f64)>,
+    /// The second cheapest approach, and its time over the time of the cheapest.
+    pub next: Option<(String, f64)>,
 }
 
 /// The order of convergence of a method.
@@ -131,8 +184,17 @@ pub struct Omitted {
     pub method: &'static str,
     /// f32 or f64.
     pub precision: &'static str,
+    /// Whether its steps follow an allowed error.
+    pub error_control: bool,
     /// The reason.
     pub why: String,
+}
+
+impl Omitted {
+    fn line(&self) -> String {
+        let control = if self.error_control { CONTROLLED } else { "" };
+        format!("not charted: {} {}{control}: {}", self.method, self.precision, self.why)
+    }
 }
 
 /// The report, `chart --json`.
@@ -154,6 +216,8 @@ pub struct Chart {
     pub machine: String,
     /// All runs.
     pub rows: Vec<Row>,
+    /// The error of the scene's method by cause; `None` for an explicit method, or if there was no time.
+    pub causes: Option<Causes>,
     /// Orders of convergence.
     pub orders: Vec<Order>,
     /// Cheapest method for each error.
@@ -179,19 +243,61 @@ impl Chart {
             self.reference_line(),
             self.agreement_line(),
             String::new(),
-            "error          cheapest                      step       wall       next".into(),
+            format!("error          {:<23} {:>14}   {:<21} {:>10}   next", "cheapest", "step", "solver", "wall"),
         ];
-        lines.extend(self.winners.iter().map(|w| {
-            let next = w.next.map_or_else(String::new, |(method, ratio)| format!("{method} ({ratio:.1}x)"));
-            let metres = length(w.error * self.diagonal_m);
-            let name = format!("{} {}", w.method, w.precision);
-            format!("{:<5.0e} {metres:<8} {name:<23} {:>10} {:>10}       {next}", w.error, time(w.step), time(w.wall_s))
-        }));
+        lines.extend(self.winners.iter().map(|winner| self.winner_line(winner)));
         lines.extend([String::new(), "method             order (theory)   largest step that works".into()]);
         lines.extend(LOOKS.iter().filter_map(|(method, ..)| self.method_line(method)));
         lines.extend(self.contact_lines());
-        lines.extend(self.omitted.iter().map(|o| format!("not charted: {} {}: {}", o.method, o.precision, o.why)));
+        lines.extend(self.control_lines());
+        lines.extend(self.cause_lines());
+        lines.extend(self.omitted.iter().map(Omitted::line));
         lines.join("\n")
+    }
+
+    fn winner_line(&self, w: &Winner) -> String {
+        let solver = w.solver.unwrap_or_default();
+        let next = w.next.as_ref().map_or_else(String::new, |(name, ratio)| format!("{name} ({ratio:.1}x)"));
+        let metres = length(w.error * self.diagonal_m);
+        let name = format!("{} {}", w.method, w.precision);
+        let step = w.allowed_error_m.map_or_else(|| time(w.step), |error| format!("error {}", length(error)));
+        let line = format!(
+            "{:<5.0e} {metres:<8} {name:<23} {step:>14}   {solver:<21} {:>10}   {next}",
+            w.error,
+            time(w.wall_s)
+        );
+        line.trim_end().into()
+    }
+
+    /// For each method with error control: allowed errors of a step and the errors that the runs reach.
+    fn control_lines(&self) -> Vec<String> {
+        let line = |method: &str| {
+            let rows = self.rows.iter().filter(|row| row.method == method && row.precision == "f64");
+            let known = rows.filter(|row| row.solver.is_none()).filter_map(|row| {
+                Some(format!("{} -> {}", length(row.allowed_error_m?), length(row.reached_m(self.diagonal_m)?)))
+            });
+            let known: Vec<_> = known.take(MOST_PAIRS).collect();
+            (!known.is_empty()).then(|| format!("{method:<18} {}", known.join(", ")))
+        };
+        let lines: Vec<_> = LOOKS.iter().filter_map(|(method, ..)| line(method)).collect();
+        let head = [String::new(), "error control      allowed error of a step -> error of the run, f64".into()];
+        if lines.is_empty() { lines } else { head.into_iter().chain(lines).collect() }
+    }
+
+    /// The error of the scene's method by cause.
+    fn cause_lines(&self) -> Vec<String> {
+        let Some(causes) = &self.causes else { return Vec::new() };
+        let metres = |part: f64| length(part * self.diagonal_m);
+        let head = format!(
+            "{} f64        error: of the step   of the solver ({:.0e})   of one Newton iteration   largest",
+            causes.method, causes.tolerance
+        );
+        let lines = causes.steps.iter().map(|cause| {
+            let [step, solver, linear] = [cause.of_step, cause.solver, cause.linearisation].map(metres);
+            let largest = cause.largest();
+            format!("steps of {:<18} {step:>12} {solver:>20} {linear:>24}     {largest}", time(cause.step))
+        });
+        [String::new(), head].into_iter().chain(lines).collect()
     }
 
     fn is_of_contact(&self) -> bool {
@@ -233,8 +339,7 @@ impl Chart {
     /// With contact orders say nothing. This table shows other quantities for the shortest step of each method in
     /// double precision.
     fn contact_lines(&self) -> Vec<String> {
-        let shortest =
-            |method: &str| self.rows.iter().rfind(|row| row.method == method && row.precision == "f64" && row.stable);
+        let shortest = |method: &str| self.rows.iter().rfind(|row| row.is_of(method) && row.stable);
         let rows: Vec<_> = LOOKS.iter().filter_map(|(method, ..)| shortest(method)).collect();
         if !self.is_of_contact() || rows.is_empty() {
             return Vec::new();
@@ -252,7 +357,7 @@ impl Chart {
 
     /// The order of a method and its longest stable step, if a step is stable.
     fn method_line(&self, method: &str) -> Option<String> {
-        let mut rows = self.rows.iter().filter(|row| row.method == method && row.precision == "f64");
+        let mut rows = self.rows.iter().filter(|row| row.is_of(method));
         let largest = rows.clone().find(|row| row.stable)?;
         let longest = if rows.any(|row| row.step > largest.step) { "" } else { ", the longest tried" };
         let order = self.orders.iter().find(|order| order.method == method);
