@@ -151,8 +151,9 @@ pub(crate) use with_pairing;
 
 /// Four entries of a column, one for each vertex.
 #[inline]
-pub fn gather<T: Copy>(vertices: [u32; 4], column: &[T]) -> [T; 4] {
-    vertices.map(|v| column[v as usize])
+pub fn gather<T: Copy>([a, b, c, d]: [u32; 4], column: &[T]) -> [T; 4] {
+    // The compiler keeps these in registers, but not the result of `map`.
+    [column[a as usize], column[b as usize], column[c as usize], column[d as usize]]
 }
 
 /// The nearest points of two features of a kind.

@@ -92,19 +92,22 @@ fn find_pairs(
             continue;
         }
         let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
+        let may_push = |end| distance < model.thickness || end < model.thickness + margin;
         let nearest_end = distance - fastest(first, &gather(vertices, motion.displacements));
-        let may_push = distance < model.thickness || nearest_end < model.thickness + margin;
-        if !may_push || known.first(list.all, vertices).is_some() {
+        if !may_push(nearest_end) || known.first(list.all, vertices).is_some() {
             continue;
         }
         let x = gather(vertices, motion.start);
         let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
         let Some(contact) = contact(kind, vertices, &x, &x, radius) else { continue };
+        let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
+        // Few pairs are a local minimum. To find the part that they can keep takes longer.
+        if !may_push(ends) || !is_local_minimum(kind, &model.surface, motion.start, &contact) {
+            continue;
+        }
         let reach = least_at_rest(kind, model, vertices, model.thickness + margin);
         let least = reach.min(model.thickness);
-        let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
-        let approaches = ends < reach;
-        if (distance < least || approaches) && is_local_minimum(kind, &model.surface, motion.start, &contact) {
+        if distance < least || ends < reach {
             let coefficients = coefficients(model, &contact, motion);
             list.push(Constraint::new(
                 contact,
