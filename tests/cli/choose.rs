@@ -48,7 +48,7 @@ newton = 1
 
 pub const METHODS: [&str; 7] =
     ["explicit-euler", "symplectic-euler", "midpoint", "rk4", "backward-euler", "implicit-midpoint", "bdf2"];
-const EXPLICIT: &[&str] = METHODS.split_at(4).0;
+pub const EXPLICIT: &[&str] = METHODS.split_at(4).0;
 
 /// Allowed error of the reference itself, as a fraction of the tolerance.
 const OWN: f64 = 1.0 / 16.0;

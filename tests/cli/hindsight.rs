@@ -9,11 +9,13 @@
 //! - If it found none, no run with the solver of the scene is cheaper than the choice at all.
 //! - If it found some, no run with a solver as exact as the choice's solver costs less than 1 / 1.3 of the cheapest
 //!   of them.
+//! - If the method is implicit, no run with a looser solver or under error control costs less than 1 / 1.3 of the
+//!   cheapest run with all terms, whatever its solver.
 
 use serde_json::Value;
 use toml::Table;
 
-use crate::choose::{METHODS, areas, number, rms};
+use crate::choose::{EXPLICIT, METHODS, areas, number, rms};
 use crate::kit::{Place, PointCache, obj};
 
 /// Largest allowed ratio of a known cost to the lowest cost in hindsight.
@@ -27,6 +29,13 @@ const OWN: f64 = 1.0 / 16.0;
 
 /// Ratio of a step to the next shorter step in the search.
 const FINER: f64 = 1.1;
+
+/// Factors by which the solver of the scene is loosened, and the ratio of an allowed error to the next smaller one.
+const LOOSER: [f64; 3] = [10.0, 100.0, 1000.0];
+const SMALLER: f64 = 0.8;
+
+/// The largest allowed error of a step in hindsight, as a multiple of the tolerance.
+const COARSEST: f64 = 10.0;
 
 /// Number of steps between two moments in the first run for the reference.
 const FIRST: u64 = 64;
@@ -142,6 +151,17 @@ impl Case {
         format!("scene.toml --set integrator.method={method} --set integrator.step={step:e}")
     }
 
+    /// The same arguments with a solver tolerance.
+    fn by_looser_solver(&self, method: &str, steps: u64, factor: f64) -> String {
+        format!("{} --set integrator.tolerance={:e}", self.by(method, steps), factor * TOLERANCE[0])
+    }
+
+    /// Arguments that run the scene by a method under error control, with steps of at most 1/60 s.
+    fn by_control(&self, method: &str, error: f64) -> String {
+        let steps = (60.0 * self.duration / 20.0).ceil() as u64;
+        format!("{} --set integrator.error={error:e}", self.by(method, steps))
+    }
+
     /// The same arguments with a solver tolerance that decreases with the step by the order of the method.
     fn by_exact_solver(&self, method: &str, steps: u64) -> String {
         let own = toml::from_str::<Table>(&self.text()).unwrap()["integrator"]["step"].as_float().unwrap();
@@ -222,6 +242,24 @@ fn cheapest(
     least
 }
 
+/// The lowest cost, s, of a run under error control that meets the tolerance, m, and costs less than `below`; `None` if
+/// there is no such run. `fly` runs the scene with an allowed error of a step, m.
+fn cheapest_controlled(
+    below: f64,
+    tolerance: f64,
+    fly: impl Fn(f64) -> Option<Flight>,
+    meets: impl Fn(&Flight) -> bool,
+) -> Option<f64> {
+    let mut error = COARSEST * tolerance;
+    loop {
+        let flight = fly(error).filter(|flight| flight.cost < below)?;
+        if meets(&flight) {
+            return Some(flight.cost);
+        }
+        error *= SMALLER;
+    }
+}
+
 fn judge(case: &Case) {
     let place = Place::new();
     place.write("scene.toml", case.text());
@@ -252,6 +290,17 @@ fn judge(case: &Case) {
         let allowed = if known.is_some() { best / DEARER } else { best };
         let cheaper = cheapest([allowed, least_step], by_own, meets);
         assert!(cheaper.is_none(), "{}: {method} costs {cheaper:?} s, the choice {best}: {rows:?}", case.name);
+        if !EXPLICIT.contains(&method) {
+            let below = best / DEARER;
+            let loose = LOOSER.map(|factor| {
+                let by_loose = |steps| fly(&place, &case.by_looser_solver(method, steps, factor));
+                cheapest([below, least_step], by_loose, meets)
+            });
+            let by_control = |error| fly(&place, &case.by_control(method, error));
+            let controlled = cheapest_controlled(below, tolerance, by_control, meets);
+            println!("{} {method}: looser {loose:?}, controlled {controlled:?}, below {below:?}", case.name);
+            assert!(loose == [None; 3] && controlled.is_none(), "{}: {method} costs {loose:?} s with a looser solver and {controlled:?} under error control, the choice {}", case.name, best);
+        }
         let Some(known) = known else { return 1.0 };
         assert!(known >= best, "{}: {method} costs {known} s, the choice {best}", case.name);
         let ratio = known / cheapest([known, least_step], by_exact, meets).unwrap_or(known);

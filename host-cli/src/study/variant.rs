@@ -24,6 +24,8 @@ pub struct Variant {
     pub steps: u64,
     /// The allowed error of a step, m; `None`: all steps have the same length.
     pub error: Option<f64>,
+    /// How many times the solver is as loose as the scene's; with an allowed error the solver follows that.
+    pub looser: f64,
 }
 
 /// The order of a method's error in the step, where forces are smooth.
@@ -45,10 +47,13 @@ pub fn limit(modes: &[Mode], method: Method) -> Option<f64> {
 /// Smallest useful solver tolerances in single and double precision: rounding prevents smaller residuals.
 const LEAST_TOLERANCE: [f64; 2] = [1e-6, 1e-12];
 
+/// The loosest solver tolerance that a study takes of its own accord.
+const LOOSEST: f64 = 0.1;
+
 impl Variant {
     /// All steps have the same length.
     pub const fn fixed(method: Method, precision: Precision, steps: u64) -> Self {
-        Self { method, precision, steps, error: None }
+        Self { method, precision, steps, error: None, looser: 1.0 }
     }
 
     /// An implicit method under error control with an allowed error of a step, m. The longest step is that of the
@@ -108,7 +113,8 @@ impl Variant {
         let integrator = &scene.desc.integrator;
         let finer = (self.step(scene) / integrator.step()).min(1.0).powi(order(self.method));
         let least = LEAST_TOLERANCE[usize::from(self.precision == Precision::F64)];
-        Some((integrator.residual() * finer).max(least).min(integrator.residual()))
+        let most = (self.looser * integrator.residual()).min(LOOSEST.max(integrator.residual()));
+        Some((most * finer).max(least).min(most))
     }
 
     /// The scene to run, with one frame per sample.

@@ -118,7 +118,7 @@ pub fn of(pilot: &Pilot<'_>, checked: &Checked) -> Result<Choice, Failure> {
             step: row.step,
             allowed_error: row.allowed_error,
             run_step: row.variant.chosen(&checked.found.scene)?.desc.timing().step,
-            solver_tolerance: row.variant.tolerance(&checked.found.scene),
+            solver_tolerance: row.solver_tolerance,
             terms: row.terms.clone(),
         },
         predicted: Figures { error: row.error.unwrap_or(checked.error), wall_s: row.wall_s },
@@ -182,7 +182,10 @@ impl Choice {
         lines.push(String::new());
         lines.extend(self.answered());
         lines.push(String::new());
-        lines.push(format!("{:<18}{:<5}{:>15}{:>13}{:>11}  verdict", "method", "", "step", "error", "time"));
+        lines.push(format!(
+            "{:<18}{:<5}{:>15}{:>9}{:>13}{:>11}  verdict",
+            "method", "", "step", "solver", "error", "time"
+        ));
         lines.extend(self.considered.iter().map(|row| line(row, self.tolerance)));
         lines.join("\n")
     }
@@ -269,10 +272,11 @@ fn line(row: &Row, tolerance: f64) -> String {
         Verdict::Failed | Verdict::Dear => row.why.as_deref().unwrap_or_default(),
     };
     let terms = if row.terms.is_empty() { String::new() } else { format!(", {}", row.terms.join(", ")) };
+    let solver = row.solver_tolerance.map_or_else(String::new, |to| format!("{to:.0e}"));
     let told = |error| apart(error, tolerance)[0].clone();
     let error = row.error.map_or_else(|| "-".into(), told);
     format!(
-        "{:<18}{:<5}{:>15}{error:>13}{:>11}  {verdict}{terms}",
+        "{:<18}{:<5}{:>15}{solver:>9}{error:>13}{:>11}  {verdict}{terms}",
         row.method,
         row.precision,
         row.stride(),

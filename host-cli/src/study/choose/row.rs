@@ -34,6 +34,8 @@ pub struct Row {
     pub step: f64,
     /// Allowed error of a step, m; `None`: all steps have the same length.
     pub allowed_error: Option<f64>,
+    /// Tolerance of the solver; `None` for explicit methods and where it follows the allowed error.
+    pub solver_tolerance: Option<f64>,
     /// Terms that are left out or simplified, in words.
     pub terms: Vec<String>,
     /// RMS error over all samples; `None` if the run did not reach its end.
@@ -71,6 +73,7 @@ impl Row {
             step: variant.step(scene),
             allowed_error: variant.error,
             steps,
+            solver_tolerance: variant.tolerance(scene),
             terms: terms.to_vec(),
             error: None,
             wall_s: wall,

@@ -1,13 +1,12 @@
 //! Simplification of the choice: leaves out terms that the tolerance does not need, and loosens the solver.
 
-use toml::Value;
-
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::study::Study;
 use crate::study::median::median;
-use crate::study::terms::{self, Edit, Term, VariantKind};
+use crate::study::terms::{self, Term, VariantKind};
 use crate::study::trajectory::Ending;
+use crate::study::variant::Variant;
 
 use super::pilot::Pilot;
 use super::row::Row;
@@ -19,8 +18,8 @@ const WORTH: f64 = 0.05;
 const PAIRS: usize = 5;
 const LONG: f64 = 2.0;
 
-/// Factors by which the solver's tolerance is loosened, tried in turn.
-const LOOSER: [f64; 3] = [10.0, 100.0, 1000.0];
+/// Factor by which the solver is loosened, as long as that saves time.
+const LOOSER: f64 = 10.0;
 
 /// A choice: the simplified scene and how it is run.
 pub struct Candidate {
@@ -51,56 +50,65 @@ pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Candidate, mean_edges: &[f64]
         let now = modelled(&found.scene).into_iter().find(|term| (term.name, term.kind) == (name.name, name.kind));
         if let Some(term) = now {
             let terms = [found.row.terms.clone(), vec![term.run]].concat();
-            found = attempt(pilot, found, &terms, &term.edits)?;
+            let scene = found.scene.changed(&term.edits)?;
+            let variant = found.row.variant;
+            found = attempt(pilot, found, scene, variant, &terms)?.0;
         }
     }
     Ok(found)
 }
 
 /// Loosens the solver as far as that saves time.
-fn loosen(pilot: &mut Pilot<'_>, found: Candidate) -> Result<Candidate, Failure> {
-    let residual = found.scene.desc.integrator.residual();
-    let mut loosest = found;
-    for factor in LOOSER {
-        let terms = [format!("with a solver {factor} times as loose")];
-        let edits = [("integrator.tolerance".into(), Some(Value::Float(factor * residual)))];
-        loosest = attempt(pilot, loosest, &terms, &edits)?;
-        if loosest.row.terms != terms {
-            break;
+fn loosen(pilot: &mut Pilot<'_>, mut found: Candidate) -> Result<Candidate, Failure> {
+    loop {
+        let (scene, terms) = (found.scene.clone(), found.row.terms.clone());
+        let variant = Variant { looser: LOOSER * found.row.variant.looser, ..found.row.variant };
+        if variant.tolerance(&scene) == found.row.solver_tolerance {
+            return Ok(found);
         }
+        let (next, saves) = attempt(pilot, found, scene, variant, &terms)?;
+        if !saves {
+            return Ok(next);
+        }
+        found = next;
     }
-    Ok(loosest)
 }
 
-/// Applies the edits if the choice still meets the tolerance and saves time; otherwise returns it unchanged. `terms` are
-/// the words for all its changes.
-fn attempt(pilot: &mut Pilot<'_>, found: Candidate, terms: &[String], edits: &[Edit]) -> Result<Candidate, Failure> {
+/// Another scene or variant in place of the choice if it still meets the tolerance and saves time; otherwise the choice
+/// unchanged. Also returns whether it saves time. `terms` are the words for the changes of the scene.
+fn attempt(
+    pilot: &mut Pilot<'_>,
+    found: Candidate,
+    scene: SceneFile,
+    variant: Variant,
+    terms: &[String],
+) -> Result<(Candidate, bool), Failure> {
     let longest = pilot.left();
     if longest <= 0.0 {
-        return Ok(found);
+        return Ok((found, false));
     }
-    let scene = found.scene.changed(edits)?;
-    let row = pilot.weigh(&scene, found.row.variant, terms, longest)?;
+    let row = pilot.weigh(&scene, variant, terms, longest)?;
     if !row.meets() {
-        return Ok(found);
+        return Ok((found, false));
     }
     let place = pilot.considered.len() - 1;
-    let saved = saved(pilot, &found, &scene, place)?;
+    let saves = saved(pilot, &found, &scene, place)?.is_some_and(|saved| saved > WORTH);
     let row = pilot.considered[place].clone();
-    Ok(if saved.is_some_and(|saved| saved > WORTH) { Candidate { scene, row } } else { found })
+    Ok(if saves { (Candidate { scene, row }, true) } else { (found, false) })
 }
 
-/// The part of its time that the choice saves with another scene, whose pilot run is at `place`: the median of
-/// pairs of runs. `None` if there was no time for a pair.
+/// The part of its time that the choice saves as the run at `place`, of another scene or variant: the median of pairs of
+/// runs. `None` if there was no time for a pair.
 fn saved(pilot: &mut Pilot<'_>, found: &Candidate, scene: &SceneFile, place: usize) -> Result<Option<f64>, Failure> {
+    let variant = pilot.considered[place].variant;
     let pairs = if found.row.wall_s > LONG { 1 } else { pilot.study.repeats(PAIRS) };
     let mut parts = Vec::new();
     for _ in 0..pairs {
         let as_is = pilot.fly(&found.scene, &found.row.variant, f64::INFINITY)?;
-        let without = pilot.fly(scene, &found.row.variant, f64::INFINITY)?;
-        if [&as_is, &without].iter().all(|run| run.ending == Ending::Complete) {
-            pilot.considered[place].timed(without.wall);
-            parts.push(1.0 - without.wall / as_is.wall);
+        let other = pilot.fly(scene, &variant, f64::INFINITY)?;
+        if [&as_is, &other].iter().all(|run| run.ending == Ending::Complete) {
+            pilot.considered[place].timed(other.wall);
+            parts.push(1.0 - other.wall / as_is.wall);
         }
     }
     Ok((!parts.is_empty()).then(|| median(parts)))

@@ -39,6 +39,9 @@ const NEAR: f64 = 0.8;
 const FEWER: u64 = 20;
 const LARGER: f64 = 1.5;
 
+/// How many times a loose solver is as loose as the scene's.
+const LOOSE: f64 = 100.0;
+
 /// The first allowed error of a step, as a multiple of the tolerance.
 const COARSEST: f64 = 4.0;
 
@@ -68,11 +71,14 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
     Ok(pilot.cheapest().cloned())
 }
 
-/// The coarsest runs of a method: with fixed steps and, if it is implicit, under error control.
+/// The coarsest runs of a method: with fixed steps and, if it is implicit, with a loose solver and under error control.
 fn firsts(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> Vec<Variant> {
     let fixed = Variant::fixed(method, Precision::F32, first(pilot, modes, method));
+    if !method.is_implicit() {
+        return vec![fixed];
+    }
     let controlled = Variant::controlled(&pilot.study.scene, method, Precision::F32, COARSEST * pilot.tolerance);
-    [fixed].into_iter().chain(method.is_implicit().then_some(controlled)).collect()
+    vec![Variant { looser: LOOSE, ..fixed }, fixed, controlled]
 }
 
 /// Initial number of steps between two samples. An explicit method starts with a step slightly shorter than its own

@@ -17,13 +17,13 @@ pub fn of(study: &Study<'_>, yardstick: &Yardstick<'_>, rows: &[Row], end: f64) 
     let mut varied = Vec::new();
     let on_front = front(rows, yardstick.least()).into_iter().filter(|row| row.variant.method.is_implicit());
     for row in on_front {
-        for (words, edit) in solvers(study, &row.variant) {
+        for (words, variant, edits) in solvers(study, row.variant) {
             let left = end - study.seconds();
             if left <= 0.0 {
                 return Ok(varied);
             }
-            let scene = study.scene.changed(&[edit])?;
-            if let Some(row) = weigh_changed(study, yardstick, &scene, &row.variant, left)? {
+            let scene = study.scene.changed(&edits)?;
+            if let Some(row) = weigh_changed(study, yardstick, &scene, &variant, left)? {
                 varied.push(Row { solver: Some(words), ..row });
             }
         }
@@ -31,18 +31,17 @@ pub fn of(study: &Study<'_>, yardstick: &Yardstick<'_>, rows: &[Row], end: f64) 
     Ok(varied)
 }
 
-/// The other solvers of a variant and the edit of the scene that gives each. Under error control the tolerance follows
-/// the allowed error, so only the number of Newton iterations varies.
-fn solvers(study: &Study<'_>, variant: &Variant) -> Vec<(&'static str, Edit)> {
-    let integrator = &study.scene.desc.integrator;
-    let loose = |factor: f64| ("integrator.tolerance".into(), Some(Value::Float(factor * integrator.residual())));
-    let newton = |iterations: u32| ("integrator.newton".into(), Some(Value::Integer(iterations.into())));
-    let mut solvers = match integrator.newton {
-        1 => vec![("Newton to convergence", newton(CONVERGED))],
-        _ => vec![("one Newton iteration", newton(1))],
+/// The variant with each other solver, and the edits of the scene for it. Under error control the tolerance follows the
+/// allowed error, so only the number of Newton iterations varies.
+fn solvers(study: &Study<'_>, variant: Variant) -> Vec<(&'static str, Variant, Vec<Edit>)> {
+    let newton = |iterations: u32| vec![("integrator.newton".into(), Some(Value::Integer(iterations.into())))];
+    let mut solvers = match study.scene.desc.integrator.newton {
+        1 => vec![("Newton to convergence", variant, newton(CONVERGED))],
+        _ => vec![("one Newton iteration", variant, newton(1))],
     };
     if variant.error.is_none() {
-        solvers.extend([("10 times as loose", loose(10.0)), ("100 times as loose", loose(100.0))]);
+        let loose = |words, looser| (words, Variant { looser, ..variant }, Vec::new());
+        solvers.extend([loose("10 times as loose", 10.0), loose("100 times as loose", 100.0)]);
     }
     solvers
 }
