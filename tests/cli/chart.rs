@@ -36,10 +36,20 @@ const METHODS: [(&str, f64); 7] = [
     ("bdf2", 2.0),
 ];
 
-/// The rows of a method in a precision, from large steps to small steps.
-fn rows<'a>(chart: &'a Value, method: &str, precision: &str) -> Vec<&'a Value> {
+/// The runs of a method in a precision with the scene's own solver, from coarse to fine.
+fn series<'a>(chart: &'a Value, method: &str, precision: &str) -> impl Iterator<Item = &'a Value> {
     let rows = chart["rows"].as_array().unwrap().iter();
-    rows.filter(|row| row["method"] == method && row["precision"] == precision).collect()
+    rows.filter(move |row| row["method"] == method && row["precision"] == precision && row["solver"].is_null())
+}
+
+/// Those with fixed steps.
+fn rows<'a>(chart: &'a Value, method: &str, precision: &str) -> Vec<&'a Value> {
+    series(chart, method, precision).filter(|row| row["allowed_error_m"].is_null()).collect()
+}
+
+/// Those under error control.
+fn controlled<'a>(chart: &'a Value, method: &str, precision: &str) -> Vec<&'a Value> {
+    series(chart, method, precision).filter(|row| row["allowed_error_m"].is_f64()).collect()
 }
 
 /// The force evaluations of the cheapest run in double precision with an RMS error of at most `error`, m.
@@ -96,17 +106,72 @@ fn a_soft_sheet_is_charted_by_every_method() {
     let (single, double) = (least("f32"), least("f64"));
     assert!(single > 1e-8 && single > 10.0 * double, "floors: f32 {single}, f64 {double}");
 
+    error_control_is_charted(&chart);
+    the_solver_is_varied(&chart);
     assert_eq!(place.files("out/soft"), ["chart.json", "chart.svg", "chart.txt", "study.html"]);
     let svg = String::from_utf8(place.read("out/soft/chart.svg")).unwrap();
     let page = String::from_utf8(place.read("out/soft/study.html")).unwrap();
     assert!(svg.starts_with("<svg") && page.contains(&in_page(&svg, "chart")), "the page shows the picture");
     let (clips, used) = (page.matches("<clipPath id=\"chart-").count(), page.matches("url(#chart-").count());
     assert!(clips > 0 && used >= clips, "names in the picture: {clips} clips, {used} used");
-    for name in METHODS.map(|(method, _)| method).into_iter().chain(["f32", "failed", "hollow", "um"]) {
+    for name in METHODS.map(|(method, _)| method).into_iter().chain(PANELS) {
         assert!(svg.contains(name), "{name} is not in the picture");
     }
     let words = String::from_utf8(place.read("out/soft/chart.txt")).unwrap();
     assert!(!words.contains("not small yet"), "{words}");
+}
+
+/// Words of the panels and the legend.
+const PANELS: [&str; 9] = [
+    "f32",
+    "failed",
+    "hollow",
+    "um",
+    "error control",
+    "cheapest",
+    "other solver",
+    "error by cause",
+    "of one Newton iteration",
+];
+
+/// Implicit methods have runs with an allowed error: a smaller one takes more steps to a smaller error.
+fn error_control_is_charted(chart: &Value) {
+    for (method, _) in METHODS {
+        for precision in ["f64", "f32"] {
+            let runs = controlled(chart, method, precision);
+            assert_eq!(runs.len() > 2, IMPLICIT.contains(&method), "{method} {precision}: {runs:?}");
+            let column = |key: &str| runs.iter().filter_map(|row| row[key].as_f64()).collect::<Vec<_>>();
+            let [allowed, steps, reached] = ["allowed_error_m", "steps", "error_rms"].map(column);
+            println!("{method} {precision}: {allowed:?} m allowed, {reached:?} reached in {steps:?} steps");
+            assert!(allowed.is_sorted_by(|a, b| a > b) && steps.is_sorted(), "{method} {precision}");
+            if let ([coarse, ..], [.., fine]) = (reached.as_slice(), reached.as_slice()) {
+                assert!(10.0 * fine < *coarse, "{method} {precision}: {reached:?}");
+            }
+        }
+    }
+}
+
+const IMPLICIT: [&str; 3] = ["backward-euler", "implicit-midpoint", "bdf2"];
+
+/// The cheapest implicit runs are repeated with other solvers, and the errors of backward Euler, the scene's method, are
+/// separated: the error of the step falls by first order and that of one Newton iteration faster.
+fn the_solver_is_varied(chart: &Value) {
+    let rows = chart["rows"].as_array().unwrap().iter();
+    let varied: Vec<_> = rows.filter_map(|row| row["solver"].as_str()).collect();
+    for solver in ["Newton to convergence", "10 times as loose", "100 times as loose"] {
+        assert!(varied.contains(&solver), "{solver}: {varied:?}");
+    }
+    let causes = &chart["causes"];
+    assert_eq!(causes["method"], "backward-euler");
+    let steps = causes["steps"].as_array().unwrap();
+    assert!(steps.len() > 4, "{causes}");
+    let fall = |key: &str| {
+        let [first, last] = [&steps[0], &steps[4]].map(|cause| cause[key].as_f64().unwrap());
+        (first / last).log2() / 4.0
+    };
+    let [step, newton] = [fall("of_step"), fall("linearisation")];
+    println!("the error of the step falls by order {step:.2}, that of one Newton iteration by {newton:.2}");
+    assert!((step - 1.0).abs() < 0.2 && newton > step + 0.5, "orders {step} and {newton}: {causes}");
 }
 
 #[test]
@@ -126,8 +191,11 @@ fn with_contact_the_outline_is_charted() {
         assert_eq!(row["penetration_m"], 0.0, "{row}");
         assert!(row["stretch"].as_f64().unwrap() >= 1.0, "{row}");
     }
+    assert!(controlled(&chart, "backward-euler", "f32").iter().any(|row| row["stable"] == true), "{chart}");
     let words = String::from_utf8(place.read("out/drop/chart.txt")).unwrap();
     assert!(words.contains("the order of every method collapses"), "{words}");
+    let svg = String::from_utf8(place.read("out/drop/chart.svg")).unwrap();
+    assert!(svg.contains("stretch by cost"), "with contact the stretch is drawn");
 }
 
 #[test]

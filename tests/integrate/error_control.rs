@@ -38,6 +38,22 @@ const SWING: &str = r#"
     pin = [{ select = { edge = "left" } }]
 "#;
 
+/// A soft, damped sheet that is held at two corners: its motion is smooth.
+const SOFT: &str = r#"
+    name = "soft"
+    duration = 0.4
+    frame_rate = 60
+    gravity = [0.0, -9.81, 0.0]
+    drag = { linear = 0.1 }
+    [[cloth]]
+    grid = { size = [0.4, 0.35], cells = [4, 4] }
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 5.0, damping = 0.01 }
+    shear = { stiffness = 2.0 }
+    bend = { model = "hinge", rigidity = 1e-4 }
+    pin = [{ select = { corners = [0, 1] } }]
+"#;
+
 /// The built-in scenes with moving cloth and implicit methods, and how long each runs, s. In `ball`, `fold`, `funnel`, `poncho`
 /// and `tablecloth`, cloth lands.
 const SCENES: [(&str, f64); 12] = [
@@ -66,7 +82,7 @@ const LEAST_PERCENT: usize = 85;
 const FINER: u32 = 8;
 
 both_precisions! {
-    use super::{ERROR, FINER, LANDING, SWING};
+    use super::{ERROR, FINER, LANDING, SOFT, SWING};
     use muslin::dispatch::Serial;
     use muslin::implicit_contact::multiplier::Multiplier;
     use muslin::integrate::{Method, Scheme, Tolerance};
@@ -125,7 +141,8 @@ both_precisions! {
         println!("{name}: {statistics:?}, halvings {halvings:?}");
         let (falling, peak, sliding) = (halvings[5], halvings.iter().copied().max(), halvings[29]);
         assert!(peak > Some(falling) && peak > Some(sliding), "{name}: substeps are halved {halvings:?} times");
-        assert_eq!(Some(statistics.most_halvings), peak.map(u64::from), "{name}: {statistics:?}");
+        // Substeps may have been shorter within a step than at its end.
+        assert!(Some(statistics.most_halvings) >= peak.map(u64::from), "{name}: {statistics:?}");
         assert!(statistics.inaccurate > 0 && statistics.committed > 30, "{name}: {statistics:?}");
     }
 
@@ -183,8 +200,35 @@ both_precisions! {
         }
     }
 
-    /// In short steps from rest gravity moves the sheet by less than the solver's part of the allowed error: 2.5 um a step of
-    /// 0.5 ms, where a tenth of the error is 1 mm. The sheet falls nevertheless.
+    /// The error falls with the number of steps as with fixed ones. It would fall by first order, or not at all, if the
+    /// solves left errors of the velocities that add up.
+    #[test]
+    fn methods_keep_their_order() {
+        for (method, order, errors) in
+            [("backward-euler", 1.0, [3e-4, 5e-6]), ("implicit-midpoint", 2.0, [1e-5, 3e-7]), ("bdf2", 2.0, [1e-5, 3e-7])]
+        {
+            let run = |integrator: &str| {
+                let integrator = format!("integrator = {{ method = \"{method}\", {integrator} }}");
+                let mut sim = kit::simulation(&format!("{integrator}{SOFT}"), &[]);
+                while sim.time() < 0.2999 {
+                    step(&mut sim);
+                }
+                (sim.positions().to_vec(), sim.statistics().committed as f64)
+            };
+            let fine = run("step = 2e-4, tolerance = 1e-6").0;
+            let [coarse, fine] = errors.map(|error| {
+                let (x, steps) = run(&format!("error = {error:e}"));
+                (f64::from(distance(&x, &fine)), steps)
+            });
+            let measured = (coarse.0 / fine.0).ln() / (fine.1 / coarse.1).ln();
+            let what = format!("{} {method}: {coarse:?} and {fine:?} m by steps", muslin::real::NAME);
+            println!("{what}: order {measured:.2}");
+            assert!((measured - order).abs() < 0.25, "{what}: order {measured}, not {order}");
+        }
+    }
+
+    /// In short steps from rest gravity changes the velocities by less than the solver may leave: by 5 mm/s in a step
+    /// of 0.5 ms, where three tenths of the error over 1/60 s are 180 mm/s. The sheet falls nevertheless.
     #[test]
     fn a_sheet_falls_in_short_steps_with_a_large_error() {
         for method in ["backward-euler", "implicit-midpoint", "bdf2"] {

@@ -114,7 +114,7 @@ fn left<D: Dispatch>(c: &StepInput<'_, D>) -> Sum {
     match c.scheme.tolerance {
         Tolerance::Residual(residual) => Sum::from(residual) / rough(c),
         // The solve does not pause before its goal, which is rough enough.
-        Tolerance::Displacement(_) => 1.0,
+        Tolerance::Velocity(_) => 1.0,
     }
 }
 

@@ -119,8 +119,8 @@ const SEARCHED: Sum = 0.01;
 /// Limit of evaluations in a line search.
 const MOST_EVALUATIONS: u32 = 12;
 
-/// Relative residual that a solve within a displacement reaches at least. In short steps from rest the whole solution can
-/// move the vertices by less than the displacement: without this the cloth would hover.
+/// Relative residual that a solve within a velocity reaches at least. In short steps from rest the whole solution can be
+/// less than the velocity: without this the cloth would hover.
 const ROUGHLY: Sum = 0.1;
 
 /// The columns of a solve.
