@@ -76,6 +76,11 @@ fn limits_are_those_of_the_fastest_mode() {
         );
         assert_eq!((&limit["whole"]["verdict"], &limit["whole"]["lasting"]), (&"fine".into(), &limit["measured"]));
     }
+    let controlled = map["controlled"].as_array().unwrap();
+    assert_eq!(controlled.len(), 4 * SCALES.len(), "each implicit method on each scale");
+    for row in controlled {
+        assert_eq!((&row["error_m"], &row["step"]), (&0.001.into(), &0.02.into()), "the default error: {row}");
+    }
     let undamped = map["rows"].as_array().unwrap().iter().all(|row| row["damping_scale"] == 1.0);
     assert!(undamped && map["damping_ratio"] == 0.0, "there is nothing to scale");
 
@@ -85,6 +90,38 @@ fn limits_are_those_of_the_fastest_mode() {
     for words in ["/theory", "to the end, 400.00 ms", "fails from, by stiffness", "agree with it"] {
         assert!(text.contains(words), "{words:?} is not in {text}");
     }
+}
+
+/// On a sheet that swings from two corners the longest steps of implicit midpoint fail. Error control divides them.
+#[test]
+fn error_control_is_shown_beside_the_longest_steps() {
+    let scene = FREE
+        .replace("duration = 0.4", "duration = 2.0\ngravity = [0.0, -9.81, 0.0]")
+        .replace("stiffness = 5.0", "stiffness = 100.0")
+        .replace("bend =", "pin = [{ select = { corners = [0, 1] } }]\nbend =");
+    let (place, map) = map_of(&scene, "--methods symplectic-euler,implicit-midpoint --set integrator.error=0.0005");
+    let longest = rows(&map, "implicit-midpoint").filter_map(|row| row["step"].as_f64()).fold(0.0, f64::max);
+    let fails = |row: &Value| row["step"] == longest && row["verdict"] != "fine";
+    assert!(rows(&map, "implicit-midpoint").any(fails), "{}", map["rows"]);
+
+    let controlled = map["controlled"].as_array().unwrap();
+    let scales: BTreeSet<_> = controlled.iter().map(|row| row["stiffness_scale"].to_string()).collect();
+    assert_eq!(scales, SCALES.map(|scale| Value::from(scale).to_string()).into(), "{controlled:?}");
+    for row in controlled {
+        assert_eq!((&row["method"], &row["verdict"]), (&"implicit-midpoint".into(), &"fine".into()), "{row}");
+        assert_eq!((row["step"].as_f64(), row["error_m"].as_f64()), (Some(longest), Some(0.0005)), "{row}");
+        let number = |key: &str| row[key].as_f64().unwrap();
+        assert!(number("substeps") > number("steps") && number("taken_back") > 0.0, "{row}");
+        assert!(number("shortest_s") < number("mean_s") && number("mean_s") < longest, "{row}");
+        assert!((number("mean_s") * number("substeps") / number("watched_s") - 1.0).abs() < 1e-6, "{row}");
+    }
+
+    let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
+    let (_, table) = text.split_once("error control, by stiffness").expect("a table");
+    let line = table.lines().nth(1).unwrap();
+    assert!(line.starts_with("implicit-midpoint") && line.matches(" ms, ").count() == 5, "{text}");
+    assert!(text.contains("by errors of at most 0.5 mm and steps of at most 80 ms"), "{text}");
+    assert!(String::from_utf8(place.read("out/free/stability.svg")).unwrap().contains("with error control"));
 }
 
 #[test]
@@ -131,6 +168,8 @@ fn what_the_budget_leaves_out_is_said() {
     for limit in map["limits"].as_array().unwrap() {
         assert!(limit["measured"].is_null() && limit["ratio"].is_null() && limit["runs"] == 0, "{limit}");
     }
+    let controlled = map["controlled"].as_array().unwrap();
+    assert!(!controlled.is_empty() && controlled.iter().all(|row| row["verdict"] == "not run"), "{controlled:?}");
 }
 
 #[test]

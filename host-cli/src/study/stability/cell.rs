@@ -83,12 +83,14 @@ pub fn watched(duration: f64, step: f64, method: Method) -> u64 {
     if method.is_implicit() { whole(duration, step).min(IMPLICIT_STEPS) } else { EXPLICIT_STEPS }
 }
 
-/// Runs a subject from the start of a scene with `steps` steps of `step` seconds.
+/// Runs a subject from the start of a scene with `steps` steps of `step` seconds. With a largest `error`, m, these steps are
+/// divided where they need it.
 pub fn fly(
     share: &Share<'_, '_>,
     subject: Subject,
     ground: &Ground,
     (step, steps): (f64, u64),
+    error: Option<f64>,
     energy: f64,
 ) -> Result<Trajectory, Failure> {
     let duration = steps as f64 * step;
@@ -98,7 +100,7 @@ pub fn fly(
         ("integrator.method", Some(Value::String(subject.method.name().into()))),
         ("integrator.newton", Some(Value::Integer(subject.newton.into()))),
         ("integrator.step", Some(Value::Float(step))),
-        ("integrator.error", None),
+        ("integrator.error", error.map(Value::Float)),
     ])?;
     let limits = Limits { wall: share.left().max(Duration::from_millis(1)), energy };
     fly_scene(share.study, &scene, Precision::F32, steps / SAMPLES, limits)

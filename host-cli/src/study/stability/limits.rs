@@ -21,7 +21,7 @@ const TRIES: i32 = 10;
 /// remaining budget; the other half is for the scaled scenes.
 pub fn measure(study: &Study<'_>, subjects: &[Subject], ground: &Ground, rows: &[Row]) -> Result<Vec<Limit>, Failure> {
     let limit = |(place, &subject): (usize, &Subject)| {
-        let own = rows.iter().filter(|row| row.is_of(subject) && row.verdict != Verdict::NotRun);
+        let own = rows.iter().filter(|row| row.is_fixed() && row.is_of(subject) && row.verdict != Verdict::NotRun);
         limit(&Share::one_of(2 * (subjects.len() - place), study), subject, ground, &own.collect::<Vec<_>>())
     };
     subjects.iter().enumerate().map(limit).collect()
@@ -68,7 +68,7 @@ fn bisect(
 ) -> Result<(f64, f64), Failure> {
     while high > (1.0 + CLOSE) * low && !share.left().is_zero() {
         let middle = (low * high).sqrt();
-        match run_cell(share, subject, ground, middle)?.verdict {
+        match run_cell(share, subject, ground, middle, None)?.verdict {
             Verdict::Fine => low = middle,
             Verdict::NotRun => break,
             _ => high = middle,
@@ -98,7 +98,7 @@ fn to_the_end(
             break;
         }
         share.study.say(&format!("{}, step {} to the scene's end", subject.name(), crate::units::time(tried)));
-        let run = cell::fly(share, subject, ground, (tried, steps), ground.energy)?;
+        let run = cell::fly(share, subject, ground, (tried, steps), None, ground.energy)?;
         let (verdict, held) = (judge(&run).0, (run.report.steps as f64 * tried).min(duration));
         let whole = first.get_or_insert(Whole { steps, held, verdict, lasting: None });
         match verdict {

@@ -2,6 +2,7 @@
 
 use muslin_core::integrate::Method;
 use muslin_core::integrate::stability::Mode;
+use muslin_core::scene::IntegratorDesc;
 
 use crate::args::Precision;
 use crate::engine;
@@ -12,7 +13,7 @@ use crate::study::variant::{self, SAMPLES};
 use crate::units::time;
 
 use super::cell::{self, Subject, Verdict, judge};
-use super::report::Row;
+use super::report::{Control, Row};
 use super::share::Share;
 
 /// Keys of a scene with stiffnesses.
@@ -104,7 +105,7 @@ fn liveliest(share: &Share<'_, '_>, ground: &Ground, to_its_end: bool) -> Result
     let step = desc.integrator.step().min(desc.duration / SAMPLES as f64);
     let watched = cell::watched(desc.duration, step, witness.method);
     let steps = if to_its_end { cell::whole(desc.duration, step) } else { watched };
-    let run = cell::fly(share, witness, ground, (step, steps), f64::INFINITY)?;
+    let run = cell::fly(share, witness, ground, (step, steps), None, f64::INFINITY)?;
     Ok(run.liveliest().max(REST * ground.mass))
 }
 
@@ -127,14 +128,25 @@ fn steps(study: &Study<'_>, subject: Subject, grounds: &[Ground]) -> Vec<f64> {
     steps.map(|half| own * 2f64.powf(0.5 * f64::from(half) - 0.25)).collect()
 }
 
-/// Runs every subject on some of all grounds; each pair has its share of the time.
+/// The largest error of a step under error control, m: the scene's, or that of a scene without a step. `None` for explicit
+/// methods.
+fn error(study: &Study<'_>, method: Method) -> Option<f64> {
+    let desc = IntegratorDesc { method, step: None, ..study.scene.desc.integrator.clone() };
+    desc.error().filter(|_| method.is_implicit())
+}
+
+/// Runs every subject on some of all grounds, with all steps and then under error control within the longest of them. Each
+/// pair has its share of the time.
 pub fn run(study: &Study<'_>, subjects: &[Subject], all: &[Ground], some: &[Ground]) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     let pairs: Vec<_> = some.iter().flat_map(|ground| subjects.iter().map(move |&subject| (ground, subject))).collect();
     for (place, &(ground, subject)) in pairs.iter().enumerate() {
         let share = Share::one_of(pairs.len() - place, study);
-        for step in steps(study, subject, all) {
-            rows.push(run_cell(&share, subject, ground, step)?);
+        let steps = steps(study, subject, all);
+        let fixed = steps.iter().map(|&step| (step, None));
+        let controlled = steps.last().zip(error(study, subject.method)).map(|(&step, error)| (step, Some(error)));
+        for (step, error) in fixed.chain(controlled) {
+            rows.push(run_cell(&share, subject, ground, step, error)?);
         }
     }
     Ok(rows)
@@ -148,14 +160,21 @@ pub fn run_rest(study: &Study<'_>, subjects: &[Subject], grounds: &[Ground], row
         let is_of = |ground: &&Ground| (ground.stiffness, ground.damping) == (row.stiffness_scale, row.damping_scale);
         let subject = subjects.iter().find(|&&subject| row.is_of(subject));
         if let (Some(&subject), Some(ground)) = (subject, grounds.iter().find(is_of)) {
-            *row = run_cell(&Share::one_of(count - place, study), subject, ground, row.step)?;
+            let error = row.control.as_ref().map(|control| control.error);
+            *row = run_cell(&Share::one_of(count - place, study), subject, ground, row.step, error)?;
         }
     }
     Ok(())
 }
 
-/// Runs a subject on a ground with steps of `step` seconds.
-pub fn run_cell(share: &Share<'_, '_>, subject: Subject, ground: &Ground, step: f64) -> Result<Row, Failure> {
+/// Runs a subject on a ground with steps of `step` seconds, or with shorter ones whose error is below `error`, m.
+pub fn run_cell(
+    share: &Share<'_, '_>,
+    subject: Subject,
+    ground: &Ground,
+    step: f64,
+    error: Option<f64>,
+) -> Result<Row, Failure> {
     let mut row = Row {
         method: subject.method.name(),
         newton: subject.newton,
@@ -169,15 +188,18 @@ pub fn run_cell(share: &Share<'_, '_>, subject: Subject, ground: &Ground, step: 
         wall: 0.0,
         verdict: Verdict::NotRun,
         why: Some("its share of the budget was used up".into()),
+        control: error.map(Control::not_run),
     };
     if share.left().is_zero() {
         return Ok(row);
     }
-    share.study.say(&format!("{}, step {}, stiffness x {}", row.name, time(step), ground.stiffness));
+    let by = if error.is_some() { "error control within step" } else { "step" };
+    share.study.say(&format!("{}, {by} {}, stiffness x {}", row.name, time(step), ground.stiffness));
     let steps = cell::watched(share.study.scene.desc.duration, step, subject.method);
-    let run = cell::fly(share, subject, ground, (step, steps), ground.energy)?;
+    let run = cell::fly(share, subject, ground, (step, steps), error, ground.energy)?;
     row.steps = run.report.steps;
     (row.watched, row.wall) = (row.steps as f64 * step, run.wall);
     (row.verdict, row.why) = judge(&run);
+    row.control = error.map(|error| Control::of(error, step, &run.report));
     Ok(row)
 }

@@ -38,7 +38,7 @@ pub fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
             "{} s are not enough for {missing} of {} runs; the finished runs are written: take fewer --methods, a \
              coarser cloth by --set, or a larger --budget",
             arguments.study.budget,
-            map.rows.len()
+            map.all().count()
         ))),
     }
 }

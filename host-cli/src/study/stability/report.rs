@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use muslin_core::integrate::stability::Mode;
 use serde::Serialize;
 
+use crate::engine::Report;
 use crate::study::Study;
 
 use super::cell::{Subject, Verdict};
@@ -20,7 +21,7 @@ pub struct Row {
     /// The method, and its Newton iterations if there is more than one.
     #[serde(skip)]
     pub name: String,
-    /// Step, s.
+    /// Step, s; with error control the longest one.
     pub step: f64,
     /// Factor of the scene's stiffness.
     pub stiffness_scale: f64,
@@ -40,9 +41,54 @@ pub struct Row {
     pub verdict: Verdict,
     /// What went wrong.
     pub why: Option<String>,
+    /// Its substeps with error control; `None` with steps of one length.
+    #[serde(flatten)]
+    pub control: Option<Control>,
+}
+
+/// The substeps of a run with error control.
+#[derive(Clone, Debug, Serialize)]
+pub struct Control {
+    /// The largest error of a substep, m.
+    #[serde(rename = "error_m")]
+    pub error: f64,
+    /// Number of substeps that were kept.
+    pub substeps: u64,
+    /// Number of substeps that were taken back because of their error.
+    pub taken_back: u64,
+    /// Mean length of the substeps that were kept, s; 0 if there are none.
+    #[serde(rename = "mean_s")]
+    pub mean: f64,
+    /// Length of the shortest substep, s; 0 if none was tried.
+    #[serde(rename = "shortest_s")]
+    pub shortest: f64,
+}
+
+impl Control {
+    /// No substeps yet; `error` is the largest one, m.
+    pub const fn not_run(error: f64) -> Self {
+        Self { error, substeps: 0, taken_back: 0, mean: 0.0, shortest: 0.0 }
+    }
+
+    /// The substeps of a run whose steps have `step` seconds.
+    pub fn of(error: f64, step: f64, report: &Report) -> Self {
+        let [substeps, taken_back, halvings] = report.substeps;
+        let shortest = step / 2f64.powi(halvings as i32);
+        Self { error, substeps, taken_back, mean: report.time / substeps.max(1) as f64, shortest }
+    }
 }
 
 impl Row {
+    /// Whether all its steps have the same length.
+    pub const fn is_fixed(&self) -> bool {
+        self.control.is_none()
+    }
+
+    /// Mean length of its substeps, s, if it is fine under error control.
+    pub fn mean_substep(&self) -> Option<f64> {
+        self.control.as_ref().filter(|_| self.verdict == Verdict::Fine).map(|control| control.mean)
+    }
+
     /// Whether the run is of a subject.
     pub fn is_of(&self, subject: Subject) -> bool {
         self.method == subject.method.name() && self.newton == subject.newton
@@ -141,8 +187,10 @@ pub struct Map {
     pub fastest_mode_hz: f64,
     /// Damping ratio of this mode.
     pub damping_ratio: f64,
-    /// All runs, in f32.
+    /// All runs with steps of one length, in f32.
     pub rows: Vec<Row>,
+    /// The runs with error control, in f32.
+    pub controlled: Vec<Row>,
     /// The longest stable steps on the scene itself.
     pub limits: Vec<Limit>,
     /// Number of runs for which theory predicts a result, and number of correct predictions.
@@ -155,6 +203,7 @@ pub struct Map {
 pub fn summarise(study: &Study<'_>, grounds: &[Ground], rows: Vec<Row>, limits: Vec<Limit>) -> Map {
     let Mode { stiffness, damping } = grounds[0].modes[0];
     let omega = stiffness.sqrt();
+    let (rows, controlled): (Vec<_>, Vec<_>) = rows.into_iter().partition(Row::is_fixed);
     let foretold: Vec<_> = rows.iter().filter_map(Row::is_foretold).collect();
     Map {
         scene: study.scene.desc.name.clone(),
@@ -163,6 +212,7 @@ pub fn summarise(study: &Study<'_>, grounds: &[Ground], rows: Vec<Row>, limits: 
         damping_ratio: if omega > 0.0 { 0.5 * damping / omega } else { 0.0 },
         foretold: [foretold.len(), foretold.iter().filter(|&&right| right).count()],
         rows,
+        controlled,
         limits,
         study_s: study.seconds(),
     }
@@ -175,8 +225,13 @@ impl Map {
         [Axis::Stiffness].into_iter().chain(damped.then_some(Axis::Damping)).collect()
     }
 
+    /// All runs.
+    pub fn all(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().chain(&self.controlled)
+    }
+
     /// Number of runs that the budget did not allow.
     pub fn missing(&self) -> usize {
-        self.rows.iter().filter(|row| row.verdict == Verdict::NotRun).count()
+        self.all().filter(|row| row.verdict == Verdict::NotRun).count()
     }
 }

@@ -41,6 +41,7 @@ impl Map {
         ];
         lines.extend(self.limits.iter().map(limit_line));
         lines.extend(self.axes().into_iter().flat_map(|axis| self.scale_lines(axis)));
+        lines.extend(self.controlled.first().and_then(bounds));
         lines.push(String::new());
         lines.extend(self.limits.iter().filter_map(first_failure));
         lines.extend(self.limits.iter().filter_map(early));
@@ -51,25 +52,44 @@ impl Map {
         lines.join("\n")
     }
 
-    /// Table of the steps with which each subject begins to fail, by scale.
+    /// Tables by scale: the steps with which each subject begins to fail, and its substeps under error control.
     fn scale_lines(&self, axis: Axis) -> Vec<String> {
+        let mut lines = self.table("fails from", axis, |limit, scale| Some(self.begins(limit, axis, scale)));
+        let notes = [(FINE_AGAIN, "and longer steps are fine again"), (NOT_ALL, "longer steps were not run")];
+        let notes = notes.into_iter().filter(|(mark, _)| lines.iter().any(|line| line.contains(*mark)));
+        let notes: Vec<_> = notes.map(|(mark, what)| format!("{mark} {what}")).collect();
+        lines.extend(notes);
+        if !self.controlled.is_empty() {
+            lines.extend(self.table("error control", axis, |limit, scale| self.substeps(limit, axis, scale)));
+        }
+        lines
+    }
+
+    /// Table of the subjects that have cells, by scale.
+    fn table(&self, what: &str, axis: Axis, cell: impl Fn(&Limit, f64) -> Option<String>) -> Vec<String> {
         let mut scales: Vec<_> = self.rows.iter().filter_map(|row| axis.of(row)).collect();
         scales.sort_by(f64::total_cmp);
         scales.dedup();
         let head: String = scales.iter().map(|scale| format!("{:>17}", format!("x {scale}"))).collect();
-        let title = format!("fails from, by {}", axis.name());
-        let lines: Vec<_> = self
-            .limits
-            .iter()
-            .map(|limit| {
-                let cells = scales.iter().map(|&scale| format!("{:>17}", self.begins(limit, axis, scale)));
-                format!("{:<28}{}", limit.name, cells.collect::<String>())
-            })
-            .collect();
-        let notes = [(FINE_AGAIN, "and longer steps are fine again"), (NOT_ALL, "longer steps were not run")];
-        let notes = notes.into_iter().filter(|(mark, _)| lines.iter().any(|line| line.contains(*mark)));
-        let notes: Vec<_> = notes.map(|(mark, what)| format!("{mark} {what}")).collect();
-        [String::new(), format!("{title:<28}{head}")].into_iter().chain(lines).chain(notes).collect()
+        let title = format!("{what}, by {}", axis.name());
+        let line = |limit: &Limit| {
+            let cells = scales.iter().map(|&scale| Some(format!("{:>17}", cell(limit, scale)?)));
+            Some(format!("{:<28}{}", limit.name, cells.collect::<Option<String>>()?))
+        };
+        let lines = self.limits.iter().filter_map(line);
+        [String::new(), format!("{title:<28}{head}")].into_iter().chain(lines).collect()
+    }
+
+    /// The substeps of a subject under error control, or the class of its run if that is not fine; `None` for explicit
+    /// methods.
+    fn substeps(&self, limit: &Limit, axis: Axis, scale: f64) -> Option<String> {
+        let row = self.controlled.iter().find(|row| row.name == limit.name && axis.of(row) == Some(scale))?;
+        let control = row.control.as_ref()?;
+        Some(match row.verdict {
+            Verdict::Fine => format!("{}, {}", significant(control.mean, 2), significant(control.shortest, 2)),
+            Verdict::NotRun => "-".into(),
+            verdict => verdict.name().into(),
+        })
     }
 
     /// The steps of the map between which a subject begins to fail.
@@ -83,6 +103,14 @@ impl Map {
         let marks = [(again, FINE_AGAIN), (not_all, NOT_ALL)].into_iter().filter(|mark| mark.0).map(|mark| mark.1);
         between.chars().chain(marks).collect()
     }
+}
+
+/// What the tables of error control show, and the bounds of its runs.
+fn bounds(row: &Row) -> Option<String> {
+    let (error, longest) = (1e3 * row.control.as_ref()?.error, significant(row.step, 2));
+    Some(format!(
+        "error control: mean and shortest step, by errors of at most {error} mm and steps of at most {longest}"
+    ))
 }
 
 /// The range from a step that is fine to one that is not.
