@@ -86,7 +86,7 @@ both_precisions! {
     use muslin::dispatch::Serial;
     use muslin::implicit_contact::multiplier::Multiplier;
     use muslin::integrate::{Method, Scheme, Tolerance};
-    use muslin::real::{Real, Vec3};
+    use muslin::real::{Real, Sum, Vec3};
     use muslin::scene::{BUILT_IN, BuiltScene};
     use muslin::simulation::{Simulation, State};
 
@@ -218,7 +218,7 @@ both_precisions! {
             let fine = run("step = 2e-4, tolerance = 1e-6").0;
             let [coarse, fine] = errors.map(|error| {
                 let (x, steps) = run(&format!("error = {error:e}"));
-                (f64::from(distance(&x, &fine)), steps)
+                (Sum::from(distance(&x, &fine)), steps)
             });
             let measured = (coarse.0 / fine.0).ln() / (fine.1 / coarse.1).ln();
             let what = format!("{} {method}: {coarse:?} and {fine:?} m by steps", muslin::real::NAME);

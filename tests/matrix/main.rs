@@ -160,12 +160,16 @@ const EXCEPTIONS: [Exception; 29] = [
 const ERROR: f64 = 1e-3;
 
 /// Exceptions with error control; the steps are the longest ones.
-const CONTROLLED_EXCEPTIONS: [Exception; 13] = [
-    // The start is at rest but for 0.1 mm: ten times its energy is a motion that is smaller than the largest error.
-    ("flat", Method::ImplicitMidpoint, 1, "++x"),
+const CONTROLLED_EXCEPTIONS: [Exception; 15] = [
+    // The start is at rest but for 0.1 mm or less: ten times its energy is a motion that is smaller than the largest error.
+    ("flat", Method::ImplicitMidpoint, 1, "+?x"),
     ("stiffness 1:1e6", Method::ImplicitMidpoint, 1, "+xx"),
     ("stiffness 1:1e6", Method::Bdf2, 1, "++?"),
     ("masses 1:1e6", Method::ImplicitMidpoint, 1, "?xx"),
+    ("masses 1:1e6", Method::Bdf2, 1, "?xx"),
+    ("slivers", Method::BackwardEuler, 1, "+xx"),
+    ("slivers", Method::ImplicitMidpoint, 1, "xxx"),
+    ("slivers", Method::Bdf2, 1, "+xx"),
     // The step is halved six times and still too long, and its error is accepted. With Newton's method fixed steps of this
     // length fail too, although longer ones do not.
     ("stretched x100", Method::ImplicitMidpoint, 1, "++x"),
@@ -174,10 +178,8 @@ const CONTROLLED_EXCEPTIONS: [Exception; 13] = [
     ("stretched x1000", Method::Bdf2, 1, "++x"),
     ("stretched x1000", Method::BackwardEuler, 20, "+xx"),
     ("stretched x1000", Method::Bdf2, 20, "+xx"),
-    ("slivers", Method::ImplicitMidpoint, 1, "?xx"),
-    ("slivers", Method::Bdf2, 1, "++x"),
     // Many solves by Newton's method do not converge, and its estimate contains no error of the solve.
-    ("slivers", Method::Bdf2, 20, "+x+"),
+    ("slivers", Method::Bdf2, 20, "+??"),
 ];
 
 /// The outcome predicted for a scheme from a start.
@@ -206,9 +208,10 @@ fn fixed(built: &BuiltScene) -> Schemes {
     explicit.into_iter().chain(IMPLICIT.map(|(method, newton)| (scheme(method, newton), STEPS.to_vec()))).collect()
 }
 
-/// Implicit methods with error control.
+/// Implicit methods with error control and its default tolerance.
 fn controlled(_: &BuiltScene) -> Schemes {
-    let controlled = |(method, newton)| Scheme { error: Some(ERROR), ..scheme(method, newton) };
+    let controlled =
+        |(method, newton)| Scheme { error: Some(ERROR), tolerance: Tolerance::within(ERROR), ..scheme(method, newton) };
     IMPLICIT.map(|implicit| (controlled(implicit), STEPS.to_vec())).into()
 }
 
@@ -309,17 +312,6 @@ fn a_smaller_error_bounds_smaller_motion() {
             let borne = STEPS.iter().all(|&step| bears(&built, &scheme, step));
             assert!(borne, "{}, {}, newton = {newton}, seed {seed}", start.name, method.name());
         }
-    }
-}
-
-/// With its default tolerance, a solve ignores motion that is smaller than a tenth of the largest error.
-#[test]
-#[ignore = "slow"]
-fn the_default_tolerance_lets_smaller_motion_grow() {
-    let start = Start::named("masses 1:1e6");
-    let scheme = Scheme { error: Some(ERROR), tolerance: Tolerance::within(ERROR), ..scheme(Method::Bdf2, 1) };
-    for (seed, step) in [0, 1, 2].into_iter().flat_map(|seed| STEPS.map(|step| (seed, step))) {
-        assert!(!bears(&start.build(seed), &scheme, step), "seed {seed}, {step} s is stable, unlike the manual says");
     }
 }
 
