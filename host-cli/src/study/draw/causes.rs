@@ -11,7 +11,7 @@ use crate::study::work_precision::{Cause, Chart};
 use crate::units::round_length;
 
 use super::range;
-use super::work_precision::DRAWN;
+use super::work_precision::{BESIDE_LENGTHS, DRAWN};
 
 /// Name, colour and marker of each cause, and its error.
 type Look = (&'static str, &'static str, MarkerShape, fn(&Cause) -> f64);
@@ -39,8 +39,9 @@ pub fn panel(chart: &Chart) -> Option<(Vec<Plot>, Layout)> {
             .with_log_scale()
             .with_x_tick_format(TickFormat::Sci)
             .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| round_length(drawn / DRAWN))))
-            .with_title(format!("{} f64, tolerance {:.0e}: causes", causes.method, causes.tolerance))
-            .with_x_label("step, s")
-            .with_y_label(format!("RMS error of {}", chart.measure.name()));
+            .with_title("error by cause")
+            .with_x_label(format!("step of {}, s; tolerance {:.0e}", causes.method, causes.tolerance))
+            .with_y_label(format!("RMS error of {}", chart.measure.name()))
+            .with_y_label_offset(BESIDE_LENGTHS, 0.0);
     Some((plots, layout))
 }

@@ -17,6 +17,9 @@ use super::{LOOKS, causes, control, named, range, series, stretch};
 /// Factor from the error to the drawn number: the library draws nothing below 1e-10.
 pub const DRAWN: f64 = 1e6;
 
+/// Horizontal offset of a y label beside ticks that are lengths, px: the library underestimates their width.
+pub const BESIDE_LENGTHS: f64 = -14.0;
+
 /// Colours of what belongs to no method, and of the front.
 const GRAY: &str = "#666666";
 const FRONT: &str = "#cccccc";
@@ -74,7 +77,7 @@ pub fn work_precision(chart: &Chart) -> String {
         costs: true,
         unit: DRAWN * chart.diagonal_m,
         up: format!("RMS error of {measure}"),
-        aside: -14.0,
+        aside: BESIDE_LENGTHS,
         format: |drawn| round_length(drawn / DRAWN),
     };
     let mut panels = vec![draw(chart, &by_step), draw(chart, &by_cost)];
