@@ -214,6 +214,35 @@ fn by_counts_the_whole_study_is_the_same_every_time() {
     assert!(once.contains("\"machine\": \"none: by counts\""), "{once}");
 }
 
+/// A strip that is held at one end falls, snaps taut and swings: only the snap needs short steps.
+const SNAP: &str = r#"name = "snap"
+duration = 0.6
+frame_rate = 40
+gravity = [0.0, -9.81, 0.0]
+
+[[cloth]]
+grid = { size = [0.5, 0.1], cells = [10, 2] }
+density = 0.2
+stretch = { model = "membrane", stiffness = 1000.0, damping = 0.001 }
+shear = { stiffness = 200.0 }
+pin = [{ select = { edge = "left" } }]
+"#;
+
+#[test]
+fn error_control_is_chosen_where_few_steps_must_be_short() {
+    let place = Place::new();
+    place.write("snap.toml", SNAP);
+    let choice = choose(&place, "snap.toml --cost counts --tolerance 5mm --write chosen.toml");
+    let error = number(&choice["chosen"]["allowed_error"]);
+    assert!(choice["chosen"]["solver_tolerance"].is_null(), "the solver follows the allowed error: {choice}");
+    let words = String::from_utf8(place.read("out/choose.txt")).unwrap();
+    assert!(words.contains("a step, the longest"), "{words}");
+    let run = place.muslin("run chosen.toml --out run --preview none --json").expect(0).json();
+    assert_eq!(run["error_control"]["error_m"], error, "{run}");
+    let (longest, shortest) = (number(&run["step_s"]), number(&run["error_control"]["shortest_s"]));
+    assert!(shortest < 0.5 * longest, "steps of {shortest} to {longest} s");
+}
+
 #[test]
 fn with_contact_the_outline_is_judged() {
     let place = Place::new();

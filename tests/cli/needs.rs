@@ -92,6 +92,22 @@ fn needs(place: &Place, text: &str, words: &str) -> Value {
     place.muslin(&format!("needs scene.toml --out out --json {words}")).expect(0).json()
 }
 
+/// A scene without a step is run under error control, as `run` does, and judged by a smaller allowed error.
+#[test]
+fn a_scene_under_error_control_is_run_as_it_is() {
+    let place = Place::new();
+    let scene = HANG.replace("[integrator]\nstep = 0.01\n", "");
+    let hang = needs(&place, &scene, "--cost counts");
+    assert_eq!(hang["allowed_error"], 1e-3);
+    assert_eq!(hang["finer"], "a quarter of the allowed error");
+    let run = place.muslin("run scene.toml --out run --set frame_rate=100 --preview none --json").expect(0).json();
+    assert_eq!(hang["counts"]["cg_iterations"], run["work"]["cg_iterations"], "{run}");
+    let words = String::from_utf8(place.read("out/needs.txt")).unwrap();
+    assert!(words.contains("A quarter of the allowed error moves the cloth by"), "{words}");
+    let fixed = needs(&place, HANG, "--cost counts");
+    assert!(fixed["allowed_error"].is_null() && fixed["finer"] == "half the step", "{fixed}");
+}
+
 /// The row of a run, such as "without bending".
 #[track_caller]
 fn row<'a>(needs: &'a Value, run: &str) -> &'a Value {
