@@ -59,9 +59,6 @@ impl Rule {
     }
 }
 
-/// Largest number of steps from sample to sample that is tried.
-pub const MOST_STEPS: u64 = 1 << 24;
-
 /// Own error at which halving ends for the most exact reference, as a part of the diagonal.
 const ENOUGH: f64 = 1e-12;
 
@@ -159,7 +156,7 @@ pub fn refine(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Reference
     let mut reference =
         Reference { rule, runs: Vec::new(), failed: None, cut: None, self_error: f64::INFINITY, before: None };
     let mut variant = Variant::fixed(rule.method, Precision::F64, 1);
-    while variant.steps <= MOST_STEPS {
+    while variant.is_tried() {
         let left = end - study.seconds();
         let next = reference.runs.last().map_or(0.0, |(_, run)| 2.0 * run.wall);
         if next > left || left <= 0.0 {

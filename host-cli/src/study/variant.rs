@@ -47,6 +47,10 @@ pub fn limit(modes: &[Mode], method: Method) -> Option<f64> {
 /// Smallest useful solver tolerances in single and double precision: rounding prevents smaller residuals.
 const LEAST_TOLERANCE: [f64; 2] = [1e-6, 1e-12];
 
+/// The largest number of steps from sample to sample, and the smallest allowed error of a step, m, that a study tries.
+const MOST_STEPS: u64 = 1 << 24;
+const LEAST_ERROR: f64 = 1e-12;
+
 /// The loosest solver tolerance that a study takes of its own accord.
 const LOOSEST: f64 = 0.1;
 
@@ -66,6 +70,11 @@ impl Variant {
         let sample = scene.desc.duration / SAMPLES as f64;
         let steps = (sample / longest - 1e-9).ceil().max(1.0) as u64;
         Self { error: Some(error), ..Self::fixed(method, precision, steps) }
+    }
+
+    /// Whether it is not finer than what a study tries.
+    pub fn is_tried(&self) -> bool {
+        self.steps <= MOST_STEPS && self.error.is_none_or(|error| error >= LEAST_ERROR)
     }
 
     /// The next finer variant: half the step, or the allowed error that halves the step where forces are smooth.

@@ -105,6 +105,11 @@ impl Row {
         self.allowed_error.map_or_else(|| time(self.step), |error| format!("error {}", length(error)))
     }
 
+    /// Whether it misses the tolerance and error control divided no step further than in the run `before`.
+    pub fn is_as_divided(&self, before: &Self) -> bool {
+        self.verdict == Verdict::Misses && self.is_divided() && self.steps <= before.steps
+    }
+
     /// Whether error control divided a step.
     pub fn is_divided(&self) -> bool {
         self.allowed_error.is_some() && self.steps > SAMPLES * self.variant.steps

@@ -7,7 +7,6 @@ use muslin_core::integrate::stability::Mode;
 use crate::args::Precision;
 use crate::engine::Engine;
 use crate::failure::Failure;
-use crate::study::reference::MOST_STEPS;
 use crate::study::trajectory::Ending;
 use crate::study::variant::{self, SAMPLES, Variant};
 
@@ -99,7 +98,7 @@ fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Fa
     let scene = &pilot.study.scene;
     let mut patience = PATIENCE[usize::from(variant.method.is_implicit())];
     let mut before: Option<Row> = None;
-    while variant.steps <= MOST_STEPS {
+    while variant.is_tried() {
         let left = end - pilot.study.seconds();
         if left <= 0.0 {
             break;
@@ -123,8 +122,7 @@ fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Fa
             Verdict::Dear => patience -= 1,
             Verdict::Misses | Verdict::Failed => {}
         }
-        if before.as_ref().is_some_and(|before| row.is_divided() && row.steps <= before.steps) {
-            // Error control divides no step further.
+        if before.as_ref().is_some_and(|before| row.is_as_divided(before)) {
             break;
         }
         before = Some(row);

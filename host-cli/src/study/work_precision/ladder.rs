@@ -8,7 +8,6 @@ use muslin_core::integrate::Method;
 use crate::args::Precision;
 use crate::failure::Failure;
 use crate::study::Study;
-use crate::study::reference::MOST_STEPS;
 use crate::study::variant::{self, Variant};
 
 use super::report::{Agreement, Row, is_of_order};
@@ -117,7 +116,7 @@ pub fn climb(
     let mut variant = first;
     // The reference is not compared with itself.
     let is_wanted = |variant: &Variant, last: Option<&Row>| {
-        variant.steps <= MOST_STEPS && next_step(study, variant, last) >= yardstick.finest
+        variant.is_tried() && next_step(study, variant, last) >= yardstick.finest
     };
     while is_wanted(&variant, ladder.rows.last()) && variant != yardstick.reference.best().0 {
         let left = end - study.seconds();
