@@ -122,7 +122,7 @@ fn a_soft_sheet_is_charted_by_every_method() {
 
 /// Words of the panels and the legend.
 const PANELS: [&str; 8] =
-    ["f32", "failed", "hollow", "um", "error control", "cheapest", "error by cause", "of one Newton iteration"];
+    ["f32", "failed", "hollow", "um", "error control", "cheapest", "error by cause", "of the linearisation"];
 
 /// Implicit methods have runs with an allowed error: a smaller one takes more steps to a smaller error.
 fn error_control_is_charted(chart: &Value) {
@@ -144,7 +144,8 @@ fn error_control_is_charted(chart: &Value) {
 const IMPLICIT: [&str; 3] = ["backward-euler", "implicit-midpoint", "bdf2"];
 
 /// The cheapest implicit runs are repeated with other solvers, and the errors of backward Euler, the scene's method, are
-/// separated: the error of the step falls by first order and that of one Newton iteration faster.
+/// separated: the error of the step falls by first order and that of the linearisation by a single
+/// Newton iteration faster.
 #[test]
 fn the_solver_is_varied_and_errors_are_separated() {
     let place = Place::new();

@@ -99,11 +99,19 @@ fn a_scene_under_error_control_is_run_as_it_is() {
     let scene = HANG.replace("[integrator]\nstep = 0.01\n", "");
     let hang = needs(&place, &scene, "--cost counts");
     assert_eq!(hang["allowed_error"], 1e-3);
-    assert_eq!(hang["finer"], "a quarter of the allowed error");
+    assert_eq!(hang["finer"], "half the longest step with a quarter of the allowed error");
+    assert!(
+        hang["step_error"]["rms"].as_f64().unwrap() > 0.0,
+        "the finer run takes other steps: {}",
+        hang["step_error"]
+    );
     let run = place.muslin("run scene.toml --out run --set frame_rate=100 --preview none --json").expect(0).json();
     assert_eq!(hang["counts"]["cg_iterations"], run["work"]["cg_iterations"], "{run}");
+    let own = needs(&place, &format!("{scene}[integrator]\nerror = 0.001\ntolerance = 1e-6\n"), "--cost counts");
+    let iterations = |needs: &Value| needs["counts"]["cg_iterations"].as_u64().unwrap();
+    assert!(iterations(&own) > iterations(&hang), "the scene's own tolerance rules");
     let words = String::from_utf8(place.read("out/needs.txt")).unwrap();
-    assert!(words.contains("A quarter of the allowed error moves the cloth by"), "{words}");
+    assert!(words.contains("Half the longest step with a quarter of the allowed error moves the cloth by"), "{words}");
     let fixed = needs(&place, HANG, "--cost counts");
     assert!(fixed["allowed_error"].is_null() && fixed["finer"] == "half the step", "{fixed}");
 }

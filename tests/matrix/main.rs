@@ -307,7 +307,8 @@ fn a_smaller_error_bounds_smaller_motion() {
     for start in ["flat", "stiffness 1:1e6"].map(Start::named) {
         for (seed, (method, newton)) in [0, 1, 2].into_iter().flat_map(|seed| IMPLICIT.map(|implicit| (seed, implicit)))
         {
-            let scheme = Scheme { error: Some(1e-2 * ERROR), ..scheme(method, newton) };
+            let error = 1e-2 * ERROR;
+            let scheme = Scheme { error: Some(error), tolerance: Tolerance::within(error), ..scheme(method, newton) };
             let built = start.build(seed);
             let borne = STEPS.iter().all(|&step| bears(&built, &scheme, step));
             assert!(borne, "{}, {}, newton = {newton}, seed {seed}", start.name, method.name());

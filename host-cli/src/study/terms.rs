@@ -189,12 +189,15 @@ fn whole_contact(scene: &SceneDesc) -> Term {
     Term { subject: format!("{}{with}", term.subject), ..term }
 }
 
+/// The name of the term of Newton's method.
+pub const NEWTON: &str = "Newton's method";
+
 /// Number of iterations in which a step usually converges.
 pub const CONVERGED: u32 = 20;
 
 fn newton(scene: &SceneDesc) -> Option<Term> {
     let iterations = |n: u32| vec![("integrator.newton".into(), Some(Value::Integer(n.into())))];
-    let name = "Newton's method";
+    let name = NEWTON;
     scene.integrator.method.is_implicit().then(|| match scene.integrator.newton {
         1 => Term::new(name, VariantKind::Added, format!("with {name}"), iterations(CONVERGED)),
         _ => Term::simpler(name, "one Newton iteration", iterations(1)),

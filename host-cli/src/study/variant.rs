@@ -85,13 +85,27 @@ impl Variant {
         }
     }
 
-    /// What is changed for the next finer variant, in words.
-    pub const fn finer_words(&self) -> &'static str {
+    /// A variant with shorter steps for certain, which shows the error of this one: with an allowed error, half the longest
+    /// step and [`Variant::finer`].
+    pub fn judge(self) -> Self {
+        match self.error {
+            None => self.finer(),
+            Some(_) => Self { steps: 2 * self.steps, ..self.finer() },
+        }
+    }
+
+    /// What differs in [`Variant::judge`], in words.
+    pub const fn judge_words(&self) -> &'static str {
         match (self.error, order(self.method)) {
             (None, _) => "half the step",
-            (Some(_), 1) => "a quarter of the allowed error",
-            (Some(_), _) => "an eighth of the allowed error",
+            (Some(_), 1) => "half the longest step with a quarter of the allowed error",
+            (Some(_), _) => "half the longest step with an eighth of the allowed error",
         }
+    }
+
+    /// Whether error control divided a step in a run that kept this many steps.
+    pub fn is_divided(&self, steps: u64) -> bool {
+        self.error.is_some() && steps > SAMPLES * self.steps
     }
 
     /// How fine it is: steps from sample to sample, or the inverse of the allowed error, 1/m.
@@ -112,18 +126,26 @@ impl Variant {
         scene.desc.duration / (SAMPLES * self.steps) as f64
     }
 
-    /// The solver's tolerance; `None` for explicit methods, and with an allowed error, which the solver follows. For
-    /// steps shorter than the scene's it is reduced by the order of the method, so that the solver never dominates the
-    /// error.
+    /// The solver's tolerance; `None` for explicit methods, and with an allowed error, which the solver follows unless the
+    /// scene has both. For steps shorter than the scene's it is reduced by the order of the method, so that the solver
+    /// never dominates the error.
     pub fn tolerance(&self, scene: &SceneFile) -> Option<f64> {
-        if !self.method.is_implicit() || self.error.is_some() {
+        let integrator = &scene.desc.integrator;
+        if !self.method.is_implicit() {
             return None;
         }
-        let integrator = &scene.desc.integrator;
+        if self.error.is_some() {
+            return integrator.tolerance.filter(|_| integrator.error().is_some());
+        }
         let finer = (self.step(scene) / integrator.step()).min(1.0).powi(order(self.method));
         let least = LEAST_TOLERANCE[usize::from(self.precision == Precision::F64)];
-        let most = (self.looser * integrator.residual()).min(LOOSEST.max(integrator.residual()));
+        let most = self.looser * integrator.residual();
         Some((most * finer).max(least).min(most))
+    }
+
+    /// Whether its solver is as many times as loose as it should be: no study takes one beyond [`LOOSEST`].
+    pub fn is_as_loose_as_asked(&self, scene: &SceneFile) -> bool {
+        self.looser * scene.desc.integrator.residual() <= LOOSEST
     }
 
     /// The scene to run, with one frame per sample.

@@ -35,8 +35,8 @@ pub struct Checked {
     pub step: f64,
 }
 
-/// Checks the choice, and shortens its step slightly if it misses the tolerance. An error means that shorter steps
-/// do not help.
+/// Checks the choice, and makes it slightly finer if it misses the tolerance. An error means that finer runs do not
+/// help.
 pub fn check(pilot: &mut Pilot<'_>, mut found: Candidate) -> Result<Checked, Failure> {
     let (variant, finer) = finer_reference(pilot)?;
     let step = variant.step(&pilot.study.scene);
@@ -51,7 +51,7 @@ pub fn check(pilot: &mut Pilot<'_>, mut found: Candidate) -> Result<Checked, Fai
     }
     let [asked, nearest] = apart(pilot.tolerance, nearest);
     Err(Failure::Diverged(format!(
-        "the choice for {}, {}, misses {asked} in its check: its error is {nearest}, and slightly shorter steps do \
+        "the choice for {}, {}, misses {asked} in its check: its error is {nearest}, and slightly finer runs do \
          not reduce it; allow this error or take a shorter --duration",
         pilot.study.scene.desc.name,
         found.row.name(),

@@ -1,4 +1,4 @@
-//! `muslin choose`: the cheapest method, step and terms that meet a tolerance.
+//! `muslin choose`: the cheapest method, step or allowed error, solver and terms that meet a tolerance.
 
 mod check;
 mod pilot;

@@ -234,7 +234,7 @@ impl Choice {
             Some(error) => format!("an error of {} a step, the longest {}", length(error), time(c.step)),
         };
         let mut lines = vec![format!("Chosen: {} {} with {stride}{solver}, {terms}", c.method, c.precision)];
-        if is_cut(c.run_step, c.step) {
+        if c.allowed_error.is_none() && is_cut(c.run_step, c.step) {
             lines.push(format!(
                 "A frame is not a whole number of these steps: muslin run takes steps of {}",
                 time(c.run_step)

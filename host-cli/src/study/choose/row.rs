@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::engine::Report;
 use crate::scene_file::SceneFile;
 use crate::study::median::median;
-use crate::study::variant::{SAMPLES, Variant};
+use crate::study::variant::Variant;
 use crate::units::{length, time};
 
 /// The result of a run with respect to the tolerance.
@@ -112,7 +112,7 @@ impl Row {
 
     /// Whether error control divided a step.
     pub fn is_divided(&self) -> bool {
-        self.allowed_error.is_some() && self.steps > SAMPLES * self.variant.steps
+        self.variant.is_divided(self.steps)
     }
 
     /// Whether it meets the tolerance.

@@ -43,7 +43,8 @@ pub fn leave_out(pilot: &mut Pilot<'_>, mut found: Candidate, mean_edges: &[f64]
     }
     let modelled = |scene: &SceneFile| terms::of(&scene.desc, mean_edges);
     let mut names: Vec<Term> = modelled(&found.scene);
-    names.retain(|term| term.kind != VariantKind::Added);
+    let is_implicit = found.row.variant.method.is_implicit();
+    names.retain(|term| term.kind != VariantKind::Added && (is_implicit || term.name != terms::NEWTON));
     names.sort_by_key(|term| !term.part_of.is_empty());
     for name in names {
         // The term as it is now: a simplification of another term may have changed it.
@@ -63,7 +64,7 @@ fn loosen(pilot: &mut Pilot<'_>, mut found: Candidate) -> Result<Candidate, Fail
     loop {
         let (scene, terms) = (found.scene.clone(), found.row.terms.clone());
         let variant = Variant { looser: LOOSER * found.row.variant.looser, ..found.row.variant };
-        if variant.tolerance(&scene) == found.row.solver_tolerance {
+        if !variant.is_as_loose_as_asked(&scene) {
             return Ok(found);
         }
         let (next, saves) = attempt(pilot, found, scene, variant, &terms)?;

@@ -77,7 +77,9 @@ fn firsts(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> Vec<Variant> {
         return vec![fixed];
     }
     let controlled = Variant::controlled(&pilot.study.scene, method, Precision::F32, COARSEST * pilot.tolerance);
-    vec![Variant { looser: LOOSE, ..fixed }, fixed, controlled]
+    let loose = Some(Variant { looser: LOOSE, ..fixed });
+    let loose = loose.filter(|loose| loose.is_as_loose_as_asked(&pilot.study.scene));
+    loose.into_iter().chain([fixed, controlled]).collect()
 }
 
 /// Initial number of steps between two samples. An explicit method starts with a step slightly shorter than its own
@@ -133,7 +135,7 @@ fn climb(pilot: &mut Pilot<'_>, mut variant: Variant, end: f64) -> Result<(), Fa
 
 /// Whether halving the step hardly reduced the error although it is still too large.
 fn is_stalled(before: Option<&Row>, row: &Row) -> bool {
-    let before = before.and_then(|before| before.error);
+    let before = before.filter(|before| before.steps < row.steps).and_then(|before| before.error);
     row.verdict == Verdict::Misses && before.zip(row.error).is_some_and(|(before, now)| now > STALLED * before)
 }
 

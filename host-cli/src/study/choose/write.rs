@@ -79,7 +79,8 @@ fn own_duration(study: &Study<'_>) -> Result<f64, Failure> {
 fn note(scene: &SceneFile, found: &Candidate, path: &Path) -> String {
     let precision = if found.row.variant.precision == Precision::F64 { " --precision f64" } else { "" };
     let timing = scene.desc.timing();
-    let steps = match is_cut(timing.step, scene.desc.integrator.step()) {
+    let is_fixed = scene.desc.integrator.error().is_none();
+    let steps = match is_fixed && is_cut(timing.step, scene.desc.integrator.step()) {
         true => format!("; that takes {} steps of {:.4} ms a frame", timing.steps_per_frame, 1e3 * timing.step),
         false => String::new(),
     };

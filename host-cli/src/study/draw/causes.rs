@@ -16,9 +16,9 @@ use super::work_precision::{BESIDE_LENGTHS, DRAWN};
 /// Name, colour and marker of each cause, and its error.
 type Look = (&'static str, &'static str, MarkerShape, fn(&Cause) -> f64);
 const CAUSES: [Look; 3] = [
-    ("of the step", "#000000", MarkerShape::Circle, |cause| cause.of_step),
-    ("of the solver", "#d55e00", MarkerShape::Diamond, |cause| cause.solver),
-    ("of one Newton iteration", "#0072b2", MarkerShape::Square, |cause| cause.linearisation),
+    ("of the step", "#7f7f7f", MarkerShape::Plus, |cause| cause.of_step),
+    ("of the solver", "#8c564b", MarkerShape::Diamond, |cause| cause.solver),
+    ("of the linearisation", "#9467bd", MarkerShape::Triangle, |cause| cause.linearisation),
 ];
 
 /// The panel; `None` if the causes are not known.
@@ -40,7 +40,7 @@ pub fn panel(chart: &Chart) -> Option<(Vec<Plot>, Layout)> {
             .with_x_tick_format(TickFormat::Sci)
             .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| round_length(drawn / DRAWN))))
             .with_title("error by cause")
-            .with_x_label(format!("step of {}, s; tolerance {:.0e}", causes.method, causes.tolerance))
+            .with_x_label(format!("step of {}, s", causes.method))
             .with_y_label(format!("RMS error of {}", chart.measure.name()))
             .with_y_label_offset(BESIDE_LENGTHS, 0.0);
     Some((plots, layout))

@@ -1,6 +1,7 @@
 //! The picture of `muslin choose`: error against cost of all runs, and the tolerance.
 
 use kuva::backend::svg::SvgBackend;
+use kuva::plot::line::LineStyle;
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::Figure;
@@ -47,15 +48,41 @@ fn layout(choice: &Choice, times: (f64, f64), low: f64, crosses: &Crosses) -> La
         .with_x_tick_format(TickFormat::Sci)
         .with_y_tick_format(ticks)
         .with_title(format!("{}: chosen {} {}", choice.scene, choice.chosen.method, choice.chosen.precision))
-        .with_x_label("computing time, s; crosses: failed or given up; dotted: error control")
+        .with_x_label("computing time, s; crosses: failed or given up; dashed: loose solver; dotted: error control")
         .with_y_label(format!("RMS error of {}, m", choice.measure.name()))
 }
 
-/// The runs of one method with all terms in series of one precision and kind of step, from coarse to fine, and its
-/// crosses. Marks of double precision are larger, lines of error control dotted.
+/// The kind of a run, which decides its line.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Fixed,
+    Loose,
+    Controlled,
+}
+
+impl Kind {
+    fn of(row: &Row) -> Self {
+        match (row.allowed_error, row.variant.looser > 1.0) {
+            (Some(_), _) => Self::Controlled,
+            (None, true) => Self::Loose,
+            (None, false) => Self::Fixed,
+        }
+    }
+
+    fn style(self) -> LineStyle {
+        match self {
+            Self::Fixed => LineStyle::Solid,
+            Self::Loose => LineStyle::Dashed,
+            Self::Controlled => LineStyle::Dotted,
+        }
+    }
+}
+
+/// The runs of one method with all terms in series of one precision and kind, from coarse to fine, and its crosses. Marks
+/// of double precision are larger.
 fn method(rows: &[Row], (method, color, marker): (&str, &str, MarkerShape), crosses: &mut Crosses) -> Vec<Plot> {
-    let of = |precision: &'static str, controlled: bool| {
-        let is_in = |row: &&Row| (row.precision, row.allowed_error.is_some()) == (precision, controlled);
+    let of = |precision: &'static str, kind: Kind| {
+        let is_in = |row: &&Row| (row.precision, Kind::of(row)) == (precision, kind);
         let own = rows.iter().filter(|row| row.method == method && row.terms.is_empty()).filter(is_in);
         let mut ended: Vec<_> = own.filter_map(|row| Some((row, row.error?))).collect();
         ended.sort_by(|(a, _), (b, _)| a.variant.fineness().total_cmp(&b.variant.fineness()));
@@ -63,17 +90,16 @@ fn method(rows: &[Row], (method, color, marker): (&str, &str, MarkerShape), cros
     };
     let mut name = Some(method);
     let mut plots = Vec::new();
-    for (precision, size, controlled) in
-        [("f32", 4.0, false), ("f64", 6.5, false), ("f32", 4.0, true), ("f64", 6.5, true)]
+    let kinds = [Kind::Fixed, Kind::Loose, Kind::Controlled];
+    for (kind, (precision, size)) in kinds.into_iter().flat_map(|kind| [("f32", 4.0), ("f64", 6.5)].map(|p| (kind, p)))
     {
-        let data = of(precision, controlled);
+        let data = of(precision, kind);
         if data.is_empty() {
             continue;
         }
         let line = LinePlot::new().with_data(data.clone()).with_color(color).with_stroke_width(1.0);
-        let line = if controlled { line.with_dotted() } else { line };
         let marks = ScatterPlot::new().with_data(data).with_color(color).with_marker(marker).with_size(size);
-        plots.extend([Plot::Line(line), Plot::Scatter(named(marks, &mut name))]);
+        plots.extend([Plot::Line(line.with_line_style(kind.style())), Plot::Scatter(named(marks, &mut name))]);
     }
     let lost = rows.iter().filter(|row| row.method == method && row.terms.is_empty() && row.error.is_none());
     let lost = crosses.row(lost.map(|row| row.wall_s));

@@ -79,7 +79,7 @@ pub fn of(study: &Study<'_>, baseline: &Baseline, trials: &[Trial], hidden: Hidd
         run_step: study.scene.desc.timing().step,
         measure: baseline.measure,
         allowed_error: baseline.variant.error,
-        finer: baseline.variant.finer_words(),
+        finer: baseline.variant.judge_words(),
         step_error: own_error(baseline),
         step_error_why: why_not(&baseline.finer),
         wall_s: wall_as_it_is(baseline, trials),
@@ -109,7 +109,7 @@ fn wall_as_it_is(baseline: &Baseline, trials: &[Trial]) -> f64 {
 
 /// Sentence about the terms that the step hides and their common cost.
 fn conclusion(hidden: &Hidden, baseline: &Baseline) -> String {
-    let (what, finer) = (moved(baseline.measure), baseline.variant.finer_words());
+    let (what, finer) = (moved(baseline.measure), baseline.variant.judge_words());
     match (hidden.terms.as_slice(), &hidden.without_them) {
         ([], _) if own_error(baseline).is_none() => {
             format!("How far {finer} moves the {what} is not known, so no term can be judged as too small")

@@ -30,7 +30,7 @@ pub struct Baseline {
     pub variant: Variant,
     /// The run of the unchanged scene.
     pub run: Trajectory,
-    /// The run with half the step, or with a smaller allowed error.
+    /// The run with half the step, or with half the longest step and a smaller allowed error.
     pub finer: Trajectory,
     /// The quantity that is compared.
     pub measure: Measure,
@@ -47,10 +47,10 @@ impl Baseline {
             .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
         let desc = &study.scene.desc;
         let variant = own_variant(study);
-        let by_finer = format!("by {}", variant.finer_words());
+        let by_finer = format!("by {}", variant.judge_words());
         Ok(Self {
             run: complete(study, fly(study, &study.scene, &variant, "as it is")?)?,
-            finer: fly(study, &study.scene, &variant.finer(), &by_finer)?,
+            finer: fly(study, &study.scene, &variant.judge(), &by_finer)?,
             variant,
             measure: if desc.contact.is_some() { Measure::Outline } else { Measure::Positions },
             masses: engine.masses(),

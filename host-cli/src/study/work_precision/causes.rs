@@ -1,4 +1,5 @@
-//! The error of the scene's method by cause: the step, the linear solver, and the single Newton iteration.
+//! The error of the scene's method by cause: the step, the linear solver, and the linearisation, of which Newton's method
+//! leaves what its iterations do not remove.
 
 use muslin_core::integrate::Method;
 use serde::Serialize;
@@ -22,7 +23,7 @@ const SHARP: f64 = 1e-9;
 pub struct Cause {
     /// Step, s.
     pub step: f64,
-    /// Distance of the run with the scene's solver from the run with a sharp one.
+    /// Distance of the charted run from the run with a sharp solver.
     pub solver: f64,
     /// Distance of the run with a sharp solver from the run in which Newton's method converges.
     pub linearisation: f64,
@@ -43,8 +44,6 @@ impl Cause {
 pub struct Causes {
     /// Name as in a scene file.
     pub method: &'static str,
-    /// The tolerance of the scene's solver.
-    pub tolerance: f64,
     /// From long steps to short ones.
     pub steps: Vec<Cause>,
 }
@@ -53,7 +52,7 @@ pub struct Causes {
 /// run for `end` seconds. `None` for an explicit method, or if there was no time.
 pub fn of(study: &Study<'_>, yardstick: &Yardstick<'_>, rows: &[Row], end: f64) -> Result<Option<Causes>, Failure> {
     let integrator = &study.scene.desc.integrator;
-    let mut causes = Causes { method: integrator.method.name(), tolerance: integrator.residual(), steps: Vec::new() };
+    let mut causes = Causes { method: integrator.method.name(), steps: Vec::new() };
     for row in rows.iter().filter(|row| is_charted(row, integrator.method)) {
         causes.steps.extend(separate(study, yardstick, &row.variant, end)?);
     }
@@ -72,11 +71,11 @@ fn separate(
     variant: &Variant,
     end: f64,
 ) -> Result<Option<Cause>, Failure> {
-    let own = study.scene.desc.integrator.residual();
+    let newton = study.scene.desc.integrator.newton;
     let run = |tolerance, newton| run(study, yardstick, variant, tolerance, newton, end);
-    let Some(as_it_is) = run(own, 1)? else { return Ok(None) };
-    let Some(sharp) = run(SHARP, 1)? else { return Ok(None) };
-    let Some(converged) = run(SHARP, CONVERGED)? else { return Ok(None) };
+    let Some(as_it_is) = run(None, newton)? else { return Ok(None) };
+    let Some(sharp) = run(Some(SHARP), newton)? else { return Ok(None) };
+    let Some(converged) = run(Some(SHARP), newton.max(CONVERGED))? else { return Ok(None) };
     let rms = |a, b| yardstick.parts(a, b)[0];
     Ok(Some(Cause {
         step: variant.step(&study.scene),
@@ -86,24 +85,26 @@ fn separate(
     }))
 }
 
-/// Runs a variant with a tolerance and a number of Newton iterations; `None` if it fails or does not end in time.
+/// Runs a variant with a tolerance, its own if there is none here, and a number of Newton iterations; `None` if it fails or
+/// does not end in time.
 fn run(
     study: &Study<'_>,
     yardstick: &Yardstick<'_>,
     variant: &Variant,
-    tolerance: f64,
+    tolerance: Option<f64>,
     newton: u32,
     end: f64,
 ) -> Result<Option<Trajectory>, Failure> {
-    let solver = [
-        ("integrator.tolerance", Some(Value::Float(tolerance))),
-        ("integrator.newton", Some(Value::Integer(newton.into()))),
-    ];
     let left = end - study.seconds();
     if left <= 0.0 {
         return Ok(None);
     }
-    study.say(&format!("{}, tolerance {tolerance:.0e}, newton {newton}", variant.name(&study.scene)));
+    let tolerance = tolerance.or_else(|| variant.tolerance(&study.scene));
+    let solver = [
+        ("integrator.tolerance", tolerance.map(Value::Float)),
+        ("integrator.newton", Some(Value::Integer(newton.into()))),
+    ];
+    study.say(&format!("{}, newton = {newton}", variant.name(&study.scene)));
     let scene = variant.scene(&study.scene)?.changed(&solver)?;
     let run = fly_scene(study, &scene, variant.precision, variant.steps, yardstick.limits(left))?;
     Ok(Some(run).filter(|run| run.ending == Ending::Complete))

@@ -137,9 +137,9 @@ pub fn climb(
     Ok(ladder)
 }
 
-/// The step of a variant, s; under error control about half the mean step of the last run.
+/// The step of a variant, s; under error control about half the mean step of the last run, if its steps were divided.
 fn next_step(study: &Study<'_>, variant: &Variant, last: Option<&Row>) -> f64 {
-    match last.filter(|_| variant.error.is_some()) {
+    match last.filter(|last| last.is_divided()) {
         Some(last) => 0.5 * last.step,
         None => variant.step(&study.scene),
     }
@@ -147,7 +147,7 @@ fn next_step(study: &Study<'_>, variant: &Variant, last: Option<&Row>) -> f64 {
 
 /// Why no run after this one is of use; `End::Time` if one is.
 fn ended(row: &Row, before: Option<&Row>, twin: Option<&Ladder>) -> End {
-    let is_undivided = |before: &Row| row.is_divided() && row.steps <= before.steps;
+    let is_undivided = |before: &Row| row.stable && before.stable && row.is_divided() && row.steps <= before.steps;
     match twin {
         _ if row.is_nearest() => End::Reference,
         Some(twin) if is_rounding(row, twin) => End::Rounding,

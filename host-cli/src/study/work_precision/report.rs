@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::study::distance::Measure;
 use crate::study::draw::LOOKS;
-use crate::study::variant::{SAMPLES, Variant};
+use crate::study::variant::Variant;
 use crate::units::{length, time};
 
 use super::causes::Causes;
@@ -77,7 +77,7 @@ pub struct Row {
 impl Row {
     /// Whether error control divided a step.
     pub fn is_divided(&self) -> bool {
-        self.is_controlled() && self.steps > SAMPLES * self.variant.steps
+        self.variant.is_divided(self.steps)
     }
 
     /// Whether it ran under error control.
@@ -269,11 +269,11 @@ impl Chart {
         line.trim_end().into()
     }
 
-    /// For each method with error control: allowed errors of a step and the errors that the runs reach.
+    /// For each method with error control: allowed errors of a step that divide steps, and the errors that the runs reach.
     fn control_lines(&self) -> Vec<String> {
         let line = |method: &str| {
             let rows = self.rows.iter().filter(|row| row.method == method && row.precision == "f64");
-            let known = rows.filter(|row| row.solver.is_none()).filter_map(|row| {
+            let known = rows.filter(|row| row.solver.is_none() && row.is_divided()).filter_map(|row| {
                 Some(format!("{} -> {}", length(row.allowed_error_m?), length(row.reached_m(self.diagonal_m)?)))
             });
             let known: Vec<_> = known.take(MOST_PAIRS).collect();
@@ -286,16 +286,19 @@ impl Chart {
 
     /// The error of the scene's method by cause.
     fn cause_lines(&self) -> Vec<String> {
-        let Some(causes) = &self.causes else { return Vec::new() };
+        let Some(causes) = &self.causes else {
+            let why = "error by cause: not known; it needs an implicit method in the scene that is charted, and time";
+            return vec![String::new(), why.into()];
+        };
         let metres = |part: f64| length(part * self.diagonal_m);
         let head = format!(
-            "{} f64        error: of the step   of the solver ({:.0e})   of one Newton iteration   largest",
-            causes.method, causes.tolerance
+            "{:<18} f64  error: of the step       of the solver     of the linearisation    largest",
+            causes.method
         );
         let lines = causes.steps.iter().map(|cause| {
             let [step, solver, linear] = [cause.of_step, cause.solver, cause.linearisation].map(metres);
             let largest = cause.largest();
-            format!("steps of {:<18} {step:>12} {solver:>20} {linear:>24}     {largest}", time(cause.step))
+            format!("steps of {:<14} {step:>17} {solver:>19} {linear:>24}    {largest}", time(cause.step))
         });
         [String::new(), head].into_iter().chain(lines).collect()
     }

@@ -11,12 +11,12 @@ use super::report::Row;
 use super::weigh::{Yardstick, weigh_changed};
 use super::winners::front;
 
-/// Runs every implicit run on the front with each other solver, cheapest first, until the study has run for `end`
-/// seconds.
+/// Runs the implicit runs that no cheaper implicit run equals in error with each other solver, cheapest first, until the
+/// study has run for `end` seconds.
 pub fn of(study: &Study<'_>, yardstick: &Yardstick<'_>, rows: &[Row], end: f64) -> Result<Vec<Row>, Failure> {
     let mut varied = Vec::new();
-    let on_front = front(rows, yardstick.least()).into_iter().filter(|row| row.variant.method.is_implicit());
-    for row in on_front {
+    let implicit: Vec<_> = rows.iter().filter(|row| row.variant.method.is_implicit()).cloned().collect();
+    for row in front(&implicit, yardstick.least()) {
         for (words, variant, edits) in solvers(study, row.variant) {
             let left = end - study.seconds();
             if left <= 0.0 {
@@ -41,7 +41,8 @@ fn solvers(study: &Study<'_>, variant: Variant) -> Vec<(&'static str, Variant, V
     };
     if variant.error.is_none() {
         let loose = |words, looser| (words, Variant { looser, ..variant }, Vec::new());
-        solvers.extend([loose("10 times as loose", 10.0), loose("100 times as loose", 100.0)]);
+        let loose = [loose("10 times as loose", 10.0), loose("100 times as loose", 100.0)];
+        solvers.extend(loose.into_iter().filter(|(_, variant, _)| variant.is_as_loose_as_asked(&study.scene)));
     }
     solvers
 }
