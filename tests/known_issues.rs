@@ -113,6 +113,40 @@ fn error_control_of_implicit_midpoint_lets_a_stiff_sheet_ring() {
     assert!(controlled > 2.0 * fixed, "under error control it stretches by {controlled}, by fixed steps by {fixed}");
 }
 
+/// The iterations of Newton's method stop at a relative residual of 1e-3, whatever the largest error. With one solve a step
+/// the solve follows the error, and implicit midpoint has its order, 2.
+#[test]
+fn newton_s_method_under_error_control_costs_implicit_midpoint_its_order() {
+    let run = |integrator: &str| {
+        let text = format!(
+            "name = \"soft\"\nduration = 0.4\nframe_rate = 60\ngravity = [0.0, -9.81, 0.0]\n\
+             drag = {{ linear = 0.1 }}\n\
+             [[cloth]]\ngrid = {{ size = [0.4, 0.35], cells = [4, 4] }}\ndensity = 0.2\n\
+             stretch = {{ model = \"membrane\", stiffness = 5.0, damping = 0.01 }}\nshear = {{ stiffness = 2.0 }}\n\
+             bend = {{ model = \"hinge\", rigidity = 1e-4 }}\npin = [{{ select = {{ corners = [0, 1] }} }}]\n\
+             [integrator]\nmethod = \"implicit-midpoint\"\n{integrator}"
+        );
+        let scene: SceneDesc = toml::from_str(&text).expect("the scene of this test parses");
+        let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
+        while cloth.time() < 0.2999 {
+            cloth.take_step().expect("the scene of this test stays finite");
+        }
+        (cloth.positions().to_vec(), cloth.statistics().committed as f64)
+    };
+    let (exact, _) = run("step = 2e-4\ntolerance = 1e-9\n");
+    let order = |newton: u32| {
+        let [coarse, fine] = [1e-6, 1e-8].map(|error| {
+            let (x, steps) = run(&format!("error = {error:e}\nnewton = {newton}\n"));
+            let off: f64 = x.iter().zip(&exact).map(|(x, exact)| (*x - *exact).length_squared()).sum();
+            (off.sqrt(), steps)
+        });
+        (coarse.0 / fine.0).ln() / (fine.1 / coarse.1).ln()
+    };
+    let [one_solve, newton] = [1, 20].map(order);
+    assert!((one_solve - 2.0).abs() < 0.25, "with one solve a step the order is {one_solve}");
+    assert!(newton < 1.5, "with Newton's method the order is {newton}");
+}
+
 #[test]
 #[ignore = "slow"]
 fn by_long_steps_a_belt_holds_on_a_drum_of_edges_where_it_should_slip() {
