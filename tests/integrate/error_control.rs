@@ -74,7 +74,7 @@ const SCENES: [(&str, f64); 12] = [
 /// The largest error in these scenes, m.
 const ERROR: f64 = 1e-3;
 
-/// Least part of the substeps in which the estimate is within a factor of three, %. Measured: 87. In `curtain` and
+/// Least part of the substeps in which the estimate is within a factor of three, %. Measured: 88. In `curtain` and
 /// `twist` the estimate is too small: exact motion amplifies folds that backward Euler damps.
 const LEAST_PERCENT: usize = 85;
 
@@ -205,7 +205,7 @@ both_precisions! {
     #[test]
     fn methods_keep_their_order() {
         for (method, order, errors) in
-            [("backward-euler", 1.0, [3e-4, 5e-6]), ("implicit-midpoint", 2.0, [1e-5, 3e-7]), ("bdf2", 2.0, [1e-5, 3e-7])]
+            [("backward-euler", 1.0, [8e-5, 1e-6]), ("implicit-midpoint", 2.0, [1e-5, 3e-7]), ("bdf2", 2.0, [1e-5, 3e-7])]
         {
             let run = |integrator: &str| {
                 let integrator = format!("integrator = {{ method = \"{method}\", {integrator} }}");
@@ -228,7 +228,7 @@ both_precisions! {
     }
 
     /// In short steps from rest gravity changes the velocities by less than the solver may leave: by 5 mm/s in a step
-    /// of 0.5 ms, where three tenths of the error over 1/60 s are 180 mm/s. The sheet falls nevertheless.
+    /// of 0.5 ms, where a fifth of the error over 1/60 s is 120 mm/s. The sheet falls nevertheless.
     #[test]
     fn a_sheet_falls_in_short_steps_with_a_large_error() {
         for method in ["backward-euler", "implicit-midpoint", "bdf2"] {

@@ -138,15 +138,15 @@ pub enum Tolerance {
 /// Relative residual at which Newton's method stops if the tolerance is a velocity.
 pub const NEWTON_RESIDUAL: Real = 1e-3;
 
-/// The step, s, in whose error the part of the solves is three tenths.
+/// The step, s, in whose error the part of the solves is a fifth.
 const LONG_STEP: Real = 1.0 / 60.0;
 
 impl Tolerance {
     /// Where the solves of a step stop by default, for a step whose error may be this large, m. Their part of the error of
-    /// a step of 1/60 s is three tenths. In shorter steps the velocities stay as exact: an error of the velocities that grows
+    /// a step of 1/60 s is a fifth. In shorter steps the velocities stay as exact: an error of the velocities that grows
     /// with the number of steps would cost the methods an order.
     pub fn within(error: Real) -> Self {
-        Self::Velocity(0.3 * error / LONG_STEP)
+        Self::Velocity(0.2 * error / LONG_STEP)
     }
 
     /// The relative residual at which Newton's method stops.
