@@ -16,7 +16,7 @@ use super::work_precision::{BESIDE_LENGTHS, DRAWN};
 /// Name, colour and marker of each cause, and its error.
 type Look = (&'static str, &'static str, MarkerShape, fn(&Cause) -> f64);
 const CAUSES: [Look; 3] = [
-    ("of the step", "#7f7f7f", MarkerShape::Plus, |cause| cause.of_step),
+    ("of the step", "#7f7f7f", MarkerShape::Square, |cause| cause.of_step),
     ("of the solver", "#8c564b", MarkerShape::Diamond, |cause| cause.solver),
     ("of the linearisation", "#9467bd", MarkerShape::Triangle, |cause| cause.linearisation),
 ];
