@@ -7,6 +7,7 @@
 use glam::DVec3;
 use harness::belt::{belt, drum, hanging, holding_end};
 use harness::kit::double as kit;
+use harness::soft::SOFT;
 use harness::steps::Steps;
 use muslin_core_f64::forces::TangentScale;
 use muslin_core_f64::forces::element::Element;
@@ -118,14 +119,7 @@ fn error_control_of_implicit_midpoint_lets_a_stiff_sheet_ring() {
 #[test]
 fn newton_s_method_under_error_control_costs_implicit_midpoint_its_order() {
     let run = |integrator: &str| {
-        let text = format!(
-            "name = \"soft\"\nduration = 0.4\nframe_rate = 60\ngravity = [0.0, -9.81, 0.0]\n\
-             drag = {{ linear = 0.1 }}\n\
-             [[cloth]]\ngrid = {{ size = [0.4, 0.35], cells = [4, 4] }}\ndensity = 0.2\n\
-             stretch = {{ model = \"membrane\", stiffness = 5.0, damping = 0.01 }}\nshear = {{ stiffness = 2.0 }}\n\
-             bend = {{ model = \"hinge\", rigidity = 1e-4 }}\npin = [{{ select = {{ corners = [0, 1] }} }}]\n\
-             [integrator]\nmethod = \"implicit-midpoint\"\n{integrator}"
-        );
+        let text = format!("integrator = {{ method = \"implicit-midpoint\", {integrator} }}{SOFT}");
         let scene: SceneDesc = toml::from_str(&text).expect("the scene of this test parses");
         let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
         while cloth.time() < 0.2999 {
@@ -133,10 +127,10 @@ fn newton_s_method_under_error_control_costs_implicit_midpoint_its_order() {
         }
         (cloth.positions().to_vec(), cloth.statistics().committed as f64)
     };
-    let (exact, _) = run("step = 2e-4\ntolerance = 1e-9\n");
+    let (exact, _) = run("step = 2e-4, tolerance = 1e-9");
     let order = |newton: u32| {
         let [coarse, fine] = [1e-6, 1e-8].map(|error| {
-            let (x, steps) = run(&format!("error = {error:e}\nnewton = {newton}\n"));
+            let (x, steps) = run(&format!("error = {error:e}, newton = {newton}"));
             let off: f64 = x.iter().zip(&exact).map(|(x, exact)| (*x - *exact).length_squared()).sum();
             (off.sqrt(), steps)
         });

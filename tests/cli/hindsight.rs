@@ -34,8 +34,9 @@ const FINER: f64 = 1.1;
 const LOOSER: [f64; 3] = [10.0, 100.0, 1000.0];
 const SMALLER: f64 = 0.8;
 
-/// The largest allowed error of a step in hindsight, as a multiple of the tolerance.
+/// The largest and the smallest allowed error of a step in hindsight, as multiples of the tolerance.
 const COARSEST: f64 = 10.0;
+const SMALLEST: f64 = 1e-4;
 
 /// Number of steps between two moments in the first run for the reference.
 const FIRST: u64 = 64;
@@ -251,13 +252,15 @@ fn cheapest_controlled(
     meets: impl Fn(&Flight) -> bool,
 ) -> Option<f64> {
     let mut error = COARSEST * tolerance;
-    loop {
-        let flight = fly(error).filter(|flight| flight.cost < below)?;
-        if meets(&flight) {
-            return Some(flight.cost);
+    while error > SMALLEST * tolerance {
+        match fly(error) {
+            // Smaller errors cost more.
+            Some(flight) if flight.cost >= below => return None,
+            Some(flight) if meets(&flight) => return Some(flight.cost),
+            Some(_) | None => error *= SMALLER,
         }
-        error *= SMALLER;
     }
+    None
 }
 
 fn judge(case: &Case) {

@@ -17,6 +17,7 @@ pub mod pieces;
 pub mod polynomial;
 pub mod query;
 pub mod rng;
+pub mod soft;
 pub mod states;
 pub mod steps;
 pub mod threads;

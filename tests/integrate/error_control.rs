@@ -1,6 +1,7 @@
 //! Error control: the estimate and the true error of a step, the length of substeps, and substeps that are taken back.
 
 use harness::both_precisions;
+use harness::soft::SOFT;
 
 /// A sheet falls on a ball and slides off it.
 const LANDING: &str = r#"
@@ -36,22 +37,6 @@ const SWING: &str = r#"
     shear = { stiffness = 50.0 }
     bend = { model = "hinge", rigidity = 1e-4, damping = 0.001 }
     pin = [{ select = { edge = "left" } }]
-"#;
-
-/// A soft, damped sheet that is held at two corners: its motion is smooth.
-const SOFT: &str = r#"
-    name = "soft"
-    duration = 0.4
-    frame_rate = 60
-    gravity = [0.0, -9.81, 0.0]
-    drag = { linear = 0.1 }
-    [[cloth]]
-    grid = { size = [0.4, 0.35], cells = [4, 4] }
-    density = 0.2
-    stretch = { model = "membrane", stiffness = 5.0, damping = 0.01 }
-    shear = { stiffness = 2.0 }
-    bend = { model = "hinge", rigidity = 1e-4 }
-    pin = [{ select = { corners = [0, 1] } }]
 "#;
 
 /// The built-in scenes with moving cloth and implicit methods, and how long each runs, s. In `ball`, `fold`, `funnel`, `poncho`

@@ -28,6 +28,14 @@ pub struct Variant {
     pub looser: f64,
 }
 
+/// A step, s, and an allowed error, m, in words: `steps of 5.00 ms`, or `an error of 0.1 mm a step, the longest 16.67 ms`.
+pub fn in_words(step: f64, error: Option<f64>) -> String {
+    match error {
+        None => format!("steps of {}", time(step)),
+        Some(error) => format!("an error of {} a step, the longest {}", length(error), time(step)),
+    }
+}
+
 /// The order of a method's error in the step, where forces are smooth.
 pub const fn order(method: Method) -> i32 {
     match method {
@@ -72,7 +80,7 @@ impl Variant {
         Self { error: Some(error), ..Self::fixed(method, precision, steps) }
     }
 
-    /// Whether it is not finer than what a study tries.
+    /// Whether a study tries variants as fine as this one.
     pub fn is_tried(&self) -> bool {
         self.steps <= MOST_STEPS && self.error.is_none_or(|error| error >= LEAST_ERROR)
     }
@@ -85,17 +93,16 @@ impl Variant {
         }
     }
 
-    /// A variant with shorter steps for certain, which shows the error of this one: with an allowed error, half the longest
-    /// step and [`Variant::finer`].
-    pub fn judge(self) -> Self {
+    /// A variant whose steps are shorter for certain: with an allowed error, [`Variant::finer`] with half the longest step.
+    pub fn with_shorter_steps(self) -> Self {
         match self.error {
             None => self.finer(),
             Some(_) => Self { steps: 2 * self.steps, ..self.finer() },
         }
     }
 
-    /// What differs in [`Variant::judge`], in words.
-    pub const fn judge_words(&self) -> &'static str {
+    /// The change that [`Variant::with_shorter_steps`] makes, in words.
+    pub const fn shorter_steps_in_words(&self) -> &'static str {
         match (self.error, order(self.method)) {
             (None, _) => "half the step",
             (Some(_), 1) => "half the longest step with a quarter of the allowed error",

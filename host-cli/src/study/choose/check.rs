@@ -47,7 +47,7 @@ pub fn check(pilot: &mut Pilot<'_>, mut found: Candidate) -> Result<Checked, Fai
             return Ok(Checked { found, error, wall, step });
         }
         nearest = nearest.min(error);
-        found.row = shorter(pilot, &found)?;
+        found.row = slightly_finer(pilot, &found)?;
     }
     let [asked, nearest] = apart(pilot.tolerance, nearest);
     Err(Failure::Diverged(format!(
@@ -88,7 +88,7 @@ fn measure(pilot: &Pilot<'_>, found: &Candidate, finer: Option<&Trajectory>) -> 
 }
 
 /// Runs a slightly finer choice to its end. This gives the new prediction.
-fn shorter(pilot: &mut Pilot<'_>, found: &Candidate) -> Result<Row, Failure> {
+fn slightly_finer(pilot: &mut Pilot<'_>, found: &Candidate) -> Result<Row, Failure> {
     let variant = found.row.variant;
     let variant = match variant.error {
         None => Variant { steps: variant.steps + variant.steps.div_ceil(FINER), ..variant },

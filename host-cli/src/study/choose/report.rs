@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::study::distance::Measure;
-use crate::study::variant::Variant;
+use crate::study::variant::{Variant, in_words};
 use crate::units::{apart, length, time};
 
 use super::check::Checked;
@@ -229,10 +229,7 @@ impl Choice {
         let c = &self.chosen;
         let terms = if c.terms.is_empty() { "with all terms".into() } else { c.terms.join(", ") };
         let solver = c.solver_tolerance.map_or_else(String::new, |to| format!(", solver tolerance {to:.1e}"));
-        let stride = match c.allowed_error {
-            None => format!("steps of {}", time(c.step)),
-            Some(error) => format!("an error of {} a step, the longest {}", length(error), time(c.step)),
-        };
+        let stride = in_words(c.step, c.allowed_error);
         let mut lines = vec![format!("Chosen: {} {} with {stride}{solver}, {terms}", c.method, c.precision)];
         if c.allowed_error.is_none() && is_cut(c.run_step, c.step) {
             lines.push(format!(

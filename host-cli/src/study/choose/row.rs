@@ -120,8 +120,8 @@ impl Row {
         self.verdict == Verdict::Meets
     }
 
-    /// Whether another run of the same method, precision, kind of step and terms meets the tolerance with less counted work. Then
-    /// that run is cheaper, whatever the clock shows.
+    /// Whether another run of the same method, precision, kind of step and terms meets the tolerance with less counted
+    /// work. Then that run is cheaper, whatever the clock shows.
     pub fn is_outdone(&self, other: &Self) -> bool {
         let kind = |row: &Self| (row.method, row.precision, row.allowed_error.is_some(), row.terms.clone());
         let counts = |row: &Self| [row.force_evaluations, row.cg_iterations];

@@ -20,7 +20,7 @@ pub const DRAWN: f64 = 1e6;
 /// Horizontal offset of a y label beside ticks that are lengths, px: the library underestimates their width.
 pub const BESIDE_LENGTHS: f64 = -14.0;
 
-/// Colours of what belongs to no method, and of the front.
+/// Colours of the marks that belong to no method, and of the front.
 const GRAY: &str = "#666666";
 const FRONT: &str = "#cccccc";
 

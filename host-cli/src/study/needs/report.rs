@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::study::Study;
 use crate::study::distance::Measure;
 use crate::study::median::median;
+use crate::study::variant::in_words;
 use crate::units::{length, time};
 
 use super::row::{Change, Counts, Row, Verdict, own_error};
@@ -43,7 +44,7 @@ pub struct Needs {
     pub allowed_error: Option<f64>,
     /// The compared quantity: positions, or with contact the outline.
     pub measure: Measure,
-    /// What `step_error` is the change by: half the step, or a part of the allowed error.
+    /// The change of the run that `step_error` measures, in words.
     pub finer: &'static str,
     /// The change by a finer run; `None` if that run did not reach its end.
     pub step_error: Option<Change>,
@@ -79,7 +80,7 @@ pub fn of(study: &Study<'_>, baseline: &Baseline, trials: &[Trial], hidden: Hidd
         run_step: study.scene.desc.timing().step,
         measure: baseline.measure,
         allowed_error: baseline.variant.error,
-        finer: baseline.variant.judge_words(),
+        finer: baseline.variant.shorter_steps_in_words(),
         step_error: own_error(baseline),
         step_error_why: why_not(&baseline.finer),
         wall_s: wall_as_it_is(baseline, trials),
@@ -109,7 +110,7 @@ fn wall_as_it_is(baseline: &Baseline, trials: &[Trial]) -> f64 {
 
 /// Sentence about the terms that the step hides and their common cost.
 fn conclusion(hidden: &Hidden, baseline: &Baseline) -> String {
-    let (what, finer) = (moved(baseline.measure), baseline.variant.judge_words());
+    let (what, finer) = (moved(baseline.measure), baseline.variant.shorter_steps_in_words());
     match (hidden.terms.as_slice(), &hidden.without_them) {
         ([], _) if own_error(baseline).is_none() => {
             format!("How far {finer} moves the {what} is not known, so no term can be judged as too small")
@@ -168,10 +169,7 @@ impl Needs {
     /// The report as text.
     pub fn lines(&self) -> String {
         let what = moved(self.measure);
-        let stride = match self.allowed_error {
-            None => format!("steps of {}", time(self.step)),
-            Some(error) => format!("an error of {} a step, the longest {}", length(error), time(self.step)),
-        };
+        let stride = in_words(self.step, self.allowed_error);
         let mut lines = vec![format!(
             "{}: {} s of {} vertices, {} f32 with {stride}, computed in {}",
             self.scene,

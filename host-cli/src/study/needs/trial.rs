@@ -47,10 +47,10 @@ impl Baseline {
             .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
         let desc = &study.scene.desc;
         let variant = own_variant(study);
-        let by_finer = format!("by {}", variant.judge_words());
+        let by_finer = format!("by {}", variant.shorter_steps_in_words());
         Ok(Self {
             run: complete(study, fly(study, &study.scene, &variant, "as it is")?)?,
-            finer: fly(study, &study.scene, &variant.judge(), &by_finer)?,
+            finer: fly(study, &study.scene, &variant.with_shorter_steps(), &by_finer)?,
             variant,
             measure: if desc.contact.is_some() { Measure::Outline } else { Measure::Positions },
             masses: engine.masses(),

@@ -21,7 +21,7 @@ pub fn sentence(row: &Row, subject: &str, change: Option<Change>, cost: Option<C
         return format!("{} it {}", row.run, row.why.as_deref().unwrap_or("is not known"));
     };
     let would = row.kind == VariantKind::Added;
-    let (what, finer) = (moved(baseline.measure), baseline.variant.judge_words());
+    let (what, finer) = (moved(baseline.measure), baseline.variant.shorter_steps_in_words());
     let less = format!(", less than {finer} does,");
     let hidden = if row.exceeds_step == Some(false) { less.as_str() } else { "" };
     let moves = match (change.max > 0.0, would) {

@@ -56,7 +56,7 @@ pub struct Control {
     pub substeps: u64,
     /// Number of substeps that were taken back because of their error.
     pub taken_back: u64,
-    /// Mean length of the substeps that were kept, s; 0 if there are none.
+    /// Mean length of the substeps that were kept, s; 0 without substeps.
     #[serde(rename = "mean_s")]
     pub mean: f64,
     /// Length of the shortest substep, s; 0 if none was tried.

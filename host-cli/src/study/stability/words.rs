@@ -105,7 +105,7 @@ impl Map {
     }
 }
 
-/// What the tables of error control show, and the bounds of its runs.
+/// Explains the tables of error control and names the bounds of its runs.
 fn bounds(row: &Row) -> Option<String> {
     let (error, longest) = (1e3 * row.control.as_ref()?.error, significant(row.step, 2));
     Some(format!(

@@ -85,8 +85,8 @@ fn separate(
     }))
 }
 
-/// Runs a variant with a tolerance, its own if there is none here, and a number of Newton iterations; `None` if it fails or
-/// does not end in time.
+/// Runs a variant with a number of Newton iterations and a tolerance, by default the variant's own; `None` if the run fails
+/// or does not end in time.
 fn run(
     study: &Study<'_>,
     yardstick: &Yardstick<'_>,

@@ -1,0 +1,17 @@
+//! A scene whose motion is smooth, without an integrator.
+
+/// A soft, damped sheet that is held at two corners: its motion is smooth.
+pub const SOFT: &str = r#"
+    name = "soft"
+    duration = 0.4
+    frame_rate = 60
+    gravity = [0.0, -9.81, 0.0]
+    drag = { linear = 0.1 }
+    [[cloth]]
+    grid = { size = [0.4, 0.35], cells = [4, 4] }
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 5.0, damping = 0.01 }
+    shear = { stiffness = 2.0 }
+    bend = { model = "hinge", rigidity = 1e-4 }
+    pin = [{ select = { corners = [0, 1] } }]
+"#;
