@@ -13,6 +13,7 @@ use muslin_core_f64::forces::TangentScale;
 use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::forces::hinge::HingeColumns;
 use muslin_core_f64::forces::seam::SeamColumns;
+use muslin_core_f64::integrate::Method;
 use muslin_core_f64::scene::{BUILT_IN, SceneDesc};
 use muslin_core_f64::simulation::Simulation;
 
@@ -100,6 +101,7 @@ fn error_control_of_implicit_midpoint_lets_a_stiff_sheet_ring() {
     let text = BUILT_IN.iter().find(|(name, _)| *name == "skirt").expect("the scene is built in").1;
     let stretch = |step: f64, error: Option<f64>| {
         let mut scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
+        scene.integrator.method = Method::ImplicitMidpoint;
         (scene.integrator.step, scene.integrator.error) = (Some(step), error);
         let mut cloth = Simulation::new(&scene, &[]).expect("built-in scenes build");
         let mut largest = 0.0_f64;
