@@ -70,8 +70,9 @@ pub struct Report {
     pub negative_curvature: u64,
     /// Solves that ended before their tolerance.
     pub unconverged: u64,
-    /// Steps and substeps: committed, taken back because of their error, and largest number of halvings.
-    pub substeps: [u64; 3],
+    /// Steps and substeps: committed, taken back because of their error, committed with a larger error, and largest number
+    /// of halvings.
+    pub substeps: [u64; 4],
     /// Bytes that this work streams, without contact.
     pub streamed_bytes: u64,
     /// Counters of contact: candidates, proximity, impacts, zones, failsafe, rejected steps.
@@ -95,7 +96,7 @@ pub struct Snapshot {
     /// Steps taken.
     pub steps: u64,
     /// Counters of work, in the order of the core's `IntegratorStatistics`.
-    pub work: [u64; 10],
+    pub work: [u64; 11],
     /// Counters of contact, in the order of the core's `ContactStatistics`.
     pub contacts: [u64; 7],
     /// Positions, velocities, for BDF2 the positions and velocities of the step before, and the forces of contacts.
@@ -375,7 +376,7 @@ macro_rules! engine {
                         matrix_products: work.matrix_products,
                         negative_curvature: work.negative_curvature,
                         unconverged: work.unconverged,
-                        substeps: [work.committed, work.inaccurate, work.most_halvings],
+                        substeps: [work.committed, work.inaccurate, work.exceeding, work.most_halvings],
                         streamed_bytes: self.streamed_bytes(),
                         contacts: [
                             contact_statistics.candidates,
@@ -469,6 +470,7 @@ macro_rules! engine {
                             w.stalled_searches,
                             w.committed,
                             w.inaccurate,
+                            w.exceeding,
                             w.most_halvings,
                         ],
                         contacts: [t.candidates, t.proximity, t.impacts, t.zones, t.touching, t.failsafe, t.rejected],
@@ -498,7 +500,8 @@ macro_rules! engine {
                         stalled_searches: w[6],
                         committed: w[7],
                         inaccurate: w[8],
-                        most_halvings: w[9],
+                        exceeding: w[9],
+                        most_halvings: w[10],
                     };
                     let t = snapshot.contacts;
                     let contact_statistics = ContactStatistics {

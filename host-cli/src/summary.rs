@@ -57,6 +57,8 @@ pub struct ErrorControl {
     pub accepted: u64,
     /// Taken back because their error was too large.
     pub taken_back: u64,
+    /// Accepted although their error was too large, because they were the shortest.
+    pub exceeding: u64,
     pub shortest_s: f64,
 }
 
@@ -183,11 +185,11 @@ impl Summary {
             self.work.cg_iterations,
             self.state_hash,
         );
-        if let Some(ErrorControl { error_m, accepted, taken_back, shortest_s }) = &self.error_control {
+        if let Some(ErrorControl { error_m, accepted, taken_back, shortest_s, .. }) = &self.error_control {
             text += &format!(
                 "\nerror at most {} mm in a step: {accepted} substeps accepted, {taken_back} taken back, the shortest \
                  {:.3} ms",
-                1e3 * error_m,
+                (1e3 * error_m) as f32,
                 1e3 * shortest_s
             );
         }
@@ -213,7 +215,15 @@ impl Summary {
             let solves = if count == 1 { "solve" } else { "solves" };
             format!("{count} {solves} ended above the tolerance: take {shorter}")
         });
-        stretch.into_iter().chain(unconverged).collect()
+        let exceeding = self.error_control.as_ref().filter(|control| control.exceeding > 0).map(|control| {
+            let ErrorControl { exceeding, accepted, error_m, .. } = control;
+            format!(
+                "{exceeding} of {accepted} substeps have a larger error than integrator.error ({} mm), because they may not \
+                 get shorter: take a shorter integrator.step",
+                (1e3 * error_m) as f32
+            )
+        });
+        stretch.into_iter().chain(unconverged).chain(exceeding).collect()
     }
 
     /// The device that found candidates and, if it has a clock, its time; empty without a device.

@@ -169,3 +169,20 @@ fn error_control_is_plotted() {
     let outcome = run("");
     assert!(outcome.stderr.contains("of an earlier run: out/steps.svg"), "{outcome:?}");
 }
+
+#[test]
+fn substeps_with_a_larger_error_are_counted_and_told() {
+    let place = Place::new();
+    let run = |error: &str| {
+        let words =
+            "run tiny.toml --out out --json --export none --preview none --set integrator.method=backward-euler";
+        place.muslin(&format!("{words} --set integrator.error={error}")).expect(0)
+    };
+    let warns = |text: &str| text.contains("substeps have a larger error than integrator.error");
+    let [fine, impossible] = ["1e-5", "1e-12"].map(run);
+    let count = |summary: &Value, key: &str| summary["error_control"][key].as_u64().unwrap();
+    assert!(count(&fine.json(), "exceeding") == 0 && !warns(&fine.stderr), "{fine:?}");
+    let summary = impossible.json();
+    assert!(count(&summary, "exceeding") > 0 && warns(&impossible.stderr), "{impossible:?}");
+    assert_eq!(count(&summary, "accepted"), 64 * summary["steps"].as_u64().unwrap());
+}

@@ -197,15 +197,20 @@ both_precisions! {
             (sim.positions().to_vec(), sim.statistics().committed as f64)
         };
         let exact = run("method = \"implicit-midpoint\", step = 2e-4, tolerance = 1e-6").0;
-        for (method, order, errors) in
-            [("backward-euler", 1.0, [8e-5, 1e-6]), ("implicit-midpoint", 2.0, [1e-5, 3e-7]), ("bdf2", 2.0, [1e-5, 3e-7])]
-        {
+        for (method, newton, order, errors) in [
+            ("backward-euler", 1, 1.0, [8e-5, 1e-6]),
+            ("implicit-midpoint", 1, 2.0, [1e-5, 3e-7]),
+            ("bdf2", 1, 2.0, [1e-5, 3e-7]),
+            ("backward-euler", 20, 1.0, [8e-5, 1e-6]),
+            ("implicit-midpoint", 20, 2.0, [1e-5, 3e-7]),
+            ("bdf2", 20, 2.0, [1e-5, 3e-7]),
+        ] {
             let [coarse, fine] = errors.map(|error| {
-                let (x, steps) = run(&format!("method = \"{method}\", error = {error:e}"));
+                let (x, steps) = run(&format!("method = \"{method}\", newton = {newton}, error = {error:e}"));
                 (Sum::from(distance(&x, &exact)), steps)
             });
             let measured = (coarse.0 / fine.0).ln() / (fine.1 / coarse.1).ln();
-            let what = format!("{} {method}: {coarse:?} and {fine:?} m by steps", muslin::real::NAME);
+            let what = format!("{} {method}, newton {newton}: {coarse:?} and {fine:?} m by steps", muslin::real::NAME);
             println!("{what}: order {measured:.2}");
             assert!((measured - order).abs() < 0.25, "{what}: order {measured}, not {order}");
         }

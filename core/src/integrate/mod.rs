@@ -131,12 +131,12 @@ pub enum Tolerance {
     /// At a relative residual.
     Residual(Real),
     /// Linear solves stop where the rest of the solution changes the velocities by less, m/s, in the root mean square, and
-    /// is at most a tenth of the solution. Newton's method stops at [`NEWTON_RESIDUAL`].
+    /// is at most a tenth of the solution. Newton's method stops where an iteration changes them by less.
     Velocity(Real),
 }
 
-/// Relative residual at which Newton's method stops if the tolerance is a velocity.
-pub const NEWTON_RESIDUAL: Real = 1e-3;
+/// Relative residual of the solves that no velocity stops if the tolerance is one: they add contacts to a solution.
+const OTHER_RESIDUAL: Real = 1e-3;
 
 /// The step, s, in whose error the part of the solves is a fifth.
 const LONG_STEP: Real = 1.0 / 60.0;
@@ -149,11 +149,11 @@ impl Tolerance {
         Self::Velocity(0.2 * error / LONG_STEP)
     }
 
-    /// The relative residual at which Newton's method stops.
+    /// A relative residual for solves that stop at nothing else.
     pub(crate) fn residual(self) -> Real {
         match self {
             Self::Residual(residual) => residual,
-            Self::Velocity(_) => NEWTON_RESIDUAL,
+            Self::Velocity(_) => OTHER_RESIDUAL,
         }
     }
 }
@@ -179,6 +179,8 @@ pub struct IntegratorStatistics {
     pub committed: u64,
     /// Steps and parts of steps that were taken back because their error was too large.
     pub inaccurate: u64,
+    /// Parts of steps that were committed although their error was too large, because they were the shortest.
+    pub exceeding: u64,
     /// Largest number of times that a step was halved.
     pub most_halvings: u64,
 }

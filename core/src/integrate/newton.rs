@@ -18,7 +18,7 @@
 
 use super::conjugate_gradient::{self, Goal};
 use super::convex_term::NoTerm;
-use super::{IntegratorStatistics, StepInput};
+use super::{IntegratorStatistics, StepInput, Tolerance};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::forces::{self, TangentScale};
@@ -132,8 +132,8 @@ fn newton_iterations<D: Dispatch>(
         write_residual(c, stage, s);
         c.pins.filter(s.residual);
         let norm = residual_norm(c, s.residual);
-        if iteration == 0 {
-            target = Sum::from(c.scheme.tolerance.residual()) * norm.max(weight);
+        if let (0, Tolerance::Residual(residual)) = (iteration, c.scheme.tolerance) {
+            target = Sum::from(residual) * norm.max(weight);
         }
         // Once the residual may be only rounding, continue only while each iteration halves it.
         let exhausted = norm <= rounding && norm > 0.5 * previous;
@@ -150,7 +150,7 @@ fn newton_iterations<D: Dispatch>(
         // Save the residual, which is the negative gradient of the objective: conjugate gradients overwrite it.
         s.base_residual.copy_from_slice(s.residual);
         let tolerance = c.scheme.tolerance.residual().max(INNER_TOLERANCE).into();
-        solve_linear(c, Goal::Reduce(tolerance), s, statistics);
+        solve_linear(c, c.goal(tolerance), s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
         match search(c, stage, slope, s, statistics) {
             Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
@@ -159,8 +159,18 @@ fn newton_iterations<D: Dispatch>(
                 return;
             }
         }
+        if is_small(c, s.solution) {
+            return;
+        }
     }
     statistics.unconverged += 1;
+}
+
+/// Whether a correction of the velocities is within their tolerance. The next one would be smaller still.
+fn is_small<D: Dispatch>(c: &StepInput<'_, D>, correction: &[Vec3]) -> bool {
+    let Tolerance::Velocity(most) = c.scheme.tolerance else { return false };
+    let square: Sum = correction.iter().map(|&y| dot_sum(y, y)).sum();
+    square <= correction.len() as Sum * Sum::from(most) * Sum::from(most)
 }
 
 /// `S = -(g^2 Kx + g Kv)` at the iterate in `stage_positions`.

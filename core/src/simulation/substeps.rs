@@ -74,7 +74,9 @@ impl Simulation {
                 Ok(error) => {
                     done += length;
                     self.estimate = self.estimate.into_iter().chain(error).reduce(Real::max);
-                    let may_grow = error.zip(self.scheme.error).is_none_or(|(error, most)| error < SMALL_ERROR * most);
+                    let limited = error.zip(self.scheme.error);
+                    self.statistics.exceeding += u64::from(limited.is_some_and(|(error, most)| error > most));
+                    let may_grow = limited.is_none_or(|(error, most)| error < SMALL_ERROR * most);
                     self.halvings -= u32::from(may_grow && self.halvings > 0 && done % (2 * length) == 0);
                 }
                 Err(obstacle) if self.halvings < MOST_HALVINGS && obstacle.cause.asks_for_shorter_step() => {

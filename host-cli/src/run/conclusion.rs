@@ -65,9 +65,9 @@ impl Course {
             steps: self.steps,
             rejected_steps: report.contacts[5],
             error_control: scene.desc.integrator.error().map(|error_m| {
-                let [accepted, taken_back, halvings] = report.substeps;
+                let [accepted, taken_back, exceeding, halvings] = report.substeps;
                 let shortest_s = self.timing.step / 2f64.powi(halvings as i32);
-                ErrorControl { error_m, accepted, taken_back, shortest_s }
+                ErrorControl { error_m, accepted, taken_back, exceeding, shortest_s }
             }),
             simulated_s: report.time,
             wall_s: wall.as_secs_f64(),

@@ -72,7 +72,7 @@ impl Control {
 
     /// The substeps of a run whose steps have `step` seconds.
     pub fn of(error: f64, step: f64, report: &Report) -> Self {
-        let [substeps, taken_back, halvings] = report.substeps;
+        let [substeps, taken_back, _, halvings] = report.substeps;
         let shortest = step / 2f64.powi(halvings as i32);
         Self { error, substeps, taken_back, mean: report.time / substeps.max(1) as f64, shortest }
     }
