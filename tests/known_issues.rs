@@ -92,7 +92,7 @@ fn one_linear_step_of_a_stiff_sheet_can_overshoot() {
     };
     let (linear, converged) = (stretch(1), stretch(20));
     assert!((1.02..1.03).contains(&converged), "converged, the sheet is stretched to {converged}");
-    assert!(linear > 3.0, "one linear step stretches to {linear}, converged to {converged}");
+    assert!(linear > 2.0, "one linear step stretches to {linear}, converged to {converged}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Cuts a sheet into patches of about `PATCH` vertices. The material is halved repeatedly across
+//! Cuts a sheet into patches of at most `PATCH` vertices. The material is halved repeatedly across
 //! its longest side. The patches are then numbered outward from one end, so that the small matrix
 //! has a narrow envelope.
 //!
@@ -16,14 +16,15 @@ use crate::forces::sparsity::SparsityPattern;
 use crate::integrate::pins::Pins;
 use crate::real::Real;
 
-/// Vertices per patch. Smaller patches need fewer solver iterations but make the small system larger.
-const PATCH: usize = 64;
+/// Vertices per patch at most. Smaller patches need fewer solver iterations but make the small system larger.
+const PATCH: usize = 128;
 
-/// Largest number of patches in a scene. With more, the small system costs more than it saves.
+/// Largest number of patches in a scene. With more, the small system costs more than it saves. If this makes patches
+/// larger than [`PATCH`], they are cut into [small](SMALL_PATCH) ones.
 const MOST_PATCHES: usize = 128;
 
-/// Patches that have at least so many times [`PATCH`] vertices on average are cut into small ones.
-const LEAST_REFINED: usize = 2;
+/// Vertices per small patch at most.
+const SMALL_PATCH: usize = 64;
 
 /// The owned columns of [`Patches`].
 #[derive(Clone, Debug, Default)]
@@ -46,9 +47,9 @@ impl PatchColumns {
         built.set_pins(pins);
         let whole = cloths.iter().map(|cloth| cloth.clone().collect()).collect();
         let large = built.add_level(material, whole, size, pattern, &[]);
-        if count >= LEAST_REFINED * PATCH * large.len() {
+        if count >= PATCH * MOST_PATCHES {
             let labels = built.labels.clone();
-            built.add_level(material, large, PATCH, pattern, &labels);
+            built.add_level(material, large, SMALL_PATCH, pattern, &labels);
         }
         built
     }
