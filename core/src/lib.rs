@@ -27,8 +27,8 @@
 //!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods.
 //! 12. [`simulation`]: all of it owned, for hosts that allocate.
 //!
-//! Beside the flow: [`real`] (the only module that knows the precision), [`dispatch`] (how kernels
-//! use the host's threads), [`error`], [`stage`] (names of the stages, for hosts that measure time)
+//! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time),
+//! [`dispatch`] (how kernels use the host's threads), [`error`], [`stage`] (names of the stages, for hosts that measure time)
 //! and [`traffic`] (bytes that each stage streams).
 //!
 //! The crate is `no_std`. With the feature `alloc` (default) it builds scenes and owns columns;
@@ -127,6 +127,7 @@ pub mod simulation;
 
 pub mod dispatch;
 pub mod error;
+pub mod lanes;
 pub mod motion;
 pub mod real;
 pub mod stage;

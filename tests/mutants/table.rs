@@ -85,8 +85,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "Nearest points of edges are not clamped to the first edge",
         file: "core/src/geometry/edge_edge.rs",
-        old: "[((t * b - r).dot(a) / a_squared).clamp(0.0, 1.0), t]",
-        new: "[(t * b - r).dot(a) / a_squared, t]",
+        old: "clamp_to_unit((b * t - r).dot(a) / a_squared)",
+        new: "(b * t - r).dot(a) / a_squared",
         everyday: &["narrow_phase"],
         all: &[],
     },

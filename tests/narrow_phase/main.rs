@@ -7,6 +7,7 @@
 mod complete;
 mod distances;
 mod fuzz;
+mod lanes;
 mod lattice;
 mod local_minimum;
 mod never_missed;

@@ -15,7 +15,8 @@ harness::both_precisions! {
     use muslin::narrow_phase::continuous::{LinearMotion, times};
     use muslin::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
     use muslin::narrow_phase::{EdgeEdge, Nearest, Pairing, VertexTriangle, proximity};
-    use muslin::real::{NAME, Real, Vec3, vec3};
+    use muslin::lanes::Vec3x4;
+    use muslin::real::{Lanes, NAME, Real, Vec3, vec3};
     use muslin::response::friction::Law;
     use muslin::response::impact::SEPARATION;
     use muslin::detection;
@@ -203,11 +204,14 @@ harness::both_precisions! {
             ADVANCED.set(ADVANCED.get() + 1);
             P::time_of_impact(start, end, separation, tolerance)
         }
-        fn radius(radii: [Real; 4]) -> Real {
-            P::radius(radii)
+        fn squared_distances(x: &[Vec3x4; 4]) -> Lanes {
+            P::squared_distances(x)
         }
-        fn box_distance(x: &[Vec3; 4]) -> Real {
-            P::box_distance(x)
+        fn radius_sums(radii: [Lanes; 4]) -> Lanes {
+            P::radius_sums(radii)
+        }
+        fn box_distances(x: &[Vec3x4; 4]) -> Lanes {
+            P::box_distances(x)
         }
     }
 

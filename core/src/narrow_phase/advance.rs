@@ -14,7 +14,8 @@
 //! All positions are relative to the first vertex. The error of a distance is then less than [`ROUNDING`] times the
 //! largest coordinate, which is kept as a reserve.
 
-use crate::real::{Real, Vec3, sqrt};
+use crate::lanes::{self, Vec3x4, greater, lesser};
+use crate::real::{Lanes, Real, Vec3, sqrt};
 
 /// Reserve for rounding errors, in units of the largest coordinate relative to the first vertex.
 pub const ROUNDING: Real = 32.0 * Real::EPSILON;
@@ -49,7 +50,8 @@ pub fn advance(
     apart: &dyn Fn(&[Vec3; 4]) -> Vec3,
 ) -> Option<Real> {
     let (start, end) = (start.map(|x| x - start[0]), end.map(|x| x - end[0]));
-    let size = largest([&start, &end]);
+    let size = [&start, &end].map(|x| lanes::first(largest(&Vec3x4::splats(x))));
+    let size = size[0].max(size[1]);
     if !size.is_finite() {
         return Some(0.0);
     }
@@ -83,19 +85,20 @@ pub fn advance(
     Some(time)
 }
 
-/// The largest coordinate of vertices relative to the first; infinite if a coordinate is not finite or if squared
-/// lengths could overflow.
-#[inline]
-pub fn largest<const N: usize>(local: [&[Vec3; 4]; N]) -> Real {
-    let (mut size, mut sum) = (Vec3::ZERO, Vec3::ZERO);
-    for i in 1..4 {
-        for x in local {
-            size = size.max(x[i].abs());
-            sum += x[i];
-        }
+/// The largest coordinates of vertices relative to the first, of four pairs; infinite if a coordinate is not finite or
+/// if squared lengths could overflow.
+#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(not(small), inline(always))]
+pub fn largest(local: &[Vec3x4; 4]) -> Lanes {
+    let (mut size, mut sum) = (Vec3x4::default(), Vec3x4::default());
+    for &x in &local[1..] {
+        size = size.max(x.abs());
+        sum = sum + x;
     }
     let size = size.max_element();
-    if sum.is_finite() && (64.0 * size * size).is_finite() { size } else { Real::INFINITY }
+    // The sum tells of NaN, which the maximum may not. Where the square is finite, the sum is too small to change it.
+    let is_finite = (Lanes::splat(64.0) * size * size + sum.element_sum()).is_finite();
+    is_finite.bitselect(size, Lanes::splat(Real::INFINITY))
 }
 
 /// The earliest time at which the slab between the features, perpendicular to `direction`, is as thin as `target`.
@@ -118,11 +121,19 @@ fn closing(first: usize, direction: Vec3, now: &[Vec3; 4], end: &[Vec3; 4], time
 }
 
 /// The thickness of the slab between the features, times the length of `direction`.
-#[inline]
+#[cfg_attr(small, inline(never))]
+#[cfg_attr(not(small), inline)]
 pub fn slab(first: usize, direction: Vec3, x: &[Vec3; 4]) -> Real {
-    let heights = x.map(|x| direction.dot(x));
-    let (first, second) = heights.split_at(first);
-    first.iter().fold(Real::INFINITY, |a, &b| a.min(b)) - second.iter().fold(Real::NEG_INFINITY, |a, &b| a.max(b))
+    lanes::first(slabs(first, Vec3x4::splat(direction), &Vec3x4::splats(x)))
+}
+
+/// The thicknesses of the [slabs](slab) of four pairs.
+#[inline(always)]
+pub fn slabs(first: usize, direction: Vec3x4, x: &[Vec3x4; 4]) -> Lanes {
+    let (first, second) = x.split_at(first);
+    let low = first.iter().fold(Lanes::splat(Real::INFINITY), |low, &x| lesser(direction.dot(x), low));
+    let high = second.iter().fold(Lanes::splat(Real::NEG_INFINITY), |high, &x| greater(direction.dot(x), high));
+    low - high
 }
 
 /// A vector perpendicular to the triangle or to both edges that points towards the first feature.
@@ -136,7 +147,13 @@ fn upright(first: usize, &[a, b, c, d]: &[Vec3; 4], between: Vec3) -> Vec3 {
 #[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline)]
 pub fn fastest(first: usize, displacements: &[Vec3; 4]) -> Real {
+    lanes::first(fastest_x4(first, &Vec3x4::splats(displacements)))
+}
+
+/// The [largest relative displacements](fastest) of four pairs.
+#[inline(always)]
+pub fn fastest_x4(first: usize, displacements: &[Vec3x4; 4]) -> Lanes {
     let (first, second) = displacements.split_at(first);
     let pairs = first.iter().flat_map(|&a| second.iter().map(move |&b| (a - b).length_squared()));
-    sqrt(pairs.fold(0.0, Real::max))
+    pairs.fold(Lanes::ZERO, |most, squared| greater(squared, most)).sqrt()
 }

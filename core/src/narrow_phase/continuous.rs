@@ -15,12 +15,13 @@
 //! square roots by 9 u. A lower bound from bounding boxes has a smaller error than either. The approach has its own
 //! reserve.
 
-use super::advance::{ROUNDING, fastest, largest};
+use super::advance::{ROUNDING, fastest_x4, largest};
 use super::time_of_impact::{StoredTime, TimeOfImpact};
-use super::{Pairing, gather};
+use super::{Pairing, gather, gather_x4, vertices_x4};
 use crate::broad_phase::Surface;
 use crate::dispatch::Dispatch;
-use crate::real::{Real, Vec3};
+use crate::lanes::{Vec3x4, min};
+use crate::real::{Lanes, Real, Vec3};
 
 /// Features nearer than this fraction of the separation count as touching, because rounding hides their motion.
 pub const TOUCH: Real = 1e-3;
@@ -45,13 +46,38 @@ pub struct LinearMotion<'a> {
     pub round: u32,
 }
 
-/// An upper bound of the distance by which the features approach each other, m. It includes the rounding error of
-/// two displacements, which is less than 2 sqrt(3) u times the largest, so it is valid even if both features share
-/// a large motion.
-#[inline]
-fn farthest<P: Pairing>(displacements: &[Vec3; 4]) -> Real {
-    let largest = displacements.iter().fold(Vec3::ZERO, |most, x| most.max(x.abs())).max_element();
-    fastest(P::FIRST, displacements) * (1.0 + 1e-5) + 4.0 * Real::EPSILON * largest
+impl LinearMotion<'_> {
+    /// Whether a candidate is tested.
+    #[inline(always)]
+    fn tests(&self, vertices: [u32; 4]) -> bool {
+        self.round == 0 || gather(vertices, self.rounds).contains(&self.round)
+    }
+}
+
+/// Which of four candidates do not move far enough to collide, as one bit for each.
+#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(not(small), inline(always))]
+fn stay_apart(
+    first: usize,
+    vertices: &[[u32; 4]; 4],
+    distances: Lanes,
+    motion: &LinearMotion<'_>,
+    separation: Real,
+) -> u32 {
+    let [a, b, c, d] = gather_x4(vertices, motion.start);
+    let reserve = Lanes::splat(RESERVE) * largest(&[Vec3x4::default(), b - a, c - a, d - a]);
+    let separation = min(Lanes::splat(separation), Lanes::splat(0.5) * distances);
+    let approach = farthest(first, &gather_x4(vertices, motion.displacements));
+    (approach + reserve).simd_lt(distances - separation).to_bitmask()
+}
+
+/// Upper bounds of the distances by which the features of four candidates approach each other, m. They include the
+/// rounding error of two displacements, which is less than 2 sqrt(3) u times the largest, so they are valid even if both
+/// features share a large motion.
+#[inline(always)]
+fn farthest(first: usize, displacements: &[Vec3x4; 4]) -> Lanes {
+    let largest = displacements.iter().fold(Vec3x4::default(), |most, x| most.max(x.abs())).max_element();
+    fastest_x4(first, displacements) * Lanes::splat(1.0 + 1e-5) + Lanes::splat(4.0 * Real::EPSILON) * largest
 }
 
 /// Writes the time at which the features of each candidate come within `separation` of each other, or within half
@@ -67,33 +93,45 @@ pub fn times<P: Pairing>(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(times, |first, part| {
-        for ((&candidate, &distance), time) in candidates[first..].iter().zip(&distances[first..]).zip(part) {
-            *time = time_of::<P>(P::vertices(surface, candidate), distance, &motion, separation).into();
+        let range = first..first + part.len();
+        let measured = candidates[range.clone()].chunks(4).zip(distances[range].chunks(4));
+        for ((candidates, distances), times) in measured.zip(part.chunks_mut(4)) {
+            let is_tested = |k: usize| motion.tests(P::vertices(surface, candidates[k]));
+            if !(0..times.len()).any(is_tested) {
+                times.fill(TimeOfImpact::Never.into());
+                continue;
+            }
+            let vertices = &vertices_x4::<P>(surface, candidates);
+            let last = distances.len() - 1;
+            let four = [distances[0], distances[last.min(1)], distances[last.min(2)], distances[last.min(3)]];
+            let apart = stay_apart(P::FIRST, vertices, Lanes::new(four), &motion, separation);
+            for (k, time) in times.iter_mut().enumerate() {
+                *time = if !is_tested(k) {
+                    TimeOfImpact::Never
+                } else if distances[k] <= TOUCH * separation {
+                    TimeOfImpact::Touching
+                } else if apart >> k & 1 == 1 {
+                    TimeOfImpact::Never
+                } else {
+                    time_of::<P>(vertices.map(|of_all| of_all[k]), distances[k], &motion, separation)
+                }
+                .into();
+            }
         }
     });
 }
 
-#[inline]
+/// The time of impact of a candidate that may collide.
+#[inline(never)]
+#[cfg_attr(small, optimize(size))]
 fn time_of<P: Pairing>(
     vertices: [u32; 4],
     distance: Real,
     motion: &LinearMotion<'_>,
     separation: Real,
 ) -> TimeOfImpact {
-    let untouched = motion.round > 0 && gather(vertices, motion.rounds).iter().all(|&r| r != motion.round);
-    if untouched {
-        return TimeOfImpact::Never;
-    }
-    if distance <= TOUCH * separation {
-        return TimeOfImpact::Touching;
-    }
     let separation = separation.min(0.5 * distance);
     let start = gather(vertices, motion.start);
-    let reserve = RESERVE * largest([&start.map(|x| x - start[0])]);
-    // Most candidates do not move far enough to collide.
-    if farthest::<P>(&gather(vertices, motion.displacements)) + reserve < distance - separation {
-        return TimeOfImpact::Never;
-    }
     let end = gather(vertices, motion.end);
     let radius = P::radius(gather(vertices, motion.radii));
     match P::time_of_impact(&start, &end, separation + radius, 0.5 * separation) {

@@ -16,7 +16,8 @@ pub mod vertex_triangle_ccd;
 use bytemuck::{Pod, Zeroable};
 
 use crate::broad_phase::Surface;
-use crate::real::{Real, Vec3};
+use crate::lanes::{Vec3x4, first, max};
+use crate::real::{Lanes, Real, Vec3};
 
 /// A contact: the nearest points of two features, with their weights, normal and gap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -55,10 +56,18 @@ pub trait Pairing: Sync {
     /// The time in [0, 1] at which the features first come within `separation` while they move linearly from
     /// `start` to `end`. It is never late.
     fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real>;
+    /// The squared distances of four pairs of features, m^2.
+    fn squared_distances(x: &[Vec3x4; 4]) -> Lanes;
+    /// The sums of the radii of both features, of four pairs, m.
+    fn radius_sums(radii: [Lanes; 4]) -> Lanes;
+    /// Lower bounds of the distances of four pairs of features, from their bounding boxes, m.
+    fn box_distances(x: &[Vec3x4; 4]) -> Lanes;
     /// The sum of the radii of both features, m.
-    fn radius(radii: [Real; 4]) -> Real;
-    /// A lower bound of the distance between the two features, from their bounding boxes, m.
-    fn box_distance(x: &[Vec3; 4]) -> Real;
+    #[inline]
+    fn radius([a, b, c, d]: [Real; 4]) -> Real {
+        let splat = Lanes::splat;
+        first(Self::radius_sums([splat(a), splat(b), splat(c), splat(d)]))
+    }
 }
 
 /// A vertex and a triangle.
@@ -84,12 +93,18 @@ impl Pairing for VertexTriangle {
     fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
         vertex_triangle_ccd::time_of_impact(start, end, separation, tolerance)
     }
-    #[inline]
-    fn radius(radii: [Real; 4]) -> Real {
-        radii[0] + radii[1].max(radii[2]).max(radii[3])
+    #[cfg_attr(small, inline(never), optimize(size))]
+    #[cfg_attr(not(small), inline(always))]
+    fn squared_distances(x: &[Vec3x4; 4]) -> Lanes {
+        vertex_triangle::squared_distances(x)
     }
-    #[inline]
-    fn box_distance(x: &[Vec3; 4]) -> Real {
+    #[inline(always)]
+    fn radius_sums([a, b, c, d]: [Lanes; 4]) -> Lanes {
+        a + max(max(b, c), d)
+    }
+    #[cfg_attr(small, inline(never), optimize(size))]
+    #[cfg_attr(not(small), inline(always))]
+    fn box_distances(x: &[Vec3x4; 4]) -> Lanes {
         let (low, high) = (x[1].min(x[2]).min(x[3]), x[1].max(x[2]).max(x[3]));
         (low - x[0]).max(x[0] - high).max_element()
     }
@@ -112,12 +127,18 @@ impl Pairing for EdgeEdge {
     fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
         edge_edge_ccd::time_of_impact(start, end, separation, tolerance)
     }
-    #[inline]
-    fn radius(radii: [Real; 4]) -> Real {
-        radii[0].max(radii[1]) + radii[2].max(radii[3])
+    #[cfg_attr(small, inline(never), optimize(size))]
+    #[cfg_attr(not(small), inline(always))]
+    fn squared_distances(x: &[Vec3x4; 4]) -> Lanes {
+        edge_edge::squared_distances(x)
     }
-    #[inline]
-    fn box_distance(x: &[Vec3; 4]) -> Real {
+    #[inline(always)]
+    fn radius_sums([a, b, c, d]: [Lanes; 4]) -> Lanes {
+        max(a, b) + max(c, d)
+    }
+    #[cfg_attr(small, inline(never), optimize(size))]
+    #[cfg_attr(not(small), inline(always))]
+    fn box_distances(x: &[Vec3x4; 4]) -> Lanes {
         let gaps = (x[0].min(x[1]) - x[2].max(x[3])).max(x[2].min(x[3]) - x[0].max(x[1]));
         gaps.max_element()
     }
@@ -154,6 +175,25 @@ pub(crate) use with_pairing;
 pub fn gather<T: Copy>([a, b, c, d]: [u32; 4], column: &[T]) -> [T; 4] {
     // The compiler keeps these in registers, but not the result of `map`.
     [column[a as usize], column[b as usize], column[c as usize], column[d as usize]]
+}
+
+/// The vertices of four candidates, by their place in a candidate. If there are fewer than four, the last one is repeated.
+#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(not(small), inline(always))]
+fn vertices_x4<P: Pairing>(surface: &Surface<'_>, candidates: &[[u32; 2]]) -> [[u32; 4]; 4] {
+    let last = candidates.len() - 1;
+    let of = |lane: usize| P::vertices(surface, candidates[lane.min(last)]);
+    let (a, b, c, d) = (of(0), of(1), of(2), of(3));
+    let vertices = |k: usize| [a[k], b[k], c[k], d[k]];
+    [vertices(0), vertices(1), vertices(2), vertices(3)]
+}
+
+/// Vectors of the vertices of four candidates.
+#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(not(small), inline(always))]
+fn gather_x4(&[a, b, c, d]: &[[u32; 4]; 4], column: &[Vec3]) -> [Vec3x4; 4] {
+    let of = |vertices| Vec3x4::new(gather(vertices, column));
+    [of(a), of(b), of(c), of(d)]
 }
 
 /// The nearest points of two features of a kind.

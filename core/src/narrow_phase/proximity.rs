@@ -1,10 +1,10 @@
 //! The distances between the features of each candidate at the start of a step [Ericson 2005].
 
-use super::{Pairing, gather};
+use super::{Pairing, gather, gather_x4, vertices_x4};
 use crate::broad_phase::Surface;
 use crate::contact::Pairs;
 use crate::dispatch::Dispatch;
-use crate::real::{Real, Vec3, sqrt};
+use crate::real::{Lanes, Real, Vec3};
 
 /// Writes the distance of each candidate minus the radii. If the lower bound from the bounding boxes already
 /// exceeds `reach`, writes this bound instead.
@@ -18,11 +18,16 @@ pub fn distances<P: Pairing>(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(distances, |first, part| {
-        for (&candidate, distance) in candidates[first..].iter().zip(part) {
-            let vertices = P::vertices(surface, candidate);
-            let (x, radius) = (&gather(vertices, x), P::radius(gather(vertices, radii)));
-            let bound = P::box_distance(x) - radius;
-            *distance = if bound > reach { bound } else { sqrt(P::nearest(x).between.length_squared()) - radius };
+        let candidates = &candidates[first..first + part.len()];
+        for (candidates, distances) in candidates.chunks(4).zip(part.chunks_mut(4)) {
+            let vertices = &vertices_x4::<P>(surface, candidates);
+            let [a, b, c, d] = *vertices;
+            let of = |vertices| Lanes::new(gather(vertices, radii));
+            let (x, radius) = (&gather_x4(vertices, x), P::radius_sums([of(a), of(b), of(c), of(d)]));
+            let bound = P::box_distances(x) - radius;
+            let far = bound.simd_gt(Lanes::splat(reach));
+            let four = far.bitselect(bound, P::squared_distances(x).sqrt() - radius).to_array();
+            distances.copy_from_slice(&four[..distances.len()]);
         }
     });
 }

@@ -4,12 +4,13 @@
 //!
 //! Its thickness is a minimum of linear functions of time, so it is least at one end of the motion.
 
-use super::Pairing;
-use super::advance::{LEAST_SQUARED, slab};
+use super::advance::{LEAST_SQUARED, slabs};
+use super::{Pairing, gather, vertices_x4};
 use crate::broad_phase::Surface;
 use crate::broad_phase::comoving::Motion;
 use crate::dispatch::Dispatch;
-use crate::real::{Real, Vec3, sqrt};
+use crate::lanes::{Vec3x4, greater, min};
+use crate::real::{Lanes, Real};
 
 /// Writes the bound of each candidate less the radii, m. The motion ends in the middle of the end boxes. Their width above
 /// the margin and the radius counts as uncertainty of the end.
@@ -21,40 +22,42 @@ pub fn bounds<P: Pairing>(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(bounds, |first, part| {
-        for (&candidate, bound) in candidates[first..].iter().zip(part) {
-            let vertices = P::vertices(surface, candidate);
-            *bound = self::bound(P::FIRST, vertices, motion);
+        let candidates = &candidates[first..first + part.len()];
+        for (candidates, bounds) in candidates.chunks(4).zip(part.chunks_mut(4)) {
+            let four = bound(P::FIRST, &vertices_x4::<P>(surface, candidates), motion).to_array();
+            bounds.copy_from_slice(&four[..bounds.len()]);
         }
     });
 }
 
-/// The bound of two features. The first one has the first `first` vertices.
-#[cfg_attr(small, inline(never))]
+/// The bounds of four candidates.
+#[cfg_attr(small, inline(never), optimize(size))]
 #[cfg_attr(not(small), inline(always))]
-fn bound(first: usize, vertices: [u32; 4], motion: &Motion<'_>) -> Real {
-    let (mut x, mut y) = ([Vec3::ZERO; 4], [Vec3::ZERO; 4]);
-    let (mut half, mut radius, mut towards) = ([0.0; 2], [0.0; 2], Vec3::ZERO);
-    for k in 0..4 {
-        let (v, second) = (vertices[k] as usize, usize::from(k >= first));
-        let around = &motion.ends[v];
-        (x[k], y[k]) = (motion.start[v], (around.min + around.max) * 0.5);
-        half[second] = (around.max - around.min).max_element().max(half[second]);
-        radius[second] = motion.radii[v].max(radius[second]);
-    }
-    let (from, to) = (x[0], y[0]);
+fn bound(first: usize, vertices: &[[u32; 4]; 4], motion: &Motion<'_>) -> Lanes {
+    let splat = Lanes::splat;
+    let (mut x, mut y, mut towards) = ([Vec3x4::default(); 4], [Vec3x4::default(); 4], Vec3x4::default());
+    let (mut half, mut radius) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2]);
+    let (mut from, mut to) = (Vec3x4::default(), Vec3x4::default());
     let weights = if first == 1 { [3.0, -1.0, -1.0, -1.0] } else { [1.0, 1.0, -1.0, -1.0] };
     for k in 0..4 {
+        let (v, second) = (vertices[k], usize::from(k >= first));
+        let [a, b, c, d] = gather(v, motion.ends);
+        let (min, max) = (Vec3x4::new([a.min, b.min, c.min, d.min]), Vec3x4::new([a.max, b.max, c.max, d.max]));
+        half[second] = greater((max - min).max_element(), half[second]);
+        radius[second] = greater(Lanes::new(gather(v, motion.radii)), radius[second]);
+        (x[k], y[k]) = (Vec3x4::new(gather(v, motion.start)), (min + max) * splat(0.5));
+        if k == 0 {
+            (from, to) = (x[0], y[0]);
+        }
         (x[k], y[k]) = (x[k] - from, y[k] - to);
-        towards += (x[k] + y[k]) * weights[k];
+        towards = towards + (x[k] + y[k]) * splat(weights[k]);
     }
-    let radius: Real = radius.iter().sum();
-    let uncertain = (0.5 * (half[0] + half[1]) - 2.0 * motion.margin - radius).max(0.0);
+    let radius = radius[0] + radius[1];
+    let uncertain = greater(splat(0.5) * (half[0] + half[1]) - splat(2.0 * motion.margin) - radius, Lanes::ZERO);
     let squared = towards.length_squared();
-    if squared < LEAST_SQUARED {
-        return Real::NEG_INFINITY;
-    }
-    let (start, end) = (slab(first, towards, &x), slab(first, towards, &y));
-    let least = start.min(end - uncertain * towards.abs().element_sum()) / sqrt(squared) - radius;
+    let (start, end) = (slabs(first, towards, &x), slabs(first, towards, &y));
+    let least = min(start, end - uncertain * towards.abs().element_sum()) / squared.sqrt() - radius;
     // A position that is not finite separates nothing.
-    least.max(Real::NEG_INFINITY)
+    let least = greater(least, splat(Real::NEG_INFINITY));
+    squared.simd_lt(splat(LEAST_SQUARED)).bitselect(splat(Real::NEG_INFINITY), least)
 }

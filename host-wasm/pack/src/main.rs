@@ -61,6 +61,7 @@ fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
     let module = build(own, count)?;
     let web = own.join("web");
     bind(&module, &web)?;
+    shrink(own, &web.join("muslin_wasm_bg.wasm"))?;
     let failed = |path: &Path| {
         let path = path.display().to_string();
         move |why| format!("{path}: {why}")
@@ -141,6 +142,27 @@ fn shorten(output: &mut Output) -> Vec<(String, String)> {
         (format!("wasm.{long}("), format!("wasm.{short}("))
     });
     imports.chain(exports).collect()
+}
+
+/// Passes over the linked module. Together they save 2.4 kB of 224 kB gzipped; higher levels make it larger.
+const PASSES: [&str; 3] = ["-O1", "--rse", "--duplicate-function-elimination"];
+
+/// What the module uses of WebAssembly beyond its first version.
+const FEATURES: [&str; 7] = [
+    "--enable-simd",
+    "--enable-bulk-memory",
+    "--enable-sign-ext",
+    "--enable-mutable-globals",
+    "--enable-nontrapping-float-to-int",
+    "--enable-reference-types",
+    "--enable-multivalue",
+];
+
+/// Shrinks a module in place.
+fn shrink(own: &Path, module: &Path) -> Result<(), String> {
+    let mut optimizer = Command::new(own.join("node_modules/.bin/wasm-opt"));
+    optimizer.args(FEATURES).args(PASSES).arg(module).arg("-o").arg(module);
+    run(optimizer, "remove host-wasm/node_modules and try again")
 }
 
 /// Bundles a file and all its imports into one file. A page's import of the package itself stays an import.
