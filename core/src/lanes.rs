@@ -15,8 +15,7 @@ pub struct Vec3x4 {
 
 impl Vec3x4 {
     /// One vector for each lane.
-    #[cfg_attr(small, inline(never), optimize(size))]
-    #[cfg_attr(not(small), inline(always))]
+    #[inline(always)]
     pub fn new([a, b, c, d]: [Vec3; 4]) -> Self {
         let [x, y, z, _] = Lanes::transpose([lanes(a), lanes(b), lanes(c), lanes(d)]);
         Self { x, y, z }
@@ -29,7 +28,7 @@ impl Vec3x4 {
     }
 
     /// Each of four vectors in all lanes.
-    #[cfg_attr(small, inline(never), optimize(size))]
+    #[cfg_attr(small, inline(never))]
     #[cfg_attr(not(small), inline(always))]
     pub fn splats(&[a, b, c, d]: &[Vec3; 4]) -> [Self; 4] {
         [Self::splat(a), Self::splat(b), Self::splat(c), Self::splat(d)]

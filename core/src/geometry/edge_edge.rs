@@ -21,7 +21,7 @@ pub fn closest_parameters(a0: Vec3, a1: Vec3, b0: Vec3, b1: Vec3) -> [Real; 2] {
 }
 
 /// The [parameters](closest_parameters) of four pairs of edges.
-#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline(always))]
 pub fn closest_parameters_x4(a0: Vec3x4, a1: Vec3x4, b0: Vec3x4, b1: Vec3x4) -> [Lanes; 2] {
     let (a, b, r) = (a1 - a0, b1 - b0, a0 - b0);

@@ -20,7 +20,7 @@ pub fn closest_weights(p: Vec3, t0: Vec3, t1: Vec3, t2: Vec3) -> [Real; 3] {
 }
 
 /// The [weights](closest_weights) of four points in their triangles.
-#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline(always))]
 pub fn closest_weights_x4(p: Vec3x4, corners: [Vec3x4; 3]) -> [Lanes; 3] {
     let [t0, t1, t2] = corners;

@@ -87,7 +87,7 @@ pub fn advance(
 
 /// The largest coordinates of vertices relative to the first, of four pairs; infinite if a coordinate is not finite or
 /// if squared lengths could overflow.
-#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline(always))]
 pub fn largest(local: &[Vec3x4; 4]) -> Lanes {
     let (mut size, mut sum) = (Vec3x4::default(), Vec3x4::default());

@@ -55,7 +55,7 @@ impl LinearMotion<'_> {
 }
 
 /// Which of four candidates do not move far enough to collide, as one bit for each.
-#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline(always))]
 fn stay_apart(
     first: usize,

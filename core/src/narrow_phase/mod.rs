@@ -93,7 +93,7 @@ impl Pairing for VertexTriangle {
     fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
         vertex_triangle_ccd::time_of_impact(start, end, separation, tolerance)
     }
-    #[cfg_attr(small, inline(never), optimize(size))]
+    #[cfg_attr(small, inline(never))]
     #[cfg_attr(not(small), inline(always))]
     fn squared_distances(x: &[Vec3x4; 4]) -> Lanes {
         vertex_triangle::squared_distances(x)
@@ -102,7 +102,7 @@ impl Pairing for VertexTriangle {
     fn radius_sums([a, b, c, d]: [Lanes; 4]) -> Lanes {
         a + max(max(b, c), d)
     }
-    #[cfg_attr(small, inline(never), optimize(size))]
+    #[cfg_attr(small, inline(never))]
     #[cfg_attr(not(small), inline(always))]
     fn box_distances(x: &[Vec3x4; 4]) -> Lanes {
         let (low, high) = (x[1].min(x[2]).min(x[3]), x[1].max(x[2]).max(x[3]));
@@ -127,7 +127,7 @@ impl Pairing for EdgeEdge {
     fn time_of_impact(start: &[Vec3; 4], end: &[Vec3; 4], separation: Real, tolerance: Real) -> Option<Real> {
         edge_edge_ccd::time_of_impact(start, end, separation, tolerance)
     }
-    #[cfg_attr(small, inline(never), optimize(size))]
+    #[cfg_attr(small, inline(never))]
     #[cfg_attr(not(small), inline(always))]
     fn squared_distances(x: &[Vec3x4; 4]) -> Lanes {
         edge_edge::squared_distances(x)
@@ -136,7 +136,7 @@ impl Pairing for EdgeEdge {
     fn radius_sums([a, b, c, d]: [Lanes; 4]) -> Lanes {
         max(a, b) + max(c, d)
     }
-    #[cfg_attr(small, inline(never), optimize(size))]
+    #[cfg_attr(small, inline(never))]
     #[cfg_attr(not(small), inline(always))]
     fn box_distances(x: &[Vec3x4; 4]) -> Lanes {
         let gaps = (x[0].min(x[1]) - x[2].max(x[3])).max(x[2].min(x[3]) - x[0].max(x[1]));
@@ -178,7 +178,7 @@ pub fn gather<T: Copy>([a, b, c, d]: [u32; 4], column: &[T]) -> [T; 4] {
 }
 
 /// The vertices of four candidates, by their place in a candidate. If there are fewer than four, the last one is repeated.
-#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline(always))]
 fn vertices_x4<P: Pairing>(surface: &Surface<'_>, candidates: &[[u32; 2]]) -> [[u32; 4]; 4] {
     let last = candidates.len() - 1;
@@ -189,7 +189,7 @@ fn vertices_x4<P: Pairing>(surface: &Surface<'_>, candidates: &[[u32; 2]]) -> [[
 }
 
 /// Vectors of the vertices of four candidates.
-#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline(always))]
 fn gather_x4(&[a, b, c, d]: &[[u32; 4]; 4], column: &[Vec3]) -> [Vec3x4; 4] {
     let of = |vertices| Vec3x4::new(gather(vertices, column));

@@ -31,7 +31,7 @@ pub fn bounds<P: Pairing>(
 }
 
 /// The bounds of four candidates.
-#[cfg_attr(small, inline(never), optimize(size))]
+#[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline(always))]
 fn bound(first: usize, vertices: &[[u32; 4]; 4], motion: &Motion<'_>) -> Lanes {
     let splat = Lanes::splat;
