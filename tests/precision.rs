@@ -168,3 +168,24 @@ fn forces_and_energies_of_a_scene_follow() {
     }
     worst.check();
 }
+
+#[test]
+fn square_roots_are_rounded_correctly() {
+    let mut rng = Rng::new(7);
+    let special = [0.0, -0.0, 1.0, -1.0, f64::INFINITY, f64::NAN, f64::MIN_POSITIVE, 5e-324];
+    // Bits drawn at random give all exponents, subnormal numbers included.
+    let random = (0..100_000).map(|_| f64::from_bits(rng.bits()));
+    for x in special.into_iter().chain(random) {
+        let (root, expected) = (muslin_core_f64::real::sqrt(x), x.sqrt());
+        assert!(
+            root.to_bits() == expected.to_bits() || root.is_nan() && expected.is_nan(),
+            "f64: {x:e} gives {root:e}"
+        );
+        let x = f32::from_bits((x.to_bits() >> 32) as u32);
+        let (root, expected) = (muslin_core::real::sqrt(x), x.sqrt());
+        assert!(
+            root.to_bits() == expected.to_bits() || root.is_nan() && expected.is_nan(),
+            "f32: {x:e} gives {root:e}"
+        );
+    }
+}

@@ -14,7 +14,9 @@ mod precision {
     /// Four scalars in one SIMD vector.
     pub type Lanes = wide::f32x4;
 
-    pub use libm::{atan2f as atan2, cosf as cos, expf as exp, sinf as sin, sqrtf as sqrt};
+    pub use libm::{atan2f as atan2, cosf as cos, expf as exp, sinf as sin};
+
+    pub(super) use libm::sqrtf as libm_sqrt;
 
     /// Rounds to the nearest f32.
     #[inline]
@@ -34,7 +36,9 @@ mod precision {
     /// Four scalars in one SIMD vector.
     pub type Lanes = wide::f64x4;
 
-    pub use libm::{atan2, cos, exp, sin, sqrt};
+    pub use libm::{atan2, cos, exp, sin};
+
+    pub(super) use libm::sqrt as libm_sqrt;
 
     /// Rounds to the nearest f32.
     #[inline]
@@ -44,6 +48,12 @@ mod precision {
 }
 
 pub use precision::*;
+
+/// Square root, rounded correctly. That of libm is assembly on x86, in which code for AVX stalls.
+#[inline]
+pub fn sqrt(x: Real) -> Real {
+    if cfg!(target_feature = "sse2") { Lanes::splat(x).sqrt().to_array()[0] } else { libm_sqrt(x) }
+}
 
 /// The scalar of sums over many elements (energies, inner products between blocks). It is double in
 /// both precisions: this costs little, and in single precision these sums would round the most.
