@@ -125,8 +125,6 @@ pub enum SceneError {
     NotFinite { key: &'static str },
     /// A number that must be less than 1 is not.
     NotBelowOne { key: &'static str, value: f64 },
-    /// A largest error for an explicit method, which has no estimate.
-    NoErrorControl,
     /// The two ends of an edge start at the same point, because the edge is too far from the origin for
     /// the crate's precision.
     TooFar { a: u32, b: u32 },
@@ -205,7 +203,6 @@ impl fmt::Display for SceneError {
                 write!(f, "{key} = {}: must not be negative, and must be finite", Number(value))
             }
             Self::NotBelowOne { key, value } => write!(f, "{key} = {}: must be less than 1", Number(value)),
-            Self::NoErrorControl => f.write_str("integrator.error needs an implicit integrator.method"),
             Self::TooFar { a, b } => {
                 write!(
                     f,

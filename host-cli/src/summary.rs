@@ -187,7 +187,7 @@ impl Summary {
         );
         if let Some(ErrorControl { error_m, accepted, taken_back, shortest_s, .. }) = &self.error_control {
             text += &format!(
-                "\nerror at most {} mm in a step: {accepted} substeps accepted, {taken_back} taken back, the shortest \
+                "\nerror control to {} mm in a step: {accepted} substeps accepted, {taken_back} taken back, the shortest \
                  {:.3} ms",
                 (1e3 * error_m) as f32,
                 1e3 * shortest_s
@@ -218,8 +218,8 @@ impl Summary {
         let exceeding = self.error_control.as_ref().filter(|control| control.exceeding > 0).map(|control| {
             let ErrorControl { exceeding, accepted, error_m, .. } = control;
             format!(
-                "{exceeding} of {accepted} substeps have a larger error than integrator.error ({} mm), because they may not \
-                 get shorter: take a shorter integrator.step",
+                "{exceeding} of {accepted} substeps exceed integrator.error ({} mm): a substep is at least 1/64 of a step; \
+                 take a shorter integrator.step, or a larger integrator.error",
                 (1e3 * error_m) as f32
             )
         });

@@ -178,7 +178,7 @@ fn substeps_with_a_larger_error_are_counted_and_told() {
             "run tiny.toml --out out --json --export none --preview none --set integrator.method=backward-euler";
         place.muslin(&format!("{words} --set integrator.error={error}")).expect(0)
     };
-    let warns = |text: &str| text.contains("substeps have a larger error than integrator.error");
+    let warns = |text: &str| text.contains("substeps exceed integrator.error");
     let [fine, impossible] = ["1e-5", "1e-12"].map(run);
     let count = |summary: &Value, key: &str| summary["error_control"][key].as_u64().unwrap();
     assert!(count(&fine.json(), "exceeding") == 0 && !warns(&fine.stderr), "{fine:?}");

@@ -55,8 +55,7 @@ const NUMBERS: &[Case] = &[
     ("gravity = [0.0, -9.81, 0.0]", "gravity = [0.0, inf, 0.0]", "gravity: must be a finite number"),
     ("step = 0.01", "step = 0.0", "integrator.step = 0: must be greater than zero and finite"),
     ("step = 0.01", "step = inf", "integrator.step = inf: must be greater than zero and finite"),
-    ("step = 0.01", "error = 0.0", "integrator.error = 0: must be greater than zero and finite"),
-    ("newton = 1", "error = 0.001\nmethod = \"rk4\"", "integrator.error needs an implicit integrator.method"),
+    ("step = 0.01", "error = -0.1", "integrator.error = -0.1: must not be negative, and must be finite"),
     ("newton = 1", "newton = 0", "integrator.newton = 0: must be greater than zero and finite"),
     ("tolerance = 1e-4", "tolerance = 10.0", "integrator.tolerance = 10: must be less than 1"),
     ("density = 0.2", "density = 1e-320", "cloth.density = 1e-320: must be greater than zero and finite"),
@@ -245,7 +244,7 @@ const fn has_a_case(error: &SceneError) -> bool {
     use SceneError::*;
     match error {
         NotPositive { .. } | Negative { .. } | NotFinite { .. } | KeyNotForModel { .. } | KeyNeeded { .. } => true,
-        NotBelowOne { .. } | NoErrorControl | TooFar { .. } | EmptySeam { .. } => true,
+        NotBelowOne { .. } | TooFar { .. } | EmptySeam { .. } => true,
         OneMeshSource { .. } | MissingMesh { .. } | TooFewCells { .. } | TooLarge { .. } => true,
         EmptyPin { .. }
         | OneSelection { .. }

@@ -1,4 +1,4 @@
-// What the comparisons with peers share: the module in Node.js, a sheet, and the stretch of its edges.
+// Parts of all comparisons with peers: the module in Node.js, and the stretch of the edges of a sheet.
 
 import { readFileSync } from "node:fs";
 import { join } from "node:path";

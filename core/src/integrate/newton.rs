@@ -126,18 +126,19 @@ fn newton_iterations<D: Dispatch>(
 ) {
     let weight = weight_impulse(c, stage.length);
     let (mut target, mut rounding, mut previous): (Sum, Sum, Sum) = (0.0, 0.0, Sum::INFINITY);
+    let mut is_exact = matches!(c.scheme.tolerance, Tolerance::Residual(_));
     for iteration in 0..c.scheme.newton {
         write_positions(c, stage, s.next_velocities, s.stage_positions);
         c.forces(s.stage_positions, s.next_velocities, s.elements, s.forces, statistics);
         write_residual(c, stage, s);
         c.pins.filter(s.residual);
         let norm = residual_norm(c, s.residual);
-        if let (0, Tolerance::Residual(residual)) = (iteration, c.scheme.tolerance) {
-            target = Sum::from(residual) * norm.max(weight);
+        if iteration == 0 {
+            target = Sum::from(c.scheme.tolerance.residual()) * norm.max(weight);
         }
         // Once the residual may be only rounding, continue only while each iteration halves it.
         let exhausted = norm <= rounding && norm > 0.5 * previous;
-        if norm <= target || exhausted {
+        if norm <= target && is_exact || exhausted || norm == 0.0 {
             return;
         }
         previous = norm;
@@ -150,7 +151,7 @@ fn newton_iterations<D: Dispatch>(
         // Save the residual, which is the negative gradient of the objective: conjugate gradients overwrite it.
         s.base_residual.copy_from_slice(s.residual);
         let tolerance = c.scheme.tolerance.residual().max(INNER_TOLERANCE).into();
-        solve_linear(c, c.goal(tolerance), s, statistics);
+        solve_linear(c, Goal::Reduce(tolerance), s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
         match search(c, stage, slope, s, statistics) {
             Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
@@ -159,14 +160,12 @@ fn newton_iterations<D: Dispatch>(
                 return;
             }
         }
-        if is_small(c, s.solution) {
-            return;
-        }
+        is_exact |= is_small(c, s.solution);
     }
     statistics.unconverged += 1;
 }
 
-/// Whether a correction of the velocities is within their tolerance. The next one would be smaller still.
+/// Whether a full correction of the velocities is within their tolerance.
 fn is_small<D: Dispatch>(c: &StepInput<'_, D>, correction: &[Vec3]) -> bool {
     let Tolerance::Velocity(most) = c.scheme.tolerance else { return false };
     let square: Sum = correction.iter().map(|&y| dot_sum(y, y)).sum();

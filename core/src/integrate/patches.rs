@@ -19,8 +19,8 @@ use crate::real::Real;
 /// Vertices per patch at most. Smaller patches need fewer solver iterations but make the small system larger.
 const PATCH: usize = 128;
 
-/// Largest number of patches in a scene. With more, the small system costs more than it saves. If this makes patches
-/// larger than [`PATCH`], they are cut into [small](SMALL_PATCH) ones.
+/// Largest number of patches in a scene. With more, the small system costs more than it saves. If patches must
+/// be as large as [`PATCH`] for this, or larger, they are cut into [small](SMALL_PATCH) ones.
 const MOST_PATCHES: usize = 128;
 
 /// Vertices per small patch at most.

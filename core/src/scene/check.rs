@@ -38,10 +38,7 @@ fn check_integrator(integrator: &IntegratorDesc) -> Result<(), SceneError> {
         positive("integrator.step", step)?;
     }
     if let Some(error) = integrator.error {
-        positive("integrator.error", error)?;
-        if !integrator.method.is_implicit() {
-            return Err(SceneError::NoErrorControl);
-        }
+        not_negative("integrator.error", error)?;
     }
     if let Some(value) = integrator.tolerance
         && positive("integrator.tolerance", value)? >= 1.0

@@ -260,7 +260,7 @@ pub struct IntegratorDesc {
     /// The longest time step, s. Absent: 1/60 s with a largest error, else 0.005 s.
     pub step: Option<f64>,
     /// The largest error of a step, m, for implicit methods: steps get shorter where their estimated error is larger.
-    /// Absent: every step has the length `step`; if that is absent too, the largest error is 0.001 m.
+    /// Zero, or absent beside a `step`: every step has the same length. Absent without a `step`: 0.001 m.
     pub error: Option<f64>,
     /// Maximum number of Newton iterations per step, with line search; 1: one linear solve without it.
     pub newton: u32,
@@ -302,8 +302,8 @@ const RESIDUAL: f64 = 1e-4;
 impl IntegratorDesc {
     /// The largest error of a step, m; `None`: all steps have the same length.
     pub fn error(&self) -> Option<f64> {
-        let fits = self.step.is_none() && self.method.is_implicit();
-        self.error.or(fits.then_some(ERROR))
+        let error = self.error.unwrap_or(if self.step.is_none() { ERROR } else { 0.0 });
+        Some(error).filter(|&error| error > 0.0 && self.method.is_implicit())
     }
 
     /// The longest step, s.

@@ -147,7 +147,7 @@ fn shorten(output: &mut Output) -> Vec<(String, String)> {
 /// Passes over the linked module. Together they save 2.4 kB of 224 kB gzipped; higher levels make it larger.
 const PASSES: [&str; 3] = ["-O1", "--rse", "--duplicate-function-elimination"];
 
-/// What the module uses of WebAssembly beyond its first version.
+/// Features of WebAssembly that the module uses.
 const FEATURES: [&str; 7] = [
     "--enable-simd",
     "--enable-bulk-memory",
