@@ -70,8 +70,8 @@ pub struct Report {
     pub negative_curvature: u64,
     /// Solves that ended before their tolerance.
     pub unconverged: u64,
-    /// Steps and substeps: committed, taken back because of their error, committed with a larger error, and largest number
-    /// of halvings.
+    /// Steps and substeps: committed, taken back because of their error, committed with a larger error, and largest
+    /// number of halvings.
     pub substeps: [u64; 4],
     /// Bytes that this work streams, without contact.
     pub streamed_bytes: u64,
