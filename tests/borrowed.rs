@@ -45,6 +45,7 @@ both_precisions! {
     use muslin::forces::spring::{Spring, SpringColumns, Springs};
     use muslin::forces::{Model, ModelColumns, Term};
     use muslin::forces::matrix::{Block, BlockMatrix, Mirrored, NOT_STORED, AssemblyMap};
+    use glam::DVec3;
     use muslin::integrate::pins::{AT_REST, Key, Motion, PinColumns, Pins};
     use muslin::integrate::{StepInput, Method, Scheme, IntegratorStatistics};
     use muslin::particles::{ParticleColumns, Particles};
@@ -62,7 +63,7 @@ both_precisions! {
     const MOTIONS: [u32; 2] = [AT_REST, 0];
     const TABLE: [Motion; 1] = [Motion { keys: [0, 2], turn: None }];
     const KEYS: [Key; 2] =
-        [Key { time: 0.0, offset: Vec3::ZERO }, Key { time: 1.0, offset: Vec3::new(-0.3, 0.1, 0.2) }];
+        [Key { time: 0.0, offset: DVec3::ZERO }, Key { time: 1.0, offset: DVec3::new(-0.3, 0.1, 0.2) }];
 
     fn start() -> [Vec3; VERTICES] {
         std::array::from_fn(|i| vec3([0.1 * (i % SIDE) as f64, 0.01 * (i * i % 5) as f64, 0.1 * (i / SIDE) as f64]))
@@ -85,12 +86,11 @@ both_precisions! {
     fn owned(method: Method) -> Simulation {
         let listed: Vec<_> = springs().into_iter().enumerate().map(|(k, ends)| (ends, spring(k))).collect();
         let built = BuiltScene {
-            particles: ParticleColumns {
-                positions: start().to_vec(),
-                velocities: vec![Vec3::ZERO; VERTICES],
-                masses: (0..VERTICES).map(mass).collect(),
-                inverse_masses: (0..VERTICES).map(|i| 1.0 / mass(i)).collect(),
-            },
+            particles: ParticleColumns::at_rest(
+                start().to_vec(),
+                (0..VERTICES).map(mass).collect(),
+                (0..VERTICES).map(|i| 1.0 / mass(i)).collect(),
+            ),
             model: ModelColumns {
                 gravity: Some(Gravity(GRAVITY)),
                 stretch_springs: Some(SpringColumns::build(VERTICES, &listed)),
@@ -165,16 +165,19 @@ both_precisions! {
             Pins { vertices: &HELD, axes: &AXES, anchors: &anchors, motions: &MOTIONS, table: &TABLE, keys: &KEYS };
 
         let [mut positions, mut velocities] = [start(), [Vec3::ZERO; VERTICES]];
+        let [mut low_positions, mut low_velocities] = [[Vec3::ZERO; VERTICES]; 2];
         pins.set_out(0.0, &mut velocities);
         let mut particles = Particles {
             positions: &mut positions,
             velocities: &mut velocities,
+            low_positions: &mut low_positions,
+            low_velocities: &mut low_velocities,
             masses: &masses,
             inverse_masses: &inverse_masses,
         };
-        let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 10], [Block::default(); BLOCKS]);
+        let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 12], [Block::default(); BLOCKS]);
         let (mut inverse_diagonal, mut partials) = ([Mat3::ZERO; VERTICES], [[0.0; 2]; 1]);
-        let [forces, next_positions, next_velocities, stage_positions, solution, residual, gradient, direction, products, preconditioned] =
+        let [forces, next_positions, next_velocities, displacements, velocity_changes, stage_positions, solution, residual, gradient, direction, products, preconditioned] =
             &mut work_columns;
         let mut assembly_map = AssemblyMap::default();
         assembly_map[Term::StretchSpring as usize] = &targets;
@@ -183,6 +186,8 @@ both_precisions! {
             next_positions,
             stage_positions,
             next_velocities,
+            displacements,
+            velocity_changes,
             solution,
             residual,
             gradient,

@@ -53,9 +53,11 @@ pub struct ContactScratch<'a> {
     pub predicted: &'a mut [Vec3],
     /// Positions at the end of the step, m.
     pub end: &'a mut [Vec3],
-    /// Displacements from start to end, m. They are stored because differences of positions are rounded.
+    /// Displacements from start to the end before the response, m. They are stored because the ends are rounded.
+    pub predicted_displacements: &'a mut [Vec3],
+    /// Displacements from start to end, m.
     pub displacements: &'a mut [Vec3],
-    /// The part of the displacements that only separates surfaces, or rounds, and changes no velocity, m.
+    /// The part of the displacements that only separates surfaces and changes no velocity, m.
     pub corrections: &'a mut [Vec3],
     /// The round in which the response last moved each vertex; 0 if it did not.
     pub rounds: &'a mut [u32],
@@ -270,6 +272,7 @@ mod owned {
         start: Vec<Vec3>,
         predicted: Vec<Vec3>,
         end: Vec<Vec3>,
+        predicted_displacements: Vec<Vec3>,
         displacements: Vec<Vec3>,
         corrections: Vec<Vec3>,
         rounds: Vec<u32>,
@@ -302,6 +305,7 @@ mod owned {
                 start: column.clone(),
                 predicted: column.clone(),
                 end: column.clone(),
+                predicted_displacements: column.clone(),
                 displacements: column.clone(),
                 corrections: column,
                 rounds: vec![0; vertices],
@@ -358,7 +362,7 @@ mod owned {
 
         /// Bytes held.
         pub fn bytes(&self) -> usize {
-            5 * size_of_val(&self.start[..])
+            6 * size_of_val(&self.start[..])
                 + 2 * size_of_val(&self.rounds[..])
                 + 2 * size_of_val(&self.boxes[..])
                 + self.vertex_triangle.bytes()
@@ -379,6 +383,7 @@ mod owned {
                 start: &mut self.start,
                 predicted: &mut self.predicted,
                 end: &mut self.end,
+                predicted_displacements: &mut self.predicted_displacements,
                 displacements: &mut self.displacements,
                 corrections: &mut self.corrections,
                 rounds: &mut self.rounds,

@@ -149,6 +149,10 @@ pub fn place(
     contact.predicted[..cloth].copy_from_slice(next_positions);
     model.colliders.place(time + step, &mut contact.predicted[cloth..]);
     contact.end.copy_from_slice(contact.predicted);
+    let ends = contact.start.iter().zip(&*contact.predicted);
+    for (displacement, (&start, &end)) in contact.predicted_displacements.iter_mut().zip(ends) {
+        *displacement = end - start;
+    }
     contact.ends.fill(Aabb::EMPTY);
     *contact.searched = Searched::Nothing;
     (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);

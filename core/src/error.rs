@@ -125,8 +125,8 @@ pub enum SceneError {
     NotFinite { key: &'static str },
     /// A number that must be less than 1 is not.
     NotBelowOne { key: &'static str, value: f64 },
-    /// The two ends of an edge start at the same point, because the edge is too far from the origin for
-    /// the crate's precision.
+    /// An edge is so far from the first cloth, or from the world's origin, that its ends are rounded to a large part of its
+    /// length.
     TooFar { a: u32, b: u32 },
     /// A seam has no stitches.
     EmptySeam { cloth: u32, seam: u32 },
@@ -206,7 +206,9 @@ impl fmt::Display for SceneError {
             Self::TooFar { a, b } => {
                 write!(
                     f,
-                    "vertices {a} and {b} start at one point in this precision; move the cloth nearer to the origin"
+                    "vertices {a} and {b} are too far away: {} rounds their positions to more than a hundredth of their \
+                     distance; move all cloths together and nearer to the origin, or use coarser cells or double precision",
+                    crate::real::NAME
                 )
             }
             Self::EmptySeam { cloth, seam } => {

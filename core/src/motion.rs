@@ -1,6 +1,9 @@
-//! Prescribed motion of pins and colliders: an offset by keys, and a steady rotation.
+//! Prescribed motion of pins and colliders: an offset by keys, and a steady rotation. It is computed in double in both
+//! precisions, because a step moves a point by a small part of its position.
 
-use crate::real::{Real, Sum, Vec3, cos, sin};
+use glam::DVec3;
+
+use crate::real::{Real, Sum, Vec3, to_f64, vec3};
 
 /// The side from which a velocity is evaluated at a time: velocities jump at keys and where a rotation
 /// stops.
@@ -30,16 +33,16 @@ pub struct Key {
     /// Time, s.
     pub time: Sum,
     /// Offset, m.
-    pub offset: Vec3,
+    pub offset: DVec3,
 }
 
 /// A steady rotation about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Unit vector along the axis.
-    pub axis: Vec3,
+    pub axis: DVec3,
     /// A point on the axis, m.
-    pub centre: Vec3,
+    pub centre: DVec3,
     /// Angular velocity, rad/s.
     pub rate: Sum,
     /// Time at which the rotation stops, s.
@@ -58,37 +61,38 @@ pub struct Motion {
 impl Motion {
     /// Position of a point at `time`, m, and its velocity on the given side of that time, m/s. `keys`
     /// are the keys of all motions.
-    pub fn at(&self, keys: &[Key], point: Vec3, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
-        let (turned, spin) = self.turn.map_or((point, Vec3::ZERO), |turn| turned(&turn, point, time, side));
+    pub fn at(&self, keys: &[Key], point: Vec3, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
+        let point = to_f64(point).into();
+        let (turned, spin) = self.turn.map_or((point, DVec3::ZERO), |turn| turned(&turn, point, time, side));
         let [first, count] = self.keys;
         let (offset, slope) = offset(&keys[first as usize..(first + count) as usize], time, side);
-        (turned + offset, spin + slope)
+        (turned + offset, vec3((spin + slope).into()))
     }
 }
 
 /// Position of a point that rotates about the axis, m, and its velocity, m/s [Rodrigues].
-fn turned(turn: &Turn, point: Vec3, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
-    let angle = (turn.rate * time.min(turn.until)) as Real;
+fn turned(turn: &Turn, point: DVec3, time: Sum, side: JumpSide) -> (DVec3, DVec3) {
+    let angle = turn.rate * time.min(turn.until);
     let arm = point - turn.centre;
     let along = turn.axis * arm.dot(turn.axis);
     let across = arm - along;
-    let rotated = across * cos(angle) + turn.axis.cross(across) * sin(angle);
+    let rotated = across * libm::cos(angle) + turn.axis.cross(across) * libm::sin(angle);
     let stopped = side.has_passed(turn.until, time);
-    let spin = if stopped { Vec3::ZERO } else { turn.axis.cross(rotated) * turn.rate as Real };
+    let spin = if stopped { DVec3::ZERO } else { turn.axis.cross(rotated) * turn.rate };
     (turn.centre + along + rotated, spin)
 }
 
 /// Offset, m, and its rate, m/s: linear between keys, constant before the first and after the last.
-fn offset(keys: &[Key], time: Sum, side: JumpSide) -> (Vec3, Vec3) {
+fn offset(keys: &[Key], time: Sum, side: JumpSide) -> (DVec3, DVec3) {
     let after = keys.partition_point(|key| side.has_passed(key.time, time));
     match (after.checked_sub(1).map(|i| keys[i]), keys.get(after)) {
         (Some(a), Some(b)) => {
             let span = b.time - a.time;
-            let slope = (b.offset - a.offset) / span as Real;
+            let slope = (b.offset - a.offset) / span;
             let part = ((time - a.time) / span).clamp(0.0, 1.0);
-            (a.offset + (b.offset - a.offset) * part as Real, slope)
+            (a.offset + (b.offset - a.offset) * part, slope)
         }
-        (Some(only), None) | (None, Some(&only)) => (only.offset, Vec3::ZERO),
-        (None, None) => (Vec3::ZERO, Vec3::ZERO),
+        (Some(only), None) | (None, Some(&only)) => (only.offset, DVec3::ZERO),
+        (None, None) => (DVec3::ZERO, DVec3::ZERO),
     }
 }

@@ -80,6 +80,13 @@ pub fn to_f64(v: Vec3) -> [f64; 3] {
     [v.x as f64, v.y as f64, v.z as f64]
 }
 
+/// What rounding `a + b` to `sum` leaves, for every order of their sizes [Knuth 1998, 4.2.2].
+#[inline]
+pub fn rounded_off(a: Vec3, b: Vec3, sum: Vec3) -> Vec3 {
+    let of_b = sum - a;
+    (a - (sum - of_b)) + (b - of_b)
+}
+
 /// Inner product, computed in double.
 #[inline]
 pub fn dot_sum(a: Vec3, b: Vec3) -> Sum {

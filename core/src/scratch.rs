@@ -17,16 +17,20 @@ pub struct Scratch<'a> {
     pub next_positions: &'a mut [Vec3],
     /// Velocities after the step, until it is committed, m/s.
     pub next_velocities: &'a mut [Vec3],
+    /// Change of the positions in the step, m.
+    pub displacements: &'a mut [Vec3],
+    /// Change of the velocities in the step, inside implicit methods in a stage, m/s.
+    pub velocity_changes: &'a mut [Vec3],
 
     /// RK4 and implicit methods: positions inside the step, m.
     pub stage_positions: &'a mut [Vec3],
     /// RK4: velocities inside the step, m/s.
     pub stage_velocities: &'a mut [Vec3],
 
-    /// BDF2, and implicit midpoint with a largest error: positions before the last step, m.
-    pub previous_positions: &'a mut [Vec3],
-    /// BDF2, and implicit midpoint with a largest error: velocities before the last step, m/s.
-    pub previous_velocities: &'a mut [Vec3],
+    /// BDF2, and implicit midpoint with a largest error: change of the positions in the last step, m.
+    pub previous_displacements: &'a mut [Vec3],
+    /// BDF2, and implicit midpoint with a largest error: change of the velocities in the last step, m/s.
+    pub previous_velocity_changes: &'a mut [Vec3],
     /// BDF2: extrapolated positions that the stage starts from, m.
     pub base_positions: &'a mut [Vec3],
     /// BDF2: extrapolated velocities that the stage starts from, m/s.
@@ -93,10 +97,12 @@ mod owned {
         elements: Vec<Vec3>,
         pub(crate) next_positions: Vec<Vec3>,
         pub(crate) next_velocities: Vec<Vec3>,
+        displacements: Vec<Vec3>,
+        velocity_changes: Vec<Vec3>,
         stage_positions: Vec<Vec3>,
         stage_velocities: Vec<Vec3>,
-        pub(crate) previous_positions: Vec<Vec3>,
-        pub(crate) previous_velocities: Vec<Vec3>,
+        pub(crate) previous_displacements: Vec<Vec3>,
+        pub(crate) previous_velocity_changes: Vec<Vec3>,
         base_positions: Vec<Vec3>,
         base_velocities: Vec<Vec3>,
         pattern: SparsityPattern,
@@ -158,10 +164,12 @@ mod owned {
                 elements: vec![Vec3::ZERO; model.force_scratch()],
                 next_positions: column(true),
                 next_velocities: column(true),
+                displacements: column(true),
+                velocity_changes: column(true),
                 stage_positions: column(rk4 || implicit),
                 stage_velocities: column(rk4),
-                previous_positions: column(history),
-                previous_velocities: column(history),
+                previous_displacements: column(history),
+                previous_velocity_changes: column(history),
                 base_positions: column(bdf2),
                 base_velocities: column(bdf2),
                 blocks: vec![Block::default(); pattern.columns.len()],
@@ -207,10 +215,12 @@ mod owned {
                 &self.elements,
                 &self.next_positions,
                 &self.next_velocities,
+                &self.displacements,
+                &self.velocity_changes,
                 &self.stage_positions,
                 &self.stage_velocities,
-                &self.previous_positions,
-                &self.previous_velocities,
+                &self.previous_displacements,
+                &self.previous_velocity_changes,
                 &self.base_positions,
                 &self.base_velocities,
                 &self.solution,
@@ -243,10 +253,12 @@ mod owned {
                 elements: &mut self.elements,
                 next_positions: &mut self.next_positions,
                 next_velocities: &mut self.next_velocities,
+                displacements: &mut self.displacements,
+                velocity_changes: &mut self.velocity_changes,
                 stage_positions: &mut self.stage_positions,
                 stage_velocities: &mut self.stage_velocities,
-                previous_positions: &mut self.previous_positions,
-                previous_velocities: &mut self.previous_velocities,
+                previous_displacements: &mut self.previous_displacements,
+                previous_velocity_changes: &mut self.previous_velocity_changes,
                 base_positions: &mut self.base_positions,
                 base_velocities: &mut self.base_velocities,
                 last_step: None,

@@ -21,7 +21,7 @@ use crate::dispatch::Dispatch;
 use crate::implicit_contact::{self, exchange, multiplier};
 use crate::integrate::{self, IntegratorStatistics, Method, Scheme, StepInput, bdf2, local_error};
 use crate::particles::Particles;
-use crate::real::{Real, Vec3, sqrt};
+use crate::real::{Real, Vec3, rounded_off, sqrt};
 use crate::refusal::{Cause, Obstacle};
 use crate::response::{self, ContactStatistics, Outcome, Settings};
 use crate::scratch::Scratch;
@@ -112,7 +112,7 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     let extrapolates = input.extrapolates && from != History::Corrected;
     let input = &StepInput { scheme, extrapolates, ..*input };
     scratch.last_step = match from {
-        History::Smooth { step } if !scratch.previous_positions.is_empty() => Some(step),
+        History::Smooth { step } if !scratch.previous_displacements.is_empty() => Some(step),
         History::Smooth { .. } | History::Start | History::Cut | History::Corrected => None,
     };
     predict(input, particles, scratch, work.integrator)?;
@@ -171,7 +171,7 @@ fn predict<D: Dispatch>(
     scratch: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) -> Result<(), Obstacle> {
-    integrate::advance(input, particles.positions, particles.velocities, scratch, statistics);
+    integrate::advance(input, particles, scratch, statistics);
     test_finite(scratch)
 }
 
@@ -196,6 +196,7 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
     let settings = Settings { step: input.step, hold: *hold };
     dispatch.enter(Stage::BroadPhase);
     place(model, times, particles.positions, scratch.next_positions, &mut columns.columns());
+    take_prediction(particles, scratch, &mut columns.columns());
     if input.scheme.method.is_implicit() {
         let coupled = couple(input, particles, scratch, model, *columns, work.integrator).await;
         coupled.map_err(|cause| farthest(cause, particles, scratch))?;
@@ -221,9 +222,9 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
         let outcome = responded.map_err(|cause| farthest(cause, particles, scratch))?;
         let contact = &mut columns.columns();
         match outcome {
-            Outcome::Free => return Ok(settle(input.step, contact, scratch)),
+            Outcome::Free => return Ok(settle(input.step, particles, contact, scratch)),
             Outcome::Touches => {
-                let corrected = settle(input.step, contact, scratch);
+                let corrected = settle(input.step, particles, contact, scratch);
                 return match audit::new_crossing(&model.surface, contact.start, contact.end, &mut contact.room) {
                     Some(crossing) => Err(Obstacle::at_crossing(model, crossing)),
                     None => Ok(corrected),
@@ -256,25 +257,28 @@ async fn couple<D: Dispatch>(
     let contact = &mut columns.columns();
     let constraints = contact.lengths.constraints;
     exchange::add_contacts(contact, 0..constraints, input.step, model.thickness);
-    let state = [&*particles.positions, &*particles.velocities];
     let known = contact.lengths.contacts;
     let contacts = (&mut contact.contacts[..known], &mut *contact.lines);
-    let target = implicit_contact::correct(input, state, contacts, scratch, statistics);
-    take_prediction(scratch, contact);
+    let target = implicit_contact::correct(input, particles, contacts, scratch, statistics);
+    take_prediction(particles, scratch, contact);
     detection::search(model, Purpose::Response { widened: 0 }, columns, input.dispatch).await?;
     with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
     let contact = &mut columns.columns();
     exchange::add_contacts(contact, constraints..contact.lengths.constraints, input.step, model.thickness);
     let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
-    implicit_contact::resume(input, contacts, known, target, scratch, statistics);
-    take_prediction(scratch, contact);
+    implicit_contact::resume(input, particles, contacts, known, target, scratch, statistics);
+    take_prediction(particles, scratch, contact);
     Ok(())
 }
 
-/// Copies the candidate state to the columns of contact.
-fn take_prediction(scratch: &Scratch<'_>, contact: &mut ContactScratch<'_>) {
+/// Copies the candidate state to the columns of contact. Displacements begin at the rounded positions, as gaps do.
+fn take_prediction(particles: &Particles<'_>, scratch: &Scratch<'_>, contact: &mut ContactScratch<'_>) {
     for column in [&mut *contact.predicted, &mut *contact.end] {
         column[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+    }
+    let changes = particles.low_positions.iter().zip(&*scratch.displacements);
+    for (out, (&low, &change)) in contact.predicted_displacements.iter_mut().zip(changes) {
+        *out = low + change;
     }
 }
 
@@ -301,12 +305,16 @@ fn farthest(cause: Cause, particles: &Particles<'_>, scratch: &Scratch<'_>) -> O
 }
 
 /// Copies the positions that the response corrected. The velocities change by the correction over `step`,
-/// without the part that only separates surfaces or rounds. Returns whether any vertex was corrected.
-fn settle(step: Real, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_>) -> bool {
+/// without the part that only separates surfaces. Returns whether any vertex was corrected.
+fn settle(step: Real, particles: &Particles<'_>, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_>) -> bool {
     let mut any = false;
     for (v, next) in scratch.next_positions.iter_mut().enumerate() {
         if contact.rounds[v] > 0 {
-            scratch.next_velocities[v] += (contact.end[v] - *next - contact.corrections[v]) / step;
+            let moved = contact.displacements[v] - contact.predicted_displacements[v];
+            scratch.velocity_changes[v] += (moved - contact.corrections[v]) / step;
+            scratch.next_velocities[v] =
+                particles.velocities[v] + (particles.low_velocities[v] + scratch.velocity_changes[v]);
+            scratch.displacements[v] = contact.displacements[v] - particles.low_positions[v];
             *next = contact.end[v];
             any = true;
         }
@@ -320,13 +328,22 @@ fn keep_forces(step: Real, contact: &mut ContactScratch<'_>) {
     contact.lengths.multipliers = multiplier::write(constraints, step, contact.order, contact.multipliers);
 }
 
-/// Makes the candidate state the state. A method with history (BDF2) keeps the old state.
+/// Makes the candidate state the state. A method with history (BDF2) keeps the changes.
 fn commit(particles: &mut Particles<'_>, scratch: &mut Scratch<'_>, statistics: &mut IntegratorStatistics) {
     statistics.committed += 1;
-    if !scratch.previous_positions.is_empty() {
-        scratch.previous_positions.copy_from_slice(particles.positions);
-        scratch.previous_velocities.copy_from_slice(particles.velocities);
+    if !scratch.previous_displacements.is_empty() {
+        scratch.previous_displacements.copy_from_slice(scratch.displacements);
+        scratch.previous_velocity_changes.copy_from_slice(scratch.velocity_changes);
     }
-    particles.positions.copy_from_slice(scratch.next_positions);
-    particles.velocities.copy_from_slice(scratch.next_velocities);
+    let Particles { positions, velocities, low_positions, low_velocities, .. } = particles;
+    let columns = [
+        (positions, low_positions, &*scratch.displacements, &*scratch.next_positions),
+        (velocities, low_velocities, &*scratch.velocity_changes, &*scratch.next_velocities),
+    ];
+    for (now, low, changes, next) in columns {
+        for (((now, low), &change), &next) in now.iter_mut().zip(low.iter_mut()).zip(changes).zip(next) {
+            *low = rounded_off(*now, *low + change, next);
+            *now = next;
+        }
+    }
 }

@@ -17,7 +17,7 @@ use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 
 /// The contents of a checkpoint.
 #[derive(Clone, Debug, PartialEq)]
@@ -201,7 +201,7 @@ mod tests {
     use crate::record::Start;
 
     fn example() -> Checkpoint {
-        let columns = [vec![1, 2, 3, 4], vec![5; 24], vec![], vec![9; 12], vec![7; 28]];
+        let columns = [vec![1, 2, 3, 4], vec![5; 24], vec![6; 4], vec![8; 4], vec![], vec![9; 12], vec![7; 28]];
         let (work, contacts) = ([1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 2], [8, 9, 1, 2, 3, 4, 5]);
         let snapshot =
             Snapshot { steps: 77, work, contacts, columns, after_contact: true, halvings: 3, last_step: 0.125 };

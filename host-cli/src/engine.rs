@@ -99,8 +99,8 @@ pub struct Snapshot {
     pub work: [u64; 11],
     /// Counters of contact, in the order of the core's `ContactStatistics`.
     pub contacts: [u64; 7],
-    /// Positions, velocities, for BDF2 the positions and velocities of the step before, and the forces of contacts.
-    pub columns: [Vec<u8>; 5],
+    /// Positions and velocities, what rounding left of them, for BDF2 their changes in the last step, and the forces of contacts.
+    pub columns: [Vec<u8>; 7],
     /// Whether contact changed the state in the last step.
     pub after_contact: bool,
     /// How often the substeps are halved.
@@ -203,7 +203,7 @@ macro_rules! engine {
             use $core::implicit_contact::multiplier::Multiplier;
             use $core::integrate::IntegratorStatistics;
             use $core::mesh::{Stitch, TriMesh};
-            use $core::real::{Real, Vec3, to_f64};
+            use $core::real::{Real, Vec3};
             use $core::response::ContactStatistics;
             use $core::scene::{Content, PointCache, SceneDesc};
             use $core::simulation::{Cause, Simulation, State};
@@ -328,12 +328,12 @@ macro_rules! engine {
 
                 fn write_positions(&self, out: &mut Vec<[f32; 3]>) {
                     out.clear();
-                    out.extend(self.positions().iter().map(to_single));
+                    out.extend(self.places_in_world().map(|x| x.map(|x| x as f32)));
                 }
 
                 fn write_state(&self, out: &mut Vec<[f64; 3]>) {
                     out.clear();
-                    out.extend(self.positions().iter().map(|&x| to_f64(x)));
+                    out.extend(self.places_in_world());
                 }
 
                 fn masses(&self) -> Vec<f64> {
@@ -453,7 +453,7 @@ macro_rules! engine {
 
                 fn write_solids(&self, out: &mut Vec<[f32; 3]>) {
                     out.clear();
-                    out.extend(self.collider_positions().iter().map(to_single));
+                    out.extend(self.colliders_in_world().map(|x| x.map(|x| x as f32)));
                 }
 
                 fn snapshot(&self) -> Snapshot {
@@ -477,6 +477,8 @@ macro_rules! engine {
                         columns: [
                             to_bytes(state.positions),
                             to_bytes(state.velocities),
+                            to_bytes(state.low[0]),
+                            to_bytes(state.low[1]),
                             to_bytes(state.previous[0]),
                             to_bytes(state.previous[1]),
                             multipliers_to_bytes(state.multipliers),
@@ -488,7 +490,7 @@ macro_rules! engine {
                 }
 
                 fn restore(&mut self, snapshot: &Snapshot) -> bool {
-                    let columns = [0, 1, 2, 3].map(|i| from_bytes(&snapshot.columns[i]));
+                    let columns = [0, 1, 2, 3, 4, 5].map(|i| from_bytes(&snapshot.columns[i]));
                     let w = snapshot.work;
                     let work = IntegratorStatistics {
                         force_evaluations: w[0],
@@ -513,15 +515,18 @@ macro_rules! engine {
                         failsafe: t[5],
                         rejected: t[6],
                     };
-                    let [positions, velocities, previous_positions, previous_velocities] = &columns;
-                    let previous: [&[Vec3]; 2] = [previous_positions, previous_velocities];
+                    let [positions, velocities, low @ .., displacements, velocity_changes] = &columns;
+                    let low = low.each_ref().map(|column| &column[..]);
+                    let previous: [&[Vec3]; 2] = [displacements, velocity_changes];
                     let Snapshot { steps, after_contact, halvings, .. } = *snapshot;
                     let last_step = snapshot.last_step as Real;
-                    let multipliers = &multipliers_from_bytes(&snapshot.columns[4]);
+                    let multipliers = &multipliers_from_bytes(&snapshot.columns[6]);
                     let state = State {
                         steps,
+                        origin: self.origin(),
                         positions,
                         velocities,
+                        low,
                         previous,
                         last_step,
                         halvings,

@@ -2,7 +2,7 @@
 
 use muslin_core::colliders::Form;
 use muslin_core::diagnostics::StateHash;
-use muslin_core::real::{Vec3, vec3};
+use muslin_core::real::Vec3;
 use muslin_core::scene::SceneDesc;
 use muslin_core::simulation::{Simulation as Cloth, State, StepError};
 use muslin_gpu::Gpu;
@@ -23,6 +23,8 @@ pub struct Simulation {
     /// Vertices that the page holds; `released` are vertices that it freed. Both stay so when the scene is changed.
     held: Vec<u32>,
     released: Vec<u32>,
+    /// Positions in the world, of a cloth that is far from its origin, m.
+    places: Vec<[f32; 3]>,
     normals: Vec<Vec3>,
     strains: Vec<f32>,
 }
@@ -62,6 +64,7 @@ impl Simulation {
             chain,
             held: Vec::new(),
             released: Vec::new(),
+            places: Vec::new(),
             normals: vec![Vec3::ZERO; count],
             strains: vec![0.0; count],
         })
@@ -121,8 +124,9 @@ impl Simulation {
         let state = State { steps, previous: [&[]; 2], last_step: 0.0, halvings: 0, multipliers: &[], ..state };
         if next.restore(&state, self.own.statistics(), self.own.contact_statistics()) {
             self.released.iter().for_each(|&vertex| _ = next.release(vertex));
+            let places: Vec<_> = self.own.places_in_world().collect();
             for &vertex in &self.held {
-                next.move_to(vertex, self.own.positions()[vertex as usize], 0.0);
+                next.move_to(vertex, places[vertex as usize], 0.0);
             }
         } else {
             (self.held, self.released) = (Vec::new(), Vec::new());
@@ -142,7 +146,7 @@ impl Simulation {
         if ![f64::from(x), f64::from(y), f64::from(z), seconds].iter().all(|x| x.is_finite()) || seconds < 0.0 {
             return Err(JsError::new("a place and a time must be finite numbers"));
         }
-        self.own.move_to(vertex, vec3([x, y, z].map(f64::from)), seconds);
+        self.own.move_to(vertex, [x, y, z].map(f64::from), seconds);
         self.released.retain(|&other| other != vertex);
         if !self.held.contains(&vertex) {
             self.held.push(vertex);
@@ -178,7 +182,7 @@ impl Simulation {
     /// normal, number of points, and the current positions of its points, m.
     pub fn bodies(&self) -> Vec<f32> {
         let Some(contact) = self.own.contact() else { return Vec::new() };
-        let places = self.own.collider_positions();
+        let places: Vec<_> = self.own.colliders_in_world().map(|place| place.map(|x| x as f32)).collect();
         let mut out = Vec::new();
         for body in contact.colliders.view().bodies {
             let (shape, normal) = match body.form {
@@ -192,7 +196,7 @@ impl Simulation {
             out.extend([shape, body.radius]);
             out.extend(normal.to_array());
             out.push(points.len() as f32);
-            points.iter().for_each(|point| out.extend(point.to_array()));
+            points.iter().for_each(|point| out.extend(point));
         }
         out
     }
@@ -215,8 +219,13 @@ impl Simulation {
     }
 
     /// Positions: three coordinates per vertex, m.
-    pub fn positions(&self) -> *const f32 {
-        self.own.positions().as_ptr().cast()
+    pub fn positions(&mut self) -> *const f32 {
+        if self.own.origin() == [0.0; 3] {
+            return self.own.positions().as_ptr().cast();
+        }
+        self.places.clear();
+        self.places.extend(self.own.places_in_world().map(|place| place.map(|x| x as f32)));
+        self.places.as_ptr().cast()
     }
 
     /// Velocities: three coordinates per vertex, m/s.

@@ -6,3 +6,4 @@
 mod cantilever;
 mod chains;
 mod falls;
+mod short_steps;

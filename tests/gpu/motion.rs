@@ -116,16 +116,8 @@ impl Scene {
     /// The core's times for the same candidates and distances, in the same order.
     fn times_of_the_core(&self) -> Vec<StoredTime> {
         let [start, end] = [&self.start, &self.end].map(|x| x.iter().map(|x| x.as_vec3()).collect::<Vec<_>>());
-        let displacements: Vec<_> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
         let radii: Vec<_> = (0..start.len() as u32).map(|vertex| radius(vertex) as f32).collect();
-        let motion = LinearMotion {
-            start: &start,
-            end: &end,
-            displacements: &displacements,
-            radii: &radii,
-            rounds: &[],
-            round: 0,
-        };
+        let motion = LinearMotion { start: &start, end: &end, radii: &radii, rounds: &[], round: 0 };
         let DetectionResult { vertex_triangle, edge_edge, vertex_triangle_distances, edge_edge_distances, .. } =
             &self.found;
         let (surface, keeps) = (self.surface.view(), SEPARATION as f32);

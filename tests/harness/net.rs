@@ -79,12 +79,11 @@ impl Net {
     pub fn build(&self) -> BuiltScene {
         let (vertices, axes): (Vec<_>, Vec<_>) = self.held.iter().copied().unzip();
         BuiltScene {
-            particles: ParticleColumns {
-                positions: self.points.clone(),
-                velocities: vec![DVec3::ZERO; self.points.len()],
-                masses: self.masses.clone(),
-                inverse_masses: self.masses.iter().map(|m| 1.0 / m).collect(),
-            },
+            particles: ParticleColumns::at_rest(
+                self.points.clone(),
+                self.masses.clone(),
+                self.masses.iter().map(|m| 1.0 / m).collect(),
+            ),
             model: ModelColumns {
                 gravity: self.gravity.map(Gravity),
                 drag: (self.drag > 0.0).then(|| DragColumns { coefficients: vec![self.drag; self.points.len()] }),

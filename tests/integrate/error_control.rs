@@ -78,7 +78,7 @@ both_precisions! {
     /// The state of a simulation, owned.
     #[derive(PartialEq, Debug)]
     struct Owned {
-        columns: [Vec<Vec3>; 4],
+        columns: [Vec<Vec3>; 6],
         multipliers: Vec<Multiplier>,
         last_step: Real,
         halvings: u32,
@@ -87,17 +87,21 @@ both_precisions! {
 
     impl Owned {
         fn of(sim: &Simulation) -> Self {
-            let State { positions, velocities, previous, last_step, halvings, after_contact, multipliers, .. } = sim.state();
-            let columns = [positions, velocities, previous[0], previous[1]].map(<[Vec3]>::to_vec);
+            let State { positions, velocities, low, previous, last_step, halvings, after_contact, multipliers, .. } =
+                sim.state();
+            let columns = [positions, velocities, low[0], low[1], previous[0], previous[1]].map(<[Vec3]>::to_vec);
             Self { columns, multipliers: multipliers.to_vec(), last_step, halvings, after_contact }
         }
 
         /// The state after so many steps.
         fn view(&self, steps: u64) -> State<'_> {
-            let [positions, velocities, previous @ ..] = self.columns.each_ref().map(|column| &column[..]);
+            let [positions, velocities, low_positions, low_velocities, previous @ ..] =
+                self.columns.each_ref().map(|column| &column[..]);
+            let low = [low_positions, low_velocities];
             let Self { multipliers, last_step, halvings, after_contact, .. } = self;
             let (last_step, halvings, after_contact) = (*last_step, *halvings, *after_contact);
-            State { steps, positions, velocities, previous, last_step, halvings, after_contact, multipliers }
+            let origin = [0.0; 3];
+            State { steps, origin, positions, velocities, low, previous, last_step, halvings, after_contact, multipliers }
         }
     }
 

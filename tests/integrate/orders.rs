@@ -14,7 +14,6 @@ use muslin_core_f64::contact::NoContact;
 use muslin_core_f64::dispatch::{Serial, block_on};
 use muslin_core_f64::integrate::pins::JumpSide;
 use muslin_core_f64::integrate::{IntegratorStatistics, Jacobian, Method, Scheme, StepInput};
-use muslin_core_f64::particles::Particles;
 use muslin_core_f64::response::ContactStatistics;
 use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::scratch::ScratchColumns;
@@ -54,6 +53,7 @@ fn run_unequal(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) ->
     let (mut done, mut lengths) = (0, [1, 1, 2].into_iter().cycle());
     while done < steps {
         let length = lengths.next().unwrap_or(1);
+        let mut particles = state.view();
         let input = StepInput {
             model: &built.model.view(),
             pins: &built.pins.view(),
@@ -66,12 +66,6 @@ fn run_unequal(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) ->
             limit: None,
             has_contact: false,
             dispatch: &Serial,
-        };
-        let mut particles = Particles {
-            positions: &mut state.positions,
-            velocities: &mut state.velocities,
-            masses: input.masses,
-            inverse_masses: input.inverse_masses,
         };
         let work = Work { integrator: &mut integrator, contact: &mut contact, searched: &mut 0 };
         let none = None::<StepContact<'_, NoContact>>;

@@ -159,15 +159,17 @@ fn bdf2_follows_its_characteristic_polynomial() {
         let mut sim = oscillator(Method::Bdf2, z, 0.0);
         for start in starts() {
             let mut y = DVec2::new(start.x, -start.y);
-            let before = divide(y, root);
-            let held = DVec3::ZERO;
+            let changed = y - divide(y, root);
+            let (held, low) = (DVec3::ZERO, [DVec3::ZERO; 2]);
             let (x, v) = ([held, DVec3::X * (LENGTH + y.x)], [held, DVec3::X * -y.y]);
-            let (xp, vp) = ([held, DVec3::X * (LENGTH + before.x)], [held, DVec3::X * -before.y]);
+            let (displacements, velocity_changes) = ([held, DVec3::X * changed.x], [held, DVec3::X * -changed.y]);
             let state = State {
                 steps: 1,
+                origin: [0.0; 3],
                 positions: &x,
                 velocities: &v,
-                previous: [&xp, &vp],
+                low: [&low; 2],
+                previous: [&displacements, &velocity_changes],
                 last_step: z,
                 halvings: 0,
                 after_contact: false,

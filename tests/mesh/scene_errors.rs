@@ -62,7 +62,8 @@ const NUMBERS: &[Case] = &[
     (
         "position = [0.0, 1.0, 0.0]",
         "position = [1e17, 0.0, 1e17]",
-        "vertices 1 and 0 start at one point in this precision; move the cloth nearer to the origin",
+        "vertices 1 and 0 are too far away: f64 rounds their positions to more than a hundredth of their distance; move all \
+         cloths together and nearer to the origin, or use coarser cells or double precision",
     ),
     ("tolerance = 1e-4", "tolerance = -1e-4", "integrator.tolerance = -0.0001: must be greater than zero and finite"),
     ("linear = 0.1", "linear = -0.1", "drag.linear = -0.1: must not be negative, and must be finite"),

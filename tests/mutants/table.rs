@@ -45,8 +45,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "BDF2 looks back by the wrong part",
         file: "core/src/integrate/bdf2.rs",
-        old: "*vh = v[i] + (v[i] - vp[i]) * up / down;",
-        new: "*vh = v[i] + (v[i] - vp[i]) * up / (down + 0.1);",
+        old: "*vh = v[i] + dvp[i] * part;",
+        new: "*vh = v[i] + dvp[i] * (0.9 * part);",
         everyday: &["integrate"],
         all: &[],
     },
@@ -189,8 +189,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "A step allocates",
         file: "core/src/simulation/mod.rs",
-        old: "        let mut particles = Particles { positions, velocities, masses, inverse_masses };",
-        new: "        core::hint::black_box(alloc::boxed::Box::new(0u8));\n        let mut particles = Particles { positions, velocities, masses, inverse_masses };",
+        old: "        let mut particles = built.particles.view();",
+        new: "        core::hint::black_box(alloc::boxed::Box::new(0u8));\n        let mut particles = built.particles.view();",
         everyday: &["allocation"],
         all: &[],
     },

@@ -17,7 +17,6 @@ harness::both_precisions! {
     use muslin::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
     use muslin::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};
     use muslin::integrate::{IntegratorStatistics, StepInput};
-    use muslin::particles::{ParticleColumns, Particles};
     use muslin::real::{Real, Vec3, vec3};
     use muslin::response::ContactStatistics;
     use muslin::response::impact::SEPARATION;
@@ -94,9 +93,8 @@ harness::both_precisions! {
             distances
         };
         let (first, last) = (distances(start), distances(end));
-        let displacements: Vec<Vec3> = end.iter().zip(start).map(|(end, start)| *end - *start).collect();
-        let (displacements, rounds) = (&displacements[..], &vec![0; start.len()][..]);
-        let motion = LinearMotion { start, end, displacements, radii: model.radii, rounds, round: 0 };
+        let rounds = &vec![0; start.len()][..];
+        let motion = LinearMotion { start, end, radii: model.radii, rounds, round: 0 };
         let mut times: Vec<StoredTime> = vec![TimeOfImpact::Never.into(); pairs.len()];
         let separation = SEPARATION * model.thickness;
         continuous::times::<P>(pairs, &first, &model.surface, motion, separation, &mut times, &Serial);
@@ -272,12 +270,12 @@ harness::both_precisions! {
         let mut history = History::Start;
         let steps = (scene.duration.min(seconds) / scene.timing().step) as u32;
         for n in 0..steps {
-            let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
+            let mut particles = built.particles.view();
             let input = StepInput {
                 model: &built.model.view(),
                 pins: &built.pins.view(),
-                masses,
-                inverse_masses,
+                masses: particles.masses,
+                inverse_masses: particles.inverse_masses,
                 time: f64::from(n) * scene.timing().step,
                 step: length,
                 scheme: &scheme,
@@ -286,7 +284,6 @@ harness::both_precisions! {
                 has_contact: true,
                 dispatch: &Here(&Serial),
             };
-            let mut particles = Particles { positions, velocities, masses, inverse_masses };
             let contact = Some(StepContact { model: &model, columns: &mut checked, hold: false });
             let (mut integrator, mut statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
             let work = Work { integrator: &mut integrator, contact: &mut statistics, searched: &mut 0 };

@@ -87,7 +87,7 @@ harness::both_precisions! {
             let found = [0, 1].map(|round| {
                 let mut found = vec![TimeOfImpact::Never.into(); count];
                 let motion = LinearMotion {
-                    start: &start, end: &end, displacements: &displacements, radii: &radii, rounds: &rounds, round,
+                    start: &start, end: &end, radii: &radii, rounds: &rounds, round,
                 };
                 times::<P>(candidates, &distances, surface, motion, 0.01, &mut found, &Serial);
                 found.into_iter().map(TimeOfImpact::from).collect::<Vec<_>>()

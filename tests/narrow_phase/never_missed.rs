@@ -64,9 +64,8 @@ harness::both_precisions! {
         fn meets(&mut self, rng: &mut Rng, query: &Query, _: f64) -> bool {
             let Self(pair, surface) = self;
             let [start, end] = [&query.start, &query.end].map(kit::narrow);
-            let displacements: [Vec3; 4] = std::array::from_fn(|i| end[i] - start[i]);
             let motion = LinearMotion {
-                start: &start, end: &end, displacements: &displacements,
+                start: &start, end: &end,
                 radii: &[0.0; 4], rounds: &[], round: 0,
             };
             // The thickness.
@@ -123,11 +122,9 @@ harness::both_precisions! {
                 detection::sweep(&model, 0.5 * model.thickness, &mut scratch);
             }
             let counts = detection::detect(&model, &mut scratch, &Serial);
-            let displacements: Vec<Vec3> =
-                scratch.end.iter().zip(&*scratch.start).map(|(end, start)| *end - *start).collect();
             let (start, end, rounds) = (&*scratch.start, &*scratch.end, &*scratch.rounds);
             let motion = LinearMotion {
-                start, end, displacements: &displacements,
+                start, end,
                 radii: model.radii, rounds, round: 0,
             };
             let separation = SEPARATION * model.thickness;
@@ -222,7 +219,6 @@ harness::both_precisions! {
         let start: Vec<_> = mesh.positions.iter().map(|x| vec3((x * 0.01).to_array())).collect();
         let displacements: Vec<_> = start.iter().map(|_| vec3(rng.cube(speed).to_array())).collect();
         let end: Vec<_> = start.iter().zip(&displacements).map(|(x, d)| *x + *d).collect();
-        let displacements: Vec<_> = start.iter().zip(&end).map(|(x, y)| *y - *x).collect();
         let around = |(x, y): (&Vec3, &Vec3)| Aabb { min: x.min(*y) - 1e-3, max: x.max(*y) + 1e-3 };
         let boxes: Vec<_> = start.iter().zip(&end).map(around).collect();
         let surface = SurfaceColumns::build(start.len(), &mesh.triangles, &[]);
@@ -234,7 +230,7 @@ harness::both_precisions! {
         let (candidates, radii) = (pick(&found), vec![0.0; start.len()]);
         let (mut distances, mut found) = (vec![0.0; candidates.len()], vec![TimeOfImpact::Never.into(); candidates.len()]);
         let motion = LinearMotion {
-            start: &start, end: &end, displacements: &displacements,
+            start: &start, end: &end,
             radii: &radii, rounds: &[], round: 0,
         };
         proximity::distances::<P>(candidates, &surface, &start, &radii, 0.0, &mut distances, &Serial);

@@ -201,9 +201,8 @@ harness::both_precisions! {
         let (gap, far) = (1e-3, kit::bound(1e5, 1e14));
         let start = [DVec3::new(0.2, gap, 0.2), DVec3::ZERO, DVec3::X, DVec3::Z];
         let [start, end] = [start, start.map(|x| DVec3::new(x.x, far, x.z))].map(|x| kit::narrow(&x));
-        let displacements: [_; 4] = std::array::from_fn(|i| end[i] - start[i]);
         let motion = LinearMotion {
-            start: &start, end: &end, displacements: &displacements,
+            start: &start, end: &end,
             radii: &[0.0; 4], rounds: &[], round: 0,
         };
         let (distances, mut found) = ([gap as Real], [TimeOfImpact::Never.into()]);

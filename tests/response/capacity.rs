@@ -40,7 +40,6 @@ both_precisions! {
     use muslin::diagnostics::StateHash;
     use muslin::dispatch::{Serial, block_on};
     use muslin::integrate::{IntegratorStatistics, Method, Scheme, StepInput};
-    use muslin::particles::{ParticleColumns, Particles};
     use muslin::real::{Real, Vec3, vec3};
     use muslin::refusal::{Cause, Obstacle};
     use muslin::response::{self, Outcome, Settings, ContactStatistics};
@@ -156,12 +155,12 @@ both_precisions! {
         let (mut statistics, mut contact_statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
         let mut history = History::Start;
         for n in 0..steps {
-            let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
+            let mut particles = built.particles.view();
             let input = StepInput {
                 model: &built.model.view(),
                 pins: &built.pins.view(),
-                masses,
-                inverse_masses,
+                masses: particles.masses,
+                inverse_masses: particles.inverse_masses,
                 time: f64::from(n) * f64::from(length),
                 step: length,
                 scheme: &scheme,
@@ -170,7 +169,6 @@ both_precisions! {
                 has_contact: true,
                 dispatch: &Serial,
             };
-            let mut particles = Particles { positions, velocities, masses, inverse_masses };
             let contact = Some(StepContact { model: &model, columns: &mut columns, hold: false });
             let work = Work { integrator: &mut statistics, contact: &mut contact_statistics, searched: &mut 0 };
             block_on(step::take(&input, &mut particles, &mut scratch.view(), contact, &mut history, work))?;

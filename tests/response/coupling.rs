@@ -60,7 +60,6 @@ both_precisions! {
     use muslin::integrate::conjugate_gradient::add_diagonal;
     use muslin::integrate::pins::JumpSide;
     use muslin::integrate::{self, StepInput, Method, Preconditioner, Scheme, IntegratorStatistics};
-    use muslin::particles::Particles;
     use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
     use muslin::scene::BuiltScene;
     use muslin::scratch::{Scratch, ScratchColumns};
@@ -173,7 +172,7 @@ both_precisions! {
         let tolerance = kit::bound(1e-6, 1e-13) as Real;
         let scheme = Scheme { preconditioner, ..Scheme::fixed(advance.method, tolerance) };
         let mut columns = ScratchColumns::build(&built, &scheme);
-        let (mut particles, mut work) = (built.particles.clone(), IntegratorStatistics::default());
+        let (mut state, mut work) = (built.particles.clone(), IntegratorStatistics::default());
         let (model, pins) = (built.model.view(), built.pins.view());
         let context = StepInput {
             model: &model,
@@ -188,41 +187,37 @@ both_precisions! {
             has_contact: true,
             dispatch: &Serial,
         };
-        let particles = Particles {
-            positions: &mut particles.positions,
-            velocities: &mut particles.velocities,
-            masses: &built.particles.masses,
-            inverse_masses: &built.particles.inverse_masses,
-        };
+        let particles = &state.view();
         let s = &mut columns.view();
         assert_eq!(s.solution.len(), VERTICES as usize, "the sheet has other vertices");
         if advance.history {
             s.last_step = Some(STEP as Real);
             let mut rng = Rng::new(7);
-            for (k, (x, v)) in s.previous_positions.iter_mut().zip(&mut *s.previous_velocities).enumerate() {
-                *v = particles.velocities[k] + vec3(rng.cube(0.1).into());
-                *x = particles.positions[k] - *v * STEP as Real;
+            let changes = s.previous_displacements.iter_mut().zip(&mut *s.previous_velocity_changes);
+            for (&velocity, (displacement, change)) in particles.velocities.iter().zip(changes) {
+                *change = vec3(rng.cube(0.1).into());
+                *displacement = (velocity - *change) * STEP as Real;
             }
-            pins.impose(0.0, JumpSide::After, s.previous_positions, s.previous_velocities);
+            pins.filter(s.previous_displacements);
+            pins.filter(s.previous_velocity_changes);
         }
-        integrate::advance(&context, particles.positions, particles.velocities, s, &mut work);
+        integrate::advance(&context, particles, s, &mut work);
         let predicted = [column(s.next_positions), column(s.next_velocities)];
         let matrix = dense(s, &built.particles.masses);
         let zero = vec![DVec3::ZERO; VERTICES as usize];
         let residual = if context.defers_solve() { column(s.residual) } else { zero };
         let mut contacts = given.clone();
-        let state = [&*particles.positions, &*particles.velocities];
         let lines = &mut vec![ContactLines::default(); contacts.len().div_ceil(4)];
         // The last contact is an impact that is only found in the motion of the others.
         let known = contacts.len() - 1;
-        let target = implicit_contact::correct(&context, state, (&mut contacts[..known], lines), s, &mut work);
+        let target = implicit_contact::correct(&context, particles, (&mut contacts[..known], lines), s, &mut work);
         if target.is_none() {
             s.solution.fill(Vec3::ZERO);
         }
         let first = column(s.solution);
         let moved = contacts[known].gather(s.solution) * advance.length() as Real;
         contacts[known].velocity += moved;
-        implicit_contact::resume(&context, (&mut contacts, lines), known, target, s, &mut work);
+        implicit_contact::resume(&context, particles, (&mut contacts, lines), known, target, s, &mut work);
         let end = [column(s.next_positions), column(s.next_velocities)];
         let solution = first.iter().zip(column(s.solution)).map(|(&a, b)| a + b).collect();
         Corrected { matrix, residual, predicted, end, solution, given, contacts, built, work }

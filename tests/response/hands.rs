@@ -32,7 +32,7 @@ both_precisions! {
     use crate::CLOTH;
     use glam::DVec3;
     use harness::steps::Steps;
-    use muslin::real::{Real, to_f64, vec3};
+    use muslin::real::{Real, to_f64};
     use muslin::simulation::Simulation;
 
     fn build(height: f64, pins: &str) -> Simulation {
@@ -69,7 +69,7 @@ both_precisions! {
         let pinned = build(0.003, "pin = [{ select = { edge = \"left\" } }]\n");
         let mut held = build(0.003, "");
         for &vertex in pinned.pins().vertices {
-            assert!(held.move_to(vertex, held.positions()[vertex as usize], 0.0));
+            assert!(held.move_to(vertex, to_f64(held.positions()[vertex as usize]), 0.0));
         }
         agree(held, pinned, "held");
     }
@@ -83,7 +83,7 @@ both_precisions! {
         let from = DVec3::from(to_f64(sim.positions()[middle as usize]));
         for (to, steps) in [(DVec3::new(from.x, 0.0065, from.z), 20), (from, 20)] {
             let start = DVec3::from(to_f64(sim.positions()[middle as usize]));
-            assert!(sim.move_to(middle, vec3(to.into()), f64::from(steps) * f64::from(sim.step_length())));
+            assert!(sim.move_to(middle, to.into(), f64::from(steps) * f64::from(sim.step_length())));
             for n in 1..=steps {
                 sim.take_step().unwrap_or_else(|refused| panic!("{refused}"));
                 let place = start + (to - start) * (f64::from(n) / f64::from(steps));

@@ -9,7 +9,7 @@ pub mod plane;
 pub mod round;
 
 use crate::motion::{JumpSide, Key, Motion};
-use crate::real::{Real, Sum, Vec3};
+use crate::real::{Real, Sum, Vec3, vec3};
 
 /// The shape of a collider.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +88,7 @@ impl Colliders<'_> {
                 Drive::Rest => out.copy_from_slice(anchors),
                 Drive::Motion(motion) => {
                     for (out, &anchor) in out.iter_mut().zip(anchors) {
-                        *out = motion.at(self.keys, anchor, time, JumpSide::After).0;
+                        *out = vec3(motion.at(self.keys, anchor, time, JumpSide::After).0.into());
                     }
                 }
                 Drive::Cache { first, frames, rate } => {

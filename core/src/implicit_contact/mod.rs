@@ -12,7 +12,8 @@ use crate::dispatch::Dispatch;
 use crate::forces;
 use crate::integrate::conjugate_gradient::{self, Goal};
 use crate::integrate::newton::{self, ImplicitStage, MOST_STRAIN};
-use crate::integrate::{IntegratorStatistics, StepInput, Tolerance};
+use crate::integrate::{self, IntegratorStatistics, StepInput, Tolerance};
+use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
@@ -24,7 +25,7 @@ const MOST_LINEARIZATIONS: u32 = 8;
 /// Relative residual at which the solve pauses. It suffices to find the impacts of the motion.
 const ROUGH: Sum = 1e-2;
 
-/// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. `x` and `v` are the state at the
+/// Corrects the candidate state of an implicit step, whose matrix must still be in `s`. `from` is the state at the
 /// start of the step. Of contacts, the relative displacement and the least displacement along the normal are given in
 /// place of the velocities, m; `lines` has room for as many, in fours.
 ///
@@ -34,7 +35,7 @@ const ROUGH: Sum = 1e-2;
 /// Returns where the solve stopped, for [`resume`]; `None` if nothing had to be solved.
 pub fn correct<D: Dispatch>(
     c: &StepInput<'_, D>,
-    [x, v]: [&[Vec3]; 2],
+    from: &Particles<'_>,
     (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
@@ -45,9 +46,9 @@ pub fn correct<D: Dispatch>(
         if contacts.iter().all(|contact| contact.impulse == Vec3::ZERO) {
             return None;
         }
-        return Some(solve_change(c, (contacts, lines), rough(c), s, statistics));
+        return Some(solve_change(c, from, (contacts, lines), rough(c), s, statistics));
     }
-    let stage = ImplicitStage { length, positions: x, velocities: v };
+    let stage = ImplicitStage { length, positions: from.positions, velocities: from.velocities };
     for linearization in 1..=MOST_LINEARIZATIONS {
         let goal = c.goal(rough(c) * newton::weight_factor(c, length, s));
         let target = conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), goal, s, statistics);
@@ -56,14 +57,14 @@ pub fn correct<D: Dispatch>(
         // Steps that are much too long for the motion gain nothing.
         let is_last = part >= 1.0 || part * left < 1.0 || !part.is_finite();
         if is_last {
-            add_solution(c, length, 1.0, s);
+            add_solution(c, from, length, 1.0, s);
             return Some(target);
         }
         for contact in &mut *contacts {
             contact.velocity -= contact.gather(s.solution) * (1.0 - part);
             contact.impulse = contact.impulse_at(contact.velocity);
         }
-        add_solution(c, length * part, part, s);
+        add_solution(c, from, length * part, part, s);
         newton::linearize(c, &stage, s, statistics);
     }
     None
@@ -73,6 +74,7 @@ pub fn correct<D: Dispatch>(
 /// the impulses of the others become their multipliers.
 pub fn resume<D: Dispatch>(
     c: &StepInput<'_, D>,
+    from: &Particles<'_>,
     (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
     known: usize,
     target: Option<Sum>,
@@ -90,7 +92,7 @@ pub fn resume<D: Dispatch>(
         start(c, length, added, s);
     }
     let Some(target) = target else {
-        solve_change(c, (contacts, lines), c.scheme.tolerance.residual().into(), s, statistics);
+        solve_change(c, from, (contacts, lines), c.scheme.tolerance.residual().into(), s, statistics);
         return;
     };
     conjugate_gradient::solve(
@@ -101,7 +103,7 @@ pub fn resume<D: Dispatch>(
         statistics,
     );
     let to_velocity = if c.defers_solve() { 1.0 } else { length / c.step };
-    add_solution(c, length, to_velocity, s);
+    add_solution(c, from, length, to_velocity, s);
 }
 
 /// Relative residual at which [`correct`] stops.
@@ -131,6 +133,7 @@ fn start<D: Dispatch>(c: &StepInput<'_, D>, length: Real, contacts: &mut [Augmen
 /// Solves for the change that contacts make to a step that is complete without them. Returns where the solve stopped.
 fn solve_change<D: Dispatch>(
     c: &StepInput<'_, D>,
+    from: &Particles<'_>,
     (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
     tolerance: Sum,
     s: &mut Scratch<'_>,
@@ -142,19 +145,26 @@ fn solve_change<D: Dispatch>(
     // A contact changes the velocity as much as the displacement over the step. The second-order methods would
     // extrapolate the change: the cloth would bounce.
     let length = c.stage_length(s.last_step);
-    add_solution(c, length, length / c.step, s);
+    add_solution(c, from, length, length / c.step, s);
     target
 }
 
-/// Adds multiples of the solution to the positions and velocities of the candidate state.
+/// Adds multiples of the solution to the changes of positions and velocities, and to the candidate state.
 #[inline(never)]
-fn add_solution<D: Dispatch>(c: &StepInput<'_, D>, to_position: Real, to_velocity: Real, s: &mut Scratch<'_>) {
+fn add_solution<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    from: &Particles<'_>,
+    to_position: Real,
+    to_velocity: Real,
+    s: &mut Scratch<'_>,
+) {
     c.dispatch.enter(Stage::Integrate);
     let y = &*s.solution;
-    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x, v)| {
-        for (i, (x, v)) in (start..).zip(x.iter_mut().zip(v)) {
-            *x += y[i] * to_position;
-            *v += y[i] * to_velocity;
+    c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
+        for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
+            *dx += y[i] * to_position;
+            *dv += y[i] * to_velocity;
         }
     });
+    integrate::write_next(c, from, s);
 }

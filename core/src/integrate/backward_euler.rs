@@ -4,25 +4,25 @@
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
+use crate::particles::Particles;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
-/// Writes the state after one step to `s.next_positions` and `s.next_velocities`.
+/// Writes the changes in one step to `s.displacements` and `s.velocity_changes`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
-    x: &[Vec3],
-    v: &[Vec3],
+    from: &Particles<'_>,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let stage = ImplicitStage { length: c.step, positions: x, velocities: v };
-    s.next_velocities.copy_from_slice(v);
-    c.pins.prescribe(c.time_after(1.0), x, c.step, s.next_velocities);
+    let stage = ImplicitStage { length: c.step, positions: from.positions, velocities: from.velocities };
+    s.next_velocities.copy_from_slice(from.velocities);
+    c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.next_velocities);
     newton::solve(c, &stage, s, statistics);
     let (h, v1) = (c.step, &*s.next_velocities);
-    c.dispatch.run(&mut *s.next_positions, |start, x1| {
-        for (i, x1) in (start..).zip(x1) {
-            *x1 = x[i] + v1[i] * h;
+    c.dispatch.run(&mut *s.displacements, |start, dx| {
+        for (i, dx) in (start..).zip(dx) {
+            *dx = v1[i] * h;
         }
     });
 }

@@ -6,7 +6,8 @@
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput, implicit_midpoint};
 use crate::dispatch::Dispatch;
-use crate::real::{Real, Vec3};
+use crate::particles::Particles;
+use crate::real::Real;
 use crate::scratch::Scratch;
 
 /// Largest length of a step, relative to the last one.
@@ -24,37 +25,43 @@ pub fn error_constant(step: Real, last: Real) -> Real {
     (1.0 + w) * (1.0 + w) / (6.0 * w * (1.0 + 2.0 * w))
 }
 
-/// Writes the state after one step to `s.next_positions` and `s.next_velocities`. Reads
-/// `s.previous_positions` and `s.previous_velocities` if `s.last_step` is given.
+/// How far the state that the stage starts from is extrapolated, relative to the change in the last step.
+pub fn extrapolation(step: Real, last: Real) -> Real {
+    let w = step / last;
+    w * w / (1.0 + 2.0 * w)
+}
+
+/// Writes the changes in one step to `s.displacements` and `s.velocity_changes`. Reads
+/// `s.previous_displacements` and `s.previous_velocity_changes` if `s.last_step` is given.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
-    x: &[Vec3],
-    v: &[Vec3],
+    from: &Particles<'_>,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
     let Some(last) = s.last_step else {
-        return implicit_midpoint::advance(c, x, v, s, statistics);
+        return implicit_midpoint::advance(c, from, s, statistics);
     };
-    let (g, w) = (stage_length(c.step, last), c.step / last);
-    let (up, down) = (w * w, 1.0 + 2.0 * w);
-    let (xp, vp) = (&*s.previous_positions, &*s.previous_velocities);
+    let (g, part) = (stage_length(c.step, last), extrapolation(c.step, last));
+    let (x, v) = (&*from.positions, &*from.velocities);
+    let (dxp, dvp) = (&*s.previous_displacements, &*s.previous_velocity_changes);
     c.dispatch.run((&mut *s.base_positions, &mut *s.base_velocities), |start, (xh, vh)| {
         for (i, (xh, vh)) in (start..).zip(xh.iter_mut().zip(vh)) {
-            *xh = x[i] + (x[i] - xp[i]) * up / down;
-            *vh = v[i] + (v[i] - vp[i]) * up / down;
+            *xh = x[i] + dxp[i] * part;
+            *vh = v[i] + dvp[i] * part;
         }
     });
     let (base_positions, base_velocities) =
         (core::mem::take(&mut s.base_positions), core::mem::take(&mut s.base_velocities));
     let stage = ImplicitStage { length: g, positions: base_positions, velocities: base_velocities };
     s.next_velocities.copy_from_slice(base_velocities);
-    c.pins.prescribe(c.time_after(1.0), base_positions, g, s.next_velocities);
+    c.pins.prescribe(c.time_after(1.0), from, |i| dxp[i] * part, g, s.next_velocities);
     newton::solve(c, &stage, s, statistics);
-    let (xh, v1) = (&*base_positions, &*s.next_velocities);
-    c.dispatch.run(&mut *s.next_positions, |start, x1| {
-        for (i, x1) in (start..).zip(x1) {
-            *x1 = xh[i] + v1[i] * g;
+    let (dxp, dvp, v1) = (&*s.previous_displacements, &*s.previous_velocity_changes, &*s.next_velocities);
+    c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
+        for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
+            *dx = dxp[i] * part + v1[i] * g;
+            *dv += dvp[i] * part;
         }
     });
     (s.base_positions, s.base_velocities) = (base_positions, base_velocities);

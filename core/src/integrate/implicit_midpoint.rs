@@ -5,27 +5,27 @@
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
+use crate::particles::Particles;
 use crate::real::Vec3;
 use crate::scratch::Scratch;
 
-/// Writes the state after one step to `s.next_positions` and `s.next_velocities`.
+/// Writes the changes in one step to `s.displacements` and `s.velocity_changes`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
-    x: &[Vec3],
-    v: &[Vec3],
+    from: &Particles<'_>,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let stage = ImplicitStage { length: 0.5 * c.step, positions: x, velocities: v };
-    s.next_velocities.copy_from_slice(v);
+    let stage = ImplicitStage { length: 0.5 * c.step, positions: from.positions, velocities: from.velocities };
+    s.next_velocities.copy_from_slice(from.velocities);
     // The mean velocity that moves a pin to its prescribed position at the end of the step.
-    c.pins.prescribe(c.time_after(1.0), x, c.step, s.next_velocities);
+    c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.next_velocities);
     newton::solve(c, &stage, s, statistics);
-    let h = c.step;
-    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
-        for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {
-            *x1 = x[i] + *v1 * h;
-            *v1 = *v1 * 2.0 - v[i];
+    let (h, vm) = (c.step, &*s.next_velocities);
+    c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
+        for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
+            *dx = vm[i] * h;
+            *dv *= 2.0;
         }
     });
 }

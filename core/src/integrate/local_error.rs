@@ -9,7 +9,7 @@
 use super::columns::{dot, sum_parts};
 use super::conjugate_gradient::{self, Goal};
 use super::convex_term::NoTerm;
-use super::newton::{self, ImplicitStage};
+use super::newton;
 use super::{IntegratorStatistics, Method, StepInput, bdf2};
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
@@ -34,7 +34,7 @@ pub fn estimate<D: Dispatch>(
         return None;
     }
     let count = particles.positions.len();
-    let truncation = truncation(c, particles.velocities, corrected, s);
+    let truncation = truncation(c, corrected, s);
     // Newton's method has made its own defect small, perhaps without a solve whose preconditioner could measure it.
     if c.scheme.newton > 1 {
         return Some(truncation);
@@ -48,21 +48,21 @@ pub fn estimate<D: Dispatch>(
 }
 
 /// The truncation error, m.
-fn truncation<D: Dispatch>(c: &StepInput<'_, D>, v0: &[Vec3], corrected: bool, s: &mut Scratch<'_>) -> Real {
+fn truncation<D: Dispatch>(c: &StepInput<'_, D>, corrected: bool, s: &mut Scratch<'_>) -> Real {
     // After contact, velocities have jumped, and every method has first order.
     let last = s.last_step.filter(|_| !corrected);
     let [now, before] = coefficients(c.scheme.method, c.step, last);
-    let (v1, vp) = (&*s.next_velocities, &*s.previous_velocities);
+    let (dv, dvp) = (&*s.velocity_changes, &*s.previous_velocity_changes);
     let [sum, _] = sum_parts(s.products, s.partials, c.dispatch, |range, error| {
         for (i, error) in range.zip(error.iter_mut()) {
-            *error = (v1[i] - v0[i]) * now;
+            *error = dv[i] * now;
             if before != 0.0 {
-                *error += (v0[i] - vp[i]) * before;
+                *error += dvp[i] * before;
             }
         }
         [dot(error, error), 0.0]
     });
-    root_mean_square(sum, v0.len())
+    root_mean_square(sum, s.velocity_changes.len())
 }
 
 /// Factors, s, whose products with the change of the velocities in this step and in the last one add up to the truncation
@@ -98,17 +98,20 @@ fn write_residual<D: Dispatch>(
         Method::BackwardEuler => (false, false),
         Method::ExplicitEuler | Method::SymplecticEuler | Method::Midpoint | Method::Rk4 => (false, false),
     };
-    let (x1, v1) = (&*s.next_positions, &*s.next_velocities);
+    let (x1, v1, dx, dv) = (&*s.next_positions, &*s.next_velocities, &*s.displacements, &*s.velocity_changes);
     c.dispatch.run((&mut *s.stage_positions, &mut *s.products), |start, (x, v)| {
         for (i, (x, v)) in (start..).zip(x.iter_mut().zip(v)) {
-            (*x, *v) = if is_middle { ((x0[i] + x1[i]) * 0.5, (x1[i] - x0[i]) / c.step) } else { (x1[i], v1[i]) };
+            (*x, *v) = if is_middle { ((x0[i] + x1[i]) * 0.5, dx[i] / c.step) } else { (x1[i], v1[i]) };
         }
     });
     c.forces(s.stage_positions, s.products, s.elements, s.forces, statistics);
-    let length = if is_middle { 0.5 * c.step } else { c.stage_length(s.last_step.filter(|_| extrapolates)) };
-    let velocities = if extrapolates { &*s.base_velocities } else { v0 };
-    let stage = ImplicitStage { length, positions: x0, velocities };
-    newton::residual(c, &stage, s.products, s.forces, s.residual);
+    let last = s.last_step.filter(|_| extrapolates);
+    let (length, v, dvp) = (c.stage_length(last), &*s.products, &*s.previous_velocity_changes);
+    match last.map(|last| bdf2::extrapolation(c.step, last)) {
+        Some(part) => newton::residual(c, length, |i| dv[i] - dvp[i] * part, s.forces, s.residual),
+        None if is_middle => newton::residual(c, 0.5 * c.step, |i| v[i] - v0[i], s.forces, s.residual),
+        None => newton::residual(c, length, |i| dv[i], s.forces, s.residual),
+    }
     if is_middle { c.step } else { length }
 }
 

@@ -5,18 +5,19 @@
 use super::pins::JumpSide;
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
-use crate::real::Vec3;
+use crate::particles::Particles;
 use crate::scratch::Scratch;
 
-/// Writes the state after one step to `s.next_positions` and `s.next_velocities`.
+/// Writes the changes in one step to `s.displacements` and `s.velocity_changes`. The state in the middle is stored in
+/// `s.next_positions` and `s.next_velocities`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
-    x: &[Vec3],
-    v: &[Vec3],
+    from: &Particles<'_>,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
     let (h, half, w) = (c.step, 0.5 * c.step, c.inverse_masses);
+    let (x, v) = (&*from.positions, &*from.velocities);
     c.forces(x, v, s.elements, s.forces, statistics);
     let f = &*s.forces;
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (xm, vm)| {
@@ -27,11 +28,11 @@ pub fn advance<D: Dispatch>(
     });
     c.pins.impose(c.time_after(0.5), JumpSide::Before, s.next_positions, s.next_velocities);
     c.forces(s.next_positions, s.next_velocities, s.elements, s.forces, statistics);
-    let f = &*s.forces;
-    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
-        for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {
-            *x1 = x[i] + *v1 * h;
-            *v1 = v[i] + f[i] * (h * w[i]);
+    let (vm, f) = (&*s.next_velocities, &*s.forces);
+    c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
+        for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
+            *dx = vm[i] * h;
+            *dv = f[i] * (h * w[i]);
         }
     });
 }

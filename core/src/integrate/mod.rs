@@ -1,7 +1,8 @@
 //! Time integration: computes the candidate positions and velocities at the end of a step.
 //!
-//! Every method writes the candidate state to [`Scratch`] and does not change the state. The step
-//! decides whether the candidate becomes the state.
+//! Every method writes the changes of the state to [`Scratch`], and does not change the state. The step
+//! decides whether the candidate becomes the state. Changes are kept apart from the state so that short steps round them as
+//! little as long ones.
 
 pub mod backward_euler;
 pub mod bdf2;
@@ -25,10 +26,11 @@ pub use crate::forces::Jacobian;
 
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Model};
+use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
 use conjugate_gradient::Goal;
-use pins::{JumpSide, Pins};
+use pins::Pins;
 
 /// The integration methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -264,22 +266,35 @@ impl<D: Dispatch> StepInput<'_, D> {
     }
 }
 
-/// Advances `x`, `v` by one step and writes `scratch.next_positions` and `scratch.next_velocities`.
+/// Computes one step from the state `from`: writes the changes of positions and velocities, and the candidate state.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
-    x: &[Vec3],
-    v: &[Vec3],
+    from: &Particles<'_>,
     scratch: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
     match c.scheme.method {
-        Method::ExplicitEuler => explicit_euler::advance(c, x, v, scratch, statistics),
-        Method::SymplecticEuler => symplectic_euler::advance(c, x, v, scratch, statistics),
-        Method::Midpoint => midpoint::advance(c, x, v, scratch, statistics),
-        Method::Rk4 => rk4::advance(c, x, v, scratch, statistics),
-        Method::BackwardEuler => backward_euler::advance(c, x, v, scratch, statistics),
-        Method::ImplicitMidpoint => implicit_midpoint::advance(c, x, v, scratch, statistics),
-        Method::Bdf2 => bdf2::advance(c, x, v, scratch, statistics),
+        Method::ExplicitEuler => explicit_euler::advance(c, from, scratch, statistics),
+        Method::SymplecticEuler => symplectic_euler::advance(c, from, scratch, statistics),
+        Method::Midpoint => midpoint::advance(c, from, scratch, statistics),
+        Method::Rk4 => rk4::advance(c, from, scratch, statistics),
+        Method::BackwardEuler => backward_euler::advance(c, from, scratch, statistics),
+        Method::ImplicitMidpoint => implicit_midpoint::advance(c, from, scratch, statistics),
+        Method::Bdf2 => bdf2::advance(c, from, scratch, statistics),
     }
-    c.pins.impose(c.time_after(1.0), JumpSide::After, scratch.next_positions, scratch.next_velocities);
+    c.pins.impose_changes(c.time_after(1.0), from, scratch.displacements, scratch.velocity_changes);
+    write_next(c, from, scratch);
+}
+
+/// Writes the candidate state: `from` with the changes in the scratch columns, rounded.
+pub(crate) fn write_next<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) {
+    let (x, v) = (&*from.positions, &*from.velocities);
+    let (low_x, low_v) = (&*from.low_positions, &*from.low_velocities);
+    let (dx, dv) = (&*s.displacements, &*s.velocity_changes);
+    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
+        for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {
+            *x1 = x[i] + (low_x[i] + dx[i]);
+            *v1 = v[i] + (low_v[i] + dv[i]);
+        }
+    });
 }

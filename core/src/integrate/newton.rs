@@ -2,6 +2,8 @@
 //! `M (v - vh) = g f(xh + g v, v)`, where g is the length of the stage, and xh and vh are the positions and velocities
 //! that it starts from ([`ImplicitStage`]).
 //!
+//! The unknown is the change v - vh, so that small changes are not rounded to the digits of v.
+//!
 //! With one iteration the stage is one linear solve. The forces are linearised at the extrapolated state (xh + g vh,
 //! vh), so that the solve only adds a correction to vh. This keeps the order of the method for any Jacobian [Steihaug
 //! 1979], even if it is projected or leaves out how damping depends on positions. Linearising there also does not
@@ -51,14 +53,20 @@ const SUFFICIENT_DECREASE: Sum = 1e-4;
 /// Number of step lengths that a line search tries, each half the previous one.
 const MOST_HALVINGS: u32 = 24;
 
-/// Solves the stage for `s.next_velocities`. On entry they are the guess, with the prescribed
-/// velocities of pins already set.
+/// Solves the stage for `s.next_velocities`, and writes their change from vh to `s.velocity_changes`. On entry
+/// `s.next_velocities` are the guess, with the prescribed velocities of pins already set.
 pub fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,
     stage: &ImplicitStage<'_>,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
+    let (v, vh) = (&*s.next_velocities, stage.velocities);
+    c.dispatch.run(&mut *s.velocity_changes, |start, part| {
+        for (i, change) in (start..).zip(part) {
+            *change = v[i] - vh[i];
+        }
+    });
     if c.scheme.newton <= 1 {
         linearized_step(c, stage, s, statistics);
     } else {
@@ -94,10 +102,11 @@ fn linearized_step<D: Dispatch>(
     }
     let tolerance = Sum::from(c.scheme.tolerance.residual()) * weight_factor(c, stage.length, s);
     solve_linear(c, c.goal(tolerance), s, statistics);
-    add_scaled(c, s.solution, 1.0, s.next_velocities);
+    add_solution(c, stage, 1.0, s);
 }
 
-/// Linearises the forces at `s.next_velocities` and writes the matrix and the residual there.
+/// Linearises the forces at `s.next_velocities`, which differ from vh by `s.velocity_changes`, and writes the matrix and the
+/// residual there.
 pub(crate) fn linearize<D: Dispatch>(
     c: &StepInput<'_, D>,
     stage: &ImplicitStage<'_>,
@@ -154,7 +163,7 @@ fn newton_iterations<D: Dispatch>(
         solve_linear(c, Goal::Reduce(tolerance), s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
         match search(c, stage, slope, s, statistics) {
-            Some(scale) => add_scaled(c, s.solution, scale, s.next_velocities),
+            Some(scale) => add_solution(c, stage, scale, s),
             None => {
                 statistics.stalled_searches += 1;
                 return;
@@ -189,20 +198,21 @@ fn write_matrix<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s:
 }
 
 fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &mut Scratch<'_>) {
-    residual(c, stage, s.next_velocities, s.forces, s.residual);
+    let changes = &*s.velocity_changes;
+    residual(c, stage.length, |i| changes[i], s.forces, s.residual);
 }
 
-/// `out = M (vh - v) + g f` of a stage, kg m/s.
+/// `out = g f - M (v - vh)` of a stage of `length` g, kg m/s. `change` is v - vh of a vertex, m/s.
 pub(crate) fn residual<D: Dispatch>(
     c: &StepInput<'_, D>,
-    stage: &ImplicitStage<'_>,
-    v: &[Vec3],
+    length: Real,
+    change: impl Fn(usize) -> Vec3 + Sync,
     f: &[Vec3],
     out: &mut [Vec3],
 ) {
     c.dispatch.run(out, |start, part| {
         for (i, r) in (start..).zip(part) {
-            *r = (stage.velocities[i] - v[i]) * c.masses[i] + f[i] * stage.length;
+            *r = f[i] * length - change(i) * c.masses[i];
         }
     });
 }
@@ -285,7 +295,7 @@ fn search<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) -> Option<Real> {
     let (linear, quadratic) = dissipation(c, s, statistics);
-    let start = objective(c, stage, 0.0, s);
+    let start = objective(c, 0.0, s);
     // A decrease smaller than the rounding of the objective cannot be detected.
     let rounding = 8.0 * Sum::from(Real::EPSILON) * start.abs();
     let mut scale = 1.0;
@@ -293,7 +303,7 @@ fn search<D: Dispatch>(
         write_stage_positions(c, stage, scale, s);
         let t = Sum::from(scale);
         let dissipated = Sum::from(stage.length) * t * (linear + 0.5 * t * quadratic);
-        let change = objective(c, stage, scale, s) - start + dissipated;
+        let change = objective(c, scale, s) - start + dissipated;
         if change <= SUFFICIENT_DECREASE * t * slope + rounding {
             return Some(scale);
         }
@@ -303,11 +313,11 @@ fn search<D: Dispatch>(
 }
 
 /// `|v + scale y - vh|^2_M / 2 + E` at `s.stage_positions`, J.
-pub fn objective<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, scale: Real, s: &Scratch<'_>) -> Sum {
-    let columns = s.next_velocities.iter().zip(&*s.solution).zip(stage.velocities).zip(c.masses);
+fn objective<D: Dispatch>(c: &StepInput<'_, D>, scale: Real, s: &Scratch<'_>) -> Sum {
+    let columns = s.velocity_changes.iter().zip(&*s.solution).zip(c.masses);
     let inertia: Sum = columns
-        .map(|(((&v, &y), &vh), &m)| {
-            let d = v + y * scale - vh;
+        .map(|((&change, &y), &m)| {
+            let d = change + y * scale;
             0.5 * Sum::from(m) * dot_sum(d, d)
         })
         .sum();
@@ -340,6 +350,17 @@ fn dissipation<D: Dispatch>(
 
 fn column_dot(a: &[Vec3], b: &[Vec3]) -> Sum {
     a.iter().zip(b).map(|(&a, &b)| dot_sum(a, b)).sum()
+}
+
+/// Adds a multiple of the solution to the changes, and to the velocities.
+fn add_solution<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, scale: Real, s: &mut Scratch<'_>) {
+    let (y, vh) = (&*s.solution, stage.velocities);
+    c.dispatch.run((&mut *s.velocity_changes, &mut *s.next_velocities), |start, (changes, v)| {
+        for (i, (change, v)) in (start..).zip(changes.iter_mut().zip(v)) {
+            *change += y[i] * scale;
+            *v = vh[i] + *change;
+        }
+    });
 }
 
 fn add_scaled<D: Dispatch>(c: &StepInput<'_, D>, from: &[Vec3], scale: Real, to: &mut [Vec3]) {

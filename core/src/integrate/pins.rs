@@ -2,7 +2,10 @@
 //! the stages of explicit methods and filter implicit solves [Baraff 1998, Tamstorf 2015].
 
 pub use crate::motion::{JumpSide, Key, Motion, Turn};
-use crate::real::{Mat3, Real, Sum, Vec3};
+use glam::DVec3;
+
+use crate::particles::Particles;
+use crate::real::{Mat3, Real, Sum, Vec3, to_f64, vec3};
 
 /// A velocity change at a key larger than this fraction of the larger speed is a jump. A smaller
 /// change approximates a curve, and a two-step method may use the step before it.
@@ -30,11 +33,11 @@ pub struct Pins<'a> {
 
 impl Pins<'_> {
     /// Prescribed position of a pin at `time`, m, and its velocity on the given side of that time, m/s.
-    pub fn target(&self, pin: usize, time: Sum, side: JumpSide) -> (Vec3, Vec3) {
+    pub fn target(&self, pin: usize, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
         let anchor = self.anchors[pin];
         match self.table.get(self.motions[pin] as usize) {
             Some(motion) => motion.at(self.keys, anchor, time, side),
-            None => (anchor, Vec3::ZERO),
+            None => (to_f64(anchor).into(), Vec3::ZERO),
         }
     }
 
@@ -63,19 +66,43 @@ impl Pins<'_> {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
             let (position, velocity) = self.target(pin, time, side);
             for axis in held(self.axes[pin]) {
-                x[vertex as usize][axis] = position[axis];
+                x[vertex as usize][axis] = position[axis] as Real;
                 v[vertex as usize][axis] = velocity[axis];
             }
         }
     }
 
-    /// Sets the held axes of `v` so that `base + length v` is the prescribed position at `time`.
-    pub fn prescribe(&self, time: Sum, base: &[Vec3], length: Real, v: &mut [Vec3]) {
+    /// Sets the held axes of the changes from the state `from` so that they end in the prescribed positions, m, and
+    /// velocities just after `time`, m/s.
+    pub fn impose_changes(&self, time: Sum, from: &Particles<'_>, x: &mut [Vec3], v: &mut [Vec3]) {
+        for (pin, &vertex) in self.vertices.iter().enumerate() {
+            let (position, velocity) = self.target(pin, time, JumpSide::After);
+            let vertex = vertex as usize;
+            let displacement = displacement(from, vertex, position);
+            let change = velocity - from.velocities[vertex] - from.low_velocities[vertex];
+            for axis in held(self.axes[pin]) {
+                x[vertex][axis] = displacement[axis];
+                v[vertex][axis] = change[axis];
+            }
+        }
+    }
+
+    /// Sets the held axes of `v` so that a motion from the state `from` ends in the prescribed positions at `time`: first by
+    /// an `offset` of each vertex, m, then with the velocity `v` for the time `length`, s.
+    pub fn prescribe(
+        &self,
+        time: Sum,
+        from: &Particles<'_>,
+        offset: impl Fn(usize) -> Vec3,
+        length: Real,
+        v: &mut [Vec3],
+    ) {
         for (pin, &vertex) in self.vertices.iter().enumerate() {
             let (position, _) = self.target(pin, time, JumpSide::Before);
-            let velocity = (position - base[vertex as usize]) / length;
+            let vertex = vertex as usize;
+            let velocity = (displacement(from, vertex, position) - offset(vertex)) / length;
             for axis in held(self.axes[pin]) {
-                v[vertex as usize][axis] = velocity[axis];
+                v[vertex][axis] = velocity[axis];
             }
         }
     }
@@ -103,6 +130,12 @@ impl Pins<'_> {
             filter_block(&mut blocks[vertex as usize], axes);
         }
     }
+}
+
+/// The displacement of a vertex to a position, m.
+fn displacement(from: &Particles<'_>, vertex: usize, to: DVec3) -> Vec3 {
+    let [high, low] = [from.positions[vertex], from.low_positions[vertex]].map(|x| DVec3::from(to_f64(x)));
+    vec3((to - high - low).into())
 }
 
 /// `S A S + I - S` for one block.
@@ -154,12 +187,12 @@ impl PinColumns {
 
     /// Pins all axes of a vertex and moves it at constant velocity from one position to another, m, between two
     /// times, s. Replaces earlier pins of the vertex.
-    pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], [from, to]: [Vec3; 2]) {
+    pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], from: Vec3, to: DVec3) {
         self.release(vertex);
         let motion = self.spare_motion();
         let first = self.table[motion as usize].keys[0] as usize;
-        self.keys[first] = Key { time: start, offset: Vec3::ZERO };
-        self.keys[first + 1] = Key { time: end, offset: to - from };
+        self.keys[first] = Key { time: start, offset: DVec3::ZERO };
+        self.keys[first + 1] = Key { time: end, offset: to - DVec3::from(to_f64(from)) };
         self.vertices.push(vertex);
         self.axes.push(0b111);
         self.anchors.push(from);
@@ -188,7 +221,7 @@ impl PinColumns {
         let free = (0..self.table.len() as u32).find(is_free);
         free.unwrap_or_else(|| {
             self.table.push(Motion { keys: [self.keys.len() as u32, 2], turn: None });
-            self.keys.extend([Key { time: 0.0, offset: Vec3::ZERO }; 2]);
+            self.keys.extend([Key { time: 0.0, offset: DVec3::ZERO }; 2]);
             self.table.len() as u32 - 1
         })
     }

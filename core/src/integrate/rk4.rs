@@ -4,28 +4,29 @@
 use super::pins::JumpSide;
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
-use crate::real::{Real, Sum, Vec3};
+use crate::particles::Particles;
+use crate::real::{Real, Sum};
 use crate::scratch::Scratch;
 
 /// For the second to fourth stage: the fraction of the step, and the weight of the slope there.
 const STAGES: [(Real, Real); 3] = [(0.5, 2.0), (0.5, 2.0), (1.0, 1.0)];
 
-/// Writes the state after one step to `s.next_positions` and `s.next_velocities`. The current stage
+/// Writes the changes in one step to `s.displacements` and `s.velocity_changes`. The current stage
 /// is stored in `s.stage_positions` and `s.stage_velocities`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
-    x: &[Vec3],
-    v: &[Vec3],
+    from: &Particles<'_>,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
     let (sixth, w) = (c.step / 6.0, c.inverse_masses);
+    let (x, v) = (&*from.positions, &*from.velocities);
     c.forces(x, v, s.elements, s.forces, statistics);
     let f = &*s.forces;
-    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
-        for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {
-            *x1 = x[i] + v[i] * sixth;
-            *v1 = v[i] + f[i] * (sixth * w[i]);
+    c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
+        for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
+            *dx = v[i] * sixth;
+            *dv = f[i] * (sixth * w[i]);
         }
     });
     for (stage, (fraction, weight)) in STAGES.into_iter().enumerate() {
@@ -41,10 +42,10 @@ pub fn advance<D: Dispatch>(
         c.pins.impose(c.time_after(fraction as Sum), JumpSide::Before, s.stage_positions, s.stage_velocities);
         c.forces(s.stage_positions, s.stage_velocities, s.elements, s.forces, statistics);
         let (f, vs, part) = (&*s.forces, &*s.stage_velocities, weight * sixth);
-        c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
-            for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {
-                *x1 += vs[i] * part;
-                *v1 += f[i] * (part * w[i]);
+        c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
+            for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
+                *dx += vs[i] * part;
+                *dv += f[i] * (part * w[i]);
             }
         });
     }

@@ -3,23 +3,22 @@
 
 use super::{IntegratorStatistics, StepInput};
 use crate::dispatch::Dispatch;
-use crate::real::Vec3;
+use crate::particles::Particles;
 use crate::scratch::Scratch;
 
-/// Writes the state after one step to `s.next_positions` and `s.next_velocities`.
+/// Writes the changes in one step to `s.displacements` and `s.velocity_changes`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
-    x: &[Vec3],
-    v: &[Vec3],
+    from: &Particles<'_>,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    c.forces(x, v, s.elements, s.forces, statistics);
-    let (h, f, w) = (c.step, &*s.forces, c.inverse_masses);
-    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
-        for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {
-            *v1 = v[i] + f[i] * (h * w[i]);
-            *x1 = x[i] + *v1 * h;
+    c.forces(from.positions, from.velocities, s.elements, s.forces, statistics);
+    let (h, v, f, w) = (c.step, &*from.velocities, &*s.forces, c.inverse_masses);
+    c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
+        for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
+            *dv = f[i] * (h * w[i]);
+            *dx = (v[i] + *dv) * h;
         }
     });
 }

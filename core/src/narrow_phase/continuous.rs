@@ -36,8 +36,6 @@ pub struct LinearMotion<'a> {
     pub start: &'a [Vec3],
     /// Positions at the end of the step, m.
     pub end: &'a [Vec3],
-    /// Displacements from start to end, m.
-    pub displacements: &'a [Vec3],
     /// Radius of each vertex, m.
     pub radii: &'a [Real],
     /// The round in which each vertex was last moved.
@@ -64,10 +62,13 @@ fn stay_apart(
     motion: &LinearMotion<'_>,
     separation: Real,
 ) -> u32 {
-    let [a, b, c, d] = gather_x4(vertices, motion.start);
+    let start = gather_x4(vertices, motion.start);
+    let end = gather_x4(vertices, motion.end);
+    let [a, b, c, d] = start;
     let reserve = Lanes::splat(RESERVE) * largest(&[Vec3x4::default(), b - a, c - a, d - a]);
     let separation = min(Lanes::splat(separation), Lanes::splat(0.5) * distances);
-    let approach = farthest(first, &gather_x4(vertices, motion.displacements));
+    let displacements = core::array::from_fn(|k| end[k] - start[k]);
+    let approach = farthest(first, &displacements);
     (approach + reserve).simd_lt(distances - separation).to_bitmask()
 }
 

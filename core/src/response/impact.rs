@@ -51,9 +51,8 @@ fn find_pairs<D: Dispatch>(
     dispatch: &D,
 ) {
     let (candidates, times) = (&pairs.candidates[..count], &mut pairs.times[..count]);
-    let Motion { start, end, displacements, rounds, .. } = motion;
-    let swept =
-        continuous::LinearMotion { start, end, displacements, radii: model.radii, rounds, round: motion.tested() };
+    let Motion { start, end, rounds, .. } = motion;
+    let swept = continuous::LinearMotion { start, end, radii: model.radii, rounds, round: motion.tested() };
     let separation = SEPARATION * model.thickness;
     dispatch.enter(Stage::NarrowPhase);
     with_pairing!(kind, P => {
@@ -69,9 +68,9 @@ fn find_pairs<D: Dispatch>(
             TimeOfImpact::Touching => (true, None),
         };
         let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
-        let (x, displacements) = (gather(vertices, start), gather(vertices, displacements));
+        let (x, ends) = (gather(vertices, start), gather(vertices, end));
         let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
-        let at: [Vec3; 4] = time.map_or(x, |time| core::array::from_fn(|k| x[k] + displacements[k] * time));
+        let at: [Vec3; 4] = time.map_or(x, |time| core::array::from_fn(|k| x[k] + (ends[k] - x[k]) * time));
         let (Some(impact), Some(before)) =
             (contact(kind, vertices, &at, &x, radius), contact(kind, vertices, &x, &x, radius))
         else {

@@ -132,13 +132,9 @@ fn find_near(
     before: usize,
     margin: Real,
 ) -> Result<usize, usize> {
-    let ContactScratch {
-        start, predicted, end, displacements, corrections, rounds, counts, constraints, order, ..
-    } = scratch;
-    end.copy_from_slice(predicted);
-    for ((displacements, start), end) in displacements.iter_mut().zip(&**start).zip(&**end) {
-        *displacements = *end - *start;
-    }
+    let ContactScratch { start, end, displacements, corrections, rounds, counts, constraints, order, .. } = scratch;
+    end.copy_from_slice(scratch.predicted);
+    displacements.copy_from_slice(scratch.predicted_displacements);
     corrections.fill(Vec3::ZERO);
     rounds.fill(0);
     let mut list = List { all: constraints, count: before, touching: 0 };
@@ -177,7 +173,7 @@ pub fn respond<D: Dispatch>(
     let most = if settings.hold { HOLD_ROUNDS } else { MOST_ROUNDS };
     loop {
         work.run_passes();
-        work.motion.round_ends(work.corrections);
+        work.motion.round_ends();
         if work.motion.leaves_boxes(ends, model) {
             return Ok(Outcome::LeavesBoxes);
         }

@@ -95,15 +95,12 @@ impl Motion<'_> {
         if self.round == 1 { 0 } else { self.round }
     }
 
-    /// Rounds the end positions of the vertices moved in this round. Their rounding errors are no velocity: in f32, with
-    /// short steps, they are as large as the effect of friction.
-    pub fn round_ends(&mut self, corrections: &mut [Vec3]) {
+    /// Writes the end positions, rounded, of the vertices moved in this round. Displacements are not rounded: in f32, with
+    /// short steps, the rounding errors are as large as the effect of friction.
+    pub fn round_ends(&mut self) {
         for (v, end) in self.end.iter_mut().enumerate() {
             if self.rounds[v] == self.round {
                 *end = self.start[v] + self.displacements[v];
-                let rounded = *end - self.start[v];
-                corrections[v] += rounded - self.displacements[v];
-                self.displacements[v] = rounded;
             }
         }
     }

@@ -7,7 +7,7 @@ use core::ops::Range;
 use glam::DVec3;
 
 use super::check::{check_numbers, finite, nameable, positive};
-use super::place::place;
+use super::place::{check_digits, origin, place};
 use super::{ClothDesc, Resource, SceneDesc, contact, disc, grid, resource as files, tube};
 use crate::contact::ContactColumns;
 use crate::error::{MeshError, SceneError};
@@ -38,6 +38,8 @@ pub struct ClothRange {
 /// The columns of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct BuiltScene {
+    /// The point in the world from which positions are measured, m.
+    pub origin: DVec3,
     /// The particles at time 0.
     pub particles: ParticleColumns,
     /// The force terms that the scene names.
@@ -63,8 +65,8 @@ impl BuiltScene {
     /// Bytes of the particle, edge, triangle, model and contact columns.
     pub fn bytes(&self) -> usize {
         let p = &self.particles;
-        size_of_val(&p.positions[..])
-            + size_of_val(&p.velocities[..])
+        2 * size_of_val(&p.positions[..])
+            + 2 * size_of_val(&p.velocities[..])
             + size_of_val(&p.masses[..])
             + size_of_val(&p.inverse_masses[..])
             + size_of_val(&self.triangles[..])
@@ -99,6 +101,8 @@ pub fn build(scene: &SceneDesc, resources: &[Resource]) -> Result<BuiltScene, Sc
 /// Unfinished columns of a scene, to which cloths are added one by one.
 #[derive(Default)]
 pub(super) struct Parts {
+    /// Given once the first cloth is placed.
+    pub(super) origin: Option<DVec3>,
     positions: Vec<DVec3>,
     masses: Vec<f64>,
     areas: Vec<f64>,
@@ -130,6 +134,7 @@ impl Parts {
     fn add_cloth(&mut self, index: u32, desc: &ClothDesc, resources: &[Resource]) -> Result<(), SceneError> {
         let sheet = self.sheet(index, desc, resources)?;
         let placed = place(&sheet, index, resources)?;
+        check_digits(&sheet, &placed, *self.origin.get_or_insert_with(|| origin(&placed)))?;
         self.add_particles(&sheet, &placed)?;
         self.add_stretch(&sheet)?;
         self.add_bend(&sheet)?;
@@ -194,7 +199,7 @@ impl Parts {
     }
 
     fn finish(mut self, scene: &SceneDesc) -> BuiltScene {
-        let vertices = self.positions.len();
+        let (vertices, origin) = (self.positions.len(), self.origin.unwrap_or_default());
         let drag = scene.drag.as_ref();
         let springs = |springs: &[_]| (!springs.is_empty()).then(|| SpringColumns::build(vertices, springs));
         self.membrane.incidence = IncidenceColumns::build(vertices, &self.membrane.vertices);
@@ -221,13 +226,13 @@ impl Parts {
                 incidence: IncidenceColumns::build(vertices, &self.triangles),
             }),
         };
-        let particles = ParticleColumns {
-            positions: self.positions.iter().map(|&p| vec3(p.into())).collect(),
-            velocities: vec![crate::real::Vec3::ZERO; vertices],
-            masses: self.masses.iter().map(|&m| m as Real).collect(),
-            inverse_masses: self.masses.iter().map(|&m| (1.0 / m) as Real).collect(),
-        };
+        let particles = ParticleColumns::at_rest(
+            self.positions.iter().map(|&p| vec3((p - origin).into())).collect(),
+            self.masses.iter().map(|&m| m as Real).collect(),
+            self.masses.iter().map(|&m| (1.0 / m) as Real).collect(),
+        );
         BuiltScene {
+            origin,
             particles,
             model,
             pins: self.pins,

@@ -88,6 +88,8 @@ pub enum ColliderMotionDesc {
 struct Keys<'a> {
     desc: &'a ColliderDesc,
     index: u32,
+    /// The point from which the columns measure positions, m.
+    origin: DVec3,
 }
 
 impl Keys<'_> {
@@ -95,10 +97,16 @@ impl Keys<'_> {
         value.clone().ok_or(SceneError::ShapeNeeds { collider: self.index, key, shape: self.desc.shape.name() })
     }
 
+    /// A finite vector.
+    fn vector(&self, key: &'static str, value: &Option<[f64; 3]>) -> Result<DVec3, SceneError> {
+        let vector = self.needed(key, value)?;
+        finite(key, &vector)?;
+        Ok(vector.into())
+    }
+
+    /// A point, from the origin of the columns.
     fn point(&self, key: &'static str, value: &Option<[f64; 3]>) -> Result<DVec3, SceneError> {
-        let point = self.needed(key, value)?;
-        finite(key, &point)?;
-        Ok(point.into())
+        Ok(self.vector(key, value)? - self.origin)
     }
 
     /// Error if a key is given that is not in `own`, the keys of the shape.
@@ -123,23 +131,26 @@ impl Keys<'_> {
     }
 }
 
-/// Adds a collider. `law` is the index of its law of friction.
+/// Adds a collider. `law` is the index of its law of friction, `origin` the point from which the columns measure positions, m.
 pub(super) fn add(
     columns: &mut ColliderColumns,
     desc: &ColliderDesc,
     index: u32,
     law: u32,
+    origin: DVec3,
     resources: &[Resource],
 ) -> Result<(), SceneError> {
-    let keys = Keys { desc, index };
+    let keys = Keys { desc, index, origin };
     let rounded = |point: DVec3| vec3(point.into());
     let body = |form| Body { form, vertices: [0; 2], drive: Drive::Rest, radius: 0.0, law };
     let radius = || positive("collider.radius", keys.needed("radius", &desc.radius)?).map(|r| r as Real);
     let (body, centre, anchors, triangles): (Body, DVec3, Vec<Vec3>, Vec<[u32; 3]>) = match desc.shape {
         Shape::Plane => {
             keys.only(&["point", "normal"])?;
-            let (point, normal) = (keys.point("point", &desc.point)?, keys.point("normal", &desc.normal)?);
+            let (point, normal) = (keys.point("point", &desc.point)?, keys.vector("normal", &desc.normal)?);
             let normal = normal.try_normalize().ok_or(SceneError::NoNormal { collider: index })?;
+            // The point of the plane nearest to a far cloth, because a far one would have few digits.
+            let point = if origin == DVec3::ZERO { point } else { normal * normal.dot(point) };
             (body(Form::Plane(rounded(normal))), point, [rounded(point)].into(), Vec::new())
         }
         Shape::Sphere => {
@@ -156,7 +167,7 @@ pub(super) fn add(
         }
         Shape::Box => {
             keys.only(&["center", "half", "rotation"])?;
-            let (centre, half) = (keys.point("center", &desc.center)?, keys.point("half", &desc.half)?);
+            let (centre, half) = (keys.point("center", &desc.center)?, keys.vector("half", &desc.half)?);
             for half in half.to_array() {
                 positive("collider.half", half)?;
             }
@@ -170,8 +181,8 @@ pub(super) fn add(
             let name = keys.needed("file", &desc.file)?;
             let mesh = resource::mesh(&name, resources).ok_or(SceneError::MissingColliderFile { collider: index })?;
             mesh.check_surface().map_err(|error| SceneError::ColliderMesh { collider: index, error })?;
-            let anchors: Vec<_> = mesh.positions.iter().map(|&p| vec3(p)).collect();
-            let centre = mesh.positions.iter().map(|&p| DVec3::from(p)).sum::<DVec3>() / anchors.len() as f64;
+            let anchors: Vec<_> = mesh.positions.iter().map(|&p| rounded(DVec3::from(p) - origin)).collect();
+            let centre = mesh.positions.iter().map(|&p| DVec3::from(p)).sum::<DVec3>() / anchors.len() as f64 - origin;
             (body(Form::Mesh), centre, anchors, mesh.triangles.clone())
         }
     };
@@ -206,7 +217,8 @@ fn drive(
                 return Err(SceneError::CachePoints { collider: index, expected, found });
             }
             let first = columns.frames.len();
-            columns.frames.extend(cache.positions.iter().map(|p| vec3(p.map(f64::from))));
+            let from_origin = |p: &[f32; 3]| vec3((DVec3::from(p.map(f64::from)) - keys.origin).into());
+            columns.frames.extend(cache.positions.iter().map(from_origin));
             if columns.frames[first..].iter().any(|x| !x.is_finite()) {
                 return Err(SceneError::ColliderMotion { collider: index });
             }

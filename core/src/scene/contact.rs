@@ -92,7 +92,7 @@ pub(super) fn columns(
             }
             None => 0,
         };
-        collider::add(&mut columns.colliders, desc, index as u32, law, resources)?;
+        collider::add(&mut columns.colliders, desc, index as u32, law, built.origin, resources)?;
     }
     let (cloth, colliders) = (built.particles.positions.len(), columns.colliders.anchors.len());
     columns.firsts = built.cloths.iter().map(|range| range.vertices.start).chain([cloth as u32]).collect();

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{MotionDesc, TurnDesc};
 use crate::motion::{Key, Motion, Turn};
-use crate::real::{Real, vec3};
+use crate::real::Real;
 
 /// The part of a motion that is not usable. The caller adds the pin or the collider it belongs to.
 pub(super) enum MotionError {
@@ -22,7 +22,7 @@ pub(super) fn read_motion(motion: &MotionDesc, centre: DVec3, keys: &mut Vec<Key
     }
     let turn = motion.turn.as_ref().map(|turn| read_turn(turn, centre).ok_or(MotionError::Turn)).transpose()?;
     let first = keys.len() as u32;
-    keys.extend(motion.keys.iter().map(|&[time, x, y, z]| Key { time, offset: vec3([x, y, z]) }));
+    keys.extend(motion.keys.iter().map(|&[time, x, y, z]| Key { time, offset: DVec3::new(x, y, z) }));
     Ok(Motion { keys: [first, motion.keys.len() as u32], turn })
 }
 
@@ -30,5 +30,5 @@ pub(super) fn read_motion(motion: &MotionDesc, centre: DVec3, keys: &mut Vec<Key
 fn read_turn(turn: &TurnDesc, centre: DVec3) -> Option<Turn> {
     let until = turn.until.unwrap_or(f64::INFINITY);
     let axis = DVec3::from(turn.axis).try_normalize().filter(|_| turn.rate.is_finite() && !until.is_nan())?;
-    Some(Turn { axis: vec3(axis.into()), centre: vec3(centre.into()), rate: turn.rate, until })
+    Some(Turn { axis, centre, rate: turn.rate, until })
 }

@@ -21,12 +21,14 @@ impl Parts {
             select::select(&pin.select, &sheet.mesh.positions, placed).map_err(|error| error.at(cloth, number))?;
         let axes = axes(&pin.axes).ok_or(SceneError::PinAxes { cloth, pin: number })?;
         let centre = selected.iter().map(|&v| placed[v as usize]).sum::<DVec3>() / selected.len() as f64;
+        let origin = self.origin.unwrap_or_default();
         let motion = match &pin.motion {
             Some(motion) => {
-                let motion = read_motion(motion, centre, &mut self.pins.keys).map_err(|error| match error {
-                    MotionError::Keys => SceneError::MotionKeys { cloth, pin: number },
-                    MotionError::Turn => SceneError::MotionTurn { cloth, pin: number },
-                })?;
+                let motion =
+                    read_motion(motion, centre - origin, &mut self.pins.keys).map_err(|error| match error {
+                        MotionError::Keys => SceneError::MotionKeys { cloth, pin: number },
+                        MotionError::Turn => SceneError::MotionTurn { cloth, pin: number },
+                    })?;
                 self.pins.table.push(motion);
                 self.pins.table.len() as u32 - 1
             }
@@ -35,7 +37,7 @@ impl Parts {
         for vertex in selected {
             self.pins.vertices.push(sheet.first + vertex);
             self.pins.axes.push(axes);
-            self.pins.anchors.push(vec3(placed[vertex as usize].into()));
+            self.pins.anchors.push(vec3((placed[vertex as usize] - origin).into()));
             self.pins.motions.push(motion);
         }
         Ok(())

@@ -7,12 +7,19 @@ use glam::{DMat3, DVec3};
 use super::Resource;
 use super::build::{Sheet, resource};
 use crate::error::{MeshError, SceneError};
-use crate::real::vec3;
+use crate::mesh::edges::Edge;
+use crate::real::Real;
+
+/// Distance of a cloth from the world's origin up to which that is the origin of the columns, relative to twice the size of the
+/// cloth.
+const NEAR: f64 = 16.0;
+
+/// Largest rounding of a position, relative to the length of an edge.
+const MOST_ROUNDED: f64 = 0.02;
 
 /// Start positions, m: rotated about x, then y, then z, then moved.
 ///
-/// Errors: a start state that is missing, has another number of vertices or is not finite; an edge
-/// whose ends coincide after rounding.
+/// Errors: a start state that is missing, has another number of vertices or is not finite.
 pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Result<Vec<DVec3>, SceneError> {
     let start = match &sheet.desc.state {
         Some(name) => {
@@ -29,14 +36,37 @@ pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Re
         None => &sheet.mesh.positions,
     };
     let turn = turn(sheet.desc.rotation);
-    let placed: Vec<_> = start.iter().map(|&p| turn * DVec3::from(p) + DVec3::from(sheet.desc.position)).collect();
-    let merged = |&[a, b]: &[u32; 2]| {
-        let rounded = |v: u32| vec3(placed[v as usize].into());
-        start[a as usize] != start[b as usize] && rounded(a) == rounded(b)
+    Ok(start.iter().map(|&p| turn * DVec3::from(p) + DVec3::from(sheet.desc.position)).collect())
+}
+
+/// The point from which the columns of a scene measure positions, m: the world's origin, or for a cloth that is far from it a
+/// round point near the cloth, because numbers far from zero have few digits after the point.
+pub(super) fn origin(placed: &[DVec3]) -> DVec3 {
+    let (min, max) = placed.iter().fold((placed[0], placed[0]), |(min, max), &x| (min.min(x), max.max(x)));
+    // A power of two, so that most coordinates of a near cloth lose no digit.
+    let unit = libm::exp2(libm::ceil(libm::log2(NEAR * (max - min).max_element())));
+    let origin = ((min + max) / (2.0 * unit)).round() * unit;
+    if origin.is_finite() { origin } else { DVec3::ZERO }
+}
+
+/// Checks that the positions of vertices are exact to a small part of the edges.
+///
+/// Errors: an edge that is too far from the `origin` for this precision, or from the world's for double precision.
+pub(super) fn check_digits(sheet: &Sheet<'_>, placed: &[DVec3], origin: DVec3) -> Result<(), SceneError> {
+    // The places themselves are in double.
+    let rounding = |x: DVec3| {
+        let (far, near) = (x.abs().max_element(), (x - origin).abs().max_element());
+        (f64::EPSILON * far).max(f64::from(Real::EPSILON) * near)
     };
-    match sheet.edges.iter().map(|edge| edge.ends).find(merged) {
-        Some([a, b]) => Err(SceneError::TooFar { a, b }),
-        None => Ok(placed),
+    let is_rough = |&(edge, &length): &(&Edge, &f64)| {
+        edge.ends.iter().any(|&v| rounding(placed[v as usize]) > MOST_ROUNDED * length)
+    };
+    match sheet.edges.iter().zip(&sheet.lengths).find(is_rough) {
+        Some((edge, _)) => {
+            let [a, b] = sheet.shift(&edge.ends);
+            Err(SceneError::TooFar { a, b })
+        }
+        None => Ok(()),
     }
 }
 

@@ -3,6 +3,8 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
+use glam::DVec3;
+
 use crate::audit;
 use crate::contact::{ContactColumns, ContactScratchColumns};
 use crate::diagnostics::{self, Stretch};
@@ -13,8 +15,8 @@ use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Scheme, StepInput};
 use crate::mesh::SurfaceColumns;
-use crate::particles::{ParticleColumns, Particles};
-use crate::real::{Real, Sum, Vec3};
+use crate::particles::ParticleColumns;
+use crate::real::{Real, Sum, Vec3, to_f64, vec3};
 use crate::refusal::Obstacle;
 use crate::response::ContactStatistics;
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
@@ -70,11 +72,15 @@ pub struct Substep {
 pub struct State<'a> {
     /// Number of steps taken.
     pub steps: u64,
+    /// The point in the world from which positions are measured, m.
+    pub origin: [Sum; 3],
     /// Positions, m.
     pub positions: &'a [Vec3],
     /// Velocities, m/s.
     pub velocities: &'a [Vec3],
-    /// Positions and velocities before the last step or substep; empty if the method does not need them.
+    /// What rounding left of positions and velocities, m and m/s.
+    pub low: [&'a [Vec3]; 2],
+    /// Changes of positions and velocities in the last step or substep; empty if the method does not need them.
     pub previous: [&'a [Vec3]; 2],
     /// Length of the last step or substep, s; 0 if the next one does not continue it.
     pub last_step: Real,
@@ -111,7 +117,7 @@ impl Simulation {
         let room = PAIRS_PER_VERTEX * built.particles.positions.len();
         let contact = built.contact.as_ref().map(|contact| ContactScratchColumns::build(&contact.view(), room));
         let kept = (contact.is_some() || scheme.error.is_some())
-            .then(|| Kept::build(&built.particles.positions, &scratch.previous_positions, room / 8));
+            .then(|| Kept::build(&built.particles.positions, &scratch.previous_displacements, room / 8));
         // Material coordinates are needed only to cut the patches of the solver.
         built.material = Default::default();
         let (statistics, contact_statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
@@ -166,12 +172,12 @@ impl Simulation {
         let time = self.time_at(substep.from);
         let Self { built, scratch, contact, history, scheme, step, statistics, contact_statistics, searched, .. } =
             self;
-        let ParticleColumns { positions, velocities, masses, inverse_masses } = &mut built.particles;
+        let mut particles = built.particles.view();
         let input = StepInput {
             model: &built.model.view(),
             pins: &built.pins.view(),
-            masses,
-            inverse_masses,
+            masses: particles.masses,
+            inverse_masses: particles.inverse_masses,
             time,
             step: *step * substep.length as Real,
             scheme,
@@ -180,7 +186,6 @@ impl Simulation {
             has_contact: contact.is_some(),
             dispatch,
         };
-        let mut particles = Particles { positions, velocities, masses, inverse_masses };
         let model = built.contact.as_ref().map(|model| model.view());
         let columns = model.as_ref().zip(contact.as_mut());
         let contact = columns.map(|(model, columns)| StepContact { model, columns, hold: last_resort });
@@ -231,7 +236,7 @@ impl Simulation {
         self.positions().iter().copied().chain(self.collider_positions()).collect()
     }
 
-    /// Current positions of the vertices of the colliders, m.
+    /// Current positions of the vertices of the colliders, from the [`origin`](Self::origin), m.
     pub fn collider_positions(&self) -> Vec<Vec3> {
         let colliders = self.built.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default();
         let mut places = vec![Vec3::ZERO; colliders.anchors.len()];
@@ -301,7 +306,26 @@ impl Simulation {
         self.built.bytes() + self.scratch.bytes() + contact + self.kept.bytes()
     }
 
-    /// Positions, m.
+    /// The point in the world from which all positions are measured, m. It is zero unless the first cloth starts far from
+    /// the world's origin.
+    pub fn origin(&self) -> [Sum; 3] {
+        self.built.origin.into()
+    }
+
+    /// Positions in the world, m.
+    pub fn places_in_world(&self) -> impl Iterator<Item = [Sum; 3]> {
+        let ParticleColumns { positions, low_positions, .. } = &self.built.particles;
+        let place = |(&high, &low)| self.built.origin + DVec3::from(to_f64(high)) + DVec3::from(to_f64(low));
+        positions.iter().zip(low_positions).map(move |parts| place(parts).into())
+    }
+
+    /// Current positions of the vertices of the colliders in the world, m.
+    pub fn colliders_in_world(&self) -> impl Iterator<Item = [Sum; 3]> {
+        let place = |x: Vec3| self.built.origin + DVec3::from(to_f64(x));
+        self.collider_positions().into_iter().map(move |x| place(x).into())
+    }
+
+    /// Positions, rounded, from the [`origin`](Self::origin), m.
     pub fn positions(&self) -> &[Vec3] {
         &self.built.particles.positions
     }
@@ -320,6 +344,8 @@ impl Simulation {
 
     /// Clears all data about previous steps, because the new state does not follow from them.
     fn forget_the_past(&mut self) {
+        self.built.particles.low_positions.fill(Vec3::ZERO);
+        self.built.particles.low_velocities.fill(Vec3::ZERO);
         if self.history != History::Start {
             self.history = History::Cut;
         }
@@ -340,7 +366,13 @@ impl Simulation {
 
     /// Current energies, J.
     pub fn energy(&self) -> Energy {
-        diagnostics::energy(&self.model(), &self.built.particles.masses, self.positions(), self.velocities())
+        let (model, masses) = (self.model(), &self.built.particles.masses);
+        let mut energy = diagnostics::energy(&model, masses, self.positions(), self.velocities());
+        // Heights count from the world's origin.
+        let gravity = model.gravity.map_or(Vec3::ZERO, |gravity| gravity.0);
+        energy.gravity -=
+            self.built.origin.dot(to_f64(gravity).into()) * masses.iter().map(|&m| Sum::from(m)).sum::<Sum>();
+        energy
     }
 
     /// Current linear momentum, kg m/s.
@@ -356,12 +388,16 @@ impl Simulation {
     /// The state that a checkpoint stores.
     pub fn state(&self) -> State<'_> {
         let last_step = if let History::Smooth { step } = self.history { step } else { 0.0 };
-        let known = if last_step > 0.0 { self.scratch.previous_positions.len() } else { 0 };
+        let known = if last_step > 0.0 { self.scratch.previous_displacements.len() } else { 0 };
+        let ScratchColumns { previous_displacements, previous_velocity_changes, .. } = &self.scratch;
+        let particles = &self.built.particles;
         State {
             steps: self.steps,
+            origin: self.origin(),
             positions: self.positions(),
             velocities: self.velocities(),
-            previous: [&self.scratch.previous_positions[..known], &self.scratch.previous_velocities[..known]],
+            low: [&particles.low_positions, &particles.low_velocities],
+            previous: [&previous_displacements[..known], &previous_velocity_changes[..known]],
             last_step,
             halvings: self.halvings,
             after_contact: self.history == History::Corrected,
@@ -381,19 +417,23 @@ impl Simulation {
         let history = state.previous[0].len();
         let fits = state.positions.len() == count
             && state.velocities.len() == count
+            && state.low.iter().all(|low| low.len() == count)
             && state.halvings <= MOST_HALVINGS
             && state.previous[1].len() == history
-            && (history == 0 || history == self.scratch.previous_positions.len());
+            && (history == 0 || history == self.scratch.previous_displacements.len());
         if fits {
             self.built.particles.positions.copy_from_slice(state.positions);
             self.built.particles.velocities.copy_from_slice(state.velocities);
+            self.built.particles.low_positions.copy_from_slice(state.low[0]);
+            self.shift(DVec3::from(state.origin) - self.built.origin);
+            self.built.particles.low_velocities.copy_from_slice(state.low[1]);
             if history > 0 {
-                self.scratch.previous_positions.copy_from_slice(state.previous[0]);
-                self.scratch.previous_velocities.copy_from_slice(state.previous[1]);
+                self.scratch.previous_displacements.copy_from_slice(state.previous[0]);
+                self.scratch.previous_velocity_changes.copy_from_slice(state.previous[1]);
             }
             self.history = if state.after_contact {
                 History::Corrected
-            } else if state.last_step > 0.0 && history == self.scratch.previous_positions.len() {
+            } else if state.last_step > 0.0 && history == self.scratch.previous_displacements.len() {
                 History::Smooth { step: state.last_step }
             } else if state.steps == 0 {
                 History::Start
@@ -408,6 +448,19 @@ impl Simulation {
             (self.statistics, self.contact_statistics) = (statistics, contact_statistics);
         }
         fits
+    }
+
+    /// Adds a displacement to all positions, m.
+    fn shift(&mut self, by: DVec3) {
+        if by == DVec3::ZERO {
+            return;
+        }
+        let ParticleColumns { positions, low_positions, .. } = &mut self.built.particles;
+        for (high, low) in positions.iter_mut().zip(low_positions) {
+            let place = by + DVec3::from(to_f64(*high)) + DVec3::from(to_f64(*low));
+            *high = vec3(place.into());
+            *low = vec3((place - DVec3::from(to_f64(*high))).into());
+        }
     }
 
     /// Triangles of all cloths.

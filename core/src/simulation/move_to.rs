@@ -1,20 +1,23 @@
 //! Dragging: the host pins a vertex, moves it and releases it.
 
+use glam::DVec3;
+
 use super::Simulation;
-use crate::real::{Sum, Vec3};
+use crate::real::Sum;
 use crate::scene::BuiltScene;
 
 impl Simulation {
-    /// Moves a vertex, pinned or free, at constant velocity to `place`, m, within `seconds`, or at once for 0. It
+    /// Moves a vertex, pinned or free, at constant velocity to `place`, in the world, m, within `seconds`, or at once for 0. It
     /// stays pinned there. Returns false and changes nothing if the vertex does not exist, the place or the time
     /// is not finite, or the time is negative.
-    pub fn move_to(&mut self, vertex: u32, place: Vec3, seconds: Sum) -> bool {
+    pub fn move_to(&mut self, vertex: u32, place: [Sum; 3], seconds: Sum) -> bool {
         let Some(&from) = self.positions().get(vertex as usize) else { return false };
+        let place = DVec3::from(place) - self.built.origin;
         if !place.is_finite() || !(0.0..Sum::INFINITY).contains(&seconds) {
             return false;
         }
         let now = self.time();
-        self.built.pins.move_to(vertex, [now, now + seconds], [from, place]);
+        self.built.pins.move_to(vertex, [now, now + seconds], from, place);
         self.take_over_pins();
         // A two-step method cannot use the state from before the new motion.
         self.history.cut();

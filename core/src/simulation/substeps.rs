@@ -10,6 +10,7 @@ use super::{Simulation, State, StepError, Substep};
 use crate::contact::ContactScratchColumns;
 use crate::dispatch::Dispatch;
 use crate::implicit_contact::multiplier::Multiplier;
+use crate::particles::ParticleColumns;
 use crate::real::{Real, Sum, Vec3};
 use crate::refusal::{Cause, Obstacle};
 use crate::step::History;
@@ -24,7 +25,7 @@ const SMALL_ERROR: Real = 0.25;
 /// Copy of the [`State`] before a step that is divided. The columns are allocated once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
-    columns: [Vec<Vec3>; 4],
+    columns: [Vec<Vec3>; 6],
     multipliers: Vec<Multiplier>,
     history: History,
 }
@@ -35,7 +36,7 @@ impl Kept {
         let multipliers = Vec::with_capacity(multipliers);
         Self {
             multipliers,
-            columns: [positions, positions, previous, previous].map(<[Vec3]>::to_vec),
+            columns: [positions, positions, positions, positions, previous, previous].map(<[Vec3]>::to_vec),
             ..Self::default()
         }
     }
@@ -105,9 +106,9 @@ impl Simulation {
 
     fn keep(&mut self) {
         let Self { built, scratch, contact, kept, .. } = self;
-        let particles = &built.particles;
-        let own =
-            [&particles.positions, &particles.velocities, &scratch.previous_positions, &scratch.previous_velocities];
+        let ParticleColumns { positions, velocities, low_positions, low_velocities, .. } = &built.particles;
+        let previous = [&scratch.previous_displacements, &scratch.previous_velocity_changes];
+        let own = [positions, velocities, low_positions, low_velocities, previous[0], previous[1]];
         for (kept, own) in kept.columns.iter_mut().zip(own) {
             kept.copy_from_slice(own);
         }
@@ -118,9 +119,10 @@ impl Simulation {
 
     fn put_back(&mut self) {
         let kept = core::mem::take(&mut self.kept);
-        let [positions, velocities, previous @ ..] = kept.columns.each_ref().map(|column| &column[..]);
-        let multipliers = &kept.multipliers[..];
-        let state = State { positions, velocities, previous, multipliers, ..self.state() };
+        let [positions, velocities, low_positions, low_velocities, previous @ ..] =
+            kept.columns.each_ref().map(|column| &column[..]);
+        let (multipliers, low) = (&kept.multipliers[..], [low_positions, low_velocities]);
+        let state = State { positions, velocities, low, previous, multipliers, ..self.state() };
         self.restore(&state, self.statistics, self.contact_statistics);
         self.history = kept.history;
         self.kept = kept;

@@ -87,8 +87,7 @@ impl Touch {
     pub fn find(found: &CandidateLists, distances: &Distances, subject: &Subject, next: &[Vec3], pool: &Pool) -> Self {
         let (vertices, edges) = (&found.vertex_triangle, &found.edge_edge);
         let (start, radii) = (&subject.positions[..], &vec![0.0; next.len()][..]);
-        let displacements: Vec<_> = next.iter().zip(start).map(|(&end, &start)| end - start).collect();
-        let motion = LinearMotion { start, end: next, displacements: &displacements, radii, rounds: &[], round: 0 };
+        let motion = LinearMotion { start, end: next, radii, rounds: &[], round: 0 };
         let vertex_triangle = times::<VertexTriangle>(vertices, &distances.vertex_triangle, subject, motion, pool);
         let edge_edge = times::<EdgeEdge>(edges, &distances.edge_edge, subject, motion, pool);
         Self::of(&vertex_triangle, &edge_edge)

@@ -74,12 +74,11 @@ impl Net {
     /// The columns of the net.
     pub fn build(&self) -> BuiltScene {
         BuiltScene {
-            particles: ParticleColumns {
-                positions: self.points.clone(),
-                velocities: vec![DVec3::ZERO; self.points.len()],
-                masses: self.masses.clone(),
-                inverse_masses: self.masses.iter().map(|m| 1.0 / m).collect(),
-            },
+            particles: ParticleColumns::at_rest(
+                self.points.clone(),
+                self.masses.clone(),
+                self.masses.iter().map(|m| 1.0 / m).collect(),
+            ),
             model: ModelColumns {
                 gravity: self.heavy.then_some(Gravity(DVec3::NEG_Y * GRAVITY)),
                 stretch_springs: Some(SpringColumns::build(self.points.len(), &self.springs)),
