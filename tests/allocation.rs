@@ -7,6 +7,7 @@ use harness::steps::Steps;
 use muslin_core::integrate::{Method, Preconditioner};
 use muslin_core::scene::SceneDesc;
 use muslin_core::simulation::Simulation;
+use muslin_core::work_done::WorkDone;
 
 /// Every force term in one small scene.
 const SCENE: &str = r#"
@@ -42,6 +43,8 @@ fn a_step_allocates_nothing() {
             scene.integrator.newton = newton;
             scene.integrator.preconditioner = preconditioner;
             let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
+            cloth.measure_work(WorkDone::default());
+            cloth.measure_reactions();
             let counted = allocation_counter::measure(|| {
                 for _ in 0..4 {
                     cloth.take_step().expect("the scene of this test stays finite");
@@ -99,6 +102,8 @@ fn a_step_with_contact_allocates_nothing_once_there_is_room() {
         scene.integrator.method = method;
         scene.integrator.step = Some(if method.is_implicit() { 0.005 } else { 0.0004 });
         let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
+        cloth.measure_work(WorkDone::default());
+        cloth.measure_reactions();
         let (start, steps) = (cloth.clone(), (0.25 / scene.timing().step) as u32);
         let run = |cloth: &mut Simulation| {
             (0..steps).for_each(|_| cloth.take_step().expect("the scene of this test stays finite"));
@@ -210,6 +215,88 @@ fn a_step_that_is_taken_back_allocates_nothing() {
             "{name}: no end was tested exactly, {:?}",
             nearly.contact_statistics()
         );
+    }
+}
+
+macro_rules! estimates {
+    ($module:ident, $core:ident) => {
+        mod $module {
+            use $core::integrate::Scheme;
+            use $core::scene::{self, SceneDesc};
+            use $core::simulation::Simulation;
+
+            /// The largest number of bytes that the build takes at once, and the estimate.
+            pub fn bytes(text: &str) -> [f64; 2] {
+                let desc: SceneDesc = toml::from_str(text).expect("the scene of this test parses");
+                let own = &desc.integrator;
+                let scheme = Scheme {
+                    newton: own.newton,
+                    preconditioner: own.preconditioner,
+                    error: own.error().map(|error| error as _),
+                    ..Scheme::fixed(own.method, 1e-4)
+                };
+                let counted = allocation_counter::measure(|| {
+                    let built = scene::build(&desc, &[]).expect("the scene of this test builds");
+                    drop(Simulation::from_columns(built, scheme, 0.01));
+                });
+                let needed = scene::memory(&desc, &[]).expect("the scene of this test is small");
+                [counted.bytes_max as f64, needed.bytes as f64]
+            }
+        }
+    };
+}
+
+estimates!(single, muslin_core);
+estimates!(double, muslin_core_f64);
+
+/// The estimate of memory is at least what the build takes, so that a scene that passes has room, and at most twice as
+/// much, so that a scene that has room passes.
+#[test]
+fn the_estimate_of_memory_is_one_to_two_times_what_the_build_takes() {
+    let meshes = [
+        "grid = { size = [1.0, 1.0], cells = [46, 46] }",
+        "grid = { size = [1.0, 1.0], cells = [46, 46], pattern = \"alternating\" }",
+        "tube = { radius = 0.3, height = 1.0, cells = [46, 46] }",
+        "disc = { radius = 0.3, rings = 23 }",
+    ];
+    let membrane = "stretch = { model = \"membrane\", stiffness = 100.0 }\nshear = { stiffness = 1.0 }";
+    let hinges = "bend = { model = \"hinge\", rigidity = 1e-5, damping = 0.1 }";
+    let springs = "stretch = { model = \"spring\", stiffness = 100.0 }";
+    let bend_springs = "bend = { model = \"spring\", stiffness = 1.0 }";
+    let wind = "drag = { wind = { velocity = [1.0, 0.0, 0.0], normal = 1.0 } }\n";
+    let materials = [
+        ("", String::new()),
+        ("", springs.into()),
+        ("", format!("{springs}\n{bend_springs}")),
+        ("", membrane.into()),
+        ("", hinges.into()),
+        ("", format!("{membrane}\n{hinges}")),
+        (wind, format!("{membrane}\n{hinges}")),
+    ];
+    let methods = [
+        "method = \"rk4\"",
+        "method = \"backward-euler\"\nstep = 0.01",
+        "method = \"backward-euler\"\nstep = 0.01\npreconditioner = \"block-jacobi\"",
+        "method = \"bdf2\"\nerror = 0.001\nnewton = 4",
+    ];
+    for mesh in meshes {
+        for (air, material) in &materials {
+            for method in methods {
+                for contact in ["", "contact = { thickness = 0.002 }\n"] {
+                    let text = format!(
+                        "name = \"sheet\"\nduration = 1.0\n{air}{contact}[integrator]\n{method}\n[[cloth]]\n{mesh}\n\
+                         density = 0.2\n{material}"
+                    );
+                    for (precision, [taken, estimate]) in [("f32", single::bytes(&text)), ("f64", double::bytes(&text))]
+                    {
+                        assert!(
+                            (1.0..=2.0).contains(&(estimate / taken)),
+                            "{precision}: estimated {estimate}, taken {taken} bytes: {text}"
+                        );
+                    }
+                }
+            }
+        }
     }
 }
 

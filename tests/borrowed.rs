@@ -103,6 +103,7 @@ both_precisions! {
                 motions: MOTIONS.to_vec(),
                 table: TABLE.to_vec(),
                 keys: KEYS.to_vec(),
+                ..PinColumns::default()
             },
             ..BuiltScene::default()
         };
@@ -222,7 +223,7 @@ both_precisions! {
                 has_contact: false,
                 dispatch: &Serial,
             };
-            let work = Work { integrator: &mut statistics, contact: &mut ContactStatistics::default(), searched: &mut 0 };
+            let work = Work { integrator: &mut statistics, contact: &mut ContactStatistics::default(), searched: &mut 0, done: None };
             let contact = None::<StepContact<'_, NoContact>>;
             let taken = block_on(step::take(&context, &mut particles, &mut scratch, contact, &mut history, work));
             assert_eq!(taken, Ok(None), "{} {}, step {n}", muslin::real::NAME, method.name());

@@ -8,6 +8,7 @@ use glam::DVec3;
 use harness::net::{Net, XYZ, linearised};
 use harness::oscillator::{spectral_radius, stable_limit, update};
 use harness::steps::Steps;
+use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::stability::{self, Mode};
 use muslin_core_f64::integrate::{Jacobian, Method};
 use muslin_core_f64::simulation::Simulation;
@@ -72,7 +73,7 @@ fn fastest_modes_leave_out_what_is_held() {
     let mut net = Net::chain(2, DVec3::X, mass, stiffness, damper);
     for (held, factor) in [(vec![], 2.0 / mass), (vec![(0, XYZ)], 1.0 / mass)] {
         net.held = held;
-        for mode in fastest_modes(&net.build(), 1e-12, 10_000) {
+        for mode in fastest_modes(&net.build(), 1e-12, 10_000, &Serial) {
             let near = |got: f64, want: f64| (got / want - 1.0).abs() < 1e-9;
             let right = near(mode.stiffness, factor * stiffness) && near(mode.damping, factor * damper);
             assert!(right, "{mode:?}, expected {factor} of {stiffness} N/m and {damper} N s/m");
@@ -88,7 +89,7 @@ fn the_most_damped_mode_limits_steps_too() {
     net.held = vec![(1, XYZ)];
     net.springs[1].1.stiffness = 1e-6;
     net.springs[1].1.damping = 500.0;
-    let modes = fastest_modes(&net.build(), 1e-12, 10_000);
+    let modes = fastest_modes(&net.build(), 1e-12, 10_000, &Serial);
     assert!((modes[0].stiffness - 100.0).abs() < 1e-9 && modes[0].damping == 0.0, "the stiff one: {:?}", modes[0]);
     assert!((modes[1].damping - 500.0).abs() < 1e-9, "the damped one: {:?}", modes[1]);
     let longest = stability::longest_step(&modes, Method::SymplecticEuler).expect("limited");
@@ -129,7 +130,7 @@ fn blows_up(method: Method, omega: f64, mode: &[DVec3], damping: f64, step: f64)
 #[test]
 fn critical_steps_are_those_of_theory() {
     let undamped = Net::lattice(SIDE, SPRINGS, 0.0).build();
-    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode(1e-12, 100_000);
+    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode(1e-12, 100_000, &Serial);
     let omega = lambda.sqrt();
     for method in EXPLICIT {
         for zeta in [0.0, 0.3, 0.5, 0.7] {
@@ -159,7 +160,7 @@ fn critical_steps_are_those_of_theory() {
 #[test]
 fn undamped_growth_is_exact() {
     let undamped = Net::lattice(SIDE, SPRINGS, 0.0).build();
-    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode(1e-12, 100_000);
+    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode(1e-12, 100_000, &Serial);
     let spans = [0.05, 0.5, 1.0];
     for (method, z) in [Method::ExplicitEuler, Method::Midpoint].into_iter().flat_map(|m| spans.map(|z| (m, z))) {
         let want = spectral_radius(update(method, z, 0.0)).powi(2);

@@ -167,6 +167,8 @@ pub struct Pairs<'a> {
     pub times: &'a mut [StoredTime],
 }
 
+#[cfg(feature = "alloc")]
+pub(crate) use owned::grow;
 /// The owned columns.
 #[cfg(feature = "alloc")]
 pub use owned::{ContactColumns, ContactScratchColumns};
@@ -242,6 +244,16 @@ mod owned {
         }
     }
 
+    /// Lengthens a column; false, and no change, if there is no memory.
+    pub(crate) fn grow<T: Clone>(column: &mut Vec<T>, length: usize, value: T) -> bool {
+        let more = length.saturating_sub(column.len());
+        let has_room = column.try_reserve_exact(more).is_ok();
+        if has_room {
+            column.resize(column.len() + more, value);
+        }
+        has_room
+    }
+
     /// Owned columns of one kind of candidates.
     #[derive(Clone, Debug, Default)]
     struct PairColumns {
@@ -251,10 +263,12 @@ mod owned {
     }
 
     impl PairColumns {
-        fn resize(&mut self, capacity: usize) {
-            self.candidates.resize(capacity, [0; 2]);
-            self.distances.resize(capacity, 0.0);
-            self.times.resize(capacity, TimeOfImpact::Never.into());
+        /// Makes room for so many; false if there is no memory.
+        fn grow(&mut self, capacity: usize) -> bool {
+            // The column that tells the capacity comes last.
+            grow(&mut self.candidates, capacity, [0; 2])
+                && grow(&mut self.times, capacity, TimeOfImpact::Never.into())
+                && grow(&mut self.distances, capacity, 0.0)
         }
 
         fn view(&mut self) -> Pairs<'_> {
@@ -322,30 +336,33 @@ mod owned {
             columns
         }
 
-        /// Makes room for at least so many candidates. Returns false if there was enough.
+        /// Makes room for at least so many candidates. Returns false if there was enough, or if there is no memory.
         pub fn grow_pairs(&mut self, counts: Counts) -> bool {
             let mut grown = false;
             for (pairs, needed) in
                 [(&mut self.vertex_triangle, counts.vertex_triangle), (&mut self.edge_edge, counts.edge_edge)]
             {
-                if needed > pairs.candidates.len() {
-                    pairs.resize(needed + needed / 4);
+                if needed > pairs.distances.len() {
+                    if !pairs.grow(needed + needed / 4) {
+                        return false;
+                    }
                     grown = true;
                 }
             }
             grown
         }
 
-        /// Makes room for more constraints.
+        /// Makes room for at least so many constraints; false if there is no memory.
         #[cfg_attr(small, optimize(size))]
-        pub fn grow_constraints(&mut self, needed: usize) {
-            if needed > self.constraints.len() {
-                self.constraints.resize(needed + needed / 4, Constraint::default());
-                self.order.resize(2 * self.constraints.len(), 0);
-                self.contacts.resize(self.constraints.len(), AugmentedContact::default());
-                self.lines.resize(self.constraints.len().div_ceil(4), ContactLines::default());
-                self.multipliers.resize(self.constraints.len(), Multiplier::default());
-            }
+        pub fn grow_constraints(&mut self, needed: usize) -> bool {
+            let length = needed + needed / 4;
+            // The column that tells the capacity comes last.
+            needed <= self.constraints.len()
+                || grow(&mut self.order, 2 * length, 0)
+                    && grow(&mut self.contacts, length, AugmentedContact::default())
+                    && grow(&mut self.lines, length.div_ceil(4), ContactLines::default())
+                    && grow(&mut self.multipliers, length, Multiplier::default())
+                    && grow(&mut self.constraints, length, Constraint::default())
         }
 
         /// The forces of contacts in the last step.
@@ -353,9 +370,8 @@ mod owned {
             &self.multipliers[..self.lengths.multipliers]
         }
 
-        /// Replaces them.
+        /// Replaces them. There must be [room](Self::grow_constraints) for as many constraints.
         pub fn set_multipliers(&mut self, multipliers: &[Multiplier]) {
-            self.grow_constraints(multipliers.len());
             self.multipliers[..multipliers.len()].copy_from_slice(multipliers);
             self.lengths.multipliers = multipliers.len();
         }
@@ -415,8 +431,7 @@ mod owned {
             Self::grow_pairs(self, needed)
         }
         fn grow_constraints(&mut self, needed: usize) -> bool {
-            Self::grow_constraints(self, needed);
-            true
+            Self::grow_constraints(self, needed)
         }
         fn grow_kept(&mut self) {
             self.kept.grow();

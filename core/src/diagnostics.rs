@@ -1,6 +1,8 @@
 //! Diagnostics of a state: energies, momentum, stretch, the first particle that is not finite, the
 //! force term that pulls it hardest, and a hash of the bits.
 
+use glam::DVec3;
+
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Energy, Model};
 use crate::real::{Real, Sum, Vec3, dot_sum, sqrt, to_f64};
@@ -21,6 +23,13 @@ pub fn momentum(masses: &[Real], v: &[Vec3]) -> [Sum; 3] {
         }
     }
     sum
+}
+
+/// Angular momentum about the origin of the positions, kg m^2/s.
+pub fn angular_momentum(masses: &[Real], x: &[Vec3], v: &[Vec3]) -> DVec3 {
+    let of_particle =
+        |((&m, &x), &v): ((&Real, &Vec3), &Vec3)| DVec3::from(to_f64(x)).cross(to_f64(v).into()) * Sum::from(m);
+    masses.iter().zip(x).zip(v).map(of_particle).sum()
 }
 
 /// Ratio of length to rest length over all edges.

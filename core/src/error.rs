@@ -105,6 +105,43 @@ impl fmt::Display for MeshError {
 
 impl core::error::Error for MeshError {}
 
+/// Reason why a selection of vertices is not usable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SelectError {
+    /// It selects no vertex.
+    Empty,
+    /// It gives no way to select, or more than one.
+    OneWay,
+    /// It names a corner, a ring or a vertex that does not exist.
+    OutOfRange { index: u32 },
+    /// It names a ring, but the cloth is not a disc.
+    NoDisc,
+    /// A total should be shared by length, but no edge joins two selected vertices.
+    NoEdge,
+    /// A number is not finite, a distance is negative, or a normal has no direction.
+    BadNumbers,
+}
+
+impl fmt::Display for SelectError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Empty => write!(f, "selects no vertex"),
+            Self::OneWay => {
+                write!(f, "give exactly one of corners, vertices, box, nearest, edge, ring, border, line or plane")
+            }
+            Self::OutOfRange { index } => write!(f, "there is no corner, ring or vertex {index}"),
+            Self::NoDisc => write!(f, "only a disc has rings; select by border, line or plane instead"),
+            Self::NoEdge => write!(f, "share = \"length\" needs edges between the selected vertices"),
+            Self::BadNumbers => {
+                write!(
+                    f,
+                    "the numbers of select must be finite, within must not be negative, and a normal needs a direction"
+                )
+            }
+        }
+    }
+}
+
 /// Reason why a scene cannot be built. Indices of cloths, pins, seams and colliders count from 0 in the
 /// order of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,16 +171,18 @@ pub enum SceneError {
     TooFewCells { key: &'static str, least: u32 },
     /// The scene would have more vertices than indices can address.
     TooLarge { vertices: u64 },
+    /// There is not enough memory for the scene; `bytes` is an estimate.
+    Memory { vertices: u64, bytes: u64 },
     /// A key is given that the chosen model does not have.
     KeyNotForModel { key: &'static str, model: &'static str },
     /// A key is missing that the chosen model needs.
     KeyNeeded { key: &'static str, model: &'static str },
-    /// A pin selects no vertex.
-    EmptyPin { cloth: u32, pin: u32 },
-    /// A pin gives no selection, or more than one.
-    OneSelection { cloth: u32, pin: u32 },
-    /// A pin names a corner or a vertex that does not exist.
-    PinOutOfRange { cloth: u32, pin: u32, index: u32 },
+    /// The selection of a part of a cloth, such as a pin, is not usable.
+    Selection { cloth: u32, part: &'static str, number: u32, error: SelectError },
+    /// A mass gives neither a total nor a density, or both.
+    OneMass { cloth: u32, number: u32 },
+    /// The axis of a cloth's rotation has no direction.
+    SpinAxis { cloth: u32 },
     /// The axes of a pin are not a combination of x, y and z.
     PinAxes { cloth: u32, pin: u32 },
     /// The times of a pin's keys do not increase, or a number in the keys is not finite.
@@ -219,17 +258,23 @@ impl fmt::Display for SceneError {
             Self::TooLarge { vertices } => {
                 write!(f, "the scene would have {vertices} vertices; at most 2^28 are possible")
             }
+            Self::Memory { vertices, bytes } => {
+                write!(
+                    f,
+                    "the scene has {vertices} vertices and needs about {} MB of memory, more than there is; take a coarser \
+                     mesh",
+                    bytes.div_ceil(1_000_000)
+                )
+            }
             Self::KeyNotForModel { key, model } => {
                 write!(f, "{key} has no meaning with model = \"{model}\"; remove it")
             }
             Self::KeyNeeded { key, model } => write!(f, "{key} is needed with model = \"{model}\""),
-            Self::EmptyPin { cloth, pin } => write!(f, "cloth {cloth}, pin {pin}: selects no vertex"),
-            Self::OneSelection { cloth, pin } => {
-                write!(f, "cloth {cloth}, pin {pin}: give exactly one of corners, vertices, box, nearest or edge")
+            Self::Selection { cloth, part, number, error } => write!(f, "cloth {cloth}, {part} {number}: {error}"),
+            Self::OneMass { cloth, number } => {
+                write!(f, "cloth {cloth}, mass {number}: give exactly one of mass and density")
             }
-            Self::PinOutOfRange { cloth, pin, index } => {
-                write!(f, "cloth {cloth}, pin {pin}: there is no corner or vertex {index}")
-            }
+            Self::SpinAxis { cloth } => write!(f, "cloth {cloth}: spin needs an axis with a direction"),
             Self::PinAxes { cloth, pin } => {
                 write!(f, "cloth {cloth}, pin {pin}: axes must be a combination of x, y and z, such as \"xz\"")
             }

@@ -22,7 +22,8 @@
 //!    motion.
 //! 10. [`step`]: the only module that knows the order; it works in [`scratch`] columns sized once. [`refusal`]: why a
 //!     step fails.
-//! 11. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash;
+//! 11. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash; [`work_done`]: work of pins,
+//!     colliders and wind; [`reactions`]: their impulses;
 //!     [`audit`]: an exact test for intersections; [`untangle`]: removes the intersections of a start
 //!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods.
 //! 12. [`simulation`]: all of it owned, for hosts that allocate.
@@ -107,12 +108,14 @@ pub mod detection;
 pub mod implicit_contact;
 pub mod response;
 
+pub mod reactions;
 pub mod refusal;
 pub mod step;
 
 pub mod scratch;
 
 pub mod diagnostics;
+pub mod work_done;
 
 pub mod audit;
 

@@ -18,7 +18,7 @@ pub enum JumpSide {
 impl JumpSide {
     /// Whether a change at time `change` lies in the past of `time`. Times are multiples of a rounded step,
     /// so times that differ by less than the rounding count as equal.
-    fn has_passed(self, change: Sum, time: Sum) -> bool {
+    pub(crate) fn has_passed(self, change: Sum, time: Sum) -> bool {
         let rounding = Sum::from(Real::EPSILON) * time.abs();
         match self {
             Self::Before => change < time - rounding,
@@ -67,6 +67,16 @@ impl Motion {
         let [first, count] = self.keys;
         let (offset, slope) = offset(&keys[first as usize..(first + count) as usize], time, side);
         (turned + offset, vec3((spin + slope).into()))
+    }
+}
+
+impl Motion {
+    /// The point that the motion brings to `place` at `time`.
+    pub fn undo(&self, keys: &[Key], place: DVec3, time: Sum) -> DVec3 {
+        let [first, count] = self.keys;
+        let (offset, _) = offset(&keys[first as usize..(first + count) as usize], time, JumpSide::After);
+        let back = self.turn.map(|turn| Turn { rate: -turn.rate, ..turn });
+        back.map_or(place - offset, |back| turned(&back, place - offset, time, JumpSide::After).0)
     }
 }
 

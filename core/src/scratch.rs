@@ -22,9 +22,9 @@ pub struct Scratch<'a> {
     /// Change of the velocities in the step, inside implicit methods in a stage, m/s.
     pub velocity_changes: &'a mut [Vec3],
 
-    /// RK4 and implicit methods: positions inside the step, m.
+    /// RK4, implicit methods, and where [work](crate::work_done) is measured: positions inside the step, m.
     pub stage_positions: &'a mut [Vec3],
-    /// RK4: velocities inside the step, m/s.
+    /// RK4, and where work is measured: velocities inside the step, m/s.
     pub stage_velocities: &'a mut [Vec3],
 
     /// BDF2, and implicit midpoint with a largest error: change of the positions in the last step, m.
@@ -150,7 +150,7 @@ mod owned {
             let column = |used: bool| vec![Vec3::ZERO; if used { vertices } else { 0 }];
             let implicit = scheme.method.is_implicit();
             let searches = implicit && scheme.newton > 1;
-            let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
+            let bdf2 = scheme.method == Method::Bdf2;
             let history = bdf2 || (scheme.method == Method::ImplicitMidpoint && scheme.error.is_some());
             let pattern = if implicit { SparsityPattern::build(vertices, model) } else { SparsityPattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
@@ -166,8 +166,8 @@ mod owned {
                 next_velocities: column(true),
                 displacements: column(true),
                 velocity_changes: column(true),
-                stage_positions: column(rk4 || implicit),
-                stage_velocities: column(rk4),
+                stage_positions: column(true),
+                stage_velocities: column(true),
                 previous_displacements: column(history),
                 previous_velocity_changes: column(history),
                 base_positions: column(bdf2),

@@ -3,7 +3,7 @@
 
 use alloc::vec::Vec;
 
-use crate::dispatch::Serial;
+use crate::dispatch::{Dispatch, Serial};
 use crate::forces::matrix::multiply;
 use crate::forces::{TangentScale, write_tangents};
 use crate::integrate::stability::Mode;
@@ -51,9 +51,9 @@ impl<'a> Tangent<'a> {
 
     /// The largest eigenvalue of `M^-1 S` without the fixed axes, and its unit eigenvector, by power
     /// iteration. Stops when the quotient changes by at most `tolerance` of itself in 100 consecutive
-    /// iterations, or after `most` iterations. A quotient that is not yet steady is less than the
-    /// eigenvalue. If S is zero, the eigenvalue is 0.
-    pub fn fastest_mode(&mut self, tolerance: Sum, most: u32) -> (Sum, Vec<Vec3>) {
+    /// iterations, after `most` iterations, or when the dispatch [stops](Dispatch::stopped). A quotient that is not
+    /// yet steady is less than the eigenvalue. If S is zero, the eigenvalue is 0.
+    pub fn fastest_mode(&mut self, tolerance: Sum, most: u32, dispatch: &impl Dispatch) -> (Sum, Vec<Vec3>) {
         let inverse_masses = &self.scene.particles.inverse_masses;
         let pins = self.scene.pins.view();
         let mut p: Vec<_> = (0..inverse_masses.len() as u32).map(scattered).collect();
@@ -73,7 +73,7 @@ impl<'a> Tangent<'a> {
                 return (0.0, p);
             }
             p.iter_mut().zip(&product).for_each(|(p, &q)| *p = q / length as Real);
-            if steady >= STEADY {
+            if steady >= STEADY || dispatch.stopped() {
                 break;
             }
         }
@@ -93,12 +93,13 @@ fn scattered(index: u32) -> Vec3 {
 }
 
 /// The mode with the largest stiffness and the mode with the largest damping, at the positions of a
-/// scene's particles, with at most `most` iterations each. Without damping the first is returned twice.
-pub fn fastest_modes(scene: &BuiltScene, tolerance: Sum, most: u32) -> [Mode; 2] {
+/// scene's particles, with at most `most` iterations each. Without damping the first is returned twice. If the dispatch
+/// [stops](Dispatch::stopped), the modes are too slow.
+pub fn fastest_modes(scene: &BuiltScene, tolerance: Sum, most: u32, dispatch: &impl Dispatch) -> [Mode; 2] {
     let mut stiff = Tangent::of(scene, 1.0, 0.0, Jacobian::Projected);
     let mut damped = Tangent::of(scene, 0.0, 1.0, Jacobian::Projected);
-    let (stiffness, p) = stiff.fastest_mode(tolerance, most);
-    let (most_damping, q) = damped.fastest_mode(tolerance, most);
+    let (stiffness, p) = stiff.fastest_mode(tolerance, most, dispatch);
+    let (most_damping, q) = damped.fastest_mode(tolerance, most, dispatch);
     let mut product = p.clone();
     let damping = damped.quotient(&p, &mut product);
     let first = Mode { stiffness, damping: damping.max(0.0) };

@@ -26,6 +26,7 @@ use crate::refusal::{Cause, Obstacle};
 use crate::response::{self, ContactStatistics, Outcome, Settings};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
+use crate::work_done::{self, Ledger};
 
 /// How often the boxes around the motion are widened before the step fails.
 const MOST_WIDENINGS: u32 = 6;
@@ -58,6 +59,8 @@ pub struct Work<'a> {
     pub contact: &'a mut ContactStatistics,
     /// Candidates found in this step, over all its attempts. Zero before the first one.
     pub searched: &'a mut u64,
+    /// Work done on the cloth, and reactions; `None`: they are not measured.
+    pub done: Option<Ledger<'a>>,
 }
 
 /// How the state came about from which a step starts.
@@ -122,8 +125,12 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
         // The response decides by comparisons, which do not detect NaN.
         test_finite(scratch)?;
     }
+    let contact_model = contact.as_ref().map(|contact| contact.model);
     let mut columns = contact.as_mut().map(|contact| contact.columns.columns());
     let error = test_error(input, particles, corrected, columns.as_ref(), scratch, work.integrator)?;
+    if let Some(ledger) = work.done {
+        work_done::in_step(input, particles, contact_model.zip(columns.as_ref()), ledger, scratch);
+    }
     if let Some(columns) = &mut columns {
         keep_forces(input.step, columns);
     }

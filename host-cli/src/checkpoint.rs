@@ -1,8 +1,8 @@
 //! Checkpoints: the saved state of a run, which a later run continues bit for bit.
 //!
-//! Little-endian layout: magic, version, precision, CRC of the scene, steps, whether contact changed the state, halvings of
+//! Little-endian layout: magic, format, version of muslin after its length, precision, CRC of the scene, steps, whether contact changed the state, halvings of
 //! the substeps, length of the last one, hash chain, counters of work, counters of contact, record of the run, each column
-//! after its length, and the CRC of all bytes before. The file is written completely or not at all.
+//! after its length, the impulses of the last frame likewise, and the CRC of all bytes before. The file is written completely or not at all.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,11 +13,15 @@ use crate::args::Precision;
 use crate::engine::{Engine, Snapshot};
 use crate::export::whole::{self, WriteError};
 use crate::failure::Failure;
+use crate::limits;
 use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const VERSION: u32 = 8;
+const FORMAT: u32 = 9;
+
+/// The version of muslin: another one may take other steps.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The contents of a checkpoint.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,15 +36,19 @@ pub struct Checkpoint {
     pub record: Record,
     /// The state.
     pub snapshot: Snapshot,
+    /// [`Engine::impulses`] since the last frame.
+    pub impulses: Vec<[f64; 6]>,
 }
 
 /// The state, besides the engine, that a resumed run continues from.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Resumed {
     /// The hash chain up to the checkpoint.
     pub chain: u64,
     /// Observations of the run up to the checkpoint.
     pub record: Record,
+    /// [`Engine::impulses`] since the last frame.
+    pub impulses: Vec<[f64; 6]>,
 }
 
 /// Why a checkpoint cannot be resumed.
@@ -52,13 +60,20 @@ pub enum CheckpointError {
     /// Not a checkpoint.
     #[error("this is not a checkpoint of muslin")]
     Foreign,
-    /// Written by another version.
-    #[error(
-        "this checkpoint has format {found}, this version of muslin reads format {VERSION}; run the scene from its start"
-    )]
-    Version {
+    /// Written by a version of muslin with another format.
+    #[error("this checkpoint has format {found}, muslin {VERSION} reads format {FORMAT}; run the scene from its start")]
+    Format {
         /// Format of the file.
         found: u32,
+    },
+    /// Written by another version of muslin.
+    #[error(
+        "this checkpoint is of muslin {found}, this is muslin {VERSION}, whose steps may differ; run the scene from \
+         its start, or resume with muslin {found}"
+    )]
+    Version {
+        /// Version of muslin that wrote the file.
+        found: String,
     },
     /// Truncated or altered.
     #[error("this checkpoint is damaged (its checksum is wrong); use an older one or run the scene from its start")]
@@ -67,18 +82,13 @@ pub enum CheckpointError {
 
 /// Writes a checkpoint atomically.
 pub fn write(path: &Path, checkpoint: &Checkpoint) -> Result<(), WriteError> {
-    let bytes = encode(checkpoint);
-    let written = whole::write(path.into(), |file| {
-        file.write_all(&bytes)?;
-        file.flush()?;
-        file.get_ref().sync_all()
-    });
-    written.map(|_| ())
+    let bytes = encode(checkpoint, VERSION);
+    whole::write(path.into(), |file| file.write_all(&bytes)).map(drop)
 }
 
 /// Reads a checkpoint back.
 fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
-    decode(&std::fs::read(path)?)
+    decode(&limits::read(path, limits::DATA)?)
 }
 
 /// Restores the engine of a run of `total` steps from a checkpoint; returns the rest of the saved state. All
@@ -102,7 +112,12 @@ pub fn resume(
     if steps > total {
         return Err(failed(format!("is at step {steps}, the run ends with step {total}; give a longer --duration")));
     }
-    Ok(Resumed { chain: found.chain, record: found.record })
+    Ok(Resumed { chain: found.chain, record: found.record, impulses: found.impulses })
+}
+
+/// The identity of a run: two runs with the same one have the same frames.
+pub fn identity(scene_crc: u32, precision: Precision) -> String {
+    format!("muslin {VERSION} scene {scene_crc:08x} {}", precision.name())
 }
 
 /// CRC that identifies a scene: its keys except the duration, and the contents of the files that it names.
@@ -133,10 +148,12 @@ pub fn scene_crc(scene: &SceneFile) -> u32 {
     crc.finalize()
 }
 
-fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
-    let Checkpoint { precision, scene, chain, record, snapshot } = checkpoint;
+fn encode(checkpoint: &Checkpoint, version: &str) -> Vec<u8> {
+    let Checkpoint { precision, scene, chain, record, snapshot, impulses } = checkpoint;
     let mut bytes = MAGIC.to_vec();
-    for word in [VERSION, *precision as u32, *scene] {
+    bytes.extend(FORMAT.to_le_bytes());
+    push(&mut bytes, version.as_bytes());
+    for word in [*precision as u32, *scene] {
         bytes.extend(word.to_le_bytes());
     }
     let Snapshot { steps, after_contact, halvings, last_step, .. } = *snapshot;
@@ -145,22 +162,33 @@ fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
         bytes.extend(word.to_le_bytes());
     }
     for column in &snapshot.columns {
-        bytes.extend((column.len() as u64).to_le_bytes());
-        bytes.extend(column);
+        push(&mut bytes, column);
     }
+    let impulses: Vec<_> = impulses.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+    push(&mut bytes, &impulses);
     bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
     bytes
 }
 
+/// Appends bytes after their number.
+fn push(bytes: &mut Vec<u8>, more: &[u8]) {
+    bytes.extend((more.len() as u64).to_le_bytes());
+    bytes.extend(more);
+}
+
 fn decode(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
     let mut rest = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::Foreign)?;
-    let version = take(&mut rest).map(u32::from_le_bytes).ok_or(CheckpointError::Damaged)?;
-    if version != VERSION {
-        return Err(CheckpointError::Version { found: version });
+    let format = take(&mut rest).map(u32::from_le_bytes).ok_or(CheckpointError::Damaged)?;
+    if format != FORMAT {
+        return Err(CheckpointError::Format { found: format });
     }
     let (body, crc) = bytes.split_last_chunk().ok_or(CheckpointError::Damaged)?;
     if crc32fast::hash(body) != u32::from_le_bytes(*crc) {
         return Err(CheckpointError::Damaged);
+    }
+    let version = take_bytes(&mut rest).ok_or(CheckpointError::Damaged)?;
+    if version != VERSION.as_bytes() {
+        return Err(CheckpointError::Version { found: String::from_utf8_lossy(version).into() });
     }
     fields(rest).ok_or(CheckpointError::Damaged)
 }
@@ -181,12 +209,19 @@ fn fields(mut rest: &[u8]) -> Option<Checkpoint> {
         *counter = word()?;
     }
     for column in &mut snapshot.columns {
-        let length = usize::try_from(u64::from_le_bytes(take(&mut rest)?)).ok()?;
-        let (bytes, after) = rest.split_at_checked(length)?;
-        *column = bytes.into();
-        rest = after;
+        *column = take_bytes(&mut rest)?.into();
     }
-    Some(Checkpoint { precision, scene, chain, record: Record::decode(record), snapshot })
+    let scalars: Vec<_> = take_bytes(&mut rest)?.as_chunks().0.iter().map(|&bytes| f64::from_le_bytes(bytes)).collect();
+    let impulses = scalars.as_chunks().0.into();
+    Some(Checkpoint { precision, scene, chain, record: Record::decode(record), snapshot, impulses })
+}
+
+/// Takes bytes that stand after their number.
+fn take_bytes<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
+    let length = usize::try_from(u64::from_le_bytes(take(rest)?)).ok()?;
+    let (bytes, after) = rest.split_at_checked(length)?;
+    *rest = after;
+    Some(bytes)
 }
 
 fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
@@ -198,10 +233,12 @@ fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::Start;
+    use crate::record::{Measured, Start};
+    use crate::run::balance::Balance;
 
     fn example() -> Checkpoint {
-        let columns = [vec![1, 2, 3, 4], vec![5; 24], vec![6; 4], vec![8; 4], vec![], vec![9; 12], vec![7; 28]];
+        let columns =
+            [vec![1, 2, 3, 4], vec![5; 24], vec![6; 4], vec![8; 4], vec![], vec![9; 12], vec![7; 28], vec![3; 12]];
         let (work, contacts) = ([1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 2], [8, 9, 1, 2, 3, 4, 5]);
         let snapshot =
             Snapshot { steps: 77, work, contacts, columns, after_contact: true, halvings: 3, last_step: 0.125 };
@@ -211,20 +248,32 @@ mod tests {
             size: [1.0, 0.5, 2.0],
             stretch: 1.25,
             first_stretch: 1.125,
+            balance: Balance::default(),
+            measured: Some(Measured { start: 4.5, work: [-0.5, -0.25] }),
+            rounding: 1e-6,
+            fastest: 0.25,
             penetration: Some(1e-3),
+            audited: 18,
             crossings: Some((4, 17)),
         };
-        Checkpoint { precision: Precision::F64, scene: 0xdead_beef, chain: 42, record, snapshot }
+        let impulses = vec![[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [0.5; 6]];
+        Checkpoint { precision: Precision::F64, scene: 0xdead_beef, chain: 42, record, snapshot, impulses }
     }
 
     #[test]
     fn a_checkpoint_reads_back_as_written() {
-        assert_eq!(decode(&encode(&example())).unwrap(), example());
+        assert_eq!(decode(&encode(&example(), VERSION)).unwrap(), example());
+    }
+
+    #[test]
+    fn a_checkpoint_of_another_version_names_both() {
+        let message = decode(&encode(&example(), "0.0.9")).unwrap_err().to_string();
+        assert!(message.contains("muslin 0.0.9") && message.contains(&format!("muslin {VERSION}")), "{message}");
     }
 
     #[test]
     fn every_truncation_and_every_flipped_bit_is_an_error() {
-        let good = encode(&example());
+        let good = encode(&example(), VERSION);
         for length in 0..good.len() {
             assert!(decode(&good[..length]).is_err(), "truncated to {length} bytes it was read");
         }

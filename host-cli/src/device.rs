@@ -9,6 +9,7 @@ use muslin_gpu::{DetectionError, Gpu, step};
 use serde::Serialize;
 
 use crate::failure::{Failure, print_note};
+use crate::warning::Warning;
 
 /// Advice for a machine without a graphics device.
 pub const INSTALL: &str = "install the driver of your graphics card, or a software one (Debian and Ubuntu: apt-get \
@@ -54,13 +55,27 @@ pub struct StepDetector {
     name: Mutex<String>,
     /// `None` during a detection, and after an error that ended the use of the device.
     own: Mutex<Option<step::StepDetector>>,
+    warnings: Mutex<Vec<Warning>>,
 }
 
 impl StepDetector {
     /// Opens the fastest adapter.
     pub fn open() -> Result<Self, Failure> {
         let gpu = open()?;
-        Ok(Self { name: Mutex::new(gpu.name.clone()), own: Mutex::new(Some(step::StepDetector::new(gpu))) })
+        let name = Mutex::new(gpu.name.clone());
+        Ok(Self { name, own: Mutex::new(Some(step::StepDetector::new(gpu))), warnings: Mutex::default() })
+    }
+
+    /// Prints a warning at once, and keeps it for the summary.
+    fn warn(&self, text: String) {
+        let warning = Warning::new("gpu", text);
+        print_note(&format!("warning: {}", warning.text));
+        held(&self.warnings).push(warning);
+    }
+
+    /// The warnings so far.
+    pub fn warnings(&self) -> Vec<Warning> {
+        held(&self.warnings).clone()
     }
 
     /// Name of the adapter that was used last.
@@ -85,7 +100,7 @@ impl StepDetector {
         let found = own.detect(model, contact).await;
         if let Some(why) = own.take_loss() {
             held(&self.name).clone_from(&own.gpu().name);
-            print_note(&format!("warning: --backend gpu: {why}; opened it again"));
+            self.warn(format!("--backend gpu: {why}; opened it again"));
         }
         match found {
             Ok(counts) => {
@@ -94,12 +109,12 @@ impl StepDetector {
             }
             // The device stays in use: a later step may have fewer candidates, which fit.
             Err(why @ DetectionError::TooLarge(_)) => {
-                print_note(&format!("warning: --backend gpu: {why}; the processor finds the candidates of this step"));
+                self.warn(format!("--backend gpu: {why}; the processor finds the candidates of this step"));
                 *self.own() = Some(own);
                 None
             }
             Err(why) => {
-                print_note(&format!("warning: --backend gpu: {why}; the processor finds all further candidates"));
+                self.warn(format!("--backend gpu: {why}; the processor finds all further candidates"));
                 None
             }
         }

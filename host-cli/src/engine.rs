@@ -3,10 +3,10 @@
 
 use muslin_core::integrate::stability::Mode;
 use muslin_core::scene::Timing;
+use serde::{Deserialize, Serialize};
 
 use crate::args::Precision;
 use crate::limits;
-use crate::pool::Pool;
 use crate::preview::Solid;
 use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
@@ -46,7 +46,7 @@ pub fn flown_apart(stretch: f64, first: f64) -> Option<String> {
 }
 
 /// Numbers about the state and the work, in double precision.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Report {
     /// Steps taken.
     pub steps: u64,
@@ -99,14 +99,26 @@ pub struct Snapshot {
     pub work: [u64; 11],
     /// Counters of contact, in the order of the core's `ContactStatistics`.
     pub contacts: [u64; 7],
-    /// Positions and velocities, what rounding left of them, for BDF2 their changes in the last step, and the forces of contacts.
-    pub columns: [Vec<u8>; 7],
+    /// Positions and velocities, what rounding left of them, for BDF2 their changes in the last step, the forces of contacts, and
+    /// the positions of pins that begin or end at a time.
+    pub columns: [Vec<u8>; 8],
     /// Whether contact changed the state in the last step.
     pub after_contact: bool,
     /// How often the substeps are halved.
     pub halvings: u32,
     /// Length of the last step or substep, s; 0 if the next one does not continue it.
     pub last_step: f64,
+}
+
+/// The vertices of a `[[cloth.pin]]`.
+#[derive(Clone, Copy, Debug)]
+pub struct PinGroup {
+    /// Index of the cloth.
+    pub cloth: u32,
+    /// Number of the group in its cloth.
+    pub number: u32,
+    /// Position of its first vertex before any motion, from the origin of the engine, m.
+    pub anchor: [f64; 3],
 }
 
 /// Result of untangling a start state.
@@ -128,9 +140,7 @@ pub struct Untangled {
 pub trait Engine: Send {
     /// Takes one step; on divergence the state stays as it was.
     fn step(&mut self, stopwatch: &Stopwatch<'_>) -> Result<(), Halt>;
-    /// Positions in single precision, as exporters need them, m.
-    fn write_positions(&self, out: &mut Vec<[f32; 3]>);
-    /// Positions in double precision, m.
+    /// Positions in the world, m.
     fn write_state(&self, out: &mut Vec<[f64; 3]>);
     /// Mass of each vertex, kg.
     fn masses(&self) -> Vec<f64>;
@@ -140,6 +150,26 @@ pub trait Engine: Send {
     fn pins(&self) -> &[u32];
     /// Counts from which costs are computed, up to now.
     fn counted(&self) -> Counted;
+    /// Measures the work done on the cloth from now on; `from` is that up to now, as of [`work_done`](Self::work_done).
+    fn measure_work(&mut self, from: [f64; 6]);
+    /// The work done on the cloth since the start, J: by pins, colliders and wind, by contacts and damping, which are measured
+    /// with the reactions, and the amounts of pins, colliders and wind in all steps together.
+    fn work_done(&self) -> [f64; 6];
+    /// Measures the reactions too.
+    fn measure_reactions(&mut self);
+    /// Impulses on the cloth since they were set, N s, and their moments about the [`origin`](Self::origin), N m s: of each
+    /// group of pins, then of each collider. Empty if they are not measured.
+    fn impulses(&self) -> Vec<[f64; 6]>;
+    /// Sets the impulses; zero beyond the given ones.
+    fn set_impulses(&mut self, impulses: &[[f64; 6]]);
+    /// Each group of pins.
+    fn pin_groups(&self) -> Vec<PinGroup>;
+    /// The point in the world from which the columns measure positions, m.
+    fn origin(&self) -> [f64; 3];
+    /// Angular momentum about the world's origin, kg m^2/s.
+    fn angular_momentum(&self) -> [f64; 3];
+    /// Largest rounding of a position, relative to the mean length of an edge.
+    fn rounding(&self) -> f64;
     /// Numbers about the state and the work.
     fn report(&self) -> Report;
     /// Steps and substeps committed since the start.
@@ -148,6 +178,8 @@ pub trait Engine: Send {
     fn estimated_error(&self) -> Option<f64>;
     /// The largest ratio of edge length to rest length.
     fn largest_stretch(&self) -> f64;
+    /// Speed of the fastest vertex, m/s.
+    fn fastest(&self) -> f64;
     /// Whether the integration method is implicit.
     fn is_implicit(&self) -> bool;
     /// Total mass, kg.
@@ -159,19 +191,19 @@ pub trait Engine: Send {
     /// Mean rest length of the edges of each cloth, m.
     fn mean_edges(&self) -> Vec<f64>;
     /// The stiffest and the most damped mode of the current state, by power iteration. The iteration ends at the
-    /// relative change `tolerance`, or after `most` iterations.
-    fn fastest_modes(&self, tolerance: f64, most: u32) -> [Mode; 2];
+    /// relative change `tolerance`, or after `most` iterations. If the stopwatch stops it, the modes are too slow.
+    fn fastest_modes(&self, tolerance: f64, most: u32, stopwatch: &Stopwatch<'_>) -> [Mode; 2];
     /// Adds the state to a hash chain and returns the chain.
     fn chain(&self, chain: Option<u64>) -> u64;
-    /// Number of crossings, by the exact test.
-    fn crossings(&self, pool: &Pool) -> usize;
-    /// Untangles the state; `None` in a scene without contact.
+    /// Number of crossings, by the exact test. It is too small if the stopwatch stops it.
+    fn crossings(&self, stopwatch: &Stopwatch<'_>) -> usize;
+    /// Untangles the state; `None` in a scene without contact. If the stopwatch stops it, the counts say nothing.
     fn untangle(&mut self, stopwatch: &Stopwatch<'_>) -> Option<Untangled>;
     /// The largest depth of a vertex inside a collider, m; `None` without colliders.
     fn penetration(&self) -> Option<f64>;
     /// The colliders, for drawing.
     fn solids(&self) -> Vec<Solid>;
-    /// Current positions of the colliders' vertices, m.
+    /// Current positions of the colliders' vertices from the [`origin`](Self::origin), m.
     fn write_solids(&self, out: &mut Vec<[f32; 3]>);
     /// The state that a checkpoint stores.
     fn snapshot(&self) -> Snapshot;
@@ -187,8 +219,8 @@ pub fn build(scene: &SceneFile, precision: Precision) -> Result<(Box<dyn Engine>
         Precision::F64 => Box::new(double::build(scene)?),
     };
     let mut positions = Vec::new();
-    engine.write_positions(&mut positions);
-    if positions.as_flattened().iter().any(|x| !x.is_finite()) {
+    engine.write_state(&mut positions);
+    if positions.as_flattened().iter().any(|&x| !(x as f32).is_finite()) {
         return Err("a start position is beyond single precision; check cloth.position, scale and size".into());
     }
     Ok((engine, scene.desc.timing()))
@@ -203,20 +235,29 @@ macro_rules! engine {
             use $core::implicit_contact::multiplier::Multiplier;
             use $core::integrate::IntegratorStatistics;
             use $core::mesh::{Stitch, TriMesh};
-            use $core::real::{Real, Vec3};
+            use $core::reactions::{self, Impulse};
+            use $core::real::{Real, Vec3, to_f64};
             use $core::response::ContactStatistics;
-            use $core::scene::{Content, PointCache, SceneDesc};
+            use $core::scene::{Content, PointCache, SceneDesc, memory};
             use $core::simulation::{Cause, Simulation, State};
             use $core::spectrum;
+            use $core::work_done::WorkDone;
+
+            use std::iter::repeat;
 
             use super::{
-                Counted, Divergence, Engine, Halt, Mode, Pool, Report, SceneFile, Snapshot, Solid, Stopwatch, Untangled,
+                Counted, Divergence, Engine, Halt, Mode, PinGroup, Report, SceneFile, Snapshot, Solid, Stopwatch,
+                Untangled, limits,
             };
 
             pub fn build(scene: &SceneFile) -> Result<Simulation, String> {
                 let desc: SceneDesc = toml::from_str(&scene.text).map_err(|error| error.to_string())?;
                 let resources: Vec<_> =
                     scene.resources.iter().map(|(name, file)| (name.clone(), content(file))).collect();
+                let needed = memory(&desc, &resources).map_err(|error| error.to_string())?;
+                if !limits::has_memory(needed.bytes) {
+                    return Err(SceneError::from(needed).to_string());
+                }
                 Simulation::new(&desc, &resources).map_err(|error| explain(&desc, error))
             }
 
@@ -315,8 +356,10 @@ macro_rules! engine {
                                 "leave the cloth room between the surfaces that close in on it, slow them down, or \
                                  take a smaller integrator.step"
                             }
-                            // The columns of `Simulation` grow.
-                            Cause::Short { .. } => "report this as a fault of Muslin, with the scene",
+                            // The columns of `Simulation` grow as long as there is memory.
+                            Cause::Short { .. } => {
+                                "there is no memory for so many; take a coarser mesh or a smaller contact.thickness"
+                            }
                             // The shortest substeps are committed whatever their error.
                             Cause::Inaccurate => "report this as a fault of Muslin, with the scene",
                             Cause::Stopped => return Halt::Stopped,
@@ -326,9 +369,54 @@ macro_rules! engine {
                     })
                 }
 
-                fn write_positions(&self, out: &mut Vec<[f32; 3]>) {
-                    out.clear();
-                    out.extend(self.places_in_world().map(|x| x.map(|x| x as f32)));
+                fn measure_work(&mut self, [pins, colliders, wind, contacts, damping, exchanged]: [f64; 6]) {
+                    Simulation::measure_work(self, WorkDone { pins, colliders, wind, contacts, damping, exchanged });
+                }
+
+                fn work_done(&self) -> [f64; 6] {
+                    let WorkDone { pins, colliders, wind, contacts, damping, exchanged } = Simulation::work_done(self);
+                    [pins, colliders, wind, contacts, damping, exchanged]
+                }
+
+                fn measure_reactions(&mut self) {
+                    Simulation::measure_reactions(self);
+                }
+
+                fn impulses(&self) -> Vec<[f64; 6]> {
+                    let columns = self.reactions().into_iter();
+                    let sums = columns.flat_map(|columns| columns.pins.iter().chain(&columns.colliders));
+                    let words = |Impulse { linear: l, angular: a }: &Impulse| [l.x, l.y, l.z, a.x, a.y, a.z];
+                    sums.map(words).collect()
+                }
+
+                fn set_impulses(&mut self, impulses: &[[f64; 6]]) {
+                    let columns = self.reactions_mut().into_iter();
+                    let sums = columns.flat_map(|columns| columns.pins.iter_mut().chain(&mut columns.colliders));
+                    for (sum, [x, y, z, angular @ ..]) in sums.zip(impulses.iter().copied().chain(repeat([0.0; 6]))) {
+                        *sum = Impulse { linear: [x, y, z].into(), angular: angular.into() };
+                    }
+                }
+
+                fn pin_groups(&self) -> Vec<PinGroup> {
+                    let anchors = &self.scene().pins.anchors;
+                    let group = |group: &reactions::PinGroup| {
+                        let anchor = anchors.get(group.pins.start).map_or([0.0; 3], |&anchor| to_f64(anchor));
+                        PinGroup { cloth: group.cloth, number: group.number, anchor }
+                    };
+                    self.scene().pin_groups.iter().map(group).collect()
+                }
+
+                fn origin(&self) -> [f64; 3] {
+                    Simulation::origin(self)
+                }
+
+                fn angular_momentum(&self) -> [f64; 3] {
+                    Simulation::angular_momentum(self)
+                }
+
+                fn rounding(&self) -> f64 {
+                    let farthest = self.positions().iter().map(|x| x.abs().max_element()).fold(0.0, Real::max);
+                    f64::from(farthest * Real::EPSILON) / self.mean_edge()
                 }
 
                 fn write_state(&self, out: &mut Vec<[f64; 3]>) {
@@ -393,6 +481,11 @@ macro_rules! engine {
                     self.stretch().max
                 }
 
+                fn fastest(&self) -> f64 {
+                    let squares = self.velocities().iter().map(|v| f64::from(v.length_squared()));
+                    squares.fold(0.0, f64::max).sqrt()
+                }
+
                 fn is_implicit(&self) -> bool {
                     self.scheme().method.is_implicit()
                 }
@@ -414,8 +507,8 @@ macro_rules! engine {
                     own.collect()
                 }
 
-                fn fastest_modes(&self, tolerance: f64, most: u32) -> [Mode; 2] {
-                    let modes = spectrum::fastest_modes(self.scene(), tolerance, most);
+                fn fastest_modes(&self, tolerance: f64, most: u32, stopwatch: &Stopwatch<'_>) -> [Mode; 2] {
+                    let modes = spectrum::fastest_modes(self.scene(), tolerance, most, stopwatch);
                     modes.map(|mode| Mode { stiffness: mode.stiffness, damping: mode.damping })
                 }
 
@@ -425,8 +518,8 @@ macro_rules! engine {
                     hash.0
                 }
 
-                fn crossings(&self, pool: &Pool) -> usize {
-                    Simulation::crossings(self, pool)
+                fn crossings(&self, stopwatch: &Stopwatch<'_>) -> usize {
+                    Simulation::crossings(self, stopwatch)
                 }
 
                 fn untangle(&mut self, stopwatch: &Stopwatch<'_>) -> Option<Untangled> {
@@ -453,7 +546,7 @@ macro_rules! engine {
 
                 fn write_solids(&self, out: &mut Vec<[f32; 3]>) {
                     out.clear();
-                    out.extend(self.colliders_in_world().map(|x| x.map(|x| x as f32)));
+                    out.extend(self.collider_positions().iter().map(to_single));
                 }
 
                 fn snapshot(&self) -> Snapshot {
@@ -482,6 +575,7 @@ macro_rules! engine {
                             to_bytes(state.previous[0]),
                             to_bytes(state.previous[1]),
                             multipliers_to_bytes(state.multipliers),
+                            to_bytes(state.anchors),
                         ],
                         after_contact: state.after_contact,
                         halvings: state.halvings,
@@ -490,7 +584,7 @@ macro_rules! engine {
                 }
 
                 fn restore(&mut self, snapshot: &Snapshot) -> bool {
-                    let columns = [0, 1, 2, 3, 4, 5].map(|i| from_bytes(&snapshot.columns[i]));
+                    let columns = [0, 1, 2, 3, 4, 5, 7].map(|i| from_bytes(&snapshot.columns[i]));
                     let w = snapshot.work;
                     let work = IntegratorStatistics {
                         force_evaluations: w[0],
@@ -515,7 +609,7 @@ macro_rules! engine {
                         failsafe: t[5],
                         rejected: t[6],
                     };
-                    let [positions, velocities, low @ .., displacements, velocity_changes] = &columns;
+                    let [positions, velocities, low @ .., displacements, velocity_changes, anchors] = &columns;
                     let low = low.each_ref().map(|column| &column[..]);
                     let previous: [&[Vec3]; 2] = [displacements, velocity_changes];
                     let Snapshot { steps, after_contact, halvings, .. } = *snapshot;
@@ -532,6 +626,7 @@ macro_rules! engine {
                         halvings,
                         after_contact,
                         multipliers,
+                        anchors,
                     };
                     Simulation::restore(self, &state, work, contact_statistics)
                 }

@@ -1,9 +1,10 @@
 //! Failures of a command, and their exit codes.
 
-use std::io::{self, ErrorKind};
+use std::io;
 use std::process::ExitCode;
 
 use crate::export::ExportError;
+use crate::export::whole::WriteError;
 use crate::preview::PreviewError;
 
 /// A failed command.
@@ -18,6 +19,9 @@ pub enum Failure {
     /// The simulation diverged; the outputs up to the divergence are valid.
     #[error("{0}")]
     Diverged(String),
+    /// The result is doubtful; the outputs are valid.
+    #[error("{0}")]
+    Doubtful(String),
     /// Surfaces intersect; the outputs are valid.
     #[error("{0}")]
     Intersecting(String),
@@ -38,13 +42,13 @@ impl Failure {
         print_note(&format!("muslin: {self}"));
     }
 
-    /// The exit code: 1 tool failure, 2 bad usage or scene, 3 diverged, intersecting or missed tolerance,
+    /// The exit code: 1 tool failure, 2 bad usage or scene, 3 diverged, intersecting, doubtful or missed tolerance,
     /// 4 no device, 130 interrupted.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Tool(_) => 1,
             Self::Usage(_) => 2,
-            Self::Diverged(_) | Self::Intersecting(_) | Self::Missed(_) => 3,
+            Self::Diverged(_) | Self::Intersecting(_) | Self::Doubtful(_) | Self::Missed(_) => 3,
             Self::NoDevice(_) => 4,
             Self::Interrupted(_) => 130,
         })
@@ -53,6 +57,12 @@ impl Failure {
 
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
+        Self::Tool(error.to_string())
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
         Self::Tool(error.to_string())
     }
 }
@@ -69,13 +79,13 @@ pub fn print_note(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Prints data to stdout; a closed pipe is no failure.
+/// Prints data to stdout. It is an error if nobody reads them.
 pub fn print_data(text: &str) -> Result<(), Failure> {
     use io::Write;
-    match writeln!(io::stdout().lock(), "{text}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::Tool(format!("cannot write to stdout: {error}")))
-        }
-        _ => Ok(()),
-    }
+    writeln!(io::stdout().lock(), "{text}").map_err(|error| unprinted(&error))
+}
+
+/// The failure to print data to stdout.
+pub fn unprinted(error: &io::Error) -> Failure {
+    Failure::Tool(format!("cannot write to stdout: {error}"))
 }

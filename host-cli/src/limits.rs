@@ -1,8 +1,22 @@
-//! Limits on the length of a run. A longer run is refused with a message before it starts.
+//! Limits on the length of a run, on its memory and on the size of input files. What is larger is refused with a message.
 //!
 //! This module only refuses values that are too large; the core refuses invalid ones (NaN, negative).
 
+use std::fs::File;
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
 use muslin_core::scene::SceneDesc;
+use sysinfo::{CGroupLimits, System};
+
+/// Largest size of the text of a scene or a sweep, bytes. The parsed values take about a hundred times as much memory.
+pub const TEXT: u64 = 1 << 20;
+
+/// Largest size of a file with data, such as a mesh, bytes.
+pub const DATA: u64 = 4 << 30;
+
+/// Largest size of data from a device or a pipe, which may have no end, bytes.
+const STREAM: u64 = 64 << 20;
 
 /// Largest number of steps of a run, and of a frame. These steps take more than a week at a microsecond each,
 /// and their number is exact in a double.
@@ -10,6 +24,9 @@ const MOST_STEPS: f64 = 1e12;
 
 /// Largest number of frames: file formats count them in 31 bits.
 const MOST_FRAMES: f64 = 2_147_483_647.0;
+
+/// Memory that is not asked for, bytes.
+const SMALL: u64 = 100_000_000;
 
 /// Checks the numbers of frames and steps of a scene; the message says which values to change.
 pub fn check(scene: &SceneDesc) -> Result<(), String> {
@@ -28,4 +45,49 @@ pub fn check(scene: &SceneDesc) -> Result<(), String> {
         ));
     }
     Ok(())
+}
+
+/// Reads an input file of at most `most` bytes. Every input is read by this function.
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let found = file.metadata()?;
+    let most = if found.is_file() { most } else { most.min(STREAM) };
+    let mut bytes = Vec::new();
+    // A file that is too large is not read at all.
+    if !found.is_file() || found.len() <= most {
+        file.take(most + 1).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 <= most {
+            return Ok(bytes);
+        }
+    }
+    let why = format!("it is larger than {} MiB, the limit for such a file", most >> 20);
+    Err(io::Error::new(ErrorKind::FileTooLarge, why))
+}
+
+/// Reads the text of a scene or a sweep.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    let bytes = read(path, TEXT).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => {
+            io::Error::other(format!("{error}; put meshes, start positions and seams into files of their own"))
+        }
+        _ => error,
+    })?;
+    String::from_utf8(bytes).map_err(|_| io::Error::other("it is not text in UTF-8"))
+}
+
+/// Whether so many bytes are free on the machine, or in the container. The system itself may grant more than there is,
+/// and end the process later.
+pub fn has_memory(needed: u64) -> bool {
+    // The question takes longer than to build a small scene.
+    if needed < SMALL {
+        return true;
+    }
+    let Ok(mut system) = System::new() else { return true };
+    system.refresh_memory();
+    let own = system.available_memory() + system.free_swap();
+    // What the container uses without its cache of files, which makes room.
+    let of_container = |limits: CGroupLimits| limits.total_memory.saturating_sub(limits.rss) + limits.free_swap;
+    let free = system.cgroup_limits().map_or(own, |limits| own.min(of_container(limits)));
+    // Where the system does not say what is free, it is 0.
+    free == 0 || needed <= free
 }

@@ -10,6 +10,7 @@ mod devices;
 mod engine;
 mod export;
 mod failure;
+mod folder;
 mod interrupt;
 mod limits;
 mod mesh_io;
@@ -24,14 +25,24 @@ mod stopwatch;
 mod study;
 mod summary;
 mod units;
+mod warning;
 
 use std::process::ExitCode;
 
 use args::{Arguments, Command};
 use clap::Parser;
+use failure::Failure;
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let outcome = match Arguments::try_parse() {
+        Ok(arguments) => obey(arguments.command),
+        Err(error) => return explain(&error),
+    };
+    outcome.map_or_else(|failure| reported(&failure), |()| ExitCode::SUCCESS)
+}
+
+fn obey(command: Command) -> Result<(), Failure> {
+    match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Detect(arguments) => detect::detect(&arguments),
         Command::Chart(arguments) => study::chart(&arguments),
@@ -43,12 +54,18 @@ fn main() -> ExitCode {
         Command::Scenes(arguments) => scenes::print(&arguments),
         Command::Devices(arguments) => devices::print(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            failure.report();
-            failure.exit_code()
-        }
     }
+}
+
+/// Prints help or the version to stdout, or what is wrong with the arguments to stderr.
+fn explain(error: &clap::Error) -> ExitCode {
+    match error.print() {
+        Err(unprinted) if !error.use_stderr() => reported(&failure::unprinted(&unprinted)),
+        _ => ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2)),
+    }
+}
+
+fn reported(failure: &Failure) -> ExitCode {
+    failure.report();
+    failure.exit_code()
 }

@@ -1,5 +1,7 @@
 //! Observations of a run up to now. A checkpoint stores them, so that a resumed run reports on the whole run.
 
+use crate::run::balance::{self, Balance};
+
 /// Observations of the start state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Start {
@@ -7,6 +9,15 @@ pub struct Start {
     pub crossings: Option<u64>,
     /// Number of these crossings that were untangled; `None` without contact.
     pub untangled: Option<u64>,
+}
+
+/// Measurements for a series, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Energy of the start state.
+    pub start: f64,
+    /// Work of contacts and of damping up to now.
+    pub work: [f64; 2],
 }
 
 /// Observations of the start state, and the worst values of all frames.
@@ -20,37 +31,64 @@ pub struct Record {
     pub stretch: f64,
     /// Largest stretch of the first frame.
     pub first_stretch: f64,
+    /// The balance of energy.
+    pub balance: Balance,
+    /// The measurements for a series; `None`: nothing more than the balance is measured.
+    pub measured: Option<Measured>,
+    /// Largest rounding of a position, relative to the mean length of an edge.
+    pub rounding: f64,
+    /// Largest speed in the present frame, m/s, where a run ends at rest.
+    pub fastest: f64,
     /// Deepest penetration into a collider, m.
     pub penetration: Option<f64>,
-    /// Crossings of the worst frame, and the number of that frame; `None` without an audit.
+    /// Frames that the audit tested for crossings.
+    pub audited: u64,
+    /// Crossings of the worst of these frames, and the number of that frame; `None` without an audit.
     pub crossings: Option<(u64, u64)>,
 }
 
 /// Number of words in an encoded record.
-pub const WORDS: usize = 14;
+pub const WORDS: usize = 21 + balance::WORDS;
 
 impl Record {
     /// Encodes the record as words.
     pub fn encode(&self) -> [u64; WORDS] {
-        let Self { start, size: [x, y, z], stretch, first_stretch, penetration, crossings } = *self;
+        let Self { start, size: [x, y, z], stretch, first_stretch, balance, rounding, fastest, .. } = *self;
+        let Self { penetration, audited, crossings, measured, .. } = *self;
         let known = |value: Option<u64>| [u64::from(value.is_some()), value.unwrap_or(0)];
         let ([a, b], [c, d]) = (known(start.crossings), known(start.untangled));
         let [e, f] = known(penetration.map(f64::to_bits));
         let [g, h] = known(crossings.map(|(count, _)| count));
         let frame = crossings.map_or(0, |(_, frame)| frame);
-        let [stretch, first] = [stretch, first_stretch].map(f64::to_bits);
-        [a, b, c, d, x.to_bits(), y.to_bits(), z.to_bits(), stretch, first, e, f, g, h, frame]
+        let [stretch, first, rounding, fastest] = [stretch, first_stretch, rounding, fastest].map(f64::to_bits);
+        let [x, y, z] = [x, y, z].map(f64::to_bits);
+        let own = [a, b, c, d, x, y, z, stretch, first, e, f, audited, g, h, frame, rounding, fastest];
+        let Measured { start, work: [contacts, damping] } = measured.unwrap_or_default();
+        let [start, contacts, damping] = [start, contacts, damping].map(f64::to_bits);
+        let series = [measured.is_some().into(), start, contacts, damping];
+        let all = own.into_iter().chain(series).chain(balance.encode());
+        let mut words = [0; WORDS];
+        words.iter_mut().zip(all).for_each(|(word, value)| *word = value);
+        words
     }
 
     /// Decodes a record.
-    pub fn decode([a, b, c, d, x, y, z, stretch, first, e, f, g, h, frame]: [u64; WORDS]) -> Self {
+    pub fn decode(words: [u64; WORDS]) -> Self {
+        let [a, b, c, d, x, y, z, stretch, first, e, f, audited, g, h, frame, rounding, fastest, rest @ ..] = words;
+        let [measured, energy, contacts, damping, balance @ ..] = rest;
         let known = |is: u64, value: u64| (is != 0).then_some(value);
         Self {
             start: Start { crossings: known(a, b), untangled: known(c, d) },
             size: [x, y, z].map(f64::from_bits),
             stretch: f64::from_bits(stretch),
             first_stretch: f64::from_bits(first),
+            balance: Balance::decode(balance),
+            measured: (measured != 0)
+                .then(|| Measured { start: f64::from_bits(energy), work: [contacts, damping].map(f64::from_bits) }),
+            rounding: f64::from_bits(rounding),
+            fastest: f64::from_bits(fastest),
             penetration: known(e, f).map(f64::from_bits),
+            audited,
             crossings: known(g, h).map(|count| (count, frame)),
         }
     }

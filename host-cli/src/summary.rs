@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use crate::device::StageTime;
 use crate::engine::Report;
+use crate::run::balance::Balance;
+use crate::warning::Warning;
 
 /// The documented keys in their order, and a few more.
 #[derive(Clone, Debug, Serialize)]
@@ -28,16 +30,24 @@ pub struct Summary {
     /// Null without a largest error.
     pub error_control: Option<ErrorControl>,
     pub simulated_s: f64,
+    /// Whether the run ended at rest; null in a scene without `until_rest`.
+    pub at_rest: Option<bool>,
     pub wall_s: f64,
     pub verdict: &'static str,
+    /// Why the verdict is doubtful; otherwise null.
+    pub doubt: Option<String>,
+    pub warnings: Vec<Warning>,
     pub divergence: Option<String>,
     pub stage_ms: StageMs,
     /// Mean time per step of each stage on the device; null without a device or without device clocks.
     pub gpu_stage_ms: Option<Vec<StageTime>>,
     pub stretch: Stretch,
     pub energy: Energy,
+    pub energy_balance: EnergyBalance,
     pub momentum: [f64; 3],
     pub contacts: Contacts,
+    pub frames_audited: u64,
+    /// Null unless every frame was audited.
     pub intersections: Option<u64>,
     pub intersections_frame: Option<u64>,
     /// Crossings of the state that the scene describes; null without contact and audit.
@@ -92,6 +102,26 @@ pub struct Energy {
     pub gravity: f64,
 }
 
+/// Where the energy of the run came from, J.
+#[derive(Clone, Debug, Serialize)]
+pub struct EnergyBalance {
+    /// Work done on the cloth by pins, colliders and wind, from the start to the end.
+    pub pins: f64,
+    pub colliders: f64,
+    pub wind: f64,
+    /// Largest growth of the energy without this work: it comes from errors.
+    pub appeared: f64,
+    /// Largest energy that moved, to compare with.
+    pub moved: f64,
+}
+
+impl From<&Balance> for EnergyBalance {
+    fn from(balance: &Balance) -> Self {
+        let [pins, colliders, wind, _] = balance.work;
+        Self { pins, colliders, wind, appeared: balance.appeared, moved: balance.moved() }
+    }
+}
+
 /// Totals of the run, including the steps before a checkpoint; zero without contact.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Contacts {
@@ -140,9 +170,6 @@ impl From<&Report> for Work {
         }
     }
 }
-
-/// Ratio of edge length to rest length beyond which the summary warns.
-const TOO_LONG: f64 = 1.3;
 
 /// A stretch as the elongation in per cent of the rest length.
 pub fn percent(stretch: f64) -> String {
@@ -193,37 +220,11 @@ impl Summary {
                 1e3 * shortest_s
             );
         }
+        if let Some(rests) = self.at_rest {
+            text += if rests { "\nit came to rest, and the run ended" } else { "\nit did not come to rest" };
+        }
         text += &self.contact_lines();
         text
-    }
-
-    /// Warnings for a person: signs that the result is wrong, although the run reached its end.
-    pub fn warnings(&self) -> Vec<String> {
-        let shorter = match self.error_control {
-            Some(_) => "a smaller integrator.error, or a shorter integrator.step beside it",
-            None => "a smaller integrator.step",
-        };
-        let stretch = (self.divergence.is_none() && self.stretch.max_of_all_frames > TOO_LONG).then(|| {
-            format!(
-                "cloth does not stretch by {}: take {shorter}, or check density (kg/m^2), stiffness \
-                 (N/m), the mesh's size (m) and how far pins and colliders pull it",
-                percent(self.stretch.max_of_all_frames)
-            )
-        });
-        let unconverged = (self.work.unconverged > 0).then(|| {
-            let count = self.work.unconverged;
-            let solves = if count == 1 { "solve" } else { "solves" };
-            format!("{count} {solves} ended above the tolerance: take {shorter}")
-        });
-        let exceeding = self.error_control.as_ref().filter(|control| control.exceeding > 0).map(|control| {
-            let ErrorControl { exceeding, accepted, error_m, .. } = control;
-            format!(
-                "{exceeding} of {accepted} substeps exceed integrator.error ({} mm): a substep is at least 1/64 of a step; \
-                 take a shorter integrator.step, or a larger integrator.error",
-                (1e3 * error_m) as f32
-            )
-        });
-        stretch.into_iter().chain(unconverged).chain(exceeding).collect()
     }
 
     /// The device that found candidates and, if it has a clock, its time; empty without a device.

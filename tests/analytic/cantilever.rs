@@ -83,3 +83,54 @@ fn strip_drapes_at_second_order() {
         );
     }
 }
+
+/// Tip of a plate that bends as a cylinder under its weight, over w L^4 / (8 D); its last two rows are pinned, and L is
+/// counted from the middle between them, or from the inner one. All vertices of a row are sewn together in y.
+fn clamped(rows: u32) -> [f64; 2] {
+    const ACROSS: u32 = 4;
+    const GRAVITY: f64 = 1e-4;
+    let row = 1.0 / f64::from(rows);
+    let wide = f64::from(ACROSS) * row / 0.75f64.sqrt();
+    let grid = format!("grid = {{ size = [{wide:?}, 1.0], cells = [{ACROSS}, {rows}] }}");
+    let flat = kit::build(&format!("name = \"flat\"\nduration = 0\n[[cloth]]\n{grid}\ndensity = 1.0"));
+    let rest = kit::positions(&flat);
+    let beside: Vec<_> =
+        (1..rest.len()).filter(|&v| rest[v].z - rest[v - 1].z < 0.5 * row).map(|v| [v - 1, v]).collect();
+    let built = kit::build(&format!(
+        r#"
+        name = "clamped"
+        duration = 1.0
+        gravity = [0.0, -{GRAVITY:?}, 0.0]
+        [[cloth]]
+        {grid}
+        density = 1.0
+        bend = {{ model = "hinge", rigidity = 1.0 }}
+        pin = [
+            {{ select = {{ box = [[-9, -9, -9], [9, 9, {:?}]] }} }},
+            {{ select = {{ box = [[-9, -9, -9], [9, 9, 9]] }}, axes = "xz" }},
+        ]
+        seam = [{{ pairs = {beside:?}, stiffness = {:?} }}]
+        "#,
+        1.5 * row - 0.5,
+        1e4 / (row * row),
+    ));
+    let mut sim = Simulation::from_columns(built, converged(Method::BackwardEuler, 1e-10), 1e4);
+    settle(&mut sim, 1e-12, 100);
+    let drop = -sim.positions().last().expect("a sheet has vertices").y;
+    [0.5, 1.0].map(|part| 8.0 * drop / (GRAVITY * (1.0 - part * row).powi(4)))
+}
+
+#[test]
+fn two_pinned_rows_clamp_in_the_middle_between_them() {
+    for rows in [20, 40] {
+        let [middle, inner] = clamped(rows).map(|ratio| ratio - 1.0);
+        println!("{rows} rows: the drop is off by {middle:.4} from the middle, by {inner:.4} from the inner row");
+        let bound = 2.0 / f64::from(rows * rows);
+        assert!(
+            middle.abs() < bound,
+            "{rows} rows: counted from the middle the drop is off by {middle}, bound {bound}"
+        );
+        let wrong = 1.5 / f64::from(rows);
+        assert!(inner > wrong, "{rows} rows: counted from the inner row the drop is off by {inner} only");
+    }
+}

@@ -56,6 +56,91 @@ fn free_fall_keeps_the_shape_and_the_closed_form() {
     }
 }
 
+/// A thrown sheet that turns: its centre of mass follows the parabola, its angular momentum stays, and it is a rigid motion at
+/// the start.
+#[test]
+fn a_thrown_sheet_follows_the_parabola() {
+    let built = double::build(&format!(
+        r#"
+        name = "thrown"
+        duration = 1.0
+        gravity = [0.0, -{G}, 0.0]
+        [[cloth]]
+        grid = {{ size = [0.4, 0.35], cells = [4, 4] }}
+        position = [1.0, 2.0, -3.0]
+        density = 0.2
+        stretch = {{ model = "membrane", stiffness = 20.0 }}
+        shear = {{ stiffness = 5.0 }}
+        velocity = [3.0, 4.0, 0.5]
+        spin = {{ axis = [0.0, 2.0, 0.0], rate = 1.5 }}
+        mass = [{{ select = {{ corners = [0] }}, mass = 0.004 }}]"#
+    ));
+    let (masses, thrown) = (built.particles.masses.clone(), DVec3::new(3.0, 4.0, 0.5));
+    let total: f64 = masses.iter().sum();
+    let centre = |x: &[DVec3]| masses.iter().zip(x).map(|(&m, &x)| x * m).sum::<DVec3>() / total;
+    let mut sim = Simulation::from_columns(built, linearised(Method::Rk4), 0.001);
+    let start = centre(sim.positions());
+    let turning = |sim: &Simulation| {
+        let (x, v) = (sim.positions(), sim.velocities());
+        let (centre, drift) = (centre(x), centre(v));
+        (0..x.len()).map(|i| (x[i] - centre).cross(v[i] - drift) * masses[i]).sum::<DVec3>()
+    };
+    let mut worst = Worst::new("a thrown sheet", 1e-12);
+    for (i, (&x, v)) in sim.positions().iter().zip(sim.velocities()).enumerate() {
+        let want = thrown + (DVec3::Y * 1.5).cross(x - start);
+        worst.compare(1.0, &v.to_array(), &want.to_array(), || format!("velocity of vertex {i} at the start"));
+    }
+    let turned = turning(&sim);
+    for _ in 0..300 {
+        sim.step(&muslin_core_f64::dispatch::Serial).expect("finite");
+    }
+    let time = sim.time();
+    let want = start + thrown * time - DVec3::Y * (0.5 * G * time * time);
+    worst.compare(1.0, &centre(sim.positions()).to_array(), &want.to_array(), || "centre of mass".into());
+    worst.compare(1.0, &turning(&sim).to_array(), &turned.to_array(), || "angular momentum".into());
+    worst.check();
+}
+
+/// Pins on all vertices hold for a time. Before and after it the sheet falls, and where they take it, it stays.
+#[test]
+fn pins_release_and_take_cloth_at_their_times() {
+    // BDF2 continues with a step of backward Euler, whose fall is another one.
+    for method in Method::ALL.into_iter().filter(|&method| method != Method::Bdf2) {
+        let mut desc = double::scene(&format!(
+            r#"
+            name = "released"
+            duration = 1.0
+            gravity = [0.0, -{G}, 0.0]
+            [[cloth]]
+            grid = {{ size = [0.4, 0.35], cells = [4, 4] }}
+            density = 0.2
+            stretch = {{ model = "membrane", stiffness = 0.1 }}
+            shear = {{ stiffness = 0.05 }}
+            pin = [{{ select = {{ box = [[-1, -1, -1], [1, 1, 1]] }}, until = 0.1 }},
+                   {{ select = {{ box = [[-1, -1, -1], [1, 1, 1]] }}, from = 0.2, until = 0.25 }},
+                   {{ select = {{ box = [[-1, -1, -1], [1, 1, 1]] }}, from = 0.3,
+                      motion = {{ keys = [[0.0, 0, 0, 0], [1.0, 0, 2, 0]] }} }}]"#
+        ));
+        (desc.integrator.method, desc.integrator.step, desc.frame_rate) = (method, Some(0.002), 500.0);
+        desc.integrator.tolerance = Some(1e-14);
+        let mut sim = Simulation::new(&desc, &[]).expect("builds");
+        let (start, h) = (sim.positions().to_vec(), 0.002);
+        let mut worst = Worst::new(format!("{}: released and taken", method.name()), 1e-12);
+        let fall = |n: f64| 0.5 * G * h * h * fallen(method, n.max(0.0));
+        for n in 1..=200 {
+            sim.step(&muslin_core_f64::dispatch::Serial).expect("finite");
+            let n = f64::from(n);
+            // Two falls of 0.1 s and 0.05 s, then it is lifted at 2 m/s.
+            let height = 2.0 * h * (n - 150.0).max(0.0) - fall(n.min(100.0) - 50.0) - fall(n.min(150.0) - 125.0);
+            let want = start.iter().map(|&x| x + DVec3::Y * height);
+            for (i, (x, want)) in sim.positions().iter().zip(want).enumerate() {
+                worst.compare(1.0, &x.to_array(), &want.to_array(), || format!("vertex {i} after {n} steps"));
+            }
+        }
+        worst.check();
+    }
+}
+
 /// The terminal velocity is v = density g / c for every mesh and method.
 #[test]
 fn drag_limits_the_speed_of_fall() {

@@ -6,4 +6,6 @@
 mod cantilever;
 mod chains;
 mod falls;
+mod loads;
+mod reactions;
 mod short_steps;

@@ -121,3 +121,27 @@ fn a_sheet_rests_on_a_plane_in_steps_below_the_last_digit() {
         );
     }
 }
+
+/// Contact, too, sees the same numbers at any distance from the origin.
+#[test]
+fn a_far_scene_goes_through_the_same_bits() {
+    let at = |x: f64| {
+        let ball = format!(
+            "contact = {{ thickness = 0.004, friction = 0.3 }}\n\
+             collider = [{{ shape = \"sphere\", center = [{x}, 0.55, 0], radius = 0.15 }},\n\
+             {{ shape = \"plane\", point = [0, 0.4, 0], normal = [0, 1, 0] }}]"
+        );
+        let pin = format!(
+            "pin = [{{ select = {{ nearest = [{x}, 0.75, 0] }}, motion = {{ turn = {{ axis = [0, 1, 0], rate = 1 }} }} }}]"
+        );
+        let mut sim = single::simulation(&sheet([x, 0.75, 0.0], Method::BackwardEuler, 0.005, &pin, &ball), &[]);
+        for _ in 0..100 {
+            sim.step(&muslin_core::dispatch::Serial).expect("a step");
+        }
+        assert!(sim.contact_statistics().proximity > 100, "nothing touches: {:?}", sim.contact_statistics());
+        (sim.origin(), sim.positions().to_vec(), sim.velocities().to_vec())
+    };
+    let [(origin, x, v), (far, far_x, far_v)] = [at(0.0), at(131_072.0)];
+    assert_eq!((origin, far), ([0.0; 3], [131_072.0, 0.0, 0.0]));
+    assert!(x == far_x && v == far_v, "131 km away, the sheet moves otherwise");
+}

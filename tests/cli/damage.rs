@@ -76,7 +76,7 @@ fn a_checkpoint_that_cannot_be_written_leaves_the_old_one() {
     place.run("tiny.toml --checkpoint 7");
     let old = place.read("out/checkpoint.muslin");
     std::fs::create_dir(place.path("out/checkpoint.muslin.partial")).unwrap();
-    let outcome = place.muslin("run tiny.toml --out out --checkpoint 5").expect(1);
+    let outcome = place.muslin("run tiny.toml --resume out/checkpoint.muslin --checkpoint 5").expect(1);
     assert!(outcome.stderr.contains("cannot write out/checkpoint.muslin"), "{outcome:?}");
     assert_eq!(place.read("out/checkpoint.muslin"), old);
 }

@@ -1,11 +1,18 @@
 //! Killed and interrupted runs resume from their checkpoint and end in the same state as an undisturbed run.
 #![cfg(unix)]
 
+use std::hash::{BuildHasher, RandomState};
+use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
 
 use crate::kit::{Place, TINY, wait, wait_until};
+
+/// The signal of a kill.
+const SIGKILL: i32 = 9;
 
 /// A folder with a sheet that is large enough that writing a checkpoint takes a while.
 fn place() -> Place {
@@ -64,6 +71,55 @@ fn killed_again_and_again() {
         resume = "--resume out/checkpoint.muslin";
     }
     ends_as_a_run_in_one(&place);
+}
+
+/// Kills runs at random times, `kills` times in all, and resumes each until it ends as the undisturbed run does. Only
+/// pictures may differ: they show the own part of a resumed run.
+fn killed_at_random(kills: usize, preview: &str) {
+    let place = place();
+    let words = format!("run sheet.toml --duration 1 --export obj,pc2,usda,vtp --checkpoint 3 --preview {preview}");
+    let started = Instant::now();
+    let hash = place.muslin(&format!("{words} --json --out whole")).expect(0).json()["state_hash"].clone();
+    let time = started.elapsed();
+    let (mut killed, mut ended) = (0, 0);
+    while killed < kills || ended == 0 {
+        let resume = place.path("out/checkpoint.muslin").exists().then_some("--resume out/checkpoint.muslin");
+        let mut command = place.command(&format!("{words} --quiet --out out {}", resume.unwrap_or_default()));
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        if killed < kills {
+            sleep(time.mul_f64(random()));
+            child.kill().unwrap();
+        }
+        let status = child.wait().unwrap();
+        if status.signal() == Some(SIGKILL) {
+            killed += 1;
+            continue;
+        }
+        assert_eq!(status.code(), Some(0), "after {killed} kills");
+        let summary: Value = serde_json::from_slice(&place.read("out/summary.json")).unwrap();
+        assert_eq!(summary["state_hash"], hash, "after {killed} kills");
+        place.same_files_but("out", "whole", &["summary.json", "preview.gif", "steps.svg"]);
+        std::fs::remove_dir_all(place.path("out")).unwrap();
+        ended += 1;
+    }
+    println!("--preview {preview}: {killed} kills, {ended} runs came to their end");
+}
+
+/// A random number from 0 to 1.
+fn random() -> f64 {
+    RandomState::new().hash_one(0) as f64 / u64::MAX as f64
+}
+
+#[test]
+#[ignore = "slow"]
+fn killed_at_random_times() {
+    ["none", "gif"].iter().for_each(|preview| killed_at_random(8, preview));
+}
+
+#[test]
+#[ignore = "slow"]
+fn long_form_killed_a_hundred_times() {
+    ["none", "gif"].iter().for_each(|preview| killed_at_random(100, preview));
 }
 
 /// Signals a run once the path `once` exists, checks that it ends as interrupted, and resumes it.

@@ -115,9 +115,15 @@ impl Place {
     /// contains times.
     #[track_caller]
     pub fn same_files(&self, one: &str, other: &str) {
+        self.same_files_but(one, other, &["summary.json"]);
+    }
+
+    /// Asserts that two folders contain the same files, with the same bytes except for those with these names.
+    #[track_caller]
+    pub fn same_files_but(&self, one: &str, other: &str, names: &[&str]) {
         let files = self.files(one);
         assert_eq!(files, self.files(other));
-        for file in files.iter().filter(|file| *file != "summary.json") {
+        for file in files.iter().filter(|file| !names.contains(&file.as_str())) {
             let [a, b] = [one, other].map(|folder| self.read(&format!("{folder}/{file}")));
             assert!(a == b, "{file} differs: {} and {} bytes", a.len(), b.len());
         }
@@ -148,23 +154,6 @@ impl Place {
         let outcome = Outcome { code: status.code(), stdout: text(&stdout), stderr: text(&stderr) };
         assert!(!outcome.stderr.contains("panicked"), "{command:?}: {}", outcome.stderr);
         outcome
-    }
-
-    /// Interrupts a study that would run for very long. Waits for its folder first: from then on the study handles
-    /// signals. Asserts that it exits with code 130 and leaves no files.
-    #[cfg(unix)]
-    #[track_caller]
-    pub fn interrupts(&self, words: &str, folder: &str) {
-        let before = self.files(".");
-        let mut command = self.command(words);
-        let mut study = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        wait_until(|| self.path(folder).exists(), folder);
-        // After this pause the study is usually in the middle of a run.
-        sleep(Duration::from_millis(300));
-        assert!(Command::new("kill").args(["-INT", &study.id().to_string()]).status().unwrap().success());
-        assert_eq!(wait(&mut study, &command).code(), Some(130));
-        assert_eq!(self.files("."), before);
-        assert!(!self.path(folder).exists(), "{folder} is left");
     }
 
     /// Runs a scene into `out` without a preview, expects success and returns the summary.
@@ -215,7 +204,7 @@ pub fn wait(child: &mut Child, what: &Command) -> ExitStatus {
 
 /// Waits until a condition is true; panics if it takes too long.
 #[track_caller]
-pub fn wait_until(is_so: impl Fn() -> bool, what: &str) {
+pub fn wait_until(mut is_so: impl FnMut() -> bool, what: &str) {
     let started = Instant::now();
     while !is_so() {
         assert!(started.elapsed() < PATIENCE, "{what}: that does not come");
@@ -247,7 +236,7 @@ impl PointCache {
     }
 }
 
-/// Vertices and faces (counted from 1) of an OBJ file as `muslin` writes it.
+/// Vertices, rounded to single precision, and faces (counted from 1) of an OBJ file as `muslin` writes it.
 pub fn obj(bytes: &[u8]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     fn three<T: std::str::FromStr<Err: std::fmt::Debug>>(line: &str) -> [T; 3] {
         let words: Vec<T> = line.split(' ').skip(1).map(|word| word.parse().unwrap()).collect();
@@ -255,5 +244,6 @@ pub fn obj(bytes: &[u8]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     }
     let text = str::from_utf8(bytes).unwrap();
     let of = |letter: &str| text.lines().filter(move |line| line.starts_with(letter)).collect::<Vec<_>>();
-    (of("v ").into_iter().map(three).collect(), of("f ").into_iter().map(three).collect())
+    let vertices = of("v ").into_iter().map(|line| three::<f64>(line).map(|x| x as f32));
+    (vertices.collect(), of("f ").into_iter().map(three).collect())
 }

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use crate::kit::{Place, TINY, in_page};
+use crate::kit::{Place, in_page};
 
 const GRAVITY: f64 = 9.81;
 
@@ -323,12 +323,4 @@ fn what_cannot_be_compared_says_so() {
     let still = place.muslin("needs tiny.toml --duration 0").expect(2);
     assert!(still.stderr.contains("duration"), "{}", still.stderr);
     assert!(!place.path("out").exists());
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_study_leaves_nothing() {
-    let place = Place::new();
-    place.write("long.toml", TINY.replace("frame_rate = 20", "frame_rate = 1"));
-    place.interrupts("needs long.toml --duration 10000", "out");
 }

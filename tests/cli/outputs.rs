@@ -17,7 +17,8 @@ fn all_formats_at_once() {
     place.muslin("run tiny.toml --out a/b --export obj,pc2,usda,vtp,obj").expect(0);
     let frames = (0..5).map(|k| format!("frames/frame_0000{k}.obj"));
     let vtp = (0..5).map(|k| format!("vtp/cloth_0000{k}.vtp"));
-    let single = ["cloth.obj", "cloth.pc2", "cloth.usda", "cloth.vtp.series", "preview.gif", "summary.json"];
+    let single =
+        ["cloth.obj", "cloth.pc2", "cloth.usda", "cloth.vtp.series", "preview.gif", "run.json", "summary.json"];
     let mut expected: Vec<String> = frames.chain(vtp).chain(single.map(String::from)).collect();
     expected.sort();
     assert_eq!(place.files("a/b"), expected);
@@ -60,20 +61,6 @@ fn the_summary_has_the_keys_of_the_contract() {
 }
 
 #[test]
-fn outputs_of_an_earlier_run_are_told() {
-    let place = Place::new();
-    place.write("tiny.toml", TINY);
-    let run = |formats: &str| {
-        let words = format!("run tiny.toml --out out --duration 0.1 --preview none --export {formats}");
-        let told = place.muslin(&words).expect(0).stderr;
-        told.lines().find_map(|line| line.strip_prefix("of an earlier run: ").map(str::to_owned))
-    };
-    assert_eq!(run("obj,pc2,vtp,usda"), None);
-    assert_eq!(run("obj,pc2,vtp,usda"), None);
-    assert_eq!(run("obj,usda").as_deref(), Some("out/cloth.pc2, out/cloth.obj, out/vtp, out/cloth.vtp.series"));
-}
-
-#[test]
 fn the_vertex_order_is_that_of_the_input() {
     let place = Place::new();
     let mesh = "v 0.5 0 0\nv 0 0 0.25\nv -0.5 0 0\nv 0 0 -0.25\nf 1 4 3 2\n";
@@ -89,7 +76,8 @@ fn the_vertex_order_is_that_of_the_input() {
 fn without_out_the_folder_has_the_name_of_the_file() {
     let place = Place::new();
     place.muslin("run tiny.toml --preview none").expect(0);
-    assert_eq!(place.files("."), ["out/tiny/cloth.obj", "out/tiny/cloth.pc2", "out/tiny/summary.json", "tiny.toml"]);
+    let files = ["cloth.obj", "cloth.pc2", "run.json", "summary.json"].map(|file| format!("out/tiny/{file}"));
+    assert_eq!(place.files("."), [&files[..], &["tiny.toml".to_owned()]].concat());
     place.muslin("run tiny.toml --preview none --set name=../up").expect(0);
     assert!(!place.path("up").exists());
 }
@@ -116,16 +104,16 @@ fn frames_need_not_be_written() {
     let with = place.muslin("run tiny.toml --out with --json").expect(0).json();
     let run = |words: &str| place.muslin(&format!("run tiny.toml --out out --json --export none {words}")).expect(0);
     let without = run("");
-    assert_eq!(place.files("out"), ["preview.gif", "summary.json"]);
+    assert_eq!(place.files("out"), ["preview.gif", "run.json", "summary.json"]);
     assert_eq!(without.json()["state_hash"], with["state_hash"]);
     assert!(without.stderr.contains("wrote out/preview.gif, out/summary.json"), "{without:?}");
     // A run that stops at a checkpoint and is resumed leaves no other files.
     run("--preview none --checkpoint 10 --duration 0.1");
-    assert_eq!(place.files("out"), ["checkpoint.muslin", "preview.gif", "summary.json"]);
+    assert_eq!(place.files("out"), ["checkpoint.muslin", "run.json", "summary.json"]);
     let parts =
         place.muslin("run tiny.toml --json --export none --preview none --resume out/checkpoint.muslin").expect(0);
     assert_eq!(parts.json()["state_hash"], with["state_hash"]);
-    assert_eq!(place.files("out"), ["checkpoint.muslin", "preview.gif", "summary.json"]);
+    assert_eq!(place.files("out"), ["checkpoint.muslin", "run.json", "summary.json"]);
 }
 
 #[test]
@@ -155,9 +143,9 @@ fn error_control_is_plotted() {
     };
     let control = "--set integrator.method=backward-euler --set integrator.error=0.00001";
     run(&format!("--preview none {control}"));
-    assert_eq!(place.files("out"), ["summary.json"]);
+    assert_eq!(place.files("out"), ["run.json", "summary.json"]);
     let summary = run(control).json();
-    assert_eq!(place.files("out"), ["preview.gif", "steps.svg", "summary.json"]);
+    assert_eq!(place.files("out"), ["preview.gif", "run.json", "steps.svg", "summary.json"]);
     let plot = String::from_utf8(place.read("out/steps.svg")).unwrap();
     assert!(plot.contains("tiny: substeps"), "{plot}");
     // Two curves from the start through the ends of the 20 steps.
@@ -165,9 +153,8 @@ fn error_control_is_plotted() {
     assert_eq!(curves.map(|path| path.matches(['M', 'L']).count()).collect::<Vec<_>>(), [21, 21], "{plot}");
     let accepted = summary["error_control"]["accepted"].as_u64().unwrap();
     assert!(accepted > summary["steps"].as_u64().unwrap(), "{summary}");
-    // Without error control no plot is written, and the old one is named.
-    let outcome = run("");
-    assert!(outcome.stderr.contains("of an earlier run: out/steps.svg"), "{outcome:?}");
+    run("");
+    assert_eq!(place.files("out"), ["preview.gif", "run.json", "summary.json"], "without error control");
 }
 
 #[test]
@@ -185,4 +172,34 @@ fn substeps_with_a_larger_error_are_counted_and_told() {
     let summary = impossible.json();
     assert!(count(&summary, "exceeding") > 0 && warns(&impossible.stderr), "{impossible:?}");
     assert_eq!(count(&summary, "accepted"), 64 * summary["steps"].as_u64().unwrap());
+}
+
+#[test]
+fn a_sheet_far_away_keeps_its_shape_in_obj_and_in_the_preview() {
+    let place = Place::new();
+    let far = "tiny.toml --set cloth.position=[1e5,1,0] --json --quiet";
+    let codes = |summary: &Value| {
+        let warnings = summary["warnings"].as_array().unwrap().iter();
+        warnings.map(|warning| warning["code"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let near = place.muslin("run tiny.toml --out near --export obj --preview png").expect(0);
+    assert!(near.stderr.lines().all(|line| !line.contains("single precision")), "{near:?}");
+    let with_obj = place.muslin(&format!("run {far} --out far --export obj --preview png")).expect(0).json();
+    assert!(!codes(&with_obj).contains(&"export".into()), "{with_obj}");
+    // Each vertex of the last frame is 100 km beside that of the scene at home; single precision would be 4 mm off.
+    let last = |folder: &str| {
+        let text = String::from_utf8(place.read(&format!("{folder}/frames/frame_00004.obj"))).unwrap();
+        let vertices = text.lines().filter_map(|line| line.strip_prefix("v "));
+        vertices.map(|line| line.split(' ').next().unwrap().parse().unwrap()).collect::<Vec<f64>>()
+    };
+    for (x, far) in last("near").into_iter().zip(last("far")) {
+        assert!((far - 1e5 - x).abs() < 1e-6, "{far} beside {x}");
+    }
+    let pictures = ["near", "far"].map(|folder| place.read(&format!("{folder}/preview.png")));
+    assert!(pictures[0].len().abs_diff(pictures[1].len()) * 20 < pictures[0].len(), "the pictures differ");
+    for format in ["pc2", "usda", "vtp"] {
+        let outcome = place.muslin(&format!("run {far} --out far --export obj,{format} --preview none")).expect(0);
+        assert!(codes(&outcome.json()).contains(&"export".into()), "{format}: {outcome:?}");
+        assert!(outcome.stderr.contains(&format!("--export {format}: ")), "{outcome:?}");
+    }
 }

@@ -33,6 +33,38 @@ fn every_method_goes_on_where_it_stopped() {
     }
 }
 
+/// Pins that begin and end, two of them moving: checkpoints before, at and after each change.
+#[test]
+fn pins_that_change_go_on_too() {
+    let place = Place::new();
+    let timed = "corners = [0] }\nuntil = 0.12\n[[cloth.pin]]\nselect = { edge = \"front\" }\nfrom = 0.05\nuntil = 0.1\n\
+                 motion = { keys = [[0.0, 0, 0, 0], [0.2, 0, 0.1, 0.2]], turn = { axis = [0, 1, 0.5], rate = 3.0 } }\n\
+                 [[cloth.pin]]\nselect = { corners = [1] }\nfrom = 0.15\naxes = \"xy\"";
+    place.write("scene.toml", TINY.replace("corners = [0, 1] }", timed));
+    for precision in ["f32", "f64"] {
+        for method in &METHODS[4..] {
+            for every in [11, 12, 13, 15, 17] {
+                let words = format!("scene.toml --precision {precision} --set integrator.method={method}");
+                let whole = place.run(&format!("{words} --checkpoint {every}"));
+                let parts = place.run(&format!("{words} --resume out/checkpoint.muslin"));
+                let which = format!("{precision} {method} from step {every}");
+                assert_eq!(whole["state_hash"], parts["state_hash"], "{which}");
+            }
+            // Steps 5 and 10, at which pins change.
+            for steps in [5_u32, 6, 10] {
+                let words = format!("scene.toml --precision {precision} --set integrator.method={method}");
+                place.run(&format!(
+                    "{words} --duration {:?} --checkpoint {steps}",
+                    0.01 * f64::from(steps.div_ceil(5) * 5)
+                ));
+                let parts = place.run(&format!("{words} --resume out/checkpoint.muslin"));
+                let whole = place.run(&words);
+                assert_eq!(whole["state_hash"], parts["state_hash"], "{precision} {method} from step {steps}");
+            }
+        }
+    }
+}
+
 /// With contact, a step may depend on the contacts of the steps before.
 #[test]
 fn a_run_goes_on_where_something_touches() {

@@ -34,19 +34,38 @@ fn all_pass(only: &str, count: usize) -> Vec<Value> {
 
 #[test]
 fn what_sheets_amount_to() {
-    let rows = all_pass("hinge", 42);
-    let spread = |pattern: &str| {
-        let of =
-            rows.iter().filter(|row| row["name"].as_str().unwrap().starts_with(&format!("{pattern} hinges, bent")));
+    let rows = all_pass("hinge", 83);
+    let range = |sheet: &str| {
+        let of = rows.iter().filter(|row| {
+            let name = row["name"].as_str().unwrap();
+            name.starts_with(&format!("{sheet},")) && name.ends_with(", cylinder")
+        });
         let factors: Vec<_> = of.map(|row| row["measured"].as_f64().unwrap()).collect();
-        factors.iter().copied().fold(0.0, f64::max) / factors.iter().copied().fold(f64::INFINITY, f64::min)
+        assert_eq!(factors.len(), 12, "{sheet}");
+        [factors.iter().copied().fold(f64::INFINITY, f64::min), factors.iter().copied().fold(0.0, f64::max)]
     };
-    // The rows of the other patterns pass too: they expect a rigidity that depends on the direction.
-    assert!(spread("equilateral") < 1.001 && spread("alternating") > 1.49 && spread("diagonal") > 3.9);
+    // The rows of the other sheets pass too: they expect a rigidity that depends on the direction.
+    let ranges = [
+        ("equilateral", [1.0, 1.0]),
+        ("equilateral in square cells", [0.84375, 1.1171875]),
+        ("alternating", [5.0 / 6.0, 4.0 / 3.0]),
+        ("diagonal", [0.75, 3.0]),
+    ];
+    for (sheet, expected) in ranges {
+        let got = range(sheet);
+        assert!(got.iter().zip(expected).all(|(got, want)| (got - want).abs() < 1e-9), "{sheet}: {got:?}");
+    }
     all_pass("patch", 11);
     all_pass("derivatives", 15);
     all_pass("spectra", 3);
     all_pass("compression", 7);
+}
+
+/// The rigidities of the rows above, in strips, discs and tubes that the whole core bends.
+#[test]
+#[ignore = "slow"]
+fn sheets_in_equilibrium() {
+    all_pass("plates", 7);
 }
 
 #[test]
@@ -118,7 +137,13 @@ fn results_are_written() {
 }
 
 #[test]
-fn without_a_cantilever_there_is_no_picture() {
+fn pictures_show_what_was_measured() {
+    let place = Place::new();
+    validate(&place, "alternating 45 degrees cylinder").expect(0);
+    let name = "validate-alternating-45-degrees-cylinder";
+    assert_eq!(place.files("out"), ["json", "svg", "txt"].map(|kind| format!("{name}.{kind}")));
+    let svg = String::from_utf8(place.read(&format!("out/{name}.svg"))).unwrap();
+    assert!(svg.contains("alternating") && !svg.contains("diagonal"), "{svg}");
     let place = Place::new();
     validate(&place, "hanging").expect(0);
     assert_eq!(place.files("out"), ["validate-hanging.json", "validate-hanging.txt"]);
@@ -171,10 +196,4 @@ fn what_is_not_there_is_bad_usage() {
         assert!(outcome.stderr.contains(part), "{part:?} is not in {}", outcome.stderr);
     }
     assert!(outcome.stdout.is_empty() && !place.path("out").exists());
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_validation_leaves_nothing() {
-    Place::new().interrupts("validate --out deep/out", "deep");
 }

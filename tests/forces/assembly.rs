@@ -32,6 +32,7 @@ const SCENE: &str = r#"
     density = 0.3
     stretch = { model = "spring", stiffness = 80.0, damping = 0.1 }
     bend = { model = "spring", stiffness = 7.0, damping = 0.2 }
+    load = [{ select = { corners = [1, 3] }, force = [1.0, 2.0, -3.0] }]
     [drag]
     linear = 0.7
     wind = { velocity = [3.0, -1.0, 2.0], normal = 0.6, tangential = 0.07 }

@@ -123,3 +123,27 @@ fn wind_is_the_air_s_velocity_relative_to_the_cloth() {
     }
     worst.check();
 }
+
+#[test]
+fn air_acts_on_the_area_of_a_sheet_once() {
+    let scene = |air: &str, turn: f64| {
+        format!(
+            "name = \"sheet\"\nduration = 0\n[drag]\n{air}\n[[cloth]]\ndensity = 1.0\nrotation = [{turn:?}, 0, 0]\n\
+             grid = {{ size = [2.0, 0.5], cells = [4, 4] }}"
+        )
+    };
+    let total = |text: &str, v: DVec3| {
+        let built = kit::build(text);
+        let x = kit::positions(&built);
+        kit::forces(&built.model.view(), &built.particles.masses, &x, &vec![v; x.len()]).into_iter().sum::<DVec3>()
+    };
+    let mut worst = Worst::new("force of the air on a sheet of 1 m^2, over coefficient and velocity", 1e-13);
+    // Either side may face the air: there is no second force on the far side.
+    for turn in [0.0, 180.0] {
+        let wind = scene("wind = { velocity = [0, 3, 0], normal = 0.5 }", turn);
+        worst.vectors(1.5, &[total(&wind, DVec3::ZERO)], &[DVec3::Y * 1.5], || format!("wind, turned by {turn}"));
+        let drag = scene("linear = 0.5", turn);
+        worst.vectors(1.5, &[total(&drag, DVec3::Y * 3.0)], &[DVec3::Y * -1.5], || format!("drag, turned by {turn}"));
+    }
+    worst.check();
+}

@@ -101,7 +101,19 @@ both_precisions! {
             let Self { multipliers, last_step, halvings, after_contact, .. } = self;
             let (last_step, halvings, after_contact) = (*last_step, *halvings, *after_contact);
             let origin = [0.0; 3];
-            State { steps, origin, positions, velocities, low, previous, last_step, halvings, after_contact, multipliers }
+            State {
+                steps,
+                origin,
+                positions,
+                velocities,
+                low,
+                previous,
+                last_step,
+                halvings,
+                after_contact,
+                multipliers,
+                anchors: &[],
+            }
         }
     }
 

@@ -55,7 +55,8 @@ fn scene(damping: f64) -> BuiltScene {
         [[cloth]]
         {sheet}
         stretch = {{ model = "spring", stiffness = {SPRING}, damping = {damping} }}
-        bend = {{ model = "spring", stiffness = {BEND_SPRING}, damping = {damping} }}"#,
+        bend = {{ model = "spring", stiffness = {BEND_SPRING}, damping = {damping} }}
+        load = [{{ select = {{ corners = [1, 2] }}, force = [0.01, 0.02, -0.03] }}]"#,
         WIND.x, WIND.y, WIND.z
     ));
     // The pairs of a scene join vertices; seams with weights come from files, which the host reads.
@@ -154,7 +155,7 @@ impl Sheets<'_> {
                 };
                 STITCHES.into_iter().flat_map(|stitch| (0..3).map(move |axis| gap(stitch, axis))).collect()
             }
-            Term::Gravity | Term::Drag | Term::Wind => Vec::new(),
+            Term::Gravity | Term::Drag | Term::Wind | Term::Load => Vec::new(),
         }
     }
 
@@ -180,10 +181,15 @@ fn fold(x: &[DVec3; 4]) -> f64 {
     along.dot(h1.cross(-h2)).atan2(-h1.dot(h2))
 }
 
-/// Gravity, wind and drag.
+/// Gravity, wind, drag and loads.
 fn add_outer_forces(model: &Model<'_>, sheets: &Sheets<'_>, masses: &[f64], x: &[DVec3], v: &[DVec3], f: &mut [DVec3]) {
     for (f, &m) in f.iter_mut().zip(masses) {
         *f += model.gravity.map_or(DVec3::ZERO, |gravity| gravity.0 * m);
+    }
+    if let Some(loads) = &model.loads {
+        for (&vertex, &force) in loads.vertices.iter().zip(loads.forces) {
+            f[vertex as usize] += force;
+        }
     }
     for t in sheets.triangles {
         let [p, q, r] = t.map(|i| x[i as usize]);
@@ -268,7 +274,7 @@ fn check(what: &str, damping: f64, term: Option<Term>) {
 fn every_term_returns_to_the_manufactured_motion() {
     for term in Term::ALL {
         check(term.name(), 0.0, Some(term));
-        if !matches!(term, Term::Gravity | Term::Drag | Term::Wind) {
+        if !matches!(term, Term::Gravity | Term::Drag | Term::Wind | Term::Load) {
             check(&format!("{}, damped", term.name()), DAMPING, Some(term));
         }
     }

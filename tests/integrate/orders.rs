@@ -67,7 +67,7 @@ fn run_unequal(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) ->
             has_contact: false,
             dispatch: &Serial,
         };
-        let work = Work { integrator: &mut integrator, contact: &mut contact, searched: &mut 0 };
+        let work = Work { integrator: &mut integrator, contact: &mut contact, searched: &mut 0, done: None };
         let none = None::<StepContact<'_, NoContact>>;
         let scratch = &mut columns.view();
         let taken = step::take(&input, &mut particles, scratch, none, &mut history, work);

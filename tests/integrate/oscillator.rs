@@ -174,6 +174,7 @@ fn bdf2_follows_its_characteristic_polynomial() {
                 halvings: 0,
                 after_contact: false,
                 multipliers: &[],
+                anchors: &[],
             };
             assert!(sim.restore(&state, sim.statistics(), sim.contact_statistics()));
             for n in 0..3 {

@@ -13,6 +13,7 @@ use glam::DVec3;
 use harness::kit::double as kit;
 use harness::rng::Rng;
 use harness::steps::Steps;
+use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::stability::longest_step;
 use muslin_core_f64::integrate::{Method, Scheme, Tolerance};
 use muslin_core_f64::scene::BuiltScene;
@@ -118,14 +119,12 @@ const ANY: &str = "+++";
 type Exception = (&'static str, Method, u32, &'static str);
 
 /// Exceptions with fixed steps.
-const EXCEPTIONS: [Exception; 29] = [
+const EXCEPTIONS: [Exception; 28] = [
     // Where no edge has a direction there is no force, so the fastest mode is never excited.
     ("a point", Method::ExplicitEuler, 1, "++"),
     ("a point", Method::SymplecticEuler, 1, "++"),
     ("a point", Method::Midpoint, 1, "++"),
     ("a point", Method::Rk4, 1, "++"),
-    // The fastest mode is transverse to the line, and nothing leaves the line.
-    ("a line", Method::ExplicitEuler, 1, "++"),
     // It gains energy in slower modes, undamped ones that rotate and wrinkle the sheet.
     ("random", Method::ExplicitEuler, 1, "xx"),
     ("half its size", Method::ExplicitEuler, 1, "?x"),
@@ -142,8 +141,8 @@ const EXCEPTIONS: [Exception; 29] = [
     ("stretched x1000", Method::Bdf2, 1, "xxx"),
     ("masses 1:1e6", Method::Bdf2, 1, "x??"),
     ("stiffness 1:1e6", Method::Bdf2, 1, "++?"),
-    ("slivers", Method::Bdf2, 1, "+?x"),
-    ("slivers", Method::Bdf2, 20, "++?"),
+    ("slivers", Method::Bdf2, 1, "??x"),
+    ("slivers", Method::Bdf2, 20, "+??"),
     ("flat", Method::ImplicitMidpoint, 1, "++x"),
     ("random", Method::ImplicitMidpoint, 1, "+?x"),
     ("half its size", Method::ImplicitMidpoint, 1, "++x"),
@@ -167,7 +166,7 @@ const CONTROLLED_EXCEPTIONS: [Exception; 15] = [
     ("stiffness 1:1e6", Method::Bdf2, 1, "++?"),
     ("masses 1:1e6", Method::ImplicitMidpoint, 1, "?xx"),
     ("masses 1:1e6", Method::Bdf2, 1, "?xx"),
-    ("slivers", Method::BackwardEuler, 1, "+xx"),
+    ("slivers", Method::BackwardEuler, 1, "?xx"),
     ("slivers", Method::ImplicitMidpoint, 1, "xxx"),
     ("slivers", Method::Bdf2, 1, "?xx"),
     // The step is halved six times and still too long, and its error is accepted. With Newton's method fixed steps of this
@@ -200,7 +199,7 @@ type Schemes = Vec<(Scheme, Vec<f64>)>;
 
 /// All methods with steps of fixed length. Those of explicit methods follow from the fastest modes.
 fn fixed(built: &BuiltScene) -> Schemes {
-    let modes = fastest_modes(built, 1e-6, 20_000);
+    let modes = fastest_modes(built, 1e-6, 20_000, &Serial);
     let explicit = EXPLICIT.map(|method| {
         let limit = longest_step(&modes, method).expect("an explicit method has a limit");
         (scheme(method, 1), RATIOS.map(|ratio| ratio * limit).to_vec())
@@ -354,7 +353,8 @@ fn a_million_steps_keep_the_energy_within_bounds() {
     let mut built = kit::build(&SHEET.replace(", damping = 1e-4", ""));
     roughen(&mut built.particles.positions, &mut Rng::new(0));
     let method = Method::SymplecticEuler;
-    let limit = longest_step(&fastest_modes(&built, 1e-6, 20_000), method).expect("an explicit method has a limit");
+    let limit =
+        longest_step(&fastest_modes(&built, 1e-6, 20_000, &Serial), method).expect("an explicit method has a limit");
     let mut sim = Simulation::from_columns(built, scheme(method, 1), 0.5 * limit);
     let start = sim.energy().total();
     let (mut least, mut most) = (start, start);

@@ -4,6 +4,7 @@
 //!
 //! Run: `cargo test -p muslin-tests --test mesh`.
 
+mod groups;
 mod mesh_errors;
 mod pins;
 mod rest;

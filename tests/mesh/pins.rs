@@ -75,6 +75,39 @@ fn vertices_are_taken_as_numbered() {
 }
 
 #[test]
+fn rings_are_those_of_a_disc() {
+    let held = |disc: &str, ring: u32| {
+        let built = cloth(&format!("disc = {{ {disc} }}\npin = [{{ select = {{ ring = {ring} }} }}]"));
+        let x = kit::positions(&built);
+        let on_ring = |&v: &u32| (x[v as usize].length() - f64::from(ring)).abs() < 1e-12;
+        let expected: Vec<u32> = (0..x.len() as u32).filter(on_ring).collect();
+        assert_eq!(built.pins.vertices, expected, "ring {ring}");
+        expected.len()
+    };
+    for (index, count) in [(0, 1), (1, 6), (3, 18)] {
+        assert_eq!(held("radius = 3.0, rings = 3", index), count, "vertices of ring {index}");
+    }
+    let hole = cloth("disc = { radius = 3.0, hole = 1.0, rings = 2 }\npin = [{ select = { ring = 0 } }]");
+    assert_eq!(hole.pins.vertices, [0, 1, 2, 3, 4, 5], "the border of the hole");
+}
+
+#[test]
+fn borders_are_all_of_the_mesh() {
+    assert_eq!(held("border = true"), [0, 1, 2, 3, 5, 6, 7, 8], "all but the middle");
+    let disc = cloth("disc = { radius = 3.0, hole = 1.0, rings = 2 }\npin = [{ select = { border = true } }]");
+    assert_eq!(disc.pins.vertices.len(), 6 + 18, "outside and at the hole");
+}
+
+#[test]
+fn lines_and_planes_select_among_placed_vertices() {
+    assert_eq!(held("line = { a = [-1, 5, 0], b = [1, 5, 0], within = 1e-9 }"), [3, 4, 5], "the middle row");
+    assert_eq!(held("line = { a = [-1, 5, 0], b = [0, 5, 0], within = 0.5 }"), [3, 4], "a line ends");
+    assert_eq!(held("line = { a = [1, 5, 0], b = [1, 5, 0], within = 1.0 }"), [2, 4, 5, 8], "of no length, a point");
+    assert_eq!(held("plane = { point = [7, 4, 0], normal = [0, -3, 0], within = 0.1 }"), [6, 7, 8], "the lowest row");
+    assert_eq!(held("plane = { point = [0, 5, 0], normal = [1, 1, 0], within = 1e-9 }"), [0, 4, 8], "a diagonal");
+}
+
+#[test]
 fn axes_are_those_named() {
     for (axes, bits) in [("x", 1), ("y", 2), ("z", 4), ("zx", 5), ("xyz", 7)] {
         let pins = pinned(&format!("{{ select = {{ corners = [0] }}, axes = \"{axes}\" }}")).pins;

@@ -2,9 +2,9 @@
 //! exchanged.
 
 use harness::kit::double as kit;
-use muslin_core_f64::error::SceneError;
+use muslin_core_f64::error::{SceneError, SelectError};
 use muslin_core_f64::mesh::TriMesh;
-use muslin_core_f64::scene::{Content, PointCache, build};
+use muslin_core_f64::scene::{Content, PointCache, build, memory};
 
 const GOOD: &str = r#"
     name = "good"
@@ -24,6 +24,11 @@ const GOOD: &str = r#"
     bend = { model = "hinge", rigidity = 1e-3, damping = 0.0 }
     pin = [{ select = { corners = [0] }, axes = "xyz", motion = { keys = [[0.0, 0, 0, 0], [1.0, 0, 1, 0]] } }]
     seam = [{ pairs = [[0, 1]], stiffness = 10.0, damping = 0.0 }]
+    velocity = [0.0, 0.5, 0.0]
+    spin = { axis = [0.0, 0.5, 0.0], rate = 2.0 }
+    start = [{ select = { vertices = [1] }, velocity = [0.0, 0.0, 0.2] }]
+    load = [{ select = { vertices = [3] }, force = [1.0, 2.0, 3.0] }]
+    mass = [{ select = { vertices = [4] }, mass = 0.5 }]
     [drag]
     linear = 0.1
     wind = { velocity = [1.0, 0.0, 0.0], normal = 0.1, tangential = 0.0 }
@@ -52,6 +57,7 @@ const NUMBERS: &[Case] = &[
     ("duration = 1.0", "duration = -1.0", "duration = -1: must not be negative, and must be finite"),
     ("duration = 1.0", "duration = nan", "duration = NaN: must not be negative, and must be finite"),
     ("frame_rate = 30", "frame_rate = 0", "frame_rate = 0: must be greater than zero and finite"),
+    ("frame_rate = 30", "until_rest = 0.0", "until_rest = 0: must be greater than zero and finite"),
     ("gravity = [0.0, -9.81, 0.0]", "gravity = [0.0, inf, 0.0]", "gravity: must be a finite number"),
     ("step = 0.01", "step = 0.0", "integrator.step = 0: must be greater than zero and finite"),
     ("step = 0.01", "step = inf", "integrator.step = inf: must be greater than zero and finite"),
@@ -147,8 +153,12 @@ const MESHES: &[Case] = &[
     ("size = [1.0, 2.0]", "size = [1.0, 0.0]", "grid.size = 0: must be greater than zero and finite"),
     ("cells = [2, 3]", "cells = [0, 3]", "grid.cells: must be at least 1"),
     // Refused before memory of that size is allocated.
-    ("cells = [2, 3]", "cells = [20000, 20000]", LARGE),
-    (GRID, "tube = { radius = 1.0, height = 1.0, cells = [20001, 20000] }", LARGE),
+    ("cells = [2, 3]", "cells = [20000, 20000]", "the scene would have 400050001 vertices; at most 2^28 are possible"),
+    (
+        GRID,
+        "tube = { radius = 1.0, height = 1.0, cells = [20001, 20000] }",
+        "the scene would have 400040001 vertices; at most 2^28 are possible",
+    ),
     (
         GRID,
         "disc = { radius = 1.0, rings = 20000 }",
@@ -180,16 +190,31 @@ const MESHES: &[Case] = &[
     (GRID, "disc = { radius = 1.0, rings = 0 }", "disc.rings: must be at least 1"),
 ];
 
-const LARGE: &str = "the scene would have 400040001 vertices; at most 2^28 are possible";
-
 const PINS: &[Case] = &[
     ("corners = [0]", "box = [[5.0, 5.0, 5.0], [6.0, 6.0, 6.0]]", "cloth 0, pin 0: selects no vertex"),
     ("corners = [0]", "corners = []", "cloth 0, pin 0: selects no vertex"),
-    ("corners = [0]", "nearest = [nan, 0, 0]", "cloth.pin.select: must be a finite number"),
+    ("corners = [0]", "nearest = [nan, 0, 0]", SELECT_NUMBERS),
+    ("corners = [0]", "line = { a = [0, 0, 0], b = [1, 0, 0], within = -0.1 }", SELECT_NUMBERS),
+    ("corners = [0]", "line = { a = [0, 0, nan], b = [1, 0, 0], within = 0.1 }", SELECT_NUMBERS),
+    ("corners = [0]", "plane = { point = [0, 0, 0], normal = [0, 0, 0], within = 0.1 }", SELECT_NUMBERS),
+    (
+        "corners = [0]",
+        "plane = { point = [0, 9, 0], normal = [0, 1, 0], within = 0.1 }",
+        "cloth 0, pin 0: selects no vertex",
+    ),
+    ("corners = [0]", "ring = 1", "cloth 0, pin 0: only a disc has rings; select by border, line or plane instead"),
+    ("corners = [0]", "border = false", ONE_SELECTION),
+    ("corners = [0]", "ring = 1, border = true", ONE_SELECTION),
     ("corners = [0]", "", ONE_SELECTION),
     ("corners = [0]", "corners = [0], vertices = [1]", ONE_SELECTION),
-    ("corners = [0]", "corners = [4]", "cloth 0, pin 0: there is no corner or vertex 4"),
-    ("corners = [0]", "vertices = [0, 99]", "cloth 0, pin 0: there is no corner or vertex 99"),
+    ("corners = [0]", "corners = [4]", "cloth 0, pin 0: there is no corner, ring or vertex 4"),
+    ("corners = [0]", "vertices = [0, 99]", "cloth 0, pin 0: there is no corner, ring or vertex 99"),
+    ("axes = \"xyz\"", "from = -1.0", "cloth.pin.from = -1: must not be negative, and must be finite"),
+    (
+        "axes = \"xyz\"",
+        "from = 2.0, until = 2.0",
+        "cloth.pin.until - cloth.pin.from = 0: must be greater than zero and finite",
+    ),
     ("axes = \"xyz\"", "axes = \"xw\"", AXES),
     ("axes = \"xyz\"", "axes = \"xx\"", AXES),
     ("axes = \"xyz\"", "axes = \"\"", AXES),
@@ -198,6 +223,27 @@ const PINS: &[Case] = &[
     ("keys = [", "turn = { axis = [0, 0, 0], rate = 1.0 }, keys = [", TURN),
     ("keys = [", "turn = { axis = [0, 1, 0], rate = inf }, keys = [", TURN),
     ("keys = [", "turn = { axis = [0, 1, 0], rate = 1.0, until = nan }, keys = [", TURN),
+];
+
+const GROUPS: &[Case] = &[
+    ("velocity = [0.0, 0.5", "velocity = [0.0, nan", "cloth.velocity: must be a finite number"),
+    ("rate = 2.0", "rate = inf", "cloth.spin: must be a finite number"),
+    ("rate = 2.0", "rate = 2.0, center = [nan, 0, 0]", "cloth.spin: must be a finite number"),
+    ("axis = [0.0, 0.5", "axis = [0.0, 0.0", "cloth 0: spin needs an axis with a direction"),
+    ("vertices = [1]", "box = [[5, 5, 5], [6, 6, 6]]", "cloth 0, start 0: selects no vertex"),
+    ("velocity = [0.0, 0.0, 0.2]", "velocity = [0.0, 0.0, inf]", "cloth.start.velocity: must be a finite number"),
+    ("vertices = [4]", "vertices = [99]", "cloth 0, mass 0: there is no corner, ring or vertex 99"),
+    ("mass = 0.5", "mass = 0.0", "cloth.mass.mass = 0: must be greater than zero and finite"),
+    ("mass = 0.5", "density = -0.3", "cloth.mass.density = -0.3: must be greater than zero and finite"),
+    ("mass = 0.5", "density = 0.3, mass = 0.1", "cloth 0, mass 0: give exactly one of mass and density"),
+    ("mass = 0.5", "share = \"area\"", "cloth 0, mass 0: give exactly one of mass and density"),
+    ("vertices = [3]", "vertices = []", "cloth 0, load 0: selects no vertex"),
+    ("force = [1.0", "force = [inf", "cloth.load.force: must be a finite number"),
+    (
+        "force = [1.0",
+        "share = \"length\", force = [1.0",
+        "cloth 0, load 0: share = \"length\" needs edges between the selected vertices",
+    ),
 ];
 
 const COLLIDERS: &[Case] = &[
@@ -235,7 +281,10 @@ const COLLIDERS: &[Case] = &[
 const MOVES: &str = "collider 1: its motion needs finite numbers, times that increase, and an axis for a turn; \
                      a plane cannot turn";
 
-const ONE_SELECTION: &str = "cloth 0, pin 0: give exactly one of corners, vertices, box, nearest or edge";
+const ONE_SELECTION: &str =
+    "cloth 0, pin 0: give exactly one of corners, vertices, box, nearest, edge, ring, border, line or plane";
+const SELECT_NUMBERS: &str = "cloth 0, pin 0: the numbers of select must be finite, within must not be negative, and a \
+                              normal needs a direction";
 const AXES: &str = "cloth 0, pin 0: axes must be a combination of x, y and z, such as \"xz\"";
 const TURN: &str = "cloth 0, pin 0: motion.turn needs an axis with a direction and a finite rate";
 const KEYS: &str = "cloth 0, pin 0: the times of motion.keys must be finite and increase";
@@ -246,13 +295,13 @@ const fn has_a_case(error: &SceneError) -> bool {
     match error {
         NotPositive { .. } | Negative { .. } | NotFinite { .. } | KeyNotForModel { .. } | KeyNeeded { .. } => true,
         NotBelowOne { .. } | TooFar { .. } | EmptySeam { .. } => true,
-        OneMeshSource { .. } | MissingMesh { .. } | TooFewCells { .. } | TooLarge { .. } => true,
-        EmptyPin { .. }
-        | OneSelection { .. }
-        | PinOutOfRange { .. }
-        | PinAxes { .. }
-        | MotionKeys { .. }
-        | MotionTurn { .. } => true,
+        SpinAxis { .. }
+        | OneMass { .. }
+        | OneMeshSource { .. }
+        | MissingMesh { .. }
+        | TooFewCells { .. }
+        | TooLarge { .. } => true,
+        Selection { .. } | PinAxes { .. } | MotionKeys { .. } | MotionTurn { .. } => true,
         StaticBelowKinetic { .. }
         | ShapeNeeds { .. }
         | NotOfShape { .. }
@@ -260,7 +309,7 @@ const fn has_a_case(error: &SceneError) -> bool {
         | MissingColliderFile { .. }
         | ColliderMotion { .. } => true,
         // Tested below, and in `mesh_errors`.
-        ColliderWithoutContact | ColliderMesh { .. } | CachePoints { .. } => true,
+        ColliderWithoutContact | ColliderMesh { .. } | CachePoints { .. } | Memory { .. } => true,
         NoCloth | Mesh { .. } => true,
     }
 }
@@ -303,6 +352,11 @@ fn pins_must_select_and_move_sensibly() {
 }
 
 #[test]
+fn groups_must_select_and_have_sensible_numbers() {
+    each_is_refused(GROUPS);
+}
+
+#[test]
 fn a_scene_needs_a_cloth() {
     let error = build(&kit::scene("name = \"bare\"\nduration = 0\ncloth = []"), &[]);
     assert_eq!(error.map(|_| ()), Err(SceneError::NoCloth));
@@ -318,6 +372,33 @@ fn colliders_and_contact_must_fit() {
 fn colliders_need_contact() {
     let bare = GOOD.replace("thickness = 0.002", "").replace("[contact]", "").replace("friction = {", "#");
     assert_eq!(build(&kit::scene(&bare), &[]).map(|_| ()), Err(SceneError::ColliderWithoutContact));
+}
+
+/// `muslin` is run with little memory in `tests/cli/bad_scene.rs`.
+#[test]
+fn memory_is_told_before_it_is_taken() {
+    let of = |cells: u32| {
+        memory(
+            &kit::scene(&format!(
+                "name = \"large\"\nduration = 0\n[[cloth]]\ndensity = 1.0\n\
+             grid = {{ size = [1.0, 1.0], cells = [{cells}, {cells}], pattern = \"diagonal\" }}\n"
+            )),
+            &[],
+        )
+    };
+    let needed = of(9_999).unwrap();
+    assert_eq!(needed.vertices, 100_000_000);
+    let error = SceneError::from(needed);
+    assert!(has_a_case(&error));
+    let megabytes = needed.bytes.div_ceil(1_000_000);
+    assert_eq!(
+        error.to_string(),
+        format!(
+            "the scene has 100000000 vertices and needs about {megabytes} MB of memory, more than there is; take a coarser \
+             mesh"
+        )
+    );
+    assert_eq!(of(20_000), Err(SceneError::TooLarge { vertices: 400_040_001 }));
 }
 
 /// The files of mesh colliders: an invalid mesh, and a point cache that belongs to another mesh.
@@ -351,5 +432,5 @@ fn messages_count_cloths_and_pins() {
     [drag]"#;
     let second = GOOD.replace("[drag]", two_pins);
     let error = build(&kit::scene(&second), &[]).map(|_| ());
-    assert_eq!(error, Err(SceneError::EmptyPin { cloth: 1, pin: 1 }));
+    assert_eq!(error, Err(SceneError::Selection { cloth: 1, part: "pin", number: 1, error: SelectError::Empty }));
 }

@@ -200,8 +200,7 @@ harness::both_precisions! {
             self.columns.grow_pairs(needed)
         }
         fn grow_constraints(&mut self, needed: usize) -> bool {
-            self.columns.grow_constraints(needed);
-            true
+            self.columns.grow_constraints(needed)
         }
         /// A step calls this after each search.
         fn grow_kept(&mut self) {
@@ -286,7 +285,7 @@ harness::both_precisions! {
             };
             let contact = Some(StepContact { model: &model, columns: &mut checked, hold: false });
             let (mut integrator, mut statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
-            let work = Work { integrator: &mut integrator, contact: &mut statistics, searched: &mut 0 };
+            let work = Work { integrator: &mut integrator, contact: &mut statistics, searched: &mut 0, done: None };
             let taken = block_on(step::take(&input, &mut particles, &mut scratch.view(), contact, &mut history, work));
             taken.unwrap_or_else(|obstacle| panic!("{name}, step {n}: {obstacle:?}"));
         }

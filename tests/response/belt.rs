@@ -75,4 +75,31 @@ both_precisions! {
             assert!(speed.abs() >= least && speed.abs() <= most, "{what}, expected {least} to {most}");
         }
     }
+
+    /// Prints how far belts of several stiffnesses slip in 0.2 s, by step, and the friction with which a belt that does not
+    /// stretch slips as far: the table of the manual.
+    #[test]
+    #[ignore = "slow"]
+    fn long_form_of_belts_by_stiffness_and_step() {
+        for friction in [0.1, 0.4] {
+            let light_end = 0.5 * holding_end(friction);
+            println!("friction {friction}: {:.4} m by Euler's formula", slips(friction, light_end, 0.2));
+            for (stiffness, explicit) in [(100.0, 1e-4), (1e3, 2.5e-5), (1e4, 1e-5), (1e5, 2.5e-6)] {
+                let explicit = ("symplectic-euler", explicit);
+                let implicit = [0.005, 0.0025, 0.001, 0.0005, 0.00025].map(|step| ("backward-euler", step));
+                for (method, step) in implicit.into_iter().chain([explicit]) {
+                    let integrator = format!("[integrator]\nmethod = \"{method}\"\nstep = {step:?}");
+                    let belt = kit::resource("belt", belt(light_end, 0.0068));
+                    let way = kit::falls(&hanging(friction, stiffness, &integrator, ROUND), &[belt], 0.2);
+                    let (mut low, mut high) = (0.2 * friction, 2.0 * friction);
+                    while high - low > 1e-4 {
+                        let middle = 0.5 * (low + high);
+                        if slips(middle, light_end, 0.2) > way { low = middle } else { high = middle }
+                    }
+                    let name = muslin::real::NAME;
+                    println!("{name} {stiffness} N/m, {method}, {step} s: {way:.4} m, as with friction {high:.3}");
+                }
+            }
+        }
+    }
 }

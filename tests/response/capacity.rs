@@ -72,7 +72,7 @@ both_precisions! {
         let settings = Settings { step: 0.005, hold: false };
         loop {
             match response::respond(&model, &mut columns.view(), settings, &mut contact_statistics, &Serial) {
-                Err(needed) => columns.grow_constraints(needed),
+                Err(needed) => assert!(columns.grow_constraints(needed), "no memory"),
                 Ok(Outcome::Free) => break,
                 other => panic!("with room for {room}: {other:?}"),
             }
@@ -92,6 +92,21 @@ both_precisions! {
             assert_eq!(found, contact_statistics, "with room for {room} contacts are lost or found twice");
             assert_eq!(end, want, "with room for {room} the step ends elsewhere");
         }
+    }
+
+    /// More room than there is memory for: the columns say so and stay as they are.
+    #[test]
+    fn columns_do_not_grow_beyond_the_memory() {
+        let built = kit::build(FALLING);
+        let touching = built.contact.expect("the scene has contact");
+        let mut columns = ContactScratchColumns::build(&touching.view(), 10);
+        let bytes = columns.bytes();
+        let too_many = 1 << 60;
+        let counts = Counts { vertex_triangle: too_many, edge_edge: 0 };
+        assert!(!columns.grow_pairs(counts), "there is no memory for 2^60 candidates");
+        assert!(!columns.columns().has_room(counts) && columns.bytes() == bytes, "the columns have changed");
+        assert!(!columns.grow_constraints(too_many), "there is no memory for 2^60 constraints");
+        assert_eq!(columns.bytes(), bytes, "the columns have changed");
     }
 
     /// The hash of a run, and bytes before and after.
@@ -170,7 +185,7 @@ both_precisions! {
                 dispatch: &Serial,
             };
             let contact = Some(StepContact { model: &model, columns: &mut columns, hold: false });
-            let work = Work { integrator: &mut statistics, contact: &mut contact_statistics, searched: &mut 0 };
+            let work = Work { integrator: &mut statistics, contact: &mut contact_statistics, searched: &mut 0, done: None };
             block_on(step::take(&input, &mut particles, &mut scratch.view(), contact, &mut history, work))?;
             see(&built);
         }

@@ -183,13 +183,13 @@ mod owned {
         }
     }
 
-    /// Number of crossings.
+    /// Number of crossings. It is too small if the dispatch [stops](Dispatch::stopped).
     pub fn count(surface: &Surface<'_>, positions: &[Vec3], dispatch: &impl Dispatch) -> usize {
         let counts = of_groups(surface, positions, dispatch, |count: &mut u32, _| *count += 1);
         counts.into_iter().map(|count| count as usize).sum()
     }
 
-    /// The crossings, `[edge, triangle]`, in ascending order.
+    /// The crossings, `[edge, triangle]`, in ascending order. Some are missing if the dispatch [stops](Dispatch::stopped).
     pub fn crossings(surface: &Surface<'_>, positions: &[Vec3], dispatch: &impl Dispatch) -> Vec<[u32; 2]> {
         let found = of_groups(surface, positions, dispatch, |found: &mut Vec<_>, crossing| found.push(crossing));
         let mut found = found.concat();
@@ -211,6 +211,9 @@ mod owned {
             let mut of_these = vec![T::default(); edges.len().div_ceil(GROUP)];
             dispatch.run(&mut of_these[..], |start, out: &mut [T]| {
                 for (group, out) in edges.chunks(GROUP).skip(start).zip(out) {
+                    if dispatch.stopped() {
+                        break;
+                    }
                     visit(surface, positions, group, &trees, &mut |crossing| add(out, crossing));
                 }
             });

@@ -81,12 +81,12 @@ impl KeptPairColumns {
         }
     }
 
-    /// Makes room for the pairs if they lacked some. No pairs are kept then, until they are put again.
+    /// Makes room for the pairs if they lacked some and there is memory. No pairs are kept then, until they are put again.
     pub fn grow(&mut self) {
         let Some(Counts { vertex_triangle, edge_edge }) = self.counts else { return };
         for (pairs, needed) in [(&mut self.vertex_triangle, vertex_triangle), (&mut self.edge_edge, edge_edge)] {
             if needed > pairs.len() {
-                pairs.resize(needed + needed / 4, [0; 2]);
+                crate::contact::grow(pairs, needed + needed / 4, [0; 2]);
                 self.counts = None;
             }
         }

@@ -7,6 +7,7 @@ pub mod drag;
 pub mod element;
 pub mod gravity;
 pub mod hinge;
+pub mod load;
 pub mod matrix;
 pub mod membrane;
 mod model;
@@ -61,7 +62,7 @@ pub struct Energy {
     pub bend: Sum,
     /// Seams.
     pub seam: Sum,
-    /// Potential energy of gravity, zero at the origin.
+    /// Potential energy of gravity, zero at the origin, and of loads, zero at the start.
     pub gravity: Sum,
 }
 

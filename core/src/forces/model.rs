@@ -1,7 +1,7 @@
 //! The model: the force terms that a scene names. The list of all terms is below the macro.
 
 use super::term::ForceTerm;
-use super::{drag, gravity, hinge, membrane, seam, spring, wind};
+use super::{drag, gravity, hinge, load, membrane, seam, spring, wind};
 
 /// Makes [`Term`], [`Model`], [`ModelColumns`] and `for_each_term` from the list. `$d` is a dollar sign: the
 /// inner macro needs its own.
@@ -93,6 +93,8 @@ force_terms! { $
     seams, Seam, "seam", seam::Seams<'a>, seam::SeamColumns;
     /// Wind on triangles.
     wind, Wind, "wind", wind::Wind<'a>, wind::WindColumns;
+    /// Loads on some vertices.
+    loads, Load, "load", load::Loads<'a>, load::LoadColumns;
 }
 
 // Gravity sets the forces, and drag the matrix; the terms after them add.

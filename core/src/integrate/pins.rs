@@ -14,12 +14,36 @@ const JUMP: Real = 0.25;
 /// Value in [`Pins::motions`] of a pin that does not move.
 pub const AT_REST: u32 = u32::MAX;
 
+/// The time in which a pin holds its axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// The axes: bits 0, 1, 2 for x, y, z.
+    pub axes: u8,
+    /// Time from which it holds, s. A pin holds from the start if this is 0.
+    pub from: Sum,
+    /// Time until which it holds, s.
+    pub until: Sum,
+}
+
+impl Hold {
+    /// The axes that are held just after `time`.
+    pub fn axes_after(&self, time: Sum) -> u8 {
+        let has_passed = |change| JumpSide::After.has_passed(change, time);
+        if has_passed(self.from) && !has_passed(self.until) { self.axes } else { 0 }
+    }
+
+    /// Whether the pin holds in the whole run.
+    pub fn is_always(&self) -> bool {
+        self.from == 0.0 && self.until == Sum::INFINITY
+    }
+}
+
 /// Pinned vertices, borrowed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pins<'a> {
     /// The vertices.
     pub vertices: &'a [u32],
-    /// Held axes of each pin: bits 0, 1, 2 for x, y, z.
+    /// Held axes of each pin: bits 0, 1, 2 for x, y, z; 0 while the pin does not hold.
     pub axes: &'a [u8],
     /// Position of each pin before any motion, m.
     pub anchors: &'a [Vec3],
@@ -149,7 +173,8 @@ pub fn filter_block(block: &mut Mat3, axes: u8) {
     }
 }
 
-fn held(axes: u8) -> impl Iterator<Item = usize> {
+/// The held axes, 0..3.
+pub(crate) fn held(axes: u8) -> impl Iterator<Item = usize> {
     (0..3).filter(move |axis| axes >> axis & 1 == 1)
 }
 
@@ -169,6 +194,8 @@ pub struct PinColumns {
     pub table: alloc::vec::Vec<Motion>,
     /// The keys of all motions.
     pub keys: alloc::vec::Vec<Key>,
+    /// When the first of the pins hold; those after them always do.
+    pub holds: alloc::vec::Vec<Hold>,
 }
 
 #[cfg(feature = "alloc")]
@@ -182,6 +209,37 @@ impl PinColumns {
             motions: &self.motions,
             table: &self.table,
             keys: &self.keys,
+        }
+    }
+
+    /// Sets the held axes to those just after `time`, s. A pin that begins holds its vertex where it is. Returns whether any
+    /// axes changed.
+    pub fn change(&mut self, time: Sum, positions: &[Vec3]) -> bool {
+        let mut any = false;
+        for (pin, hold) in self.holds.iter().enumerate() {
+            let axes = hold.axes_after(time);
+            if axes == self.axes[pin] {
+                continue;
+            }
+            if axes != 0 {
+                let place = positions[self.vertices[pin] as usize];
+                let motion = self.table.get(self.motions[pin] as usize);
+                self.anchors[pin] =
+                    motion.map_or(place, |motion| vec3(motion.undo(&self.keys, to_f64(place).into(), time).into()));
+            }
+            (self.axes[pin], any) = (axes, true);
+        }
+        any
+    }
+
+    /// Sets the held axes to those just after `time`, s, and takes over the `anchors` of pins that begin late, if there are as
+    /// many as [`Self::holds`].
+    pub fn restore(&mut self, time: Sum, anchors: &[Vec3]) {
+        for (pin, hold) in self.holds.iter().enumerate() {
+            self.axes[pin] = hold.axes_after(time);
+            if hold.from > 0.0 && anchors.len() == self.holds.len() {
+                self.anchors[pin] = anchors[pin];
+            }
         }
     }
 
@@ -207,6 +265,9 @@ impl PinColumns {
             self.axes.remove(pin);
             self.anchors.remove(pin);
             self.motions.remove(pin);
+            if pin < self.holds.len() {
+                self.holds.remove(pin);
+            }
         }
         self.vertices.len() < before
     }

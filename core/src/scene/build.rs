@@ -15,15 +15,17 @@ use crate::forces::ModelColumns;
 use crate::forces::drag::DragColumns;
 use crate::forces::gravity::Gravity;
 use crate::forces::hinge::HingeColumns;
+use crate::forces::load::LoadColumns;
 use crate::forces::membrane::MembraneColumns;
 use crate::forces::seam::SeamColumns;
 use crate::forces::spring::{Spring, SpringColumns};
 use crate::forces::wind::WindColumns;
-use crate::integrate::pins::PinColumns;
+use crate::integrate::pins::{Hold, PinColumns};
 use crate::mesh::edges::{self, Edge, NONE};
 use crate::mesh::rest::{self, RestTriangle};
 use crate::mesh::{IncidenceColumns, TriMesh};
 use crate::particles::ParticleColumns;
+use crate::reactions::PinGroup;
 use crate::real::{Real, vec3};
 
 /// Range of a cloth's vertices and triangles in the scene's columns.
@@ -46,6 +48,8 @@ pub struct BuiltScene {
     pub model: ModelColumns,
     /// The pinned vertices.
     pub pins: PinColumns,
+    /// The groups of pins, as the scene lists them.
+    pub pin_groups: Vec<PinGroup>,
     /// Triangles of all cloths.
     pub triangles: Vec<[u32; 3]>,
     /// Unique edges of all cloths.
@@ -104,7 +108,8 @@ pub(super) struct Parts {
     /// Given once the first cloth is placed.
     pub(super) origin: Option<DVec3>,
     positions: Vec<DVec3>,
-    masses: Vec<f64>,
+    pub(super) velocities: Vec<DVec3>,
+    pub(super) masses: Vec<f64>,
     areas: Vec<f64>,
     triangles: Vec<[u32; 3]>,
     edges: Vec<[u32; 2]>,
@@ -117,6 +122,8 @@ pub(super) struct Parts {
     pub(super) hinges: HingeColumns,
     pub(super) seams: SeamColumns,
     pub(super) pins: PinColumns,
+    pub(super) loads: LoadColumns,
+    pub(super) pin_groups: Vec<PinGroup>,
 }
 
 /// The mesh of one cloth and the data derived from it. Indices count from the cloth's first vertex.
@@ -143,6 +150,13 @@ impl Parts {
         }
         for (pin_index, pin) in desc.pin.iter().enumerate() {
             self.add_pin(&sheet, &placed, (index, pin_index as u32), pin)?;
+        }
+        for (number, mass) in desc.mass.iter().enumerate() {
+            self.add_mass(&sheet, &placed, (index, number as u32), mass)?;
+        }
+        self.add_velocities(&sheet, &placed, index)?;
+        for (number, load) in desc.load.iter().enumerate() {
+            self.add_load(&sheet, &placed, (index, number as u32), load)?;
         }
         Ok(())
     }
@@ -173,12 +187,7 @@ impl Parts {
 
     fn add_particles(&mut self, sheet: &Sheet<'_>, placed: &[DVec3]) -> Result<(), SceneError> {
         let first_triangle = self.triangles.len() as u32;
-        let mut areas = vec![0.0; sheet.mesh.positions.len()];
-        for (corners, rest) in sheet.mesh.triangles.iter().zip(&sheet.rest) {
-            for &corner in corners {
-                areas[corner as usize] += rest.area() / 3.0;
-            }
-        }
+        let areas = sheet.areas();
         self.material.extend(sheet.mesh.positions.iter().map(|&p| DVec3::from(p)));
         self.positions.extend_from_slice(placed);
         for area in &areas {
@@ -208,6 +217,9 @@ impl Parts {
         if self.hinges.damping.iter().all(|&d| d == 0.0) {
             self.hinges.damping = Vec::new();
         }
+        if self.pins.holds.iter().all(Hold::is_always) {
+            self.pins.holds = Vec::new();
+        }
         let linear = drag.map_or(0.0, |drag| drag.linear);
         let model = ModelColumns {
             gravity: scene.gravity.map(|g| Gravity(vec3(g))),
@@ -225,17 +237,20 @@ impl Parts {
                 tangential: wind.tangential as Real,
                 incidence: IncidenceColumns::build(vertices, &self.triangles),
             }),
+            loads: (!self.loads.vertices.is_empty()).then_some(self.loads),
         };
-        let particles = ParticleColumns::at_rest(
+        let mut particles = ParticleColumns::at_rest(
             self.positions.iter().map(|&p| vec3((p - origin).into())).collect(),
             self.masses.iter().map(|&m| m as Real).collect(),
             self.masses.iter().map(|&m| (1.0 / m) as Real).collect(),
         );
+        particles.velocities = self.velocities.iter().map(|&v| vec3(v.into())).collect();
         BuiltScene {
             origin,
             particles,
             model,
             pins: self.pins,
+            pin_groups: self.pin_groups,
             triangles: self.triangles,
             edges: self.edges,
             rest_lengths: self.rest_lengths.iter().map(|&l| l as Real).collect(),
@@ -250,6 +265,17 @@ impl Sheet<'_> {
     /// Converts indices in the cloth to indices in the scene.
     pub(super) fn shift<const N: usize>(&self, indices: &[u32; N]) -> [u32; N] {
         indices.map(|i| self.first + i)
+    }
+
+    /// Rest area of each vertex: a third of its triangles', m^2.
+    pub(super) fn areas(&self) -> Vec<f64> {
+        let mut areas = vec![0.0; self.mesh.positions.len()];
+        for (corners, rest) in self.mesh.triangles.iter().zip(&self.rest) {
+            for &corner in corners {
+                areas[corner as usize] += rest.area() / 3.0;
+            }
+        }
+        areas
     }
 
     /// Rest areas of the triangles on both sides of an edge, m^2. The second is 0 at the border.

@@ -55,6 +55,9 @@ pub(super) fn check_numbers(scene: &SceneDesc) -> Result<(), SceneError> {
     }
     not_negative("duration", scene.duration)?;
     positive("frame_rate", scene.frame_rate)?;
+    if let Some(speed) = scene.until_rest {
+        positive("until_rest", speed)?;
+    }
     check_integrator(&scene.integrator)?;
     finite("gravity", &scene.gravity.unwrap_or_default())?;
     if let Some(drag) = &scene.drag {

@@ -1,7 +1,9 @@
-//! A disc in the xz plane, centred at the origin: concentric rings of nearly equilateral
-//! triangles.
+//! A disc in the xz plane, centred at the origin: concentric rings, each with about six vertices more than the
+//! last. From one of six radii to the next the triangles change from right-angled to isosceles and back, so hinge
+//! bending is not isotropic (see the README of this crate).
 
 use core::f64::consts::PI;
+use core::ops::Range;
 
 use crate::error::SceneError;
 use crate::mesh::TriMesh;
@@ -19,20 +21,43 @@ pub struct DiscDesc {
     pub rings: u32,
 }
 
+/// Number of vertices, nearly: a ring has about 6 radius / spacing.
+pub(super) fn vertices(disc: &DiscDesc) -> u64 {
+    let rings = f64::from(disc.rings);
+    let hole = rings * disc.hole / (disc.radius - disc.hole);
+    (3.0 * (rings + 1.0) * (rings + 2.0 * hole)) as u64
+}
+
+/// Number of vertices of a ring; ring 0 is the innermost.
+fn count(disc: &DiscDesc, ring: u32) -> u32 {
+    let spacing = spacing(disc);
+    let radius = disc.hole + spacing * f64::from(ring);
+    if radius == 0.0 { 1 } else { (libm::round(6.0 * radius / spacing) as u32).max(6) }
+}
+
+/// Distance of the rings, m.
+fn spacing(disc: &DiscDesc) -> f64 {
+    (disc.radius - disc.hole) / f64::from(disc.rings)
+}
+
+/// The vertices of a ring.
+pub(super) fn ring(disc: &DiscDesc, ring: u32) -> Range<u32> {
+    let first = (0..ring).map(|ring| count(disc, ring)).sum();
+    first..first + count(disc, ring)
+}
+
 pub(super) fn mesh(disc: &DiscDesc) -> Result<TriMesh, SceneError> {
     super::check::positive("disc.radius", disc.radius)?;
     super::check::not_negative("disc.hole", disc.hole)?;
     super::check::positive("disc.radius - disc.hole", disc.radius - disc.hole)?;
     super::check::at_least("disc.rings", [disc.rings, u32::MAX], 1)?;
-    let spacing = (disc.radius - disc.hole) / f64::from(disc.rings);
-    // A ring has about 6 radius / spacing vertices.
-    let rings = f64::from(disc.rings);
-    super::check::nameable((3.0 * (rings + 1.0) * (rings + 2.0 * disc.hole / spacing)) as u64)?;
+    super::check::nameable(vertices(disc))?;
+    let spacing = spacing(disc);
     let mut mesh = TriMesh::default();
     let mut inner = (0, 0);
     for ring in 0..=disc.rings {
         let radius = disc.hole + spacing * f64::from(ring);
-        let count = if radius == 0.0 { 1 } else { (libm::round(6.0 * radius / spacing) as u32).max(6) };
+        let count = count(disc, ring);
         let outer = (mesh.positions.len() as u32, count);
         for i in 0..count {
             let angle = 2.0 * PI * f64::from(i) / f64::from(count);

@@ -32,12 +32,18 @@ pub struct GridDesc {
     pub pattern: Pattern,
 }
 
+/// Number of vertices. Every second row of the equilateral pattern has one more.
+pub(super) fn vertices(grid: &GridDesc) -> u64 {
+    let [nx, nz] = grid.cells.map(u64::from);
+    let longer = if grid.pattern == Pattern::Equilateral { nz.div_ceil(2) } else { 0 };
+    (nx + 1).saturating_mul(nz + 1).saturating_add(longer)
+}
+
 pub(super) fn mesh(grid: &GridDesc) -> Result<TriMesh, SceneError> {
     super::check::positive("grid.size", grid.size[0])?;
     super::check::positive("grid.size", grid.size[1])?;
     super::check::at_least("grid.cells", grid.cells, 1)?;
-    let [nx, nz] = grid.cells.map(u64::from);
-    super::check::nameable((nx + 1).saturating_mul(nz + 1))?;
+    super::check::nameable(vertices(grid))?;
     Ok(match grid.pattern {
         Pattern::Equilateral => shifted_rows(grid),
         Pattern::Diagonal => squares(grid, |_, _| false),

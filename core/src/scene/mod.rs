@@ -10,6 +10,8 @@ mod collider;
 mod contact;
 mod disc;
 mod grid;
+mod groups;
+mod memory;
 mod motion;
 mod pins;
 mod place;
@@ -27,8 +29,11 @@ pub use collider::{ColliderDesc, ColliderMotionDesc, Shape};
 pub use contact::{ContactDesc, FrictionDesc};
 pub use disc::DiscDesc;
 pub use grid::{GridDesc, Pattern};
+pub use groups::{LoadDesc, MassDesc, Share, SpinDesc, StartDesc};
+pub(crate) use memory::reserve;
+pub use memory::{Memory, memory};
 pub use resource::{Content, PointCache, Resource};
-pub use select::{SelectDesc, SheetSide};
+pub use select::{LineDesc, PlaneDesc, SelectDesc, SheetSide};
 pub use tube::TubeDesc;
 
 use crate::integrate::{Jacobian, Method, Preconditioner, Tolerance};
@@ -47,6 +52,8 @@ pub struct SceneDesc {
     pub description: String,
     /// Simulated time, s.
     pub duration: f64,
+    /// The speed, m/s: a run ends after a frame in which no vertex was as fast. Absent: it lasts for the whole duration.
+    pub until_rest: Option<f64>,
     /// Output frames per simulated second.
     #[cfg_attr(feature = "serde", serde(default = "defaults::frame_rate"))]
     pub frame_rate: f64,
@@ -109,6 +116,20 @@ pub struct ClothDesc {
     /// Sewn vertices.
     #[cfg_attr(feature = "serde", serde(default))]
     pub seam: Vec<SeamDesc>,
+    /// Forces on some vertices.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub load: Vec<LoadDesc>,
+    /// Masses on some vertices.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub mass: Vec<MassDesc>,
+    /// Velocity at the start, m/s.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub velocity: [f64; 3],
+    /// Rotation at the start, which adds to the velocity; absent: no rotation.
+    pub spin: Option<SpinDesc>,
+    /// Velocities of some vertices at the start.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub start: Vec<StartDesc>,
 }
 
 /// The in-plane model that resists stretching.
@@ -186,6 +207,11 @@ pub struct PinDesc {
     pub axes: String,
     /// Motion; absent: the vertices rest.
     pub motion: Option<MotionDesc>,
+    /// Time from which the pin holds its vertices, where they are then, s.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub from: f64,
+    /// Time until which it holds them, s; absent: until the end.
+    pub until: Option<f64>,
 }
 
 /// The motion of a pin or a collider: an offset by keys, and a rotation about the centre.
@@ -231,7 +257,8 @@ pub struct SeamDesc {
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DragDesc {
-    /// Linear drag, N s/m^3: force against the velocity, per velocity and rest area.
+    /// Linear drag, N s/m^3: force against the velocity, per velocity and rest area. The area of a sheet counts once: the
+    /// coefficient is that of both sides together.
     #[cfg_attr(feature = "serde", serde(default))]
     pub linear: f64,
     /// Wind on the triangles; absent: no wind.
@@ -244,7 +271,7 @@ pub struct DragDesc {
 pub struct WindDesc {
     /// Velocity of the air, m/s.
     pub velocity: [f64; 3],
-    /// Coefficient along the normal, N s/m^3: force per relative velocity and area.
+    /// Coefficient along the normal, N s/m^3: force per relative velocity and area, which counts once as that of drag.
     pub normal: f64,
     /// Coefficient in the plane of the triangle, N s/m^3.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -363,6 +390,8 @@ pub struct Timing {
     pub steps_per_frame: u64,
     /// Time step, s; not larger than the step that the scene gives.
     pub step: f64,
+    /// The speed, m/s: the run ends after a frame in which no vertex was as fast.
+    pub until_rest: Option<f64>,
 }
 
 impl SceneDesc {
@@ -376,6 +405,7 @@ impl SceneDesc {
             frames: whole(self.duration * self.frame_rate) as u64,
             steps_per_frame: steps_per_frame as u64,
             step: frame / steps_per_frame,
+            until_rest: self.until_rest,
         }
     }
 }

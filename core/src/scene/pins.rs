@@ -3,10 +3,12 @@
 use glam::DVec3;
 
 use super::build::{Parts, Sheet};
+use super::check::{not_negative, positive};
 use super::motion::{MotionError, read_motion};
 use super::{PinDesc, select};
 use crate::error::SceneError;
-use crate::integrate::pins::AT_REST;
+use crate::integrate::pins::{AT_REST, Hold};
+use crate::reactions::PinGroup;
 use crate::real::vec3;
 
 impl Parts {
@@ -17,8 +19,7 @@ impl Parts {
         (cloth, number): (u32, u32),
         pin: &PinDesc,
     ) -> Result<(), SceneError> {
-        let selected =
-            select::select(&pin.select, &sheet.mesh.positions, placed).map_err(|error| error.at(cloth, number))?;
+        let selected = select::select(&pin.select, sheet, placed, (cloth, "pin", number))?;
         let axes = axes(&pin.axes).ok_or(SceneError::PinAxes { cloth, pin: number })?;
         let centre = selected.iter().map(|&v| placed[v as usize]).sum::<DVec3>() / selected.len() as f64;
         let origin = self.origin.unwrap_or_default();
@@ -34,12 +35,19 @@ impl Parts {
             }
             None => AT_REST,
         };
+        let from = not_negative("cloth.pin.from", pin.from)?;
+        let until = pin.until.map_or(Ok(f64::INFINITY), |until| {
+            positive("cloth.pin.until - cloth.pin.from", until - from).map(|_| until)
+        })?;
+        let first = self.pins.vertices.len();
         for vertex in selected {
+            self.pins.holds.push(Hold { axes, from, until });
             self.pins.vertices.push(sheet.first + vertex);
-            self.pins.axes.push(axes);
+            self.pins.axes.push(if from > 0.0 { 0 } else { axes });
             self.pins.anchors.push(vec3((placed[vertex as usize] - origin).into()));
             self.pins.motions.push(motion);
         }
+        self.pin_groups.push(PinGroup { cloth, number, pins: first..self.pins.vertices.len() });
         Ok(())
     }
 }

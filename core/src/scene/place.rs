@@ -44,9 +44,14 @@ pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Re
 pub(super) fn origin(placed: &[DVec3]) -> DVec3 {
     let (min, max) = placed.iter().fold((placed[0], placed[0]), |(min, max), &x| (min.min(x), max.max(x)));
     // A power of two, so that most coordinates of a near cloth lose no digit.
-    let unit = libm::exp2(libm::ceil(libm::log2(NEAR * (max - min).max_element())));
+    let unit = 2.0 * power_of_two(NEAR * (max - min).max_element());
     let origin = ((min + max) / (2.0 * unit)).round() * unit;
     if origin.is_finite() { origin } else { DVec3::ZERO }
+}
+
+/// The largest power of two that is not larger than a positive number.
+fn power_of_two(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// Checks that the positions of vertices are exact to a small part of the edges.

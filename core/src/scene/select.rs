@@ -1,10 +1,13 @@
-//! Selects the vertices of a pin.
+//! Selects vertices of a cloth, for pins and whatever else acts on a part of it.
 
 use alloc::vec::Vec;
 
 use glam::DVec3;
 
-use crate::error::SceneError;
+use super::build::Sheet;
+use super::disc;
+use crate::error::{SceneError, SelectError};
+use crate::mesh::edges::NONE;
 
 /// A side of a sheet before placement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,53 +38,121 @@ pub struct SelectDesc {
     pub nearest: Option<[f64; 3]>,
     /// A side of the sheet before placement.
     pub edge: Option<SheetSide>,
+    /// A ring of a disc, counted from the innermost, which is 0.
+    pub ring: Option<u32>,
+    /// All vertices at the border of the mesh.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub border: bool,
+    /// Vertices near a straight line after placement.
+    pub line: Option<LineDesc>,
+    /// Vertices near a plane after placement.
+    pub plane: Option<PlaneDesc>,
 }
 
-/// Reason why a selection is not usable. The caller adds the cloth and the pin.
-pub(super) enum SelectError {
-    OneSelection,
-    Empty,
-    OutOfRange(u32),
-    NotFinite,
+/// The surroundings of the straight line between two points.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+pub struct LineDesc {
+    /// One end, m.
+    pub a: [f64; 3],
+    /// The other end, m.
+    pub b: [f64; 3],
+    /// Largest distance from the line, m.
+    pub within: f64,
 }
 
-impl SelectError {
-    pub(super) fn at(self, cloth: u32, pin: u32) -> SceneError {
-        match self {
-            Self::OneSelection => SceneError::OneSelection { cloth, pin },
-            Self::Empty => SceneError::EmptyPin { cloth, pin },
-            Self::NotFinite => SceneError::NotFinite { key: "cloth.pin.select" },
-            Self::OutOfRange(index) => SceneError::PinOutOfRange { cloth, pin, index },
-        }
+/// The surroundings of a plane.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+pub struct PlaneDesc {
+    /// A point of the plane, m.
+    pub point: [f64; 3],
+    /// The direction of its normal.
+    pub normal: [f64; 3],
+    /// Largest distance from the plane, m.
+    pub within: f64,
+}
+
+/// The part of a cloth that a selection belongs to: its cloth, its key and its number among those of this key.
+pub(super) type Part = (u32, &'static str, u32);
+
+/// The selected vertices in ascending order, counted from the first one of the sheet. `placed` are their positions after
+/// placement, m.
+pub(super) fn select(
+    select: &SelectDesc,
+    sheet: &Sheet<'_>,
+    placed: &[DVec3],
+    (cloth, part, number): Part,
+) -> Result<Vec<u32>, SceneError> {
+    let found = find(select, sheet, placed).and_then(|mut selected| {
+        selected.sort_unstable();
+        selected.dedup();
+        if selected.is_empty() { Err(SelectError::Empty) } else { Ok(selected) }
+    });
+    found.map_err(|error| SceneError::Selection { cloth, part, number, error })
+}
+
+/// The selected vertices in any order.
+fn find(select: &SelectDesc, sheet: &Sheet<'_>, placed: &[DVec3]) -> Result<Vec<u32>, SelectError> {
+    let flat = &sheet.mesh.positions;
+    let SelectDesc { corners, vertices, inside, nearest, edge, ring, border, line, plane } = select;
+    let mut ways = Vec::new();
+    if let Some(corners) = corners {
+        ways.push(by_corners(corners, flat));
+    }
+    if let Some(vertices) = vertices {
+        let missing = vertices.iter().find(|&&v| v as usize >= flat.len());
+        ways.push(missing.map_or_else(|| Ok(vertices.clone()), |&v| Err(SelectError::OutOfRange { index: v })));
+    }
+    if let Some([min, max]) = inside {
+        let within = |p: &DVec3| p.cmpge((*min).into()).all() && p.cmple((*max).into()).all();
+        ways.push(finite(&[*min, *max], 0.0).map(|()| indices(placed.len(), |v| within(&placed[v]))));
+    }
+    if let Some(point) = nearest {
+        let nearest = || least(placed.len(), |v| placed[v].distance_squared((*point).into()));
+        ways.push(finite(&[*point], 0.0).map(|()| nearest().into_iter().collect()));
+    }
+    if let Some(side) = edge {
+        ways.push(Ok(by_side(*side, flat)));
+    }
+    if let Some(index) = *ring {
+        let disc = sheet.desc.disc.as_ref().ok_or(SelectError::NoDisc);
+        ways.push(disc.and_then(|disc| {
+            if index > disc.rings {
+                Err(SelectError::OutOfRange { index })
+            } else {
+                Ok(disc::ring(disc, index).collect())
+            }
+        }));
+    }
+    if *border {
+        let edges = sheet.edges.iter().filter(|edge| edge.triangles[1] == NONE);
+        ways.push(Ok(edges.flat_map(|edge| edge.ends).collect()));
+    }
+    if let Some(LineDesc { a, b, within }) = *line {
+        let (start, along) = (DVec3::from(a), DVec3::from(b) - DVec3::from(a));
+        let beside = |x: DVec3| {
+            let part = (x - start).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+            x.distance(start + along * part.clamp(0.0, 1.0))
+        };
+        ways.push(finite(&[a, b], within).map(|()| indices(placed.len(), |v| beside(placed[v]) <= within)));
+    }
+    if let Some(PlaneDesc { point, normal, within }) = *plane {
+        let normal = DVec3::from(normal).try_normalize().ok_or(SelectError::BadNumbers);
+        let above = |x: DVec3, normal: DVec3| (x - DVec3::from(point)).dot(normal).abs();
+        let near = |normal| indices(placed.len(), |v| above(placed[v], normal) <= within);
+        ways.push(finite(&[point], within).and(normal).map(near));
+    }
+    match ways.pop() {
+        Some(only) if ways.is_empty() => only,
+        _ => Err(SelectError::OneWay),
     }
 }
 
-/// The selected vertices in ascending order. `flat` are the positions before placement, `placed` after it.
-pub(super) fn select(select: &SelectDesc, flat: &[[f64; 3]], placed: &[DVec3]) -> Result<Vec<u32>, SelectError> {
-    let SelectDesc { corners, vertices, inside, nearest, edge } = select;
-    let places = inside.iter().flat_map(|corners| corners.as_flattened()).chain(nearest.iter().flatten());
-    if places.into_iter().any(|x| !x.is_finite()) {
-        return Err(SelectError::NotFinite);
-    }
-    let mut selected = match (corners, vertices, inside, nearest, edge) {
-        (Some(corners), None, None, None, None) => by_corners(corners, flat)?,
-        (None, Some(vertices), None, None, None) => match vertices.iter().find(|&&v| v as usize >= flat.len()) {
-            Some(&missing) => return Err(SelectError::OutOfRange(missing)),
-            None => vertices.clone(),
-        },
-        (None, None, Some([min, max]), None, None) => {
-            let within = |p: &DVec3| p.cmpge((*min).into()).all() && p.cmple((*max).into()).all();
-            indices(placed.len(), |v| within(&placed[v]))
-        }
-        (None, None, None, Some(point), None) => {
-            least(placed.len(), |v| placed[v].distance_squared((*point).into())).into_iter().collect()
-        }
-        (None, None, None, None, Some(side)) => by_side(*side, flat),
-        _ => return Err(SelectError::OneSelection),
-    };
-    selected.sort_unstable();
-    selected.dedup();
-    if selected.is_empty() { Err(SelectError::Empty) } else { Ok(selected) }
+/// Checks that points are finite and that a distance is finite and not negative.
+fn finite(points: &[[f64; 3]], within: f64) -> Result<(), SelectError> {
+    let is_good = points.as_flattened().iter().all(|x| x.is_finite()) && (0.0..f64::INFINITY).contains(&within);
+    if is_good { Ok(()) } else { Err(SelectError::BadNumbers) }
 }
 
 fn by_corners(corners: &[u32], flat: &[[f64; 3]]) -> Result<Vec<u32>, SelectError> {
@@ -89,7 +160,7 @@ fn by_corners(corners: &[u32], flat: &[[f64; 3]]) -> Result<Vec<u32>, SelectErro
         let towards = |bit: u32| if corner & bit == 0 { 1.0 } else { -1.0 };
         match corner {
             0..4 => Ok(least(flat.len(), |v| towards(1) * flat[v][0] + towards(2) * flat[v][2])),
-            _ => Err(SelectError::OutOfRange(corner)),
+            _ => Err(SelectError::OutOfRange { index: corner }),
         }
     };
     Ok(corners.iter().map(corner).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())

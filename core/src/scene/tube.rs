@@ -17,6 +17,12 @@ pub struct TubeDesc {
     pub cells: [u32; 2],
 }
 
+/// Number of vertices.
+pub(super) fn vertices(tube: &TubeDesc) -> u64 {
+    let [around, along] = tube.cells.map(u64::from);
+    around.saturating_mul(along + 1)
+}
+
 /// The mesh of a tube. Texture coordinates unroll it: u runs around the axis, v along it.
 pub(super) fn mesh(tube: &TubeDesc) -> Result<TriMesh, SceneError> {
     super::check::positive("tube.radius", tube.radius)?;
@@ -24,7 +30,7 @@ pub(super) fn mesh(tube: &TubeDesc) -> Result<TriMesh, SceneError> {
     super::check::at_least("tube.cells", [tube.cells[0], u32::MAX], 3)?;
     super::check::at_least("tube.cells", tube.cells, 1)?;
     let [around, along] = tube.cells;
-    super::check::nameable(u64::from(around) * (u64::from(along) + 1))?;
+    super::check::nameable(vertices(tube))?;
     let chord = 2.0 * tube.radius * libm::sin(PI / f64::from(around));
     let mut mesh = TriMesh::default();
     for j in 0..=along {

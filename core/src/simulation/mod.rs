@@ -16,6 +16,7 @@ use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Scheme, StepInput};
 use crate::mesh::SurfaceColumns;
 use crate::particles::ParticleColumns;
+use crate::reactions::{Impulse, ReactionColumns};
 use crate::real::{Real, Sum, Vec3, to_f64, vec3};
 use crate::refusal::Obstacle;
 use crate::response::ContactStatistics;
@@ -24,6 +25,7 @@ use crate::scratch::ScratchColumns;
 use crate::stage::Term;
 use crate::step::{self, History, StepContact, Work};
 use crate::traffic::{self, TrafficSizes};
+use crate::work_done::{Ledger, WorkDone};
 
 mod move_to;
 mod substeps;
@@ -50,6 +52,11 @@ pub struct Simulation {
     halvings: u32,
     /// The largest estimated error of a substep of the last step, m.
     estimate: Option<Real>,
+    /// Whether the work from outside is measured, and the work done since then.
+    measures_work: bool,
+    work_done: WorkDone,
+    /// The impulses of pins and colliders, if they are measured.
+    reactions: Option<ReactionColumns>,
     /// Number of candidates found in this step, over all attempts.
     searched: u64,
     scheme: Scheme,
@@ -90,14 +97,18 @@ pub struct State<'a> {
     pub after_contact: bool,
     /// The forces of contacts in the last step, sorted by their vertices.
     pub multipliers: &'a [Multiplier],
+    /// Position of each pin before any motion, m, in a scene with pins that begin or end at a time; otherwise empty.
+    pub anchors: &'a [Vec3],
 }
 
 impl Simulation {
-    /// Builds a scene. [`scene::build`] documents the errors.
+    /// Builds a scene. [`scene::build`] documents the errors; [`SceneError::Memory`] comes before anything of the size of
+    /// the scene is allocated.
     ///
     /// The step is the longest that divides a frame into whole steps and is not longer than the step
     /// of the scene ([`SceneDesc::timing`]). With a largest error, it is divided into substeps whose error is smaller.
     pub fn new(desc: &SceneDesc, resources: &[Resource]) -> Result<Self, SceneError> {
+        scene::reserve(desc, resources)?;
         let built = scene::build(desc, resources)?;
         let scheme = Scheme {
             method: desc.integrator.method,
@@ -130,6 +141,9 @@ impl Simulation {
             history: History::Start,
             halvings: 0,
             estimate: None,
+            measures_work: false,
+            work_done: WorkDone::default(),
+            reactions: None,
             searched: 0,
             scheme,
             step,
@@ -151,6 +165,7 @@ impl Simulation {
     pub async fn await_step<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;
+        self.change_pins();
         let taken = self.take_substeps(dispatch).await;
         match taken {
             Ok(()) => self.steps += 1,
@@ -170,8 +185,21 @@ impl Simulation {
         dispatch: &D,
     ) -> Result<Option<Real>, Obstacle> {
         let time = self.time_at(substep.from);
-        let Self { built, scratch, contact, history, scheme, step, statistics, contact_statistics, searched, .. } =
-            self;
+        let Self {
+            built,
+            scratch,
+            contact,
+            history,
+            scheme,
+            step,
+            statistics,
+            contact_statistics,
+            searched,
+            measures_work,
+            work_done,
+            reactions,
+            ..
+        } = self;
         let mut particles = built.particles.view();
         let input = StepInput {
             model: &built.model.view(),
@@ -189,7 +217,9 @@ impl Simulation {
         let model = built.contact.as_ref().map(|model| model.view());
         let columns = model.as_ref().zip(contact.as_mut());
         let contact = columns.map(|(model, columns)| StepContact { model, columns, hold: last_resort });
-        let work = Work { integrator: statistics, contact: contact_statistics, searched };
+        let reactions = reactions.as_mut().map(|columns| columns.view(&built.pin_groups));
+        let done = measures_work.then_some(Ledger { done: work_done, reactions });
+        let work = Work { integrator: statistics, contact: contact_statistics, searched, done };
         step::take(&input, &mut particles, &mut scratch.view(), contact, history, work).await
     }
 
@@ -303,7 +333,8 @@ impl Simulation {
     /// Size of all columns, bytes.
     pub fn bytes(&self) -> usize {
         let contact = self.contact.as_ref().map_or(0, ContactScratchColumns::bytes);
-        self.built.bytes() + self.scratch.bytes() + contact + self.kept.bytes()
+        let reactions = self.reactions.as_ref().map_or(0, ReactionColumns::bytes);
+        self.built.bytes() + self.scratch.bytes() + contact + self.kept.bytes() + reactions
     }
 
     /// The point in the world from which all positions are measured, m. It is zero unless the first cloth starts far from
@@ -364,6 +395,38 @@ impl Simulation {
         self.built.pins.view()
     }
 
+    /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. If pins move and the steps have no
+    /// largest error, each step takes one more evaluation of the forces.
+    pub fn measure_work(&mut self, from: WorkDone) {
+        (self.measures_work, self.work_done) = (true, from);
+    }
+
+    /// Measures the [reactions](crate::reactions) of pins and colliders too, and the work of contacts and damping. Allocates
+    /// the columns; each step takes one or two more evaluations of the forces. Does nothing unless the work is
+    /// [measured](Self::measure_work).
+    pub fn measure_reactions(&mut self) {
+        let colliders = self.built.contact.as_ref().map_or(0, |contact| contact.colliders.bodies.len());
+        let pins = vec![Impulse::default(); self.built.pin_groups.len()];
+        let columns = ReactionColumns { pins, colliders: vec![Impulse::default(); colliders] };
+        self.kept.reactions = columns.clone();
+        self.reactions = Some(columns);
+    }
+
+    /// The impulses of pins and colliders since the host last set them, if they are [measured](Self::measure_reactions).
+    pub fn reactions(&self) -> Option<&ReactionColumns> {
+        self.reactions.as_ref()
+    }
+
+    /// Mutable impulses; a host clears them at the start of each interval.
+    pub fn reactions_mut(&mut self) -> Option<&mut ReactionColumns> {
+        self.reactions.as_mut()
+    }
+
+    /// The work done on the cloth, if it is [measured](Self::measure_work).
+    pub fn work_done(&self) -> WorkDone {
+        self.work_done
+    }
+
     /// Current energies, J.
     pub fn energy(&self) -> Energy {
         let (model, masses) = (self.model(), &self.built.particles.masses);
@@ -378,6 +441,12 @@ impl Simulation {
     /// Current linear momentum, kg m/s.
     pub fn momentum(&self) -> [Sum; 3] {
         diagnostics::momentum(&self.built.particles.masses, self.velocities())
+    }
+
+    /// Current angular momentum about the world's origin, kg m^2/s.
+    pub fn angular_momentum(&self) -> [Sum; 3] {
+        let about = diagnostics::angular_momentum(&self.built.particles.masses, self.positions(), self.velocities());
+        (about + self.built.origin.cross(self.momentum().into())).into()
     }
 
     /// Current stretch of all edges.
@@ -402,11 +471,12 @@ impl Simulation {
             halvings: self.halvings,
             after_contact: self.history == History::Corrected,
             multipliers: self.contact.as_ref().map_or(&[], ContactScratchColumns::multipliers),
+            anchors: &self.built.pins.anchors[..self.built.pins.holds.len()],
         }
     }
 
     /// Restores a checkpoint of the same scene. Returns false and changes nothing if the lengths of the
-    /// columns differ or there are too many halvings.
+    /// columns differ, there are too many halvings, or there is no memory for the forces of contacts.
     pub fn restore(
         &mut self,
         state: &State<'_>,
@@ -420,7 +490,8 @@ impl Simulation {
             && state.low.iter().all(|low| low.len() == count)
             && state.halvings <= MOST_HALVINGS
             && state.previous[1].len() == history
-            && (history == 0 || history == self.scratch.previous_displacements.len());
+            && (history == 0 || history == self.scratch.previous_displacements.len())
+            && self.contact.as_mut().is_none_or(|contact| contact.grow_constraints(state.multipliers.len()));
         if fits {
             self.built.particles.positions.copy_from_slice(state.positions);
             self.built.particles.velocities.copy_from_slice(state.velocities);
@@ -445,6 +516,11 @@ impl Simulation {
                 contact.set_multipliers(state.multipliers);
             }
             self.steps = state.steps;
+            if !self.built.pins.holds.is_empty() {
+                // Those of the last step.
+                self.built.pins.restore(state.steps.saturating_sub(1) as Sum * Sum::from(self.step), state.anchors);
+                self.take_over_pins();
+            }
             (self.statistics, self.contact_statistics) = (statistics, contact_statistics);
         }
         fits

@@ -1,4 +1,4 @@
-//! Dragging: the host pins a vertex, moves it and releases it.
+//! Pins that change: the host pins a vertex, moves it and releases it, or the time of a pin begins or ends.
 
 use glam::DVec3;
 
@@ -35,8 +35,18 @@ impl Simulation {
         released
     }
 
+    /// Lets the pins begin and end whose time has come at the start of this step.
+    pub(super) fn change_pins(&mut self) {
+        let now = self.time();
+        if self.built.pins.change(now, &self.built.particles.positions) {
+            self.take_over_pins();
+            self.history.cut();
+            self.built.pins.view().set_out(now, &mut self.built.particles.velocities);
+        }
+    }
+
     /// Copies the held axes to contact and the preconditioner.
-    fn take_over_pins(&mut self) {
+    pub(super) fn take_over_pins(&mut self) {
         let BuiltScene { particles, pins, contact, .. } = &mut self.built;
         let pins = &pins.view();
         self.scratch.set_pins(pins);

@@ -11,9 +11,11 @@ use crate::contact::ContactScratchColumns;
 use crate::dispatch::Dispatch;
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::particles::ParticleColumns;
+use crate::reactions::ReactionColumns;
 use crate::real::{Real, Sum, Vec3};
 use crate::refusal::{Cause, Obstacle};
 use crate::step::History;
+use crate::work_done::WorkDone;
 
 /// Largest number of halvings. In the shortest substeps vertices that still collide are held back, and every error is
 /// accepted.
@@ -28,6 +30,8 @@ pub(super) struct Kept {
     columns: [Vec<Vec3>; 6],
     multipliers: Vec<Multiplier>,
     history: History,
+    work_done: WorkDone,
+    pub(super) reactions: ReactionColumns,
 }
 
 impl Kept {
@@ -44,7 +48,8 @@ impl Kept {
     /// Size of the columns, bytes.
     pub fn bytes(&self) -> usize {
         let multipliers = self.multipliers.capacity() * size_of::<Multiplier>();
-        self.columns.iter().map(|column| size_of_val(&column[..])).sum::<usize>() + multipliers
+        let columns = self.columns.iter().map(|column| size_of_val(&column[..])).sum::<usize>();
+        columns + multipliers + self.reactions.bytes()
     }
 }
 
@@ -105,7 +110,7 @@ impl Simulation {
     }
 
     fn keep(&mut self) {
-        let Self { built, scratch, contact, kept, .. } = self;
+        let Self { built, scratch, contact, kept, reactions, .. } = self;
         let ParticleColumns { positions, velocities, low_positions, low_velocities, .. } = &built.particles;
         let previous = [&scratch.previous_displacements, &scratch.previous_velocity_changes];
         let own = [positions, velocities, low_positions, low_velocities, previous[0], previous[1]];
@@ -114,7 +119,10 @@ impl Simulation {
         }
         kept.multipliers.clear();
         kept.multipliers.extend_from_slice(contact.as_ref().map_or(&[], ContactScratchColumns::multipliers));
-        kept.history = self.history;
+        (kept.history, kept.work_done) = (self.history, self.work_done);
+        if let Some(reactions) = reactions {
+            kept.reactions.copy_from(reactions);
+        }
     }
 
     fn put_back(&mut self) {
@@ -122,9 +130,14 @@ impl Simulation {
         let [positions, velocities, low_positions, low_velocities, previous @ ..] =
             kept.columns.each_ref().map(|column| &column[..]);
         let (multipliers, low) = (&kept.multipliers[..], [low_positions, low_velocities]);
-        let state = State { positions, velocities, low, previous, multipliers, ..self.state() };
+        let state = State { positions, velocities, low, previous, multipliers, anchors: &[], ..self.state() };
         self.restore(&state, self.statistics, self.contact_statistics);
-        self.history = kept.history;
+        (self.history, self.work_done) = (kept.history, kept.work_done);
+        if let Some(reactions) = &mut self.reactions {
+            reactions.copy_from(&kept.reactions);
+        }
         self.kept = kept;
+        // Those that began at the start of this step.
+        self.change_pins();
     }
 }

@@ -20,6 +20,7 @@ const SEPARATIONS: u32 = 10;
 impl Simulation {
     /// [Removes](untangle::untangle) the present intersections as far as pins allow it. Then separates pairs that are too near
     /// for the response. Only positions change. Nothing changes in a scene without contact or without intersections.
+    /// If the dispatch [stops](Dispatch::stopped), the counts say nothing.
     pub fn untangle(&mut self, dispatch: &impl Dispatch) -> Untangled {
         let mut places = self.places();
         let Some(model) = &self.built.contact else { return Untangled::default() };

@@ -99,13 +99,17 @@ impl Displacements {
     }
 }
 
-/// Separates surfaces that pass through one another. `places` has the vertices of the cloth and then of the
-/// colliders, m; only vertices with a inverse_masses are moved. Positions that are not finite are left unchanged.
+/// Separates surfaces that pass through one another. `places` has the vertices of the cloth and then of the colliders,
+/// m; only vertices with a inverse_masses are moved. Positions that are not finite are left unchanged. If the dispatch
+/// [stops](Dispatch::stopped), nothing is moved and all counts are 0.
 pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl Dispatch) -> Untangled {
     if !places.iter().all(|x| x.is_finite()) {
         return Untangled::default();
     }
     let mut crossings = find(model, places, dispatch);
+    if dispatch.stopped() {
+        return Untangled::default();
+    }
     let inside = solids::inside(model, places);
     let before = [crossings.len(), inside];
     let mut result = Untangled { before: before[0], after: before[0], inside: [inside; 2], ..Untangled::default() };
@@ -123,10 +127,14 @@ pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl D
             solids::leave(&scene, &topology, places, &mut displacements);
         }
         if displacements.is_empty() {
-            separate(&scene, &topology, &crossings, places, &mut displacements, attempt);
+            separate(&scene, &topology, &crossings, places, &mut displacements, attempt, dispatch);
         }
         displacements.apply(model.inverse_masses, places);
         crossings = find(model, places, dispatch);
+        if dispatch.stopped() {
+            places.copy_from_slice(&start);
+            return Untangled::default();
+        }
         let now = [crossings.len(), solids::inside(model, places)];
         if now < best && !is_torn(model, &start, places) {
             (best, waited) = (now, 0);
@@ -172,7 +180,8 @@ fn find(model: &ContactModel<'_>, places: &[Vec3], dispatch: &impl Dispatch) -> 
 }
 
 /// Requests the displacements that separate the contours. Successive values of `attempt` try four ways in turn: the
-/// best flaps, slides, the best flaps moved the other way (as a whole or by depth), and the second best flaps.
+/// best flaps, slides, the best flaps moved the other way (as a whole or by depth), and the second best flaps. Requests
+/// fewer if the dispatch stops.
 fn separate(
     scene: &Scene<'_>,
     topology: &Topology,
@@ -180,11 +189,15 @@ fn separate(
     places: &[Vec3],
     displacements: &mut Displacements,
     attempt: u32,
+    dispatch: &impl Dispatch,
 ) {
     let [slides, otherwise, second] = [1, 2, 3].map(|way| attempt % 4 == way);
     let mut cut: Vec<u32> = crossings.iter().map(|crossing| crossing.features[0]).collect();
     cut.dedup();
     for contour in contour::trace(topology, crossings) {
+        if dispatch.stopped() {
+            return;
+        }
         let mut flaps = Vec::new();
         for strand in contour.chunk_by(|a, b| a.0 == b.0).filter(|_| !slides) {
             let strand: Vec<&Crossing> = strand.iter().map(|&(_, k)| &crossings[k as usize]).collect();

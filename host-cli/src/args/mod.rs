@@ -15,7 +15,7 @@ pub use studies::{
     ValidateArguments,
 };
 pub use tools::{BenchArguments, DevicesArguments, ScenesArguments};
-pub use values::{Backend, Cost, DetectStage, Method, Precision, PreviewKind};
+pub use values::{Backend, Cost, DetectStage, Method, Precision, PreviewKind, series_name};
 
 /// A cloth simulator that says what each method costs and how large its error is.
 #[derive(Debug, Parser)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::help;
-use super::values::{Backend, Precision, PreviewKind, seconds, threads};
+use super::values::{Backend, Precision, PreviewKind, seconds, series_name, threads};
 use crate::export::Format;
 
 /// A scene, its overrides and the output folder.
@@ -44,6 +44,9 @@ pub struct RunArguments {
     /// Formats of the exported frames, separated by commas, or none
     #[arg(long, value_enum, value_delimiter = ',', default_value = "pc2")]
     pub export: Vec<Format>,
+    /// Write energies, works, momentum and reaction forces of every frame to this file in the output folder
+    #[arg(long, value_name = "FILE.csv", value_parser = series_name)]
+    pub series: Option<String>,
     /// The preview picture
     #[arg(long, value_enum, default_value = "gif")]
     pub preview: PreviewKind,

@@ -1,5 +1,7 @@
 //! The values that options take, and how their text is read.
 
+use std::path::Path;
+
 use clap::ValueEnum;
 use muslin_core::integrate;
 use serde::Deserialize;
@@ -25,6 +27,14 @@ pub fn step(text: &str) -> Result<f64, String> {
 pub fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|&seconds: &f64| seconds >= 0.0 && seconds.is_finite());
     seconds.ok_or_else(|| "must be a time in seconds, zero or more".into())
+}
+
+/// The name of a file of comma-separated values, without folders.
+pub fn series_name(text: &str) -> Result<String, String> {
+    let is_plain = Path::new(text).file_name().is_some_and(|name| name == text) && !text.contains('\\');
+    let is_named = is_plain && text.len() > 4 && text.ends_with(".csv");
+    let why = "must be a name that ends with .csv, without folders: the file is written to the output folder";
+    is_named.then(|| text.into()).ok_or_else(|| why.into())
 }
 
 /// A length, m.

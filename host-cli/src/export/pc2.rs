@@ -14,6 +14,8 @@ const HEADER_BYTES: u64 = 32;
 /// Streams `cloth.pc2` and adds `cloth.obj`, the mesh in its first frame.
 pub struct Pc2 {
     partial: Partial,
+    /// The number of its first frame.
+    begins: u32,
 }
 
 impl Pc2 {
@@ -23,19 +25,24 @@ impl Pc2 {
         let path = clip.dir.join("cloth.pc2");
         if clip.first_frame > 0
             && let Some(mut partial) = Partial::reopen(&path)?
-            && partial.with(|file| rewind(file, clip))?
+            && let Some(begins) = partial.with(|file| rewind(file, clip))?
         {
-            return Ok(Pc2 { partial });
+            return Ok(Pc2 { partial, begins });
         }
         let mut partial = Partial::create(path)?;
         partial.with(|file| file.write_all(&header(clip)))?;
-        Ok(Pc2 { partial })
+        Ok(Pc2 { partial, begins: clip.first_frame })
     }
 }
 
 impl Writer for Pc2 {
-    fn frame(&mut self, _clip: &Clip, _frame: u32, positions: &[[f32; 3]]) -> Result<(), WriteError> {
-        self.partial.with(|file| positions.as_flattened().iter().try_for_each(|x| file.write_all(&x.to_le_bytes())))
+    fn begins(&self, _clip: &Clip) -> u32 {
+        self.begins
+    }
+
+    fn frame(&mut self, _clip: &Clip, _frame: u32, positions: &[[f64; 3]]) -> Result<(), WriteError> {
+        let scalars = positions.as_flattened().iter().map(|&x| x as f32);
+        self.partial.with(|file| scalars.into_iter().try_for_each(|x| file.write_all(&x.to_le_bytes())))
     }
 
     fn finish(mut self: Box<Self>, clip: &Clip, _frames: u32) -> Result<Vec<PathBuf>, WriteError> {
@@ -46,11 +53,7 @@ impl Writer for Pc2 {
     }
 
     fn flush(&mut self) -> Result<(), WriteError> {
-        self.partial.with(|file| file.flush())
-    }
-
-    fn suspend(self: Box<Self>) -> Result<(), WriteError> {
-        self.partial.suspend()
+        self.partial.sync()
     }
 }
 
@@ -69,12 +72,13 @@ fn frame_bytes(clip: &Clip) -> u64 {
     clip.points as u64 * 12
 }
 
-/// Truncates an older cache to the frames before the first one; returns whether the cache can be continued.
-fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<bool> {
+/// Truncates an older cache to the frames before the first one. Returns the number of its first frame; `None` if it
+/// cannot be continued.
+fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<Option<u32>> {
     let mut found = Vec::new();
     file.get_mut().take(HEADER_BYTES).read_to_end(&mut found)?;
     let Some(start) = found.get(20..24).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])) else {
-        return Ok(false);
+        return Ok(None);
     };
     // Headers with the same mesh and start differ only in the number of samples, the last field.
     let older = Clip { first_frame: start as u32, dir: PathBuf::new(), triangles: Vec::new(), ..*clip };
@@ -85,11 +89,11 @@ fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<bool> {
         file.get_ref().set_len(length)?;
         file.seek(SeekFrom::End(0))?;
     }
-    Ok(fit)
+    Ok(fit.then_some(older.first_frame))
 }
 
 /// Sets the number of samples in the header; returns the first frame, if there is one.
-fn complete(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<Option<Vec<[f32; 3]>>> {
+fn complete(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<Option<Vec<[f64; 3]>>> {
     let length = file.seek(SeekFrom::End(0))? - HEADER_BYTES;
     let samples = length.checked_div(frame_bytes(clip)).unwrap_or(0);
     file.seek(SeekFrom::Start(HEADER_BYTES - 4))?;
@@ -100,7 +104,7 @@ fn complete(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<Option<Vec<[f
     }
     let mut bytes = vec![[[0; 4]; 3]; clip.points];
     file.get_mut().read_exact(bytes.as_flattened_mut().as_flattened_mut())?;
-    Ok(Some(bytes.into_iter().map(|p| p.map(f32::from_le_bytes)).collect()))
+    Ok(Some(bytes.into_iter().map(|p| p.map(|x| f32::from_le_bytes(x).into())).collect()))
 }
 
 #[cfg(test)]
@@ -127,18 +131,19 @@ mod tests {
         let paths = export(dir.path(), Format::Pc2, 0, 3).finish().unwrap();
         assert_eq!(paths, [dir.path().join("cloth.pc2"), dir.path().join("cloth.obj")]);
         assert_eq!(read(dir.path()), (0.0, 3, vec![0.0, 1.0, 2.0]));
-        assert_eq!(fs::read(&paths[0]).unwrap()[32 + 48 + 32..][..4], quad(1.0)[2][2].to_le_bytes());
+        assert_eq!(fs::read(&paths[0]).unwrap()[32 + 48 + 32..][..4], (quad(1.0)[2][2] as f32).to_le_bytes());
         assert_eq!(mesh_io::load(&paths[1]).unwrap().positions[1], [1.0, 0.0, 0.0]);
         let cache = mesh_io::pc2::load(&paths[0]).unwrap();
-        assert_eq!(cache.positions, [0.0, 1.0, 2.0].map(quad).as_flattened());
+        let frames = [0.0, 1.0, 2.0].map(|y| quad(y).map(|p| p.map(|x| x as f32)));
+        assert_eq!(cache.positions, frames.as_flattened());
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
     }
 
     #[test]
-    fn continues_what_was_suspended() {
+    fn continues_what_was_begun() {
         let dir = tempfile::tempdir().unwrap();
-        export(dir.path(), Format::Pc2, 0, 5).suspend().unwrap();
-        export(dir.path(), Format::Pc2, 3, 6).suspend().unwrap();
+        export(dir.path(), Format::Pc2, 0, 5).flush().unwrap();
+        export(dir.path(), Format::Pc2, 3, 6).flush().unwrap();
         export(dir.path(), Format::Pc2, 6, 7).finish().unwrap();
         assert_eq!(read(dir.path()), (0.0, 7, vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
         assert_eq!(mesh_io::load(&dir.path().join("cloth.obj")).unwrap().positions[1], [1.0, 0.0, 0.0]);
@@ -147,8 +152,8 @@ mod tests {
     #[test]
     fn begins_anew_when_frames_are_missing() {
         let dir = tempfile::tempdir().unwrap();
-        export(dir.path(), Format::Pc2, 0, 2).suspend().unwrap();
-        export(dir.path(), Format::Pc2, 3, 5).suspend().unwrap();
+        export(dir.path(), Format::Pc2, 0, 2).flush().unwrap();
+        export(dir.path(), Format::Pc2, 3, 5).flush().unwrap();
         export(dir.path(), Format::Pc2, 4, 5).finish().unwrap();
         assert_eq!(read(dir.path()), (3.0, 2, vec![3.0, 4.0]));
     }
@@ -159,7 +164,7 @@ mod tests {
         let partial = dir.path().join("cloth.pc2.partial");
         let mut other = Exporter::create(dir.path(), &[Format::Pc2], &[[0, 1, 2]], 25.0, 0).unwrap();
         (0..9).for_each(|_| other.frame(&[[0.0; 3]; 3]).unwrap());
-        other.suspend().unwrap();
+        other.flush().unwrap();
         export(dir.path(), Format::Pc2, 2, 3).finish().unwrap();
         assert_eq!(read(dir.path()), (2.0, 1, vec![2.0]));
 

@@ -14,6 +14,8 @@ const BEGIN: &str = "#usda 1.0\n(\n    defaultPrim = \"Cloth\"\n    endTimeCode 
 /// Streams `cloth.usda`.
 pub struct Usda {
     partial: Partial,
+    /// The number of its first frame.
+    begins: u32,
 }
 
 impl Usda {
@@ -23,45 +25,46 @@ impl Usda {
         let path = clip.dir.join("cloth.usda");
         if clip.first_frame > 0
             && let Some(mut partial) = Partial::reopen(&path)?
-            && partial.with(|file| rewind(file, clip))?
+            && let Some(begins) = partial.with(|file| rewind(file, clip))?
         {
-            return Ok(Usda { partial });
+            return Ok(Usda { partial, begins });
         }
         let mut partial = Partial::create(path)?;
         partial.with(|file| head(file, clip))?;
-        Ok(Usda { partial })
+        Ok(Usda { partial, begins: clip.first_frame })
     }
 }
 
 impl Writer for Usda {
-    fn frame(&mut self, _clip: &Clip, frame: u32, positions: &[[f32; 3]]) -> Result<(), WriteError> {
+    fn begins(&self, _clip: &Clip) -> u32 {
+        self.begins
+    }
+
+    fn frame(&mut self, _clip: &Clip, frame: u32, positions: &[[f64; 3]]) -> Result<(), WriteError> {
         self.partial.with(|file| {
             write!(file, "        {frame}: ")?;
-            list(file, positions.iter().map(point))?;
+            list(file, positions.iter().map(|p| point(p.map(|x| x as f32))))?;
             writeln!(file, ",")
         })
     }
 
-    fn finish(mut self: Box<Self>, clip: &Clip, frames: u32) -> Result<Vec<PathBuf>, WriteError> {
+    fn finish(mut self: Box<Self>, _clip: &Clip, frames: u32) -> Result<Vec<PathBuf>, WriteError> {
         self.partial.with(|file| {
             file.write_all(b"    }\n}\n")?;
             file.seek(SeekFrom::Start(BEGIN.len() as u64))?;
-            end_time(file, frames.saturating_sub(1).max(clip.first_frame))
+            end_time(file, frames.saturating_sub(1).max(self.begins))
         })?;
         Ok(vec![self.partial.finish()?])
     }
 
     fn flush(&mut self) -> Result<(), WriteError> {
-        self.partial.with(|file| file.flush())
-    }
-
-    fn suspend(self: Box<Self>) -> Result<(), WriteError> {
-        self.partial.suspend()
+        self.partial.sync()
     }
 }
 
-/// Truncates an older file to the frames before the first one; returns whether the file can be continued.
-fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<bool> {
+/// Truncates an older file to the frames before the first one. Returns the number of its first frame; `None` if it
+/// cannot be continued.
+fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<Option<u32>> {
     let mut lines = BufReader::new(file.get_mut());
     let mut line = Vec::new();
     // Every line of the head must be the same, except the start time and the end time.
@@ -77,20 +80,20 @@ fn rewind(file: &mut BufWriter<File>, clip: &Clip) -> io::Result<bool> {
             b"endTimeCode" => {}
             b"startTimeCode" => frame = str::from_utf8(&line[key.len().min(line.len())..]).ok().and_then(number),
             _ if line == expected => {}
-            _ => return Ok(false),
+            _ => return Ok(None),
         }
     }
-    let Some(start) = frame.filter(|start| *start <= clip.first_frame) else { return Ok(false) };
+    let Some(start) = frame.filter(|start| *start <= clip.first_frame) else { return Ok(None) };
     for frame in start..clip.first_frame {
         line.clear();
         length += lines.read_until(b'\n', &mut line)?;
         if !line.starts_with(format!("        {frame}: ").as_bytes()) || !line.ends_with(b"],\n") {
-            return Ok(false);
+            return Ok(None);
         }
     }
     file.get_ref().set_len(length as u64)?;
     file.seek(SeekFrom::End(0))?;
-    Ok(true)
+    Ok(Some(start))
 }
 
 fn number(text: &str) -> Option<u32> {
@@ -124,7 +127,7 @@ def Mesh \"Cloth\"
 }
 
 /// A point as text. USD accepts `nan` in lower case only.
-fn point([x, y, z]: &[f32; 3]) -> String {
+fn point([x, y, z]: [f32; 3]) -> String {
     format!("({x}, {y}, {z})").replace("NaN", "nan")
 }
 
@@ -164,5 +167,14 @@ mod tests {
             assert!(text.contains(part), "{part} is not in {text}");
         }
         assert_eq!(text.matches(['{', '[', '(']).count(), text.matches(['}', ']', ')']).count());
+    }
+
+    #[test]
+    fn ends_with_its_last_frame_where_nothing_is_added() {
+        let dir = tempfile::tempdir().unwrap();
+        export(dir.path(), Format::Usda, 0, 3).flush().unwrap();
+        let paths = export(dir.path(), Format::Usda, 3, 3).finish().unwrap();
+        let text = std::fs::read_to_string(&paths[0]).unwrap();
+        assert!(text.contains("endTimeCode =          2\n"), "{text}");
     }
 }

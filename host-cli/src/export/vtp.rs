@@ -6,8 +6,12 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
+use super::series::Series;
 use super::whole::{self, WriteError};
 use super::{Clip, Writer};
+
+/// The files of the frames.
+pub const FRAMES: Series = Series { folder: "vtp", stem: "cloth", ending: "vtp" };
 
 /// Writes `vtp/cloth_00000.vtp` and so on, and `cloth.vtp.series`.
 pub struct Vtp {
@@ -25,24 +29,28 @@ impl Vtp {
 }
 
 impl Writer for Vtp {
-    fn frame(&mut self, clip: &Clip, frame: u32, positions: &[[f32; 3]]) -> Result<(), WriteError> {
-        whole::write(clip.dir.join(name(frame)), |file| self.piece(file, clip, positions))?;
+    fn begins(&self, clip: &Clip) -> u32 {
+        FRAMES.begins(&clip.dir, clip.first_frame)
+    }
+
+    fn frame(&mut self, clip: &Clip, frame: u32, positions: &[[f64; 3]]) -> Result<(), WriteError> {
+        whole::write(clip.dir.join(FRAMES.name(frame)), |file| self.piece(file, clip, positions))?;
         Ok(())
     }
 
     fn finish(self: Box<Self>, clip: &Clip, frames: u32) -> Result<Vec<PathBuf>, WriteError> {
-        // Includes the frames of an interrupted run.
-        let exists = |&frame: &u32| frame >= clip.first_frame || clip.dir.join(name(frame)).exists();
-        let entry = |frame| json!({ "name": name(frame), "time": f64::from(frame) / clip.frame_rate });
-        let files: Vec<_> = (0..frames).filter(exists).map(entry).collect();
+        // The run may have been longer before it was resumed.
+        FRAMES.remove(&clip.dir, frames);
+        let entry = |frame| json!({ "name": FRAMES.name(frame), "time": f64::from(frame) / clip.frame_rate });
+        let files: Vec<_> = (self.begins(clip)..frames).map(entry).collect();
         let series = json!({ "file-series-version": "1.0", "files": files });
         Ok(vec![whole::write(clip.dir.join("cloth.vtp.series"), |file| writeln!(file, "{series:#}"))?])
     }
 }
 
 impl Vtp {
-    fn piece(&self, file: &mut impl Write, clip: &Clip, positions: &[[f32; 3]]) -> io::Result<()> {
-        let bytes = positions.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+    fn piece(&self, file: &mut impl Write, clip: &Clip, positions: &[[f64; 3]]) -> io::Result<()> {
+        let bytes = positions.as_flattened().iter().flat_map(|&x| (x as f32).to_le_bytes()).collect();
         write!(
             file,
             r#"<?xml version="1.0"?>
@@ -63,10 +71,6 @@ impl Vtp {
             self.polygons
         )
     }
-}
-
-fn name(frame: u32) -> String {
-    format!("vtp/cloth_{frame:05}.vtp")
 }
 
 /// An XML array element: the number of bytes and the bytes, encoded together.
@@ -117,7 +121,7 @@ mod tests {
     #[test]
     fn lists_all_frames_with_their_times() {
         let dir = tempfile::tempdir().unwrap();
-        export(dir.path(), Format::Vtp, 0, 2).suspend().unwrap();
+        export(dir.path(), Format::Vtp, 0, 2).flush().unwrap();
         export(dir.path(), Format::Vtp, 2, 3).finish().unwrap();
         let files = series(dir.path());
         assert_eq!(files.iter().map(|(_, time)| *time).collect::<Vec<_>>(), [0.0, 0.04, 0.08]);

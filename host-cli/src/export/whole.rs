@@ -1,15 +1,18 @@
-//! Files that are either complete or absent: they are written to `NAME.partial` and then renamed.
+//! Files that are either complete or absent, also after a loss of power: they are written to `NAME.partial` and then
+//! renamed.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {cause}; check that its folder exists, is writable and has room", path.display())]
 pub struct WriteError {
-    path: PathBuf,
-    cause: io::Error,
+    /// The file.
+    pub path: PathBuf,
+    /// The system's error.
+    pub cause: io::Error,
 }
 
 /// A file under its partial name, open for reading and writing.
@@ -21,28 +24,36 @@ pub struct Partial {
 impl Partial {
     /// Creates an empty file that will become `path`; its folder is created if necessary.
     pub fn create(path: PathBuf) -> Result<Partial, WriteError> {
-        Partial::open(path, OpenOptions::new().read(true).write(true).create(true).truncate(true))
+        let create = || {
+            path.parent().map_or(Ok(()), fs::create_dir_all)?;
+            let partial = partial_name(&path);
+            // An older file is removed, not overwritten: it may be a link to a file elsewhere.
+            remove(&partial)?;
+            OpenOptions::new().read(true).write(true).create_new(true).open(partial)
+        };
+        Partial::new(create(), path)
     }
 
     /// Opens the partial file that an interrupted run left, or else a copy of the complete file; `None` if neither
-    /// exists.
+    /// exists. A partial file that is a link counts as absent.
     pub fn reopen(path: &Path) -> Result<Option<Partial>, WriteError> {
-        let partial = partial_name(path);
-        if !partial.exists() {
-            if !path.exists() {
-                return Ok(None);
-            }
-            fs::copy(path, &partial).map_err(|cause| WriteError { path: path.into(), cause })?;
+        let name = partial_name(path);
+        if fs::symlink_metadata(&name).is_ok_and(|found| found.is_file()) {
+            return Partial::new(OpenOptions::new().read(true).write(true).open(name), path.into()).map(Some);
         }
-        Partial::open(path.into(), OpenOptions::new().read(true).write(true)).map(Some)
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let mut partial = Partial::create(path.into())?;
+        partial.with(|file| {
+            io::copy(&mut File::open(path)?, file)?;
+            file.rewind()
+        })?;
+        Ok(Some(partial))
     }
 
-    fn open(path: PathBuf, options: &OpenOptions) -> Result<Partial, WriteError> {
-        let open = || {
-            path.parent().map_or(Ok(()), fs::create_dir_all)?;
-            options.open(partial_name(&path))
-        };
-        match open() {
+    fn new(opened: io::Result<File>, path: PathBuf) -> Result<Partial, WriteError> {
+        match opened {
             Ok(file) => Ok(Partial { path, file: BufWriter::new(file) }),
             Err(cause) => Err(WriteError { path, cause }),
         }
@@ -58,14 +69,17 @@ impl Partial {
         act(&mut self.file).map_err(|cause| WriteError { path: self.path.clone(), cause })
     }
 
-    /// Flushes the file and leaves it under its partial name.
-    pub fn suspend(mut self) -> Result<(), WriteError> {
-        self.with(|file| file.flush())
+    /// Writes buffered data to the disk, so that not even a loss of power takes them.
+    pub fn sync(&mut self) -> Result<(), WriteError> {
+        self.with(|file| {
+            file.flush()?;
+            file.get_ref().sync_all()
+        })
     }
 
-    /// Gives the file its final name; returns the path.
+    /// Gives the file its final name; returns the path. The data reach the disk before the name does.
     pub fn finish(mut self) -> Result<PathBuf, WriteError> {
-        self.with(|file| file.flush())?;
+        self.sync()?;
         let Partial { path, file } = self;
         drop(file);
         match fs::rename(partial_name(&path), &path) {
@@ -86,7 +100,16 @@ pub fn write(path: PathBuf, fill: impl FnOnce(&mut BufWriter<File>) -> io::Resul
     partial.finish()
 }
 
-fn partial_name(path: &Path) -> PathBuf {
+/// Removes a file if it exists. A link is removed itself, not the file that it leads to.
+fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// The name of a file while it is not complete.
+pub fn partial_name(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".partial");
     name.into()
@@ -110,13 +133,13 @@ mod tests {
     }
 
     #[test]
-    fn a_suspended_file_can_be_reopened() {
+    fn a_partial_file_can_be_reopened() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         assert!(Partial::reopen(&path).unwrap().is_none());
         let mut partial = Partial::create(path.clone()).unwrap();
         partial.with(|file| file.write_all(b"one")).unwrap();
-        partial.suspend().unwrap();
+        partial.sync().unwrap();
         assert!(!path.exists());
         assert_eq!(Partial::reopen(&path).unwrap().unwrap().finish().unwrap(), path);
         assert_eq!(fs::read(&path).unwrap(), b"one");
@@ -129,7 +152,7 @@ mod tests {
         fs::write(&path, "one").unwrap();
         let mut partial = Partial::reopen(&path).unwrap().unwrap();
         partial.with(|file| file.write_all(b"two")).unwrap();
-        partial.suspend().unwrap();
+        partial.sync().unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"one");
     }
 }

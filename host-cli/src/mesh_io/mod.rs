@@ -8,11 +8,12 @@ mod ply;
 mod polygon;
 
 use std::fmt::Display;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use muslin_core::mesh::TriMesh;
+
+use crate::limits;
 
 pub use obj::ObjError;
 pub use pc2::Pc2Error;
@@ -77,7 +78,7 @@ pub enum MeshFileError {
 /// Loads the mesh in `path`, in the format that its extension names (`obj` or `ply`, any case).
 pub fn load(path: &Path) -> Result<TriMesh, MeshFileError> {
     let owned = || path.to_path_buf();
-    let read = || fs::read(path).map_err(|cause| MeshFileError::Read { path: owned(), cause });
+    let read = || limits::read(path, limits::DATA).map_err(|cause| MeshFileError::Read { path: owned(), cause });
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     let other = |kind: Option<&'static str>, ending: &'static str| {
         kind.map_or(Ok(()), |kind| Err(MeshFileError::Kind { path: owned(), kind, ending }))
@@ -108,6 +109,8 @@ pub fn loose_note(mesh: &dyn Display, count: usize) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     /// A file in `shared/data`. If it is absent and not required, prints a note and returns `None`.

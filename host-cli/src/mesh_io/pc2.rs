@@ -1,12 +1,12 @@
 //! Point Cache 2: the positions of all vertices in each sample. A header of 32 bytes (magic, version, points,
 //! start, rate, samples) comes first, then all samples, little-endian f32.
 
-use std::fs;
 use std::path::Path;
 
 use muslin_core::scene::PointCache;
 
 use super::MeshFileError;
+use crate::limits;
 
 const MAGIC: &[u8] = b"POINTCACHE2\0";
 const HEADER_BYTES: usize = 32;
@@ -67,7 +67,7 @@ pub enum Pc2Error {
 /// Loads the point cache in `path`.
 pub fn load(path: &Path) -> Result<PointCache, MeshFileError> {
     let owned = || path.to_path_buf();
-    let bytes = fs::read(path).map_err(|cause| MeshFileError::Read { path: owned(), cause })?;
+    let bytes = limits::read(path, limits::DATA).map_err(|cause| MeshFileError::Read { path: owned(), cause })?;
     parse(&bytes).map_err(|cause| MeshFileError::Pc2 { path: owned(), cause })
 }
 
@@ -105,6 +105,8 @@ pub fn parse(bytes: &[u8]) -> Result<PointCache, Pc2Error> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::super::tests::data;
     use super::*;
 

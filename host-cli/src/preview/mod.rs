@@ -14,7 +14,7 @@ mod view;
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::export::whole::{self, WriteError};
@@ -94,15 +94,15 @@ impl Preview {
         }
     }
 
-    /// Takes the next frame: the positions of all vertices of the cloth and of the colliders, metres. When there are
-    /// too many snapshots, every second one is dropped, so that they span the whole run.
-    pub fn frame(&mut self, positions: &[[f32; 3]], places: &[[f32; 3]]) {
+    /// Takes the next frame: the positions of all vertices of the cloth, in the world, and of the colliders, from `origin`,
+    /// metres. All is drawn from there: single precision would round a scene far from the world's origin. When there are too many snapshots, every second one is dropped, so that they span the whole run.
+    pub fn frame(&mut self, positions: &[[f64; 3]], places: &[[f32; 3]], origin: [f64; 3]) {
         if self.frames.is_multiple_of(self.stride) {
             if self.snapshots.len() == self.most_frames {
                 self.thin_out();
             }
             if self.frames.is_multiple_of(self.stride) {
-                let cloth = positions.iter().copied().map(Vec3::from_array).collect();
+                let cloth = positions.iter().map(|&x| (DVec3::from(x) - DVec3::from(origin)).as_vec3()).collect();
                 self.snapshots.push(Snapshot { cloth, places: places.into() });
             }
         }
@@ -215,15 +215,15 @@ mod tests {
     }
 
     /// A horizontal cloth of one metre with moving waves; flat in frame 0.
-    fn waves(frame: usize) -> Vec<[f32; 3]> {
-        let across = |k: usize| k as f32 / (SIDE - 1) as f32;
-        let height = |x: f32| 0.1 * frame.min(1) as f32 * (6.0 * x + 0.5 * frame as f32).sin();
+    fn waves(frame: usize) -> Vec<[f64; 3]> {
+        let across = |k: usize| k as f64 / (SIDE - 1) as f64;
+        let height = |x: f64| 0.1 * frame.min(1) as f64 * (6.0 * x + 0.5 * frame as f64).sin();
         (0..SIDE * SIDE).map(|k| (across(k % SIDE), across(k / SIDE))).map(|(x, z)| [x, height(x), z]).collect()
     }
 
     fn preview(frames: usize) -> Preview {
         let mut preview = Preview::new(&grid(), &[0, 11], Vec::new(), 30.0, 16);
-        (0..frames).for_each(|frame| preview.frame(&waves(frame), &[]));
+        (0..frames).for_each(|frame| preview.frame(&waves(frame), &[], [0.0; 3]));
         preview
     }
 
@@ -290,7 +290,7 @@ mod tests {
             let preview = preview(frames);
             assert!(preview.snapshots.len() <= 16 && preview.snapshots.len() * 2 >= frames.min(16));
             for (k, snapshot) in preview.snapshots.iter().enumerate() {
-                assert_eq!(snapshot.cloth[5].to_array(), waves(k * preview.stride)[5]);
+                assert_eq!(snapshot.cloth[5], DVec3::from(waves(k * preview.stride)[5]).as_vec3());
             }
             let last = (preview.snapshots.len() - 1) * preview.stride;
             assert!(last < frames && frames - last <= preview.stride);
@@ -301,11 +301,11 @@ mod tests {
     fn diverged_cloth_does_no_harm() {
         let mut preview = preview(3);
         let whole = fabric(&sheet(&preview));
-        for bad in [f32::NAN, f32::INFINITY, 1e30, -3e38] {
+        for bad in [f64::NAN, f64::INFINITY, 1e30, -3e38] {
             let mut frame = waves(3);
             frame[40] = [bad, 0.0, bad];
-            preview.frame(&frame, &[]);
-            preview.frame(&[[bad; 3]; SIDE * SIDE], &[]);
+            preview.frame(&frame, &[], [0.0; 3]);
+            preview.frame(&[[bad; 3]; SIDE * SIDE], &[], [0.0; 3]);
         }
         let left = fabric(&sheet(&preview));
         assert!(whole / 4 < left && left < whole, "{left} of {whole}");
@@ -316,9 +316,9 @@ mod tests {
     fn odd_input_does_no_harm() {
         let mut preview = Preview::new(&[[0, 1, 7]], &[9], Vec::new(), f64::NAN, 0);
         assert!(matches!(preview.write_gif(Path::new("never.gif")), Err(PreviewError::Empty)));
-        preview.frame(&[], &[]);
-        preview.frame(&[[0.0; 3]; 2], &[]);
-        preview.frame(&[[1.0; 3]; 8], &[]);
+        preview.frame(&[], &[], [0.0; 3]);
+        preview.frame(&[[0.0; 3]; 2], &[], [0.0; 3]);
+        preview.frame(&[[1.0; 3]; 8], &[], [0.0; 3]);
         for rate in [f64::NAN, 0.0, -1.0, f64::INFINITY, 1e-9] {
             preview.frame_rate = rate;
             assert!(!gif(&preview).is_empty());

@@ -11,9 +11,10 @@ use crate::summary::{ErrorControl, StageMs, Stretch, Summary};
 impl Course {
     /// The message on crossings; `None` if the audit found no crossing in any frame.
     pub fn intersecting(&self, scene: &SceneFile) -> Option<String> {
-        let (count, frame) = self.record.crossings.filter(|&(count, _)| count > 0)?;
-        let untangled = self.record.start.untangled.unwrap_or(0);
-        let start = self.record.start.crossings.filter(|&count| count > untangled);
+        let record = self.record();
+        let (count, frame) = record.crossings.filter(|&(count, _)| count > 0)?;
+        let untangled = record.start.untangled.unwrap_or(0);
+        let start = record.start.crossings.filter(|&count| count > untangled);
         let advice = match (start, &scene.desc.contact) {
             (Some(start), None) => {
                 format!("the scene starts with {start} intersections: separate the surfaces in the start state")
@@ -46,7 +47,8 @@ impl Course {
             }
             _ => None,
         };
-        Summary {
+        let record = self.record();
+        let mut summary = Summary {
             tool: "muslin",
             version: env!("CARGO_PKG_VERSION"),
             scene: scene.desc.name.clone(),
@@ -54,7 +56,7 @@ impl Course {
             backend: pool.detector().map_or(Backend::Cpu, |_| Backend::Gpu).name(),
             adapter: pool.detector().map(|detector| detector.name()),
             threads: pool.threads(),
-            size_m: self.record.size,
+            size_m: record.size,
             mass_kg: self.engine.mass(),
             pinned: self.engine.pins().len(),
             vertices: self.positions.len(),
@@ -70,30 +72,33 @@ impl Course {
                 ErrorControl { error_m, accepted, taken_back, exceeding, shortest_s }
             }),
             simulated_s: report.time,
+            at_rest: self.is_at_rest(),
             wall_s: wall.as_secs_f64(),
-            verdict: match (&divergence, self.record.crossings) {
-                (Some(_), _) => "diverged",
-                (None, Some((1.., _))) => "intersecting",
-                (None, _) => "ok",
-            },
+            verdict: "ok",
+            doubt: None,
+            warnings: self.warnings.clone(),
             divergence,
             gpu_stage_ms: pool.detector().and_then(|detector| detector.stage_times(steps)),
             stage_ms: StageMs { predict, broad_phase, narrow_phase, response, output: per_step(self.output) },
             stretch: Stretch {
                 max: report.stretch[0],
                 mean: report.stretch[1],
-                max_of_all_frames: self.record.stretch.max(report.stretch[0]),
+                max_of_all_frames: record.stretch.max(report.stretch[0]),
             },
             energy: (&report).into(),
+            energy_balance: (&record.balance).into(),
             momentum: report.momentum,
             contacts: (&report).into(),
-            intersections: self.record.crossings.map(|(count, _)| count),
-            intersections_frame: self.record.crossings.filter(|&(count, _)| count > 0).map(|(_, frame)| frame),
-            intersections_at_start: self.record.start.crossings,
-            intersections_untangled: self.record.start.untangled,
-            penetration_m: self.record.penetration,
+            frames_audited: record.audited,
+            intersections: record.crossings.map(|(count, _)| count).filter(|_| record.audited == self.frames),
+            intersections_frame: record.crossings.filter(|&(count, _)| count > 0).map(|(_, frame)| frame),
+            intersections_at_start: record.start.crossings,
+            intersections_untangled: record.start.untangled,
+            penetration_m: record.penetration,
             work: (&report).into(),
             state_hash: format!("fnv1a:{:016x}", self.chain),
-        }
+        };
+        summary.judge(&record, &scene.desc, pool);
+        summary
     }
 }

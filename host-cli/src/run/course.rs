@@ -11,15 +11,16 @@ use crate::checkpoint::Resumed;
 use crate::engine::{Divergence, Engine, Halt, flown_apart};
 use crate::failure::Failure;
 use crate::pool::Pool;
-use crate::record::{Record, Start, extent};
+use crate::record::{Measured, Record, Start, extent};
 use crate::stopwatch::Stopwatch;
+use crate::warning::Warning;
 
 /// Steps of an explicit method between two checks of the edge lengths: a check takes nearly as long as a step.
 const LOOKS: u64 = 32;
 
 /// How the steps ended.
 pub enum Ending {
-    /// At the end of the scene's duration.
+    /// At the end of the scene's duration, or at rest.
     Complete,
     /// A step could not be taken, or the cloth flew apart.
     Diverged(Divergence),
@@ -66,9 +67,11 @@ pub struct Course {
     /// Frames observed, including those before a checkpoint.
     pub frames: u64,
     /// Positions of the last frame, m.
-    pub positions: Vec<[f32; 3]>,
-    /// Observations of the run up to now.
-    pub record: Record,
+    pub positions: Vec<[f64; 3]>,
+    /// Observations of the frames up to now.
+    record: Record,
+    /// Warnings from before the first step.
+    pub warnings: Vec<Warning>,
     /// Whether frames are tested for crossings.
     audit: bool,
     /// The step at which this process began; above 0 when resumed.
@@ -80,28 +83,40 @@ pub struct Course {
 }
 
 impl Course {
-    /// Begins a run at the start of the scene, or at a checkpoint.
+    /// Begins a run at the start of the scene, or at a checkpoint. `measures` reactions and all work if asked to.
     pub fn begin(
-        engine: Box<dyn Engine>,
+        mut engine: Box<dyn Engine>,
         timing: Timing,
         precision: Precision,
-        audit: bool,
+        [audit, measures]: [bool; 2],
         start: Start,
         resumed: Option<Resumed>,
     ) -> Self {
         let steps = engine.report().steps;
-        let chain = resumed.map_or_else(|| engine.chain(None), |resumed| resumed.chain);
+        let chain = resumed.as_ref().map_or_else(|| engine.chain(None), |resumed| resumed.chain);
         let frames = if resumed.is_some() { steps / timing.steps_per_frame + 1 } else { 0 };
         let mut positions = Vec::new();
-        engine.write_positions(&mut positions);
+        engine.write_state(&mut positions);
+        let start_energy = || Measured { start: engine.report().energy.iter().sum(), ..Measured::default() };
         let fresh = || Record {
             start,
-            size: extent(positions.iter().map(|p| p.map(f64::from))),
+            measured: measures.then(start_energy),
+            size: extent(positions.iter().copied()),
             first_stretch: engine.largest_stretch(),
             ..Record::default()
         };
+        let mut record = resumed.as_ref().map_or_else(fresh, |resumed| resumed.record);
+        record.measured = record.measured.filter(|_| measures);
+        let [pins, colliders, wind, exchanged] = record.balance.work;
+        let [contacts, damping] = record.measured.unwrap_or_default().work;
+        engine.measure_work([pins, colliders, wind, contacts, damping, exchanged]);
+        if measures {
+            engine.measure_reactions();
+            engine.set_impulses(&resumed.map(|resumed| resumed.impulses).unwrap_or_default());
+        }
         Self {
-            record: resumed.map_or_else(fresh, |resumed| resumed.record),
+            record,
+            warnings: Vec::new(),
             engine,
             timing,
             precision,
@@ -117,29 +132,58 @@ impl Course {
         }
     }
 
+    /// Observations of the run up to now.
+    pub fn record(&self) -> Record {
+        let mut record = self.record;
+        let [pins, colliders, wind, contacts, damping, exchanged] = self.engine.work_done();
+        record.balance.work = [pins, colliders, wind, exchanged];
+        record.measured = record.measured.map(|measured| Measured { work: [contacts, damping], ..measured });
+        record
+    }
+
     /// Observes the state as a frame. The caller does this once at the start of a run that is not resumed.
     pub fn frame(&mut self, pool: &Pool, witness: &mut impl Witness) -> Result<(), Failure> {
         let started = Instant::now();
-        self.engine.write_positions(&mut self.positions);
+        self.engine.write_state(&mut self.positions);
         let record = &mut self.record;
         record.stretch = record.stretch.max(self.engine.largest_stretch());
+        let [pins, colliders, wind, .., exchanged] = self.engine.work_done();
+        record.balance.see(&self.engine.report().energy, [pins, colliders, wind, exchanged]);
+        record.rounding = record.rounding.max(self.engine.rounding());
         record.penetration = self.engine.penetration().map(|now| now.max(record.penetration.unwrap_or(0.0)));
         if self.audit {
-            let found = (self.engine.crossings(pool) as u64, self.steps / self.timing.steps_per_frame);
+            record.audited += 1;
+            let found = (self.engine.crossings(&Stopwatch::new(pool)) as u64, self.steps / self.timing.steps_per_frame);
             if record.crossings.is_none_or(|worst| found.0 > worst.0) {
                 record.crossings = Some(found);
             }
         }
         self.frames += 1;
         witness.frame(self)?;
+        self.engine.set_impulses(&[]);
         self.output += started.elapsed();
         Ok(())
     }
 
-    /// Steps until the end, a divergence or an interrupt.
+    /// Whether the cloth came to rest in the frame that ends now; `None` if the run does not end there.
+    pub fn is_at_rest(&self) -> Option<bool> {
+        let whole = self.steps > 0 && self.steps.is_multiple_of(self.timing.steps_per_frame);
+        self.timing.until_rest.map(|speed| whole && self.record.fastest < speed)
+    }
+
+    /// Observes the speed of the step just taken.
+    fn see_speed(&mut self) {
+        if self.timing.until_rest.is_some() {
+            let frame_begins = (self.steps - 1).is_multiple_of(self.timing.steps_per_frame);
+            let before = if frame_begins { 0.0 } else { self.record.fastest };
+            self.record.fastest = self.engine.fastest().max(before);
+        }
+    }
+
+    /// Steps until the end, a state at rest that ends the run, a divergence or an interrupt.
     pub fn advance(&mut self, pool: &Pool, stop: &AtomicBool, witness: &mut impl Witness) -> Result<Ending, Failure> {
         let stopwatch = Stopwatch::new(pool).until(stop);
-        while self.steps < total_steps(&self.timing) {
+        while self.steps < total_steps(&self.timing) && self.is_at_rest() != Some(true) {
             if stop.load(Ordering::Relaxed) {
                 return Ok(Ending::Interrupted);
             }
@@ -154,6 +198,7 @@ impl Course {
                 Err(Halt::Stopped) => return Ok(Ending::Interrupted),
             }
             self.steps += 1;
+            self.see_speed();
             self.chain = self.engine.chain(Some(self.chain));
             let frame_ends = self.steps.is_multiple_of(self.timing.steps_per_frame);
             let looks = frame_ends || self.engine.is_implicit() || self.steps.is_multiple_of(LOOKS);

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use super::CHECKPOINT;
 use crate::args::{PreviewKind, RunArguments};
-use crate::export::whole;
+use crate::export::whole::partial_name;
 use crate::failure::{Failure, print_note};
+use crate::folder::Folder;
 use crate::preview::Preview;
 use crate::summary::Summary;
 
@@ -17,8 +19,8 @@ pub fn write_preview(
     let Some(preview) = preview else { return Ok(None) };
     let (kind, quiet) = (arguments.preview, arguments.quiet);
     let path = match kind {
-        PreviewKind::Gif => out.join("preview.gif"),
-        PreviewKind::Png => out.join("preview.png"),
+        PreviewKind::Gif => out.join(GIF),
+        PreviewKind::Png => out.join(PNG),
         PreviewKind::None => return Ok(None),
     };
     if !quiet {
@@ -31,30 +33,23 @@ pub fn write_preview(
     Ok(Some(path))
 }
 
-/// Frames and pictures that a run may write in its folder.
-const OUTPUTS: [&str; 9] = [
-    "frames",
-    "cloth.pc2",
-    "cloth.obj",
-    "cloth.usda",
-    "vtp",
-    "cloth.vtp.series",
-    "preview.gif",
-    "preview.png",
-    STEP_PLOT,
-];
+/// Name of the summary.
+const SUMMARY: &str = "summary.json";
 
 /// Name of the plot of the substeps.
-const STEP_PLOT: &str = "steps.svg";
+pub const STEP_PLOT: &str = "steps.svg";
 
-/// Outputs in the folder `out` that this run did not write.
-pub fn older(out: &Path, written: &[PathBuf]) -> Vec<PathBuf> {
-    // The folder `vtp` belongs to this run if its series file does.
-    let is_written = |name: &str| {
-        let path = out.join(if name == "vtp" { "cloth.vtp.series" } else { name });
-        written.iter().any(|written| written.starts_with(&path))
-    };
-    OUTPUTS.iter().filter(|name| !is_written(name)).map(|name| out.join(name)).filter(|path| path.exists()).collect()
+/// Name of the plot of the series.
+pub const SERIES_PLOT: &str = "series.svg";
+
+/// Names of the previews.
+const GIF: &str = "preview.gif";
+const PNG: &str = "preview.png";
+
+/// The files of a run in a folder besides its frames, complete or partial; they may be absent.
+pub fn besides_frames(out: &Path) -> impl Iterator<Item = PathBuf> {
+    let paths = [SUMMARY, STEP_PLOT, SERIES_PLOT, GIF, PNG, CHECKPOINT].map(|name| out.join(name));
+    paths.into_iter().flat_map(|path| [partial_name(&path), path])
 }
 
 /// The summary as JSON text.
@@ -63,16 +58,11 @@ pub fn to_json(summary: &Summary) -> Result<String, Failure> {
 }
 
 /// Writes `summary.json`.
-pub fn write_summary(summary: &Summary, out: &Path) -> Result<PathBuf, Failure> {
-    write_text(&to_json(summary)?, out.join("summary.json"))
+pub fn write_summary(summary: &Summary, folder: &Folder) -> Result<PathBuf, Failure> {
+    folder.write(SUMMARY, &to_json(summary)?)
 }
 
-/// Writes the plot of the substeps.
-pub fn write_step_plot(svg: &str, out: &Path) -> Result<PathBuf, Failure> {
-    write_text(svg, out.join(STEP_PLOT))
-}
-
-fn write_text(text: &str, path: PathBuf) -> Result<PathBuf, Failure> {
-    use std::io::Write;
-    whole::write(path, |file| writeln!(file, "{text}")).map_err(|error| Failure::Tool(error.to_string()))
+/// Writes a plot.
+pub fn write_plot(name: &str, svg: &str, folder: &Folder) -> Result<PathBuf, Failure> {
+    folder.write(name, svg)
 }

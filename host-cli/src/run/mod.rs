@@ -1,16 +1,22 @@
 //! `muslin run`: simulates a scene from its first to its last frame, and writes its files.
 
+pub mod balance;
 mod conclusion;
 pub mod course;
 mod files;
+mod manifest;
+mod series_plot;
 pub mod start;
 mod step_plot;
+mod time_series;
+mod verdict;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
-use muslin_core::scene::{SceneDesc, Timing};
+use muslin_core::scene::SceneDesc;
 
 use crate::args::{Backend, Precision, PreviewKind, RunArguments};
 use crate::checkpoint::{self, Checkpoint};
@@ -18,15 +24,19 @@ use crate::device::StepDetector;
 use crate::engine::{self, Engine};
 use crate::export::{Exporter, Format};
 use crate::failure::{Failure, print_data, print_note};
+use crate::folder::Folder;
 use crate::interrupt;
 use crate::pool::Pool;
 use crate::preview::Preview;
 use crate::progress;
 use crate::record::Start;
 use crate::scene_file::{self, SceneFile};
+use crate::stopwatch::Stopwatch;
+use crate::warning::Warning;
 use course::{Course, Ending, Witness, total_steps};
-use files::{to_json, write_preview, write_step_plot, write_summary};
+use files::{SERIES_PLOT, STEP_PLOT, to_json, write_plot, write_preview, write_summary};
 use step_plot::StepPlot;
+use time_series::TimeSeries;
 
 /// Name of the checkpoint in the output directory.
 const CHECKPOINT: &str = "checkpoint.muslin";
@@ -40,9 +50,10 @@ const PREVIEW_FRAMES: usize = 120;
 /// The output files of a run in progress.
 struct Files<'a> {
     arguments: &'a RunArguments,
-    out: PathBuf,
+    folder: Folder,
     scene_crc: u32,
     exporter: Exporter,
+    series: Option<TimeSeries>,
     preview: Option<Preview>,
     /// The plot of the substeps under error control.
     step_plot: Option<StepPlot>,
@@ -68,22 +79,31 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         }
         None => None,
     };
-    let out = out(arguments, &scene)?;
-    say_what_changed(arguments, &scene, &timing);
-    if !arguments.quiet {
-        start::weigh_meshes(&scene);
-        start::weigh_thickness(engine.as_ref(), &scene.desc);
-        start::weigh_step(engine.as_ref(), &scene.desc, &timing, arguments.precision);
+    if arguments.series.is_some() && resumed.as_ref().is_some_and(|resumed| resumed.record.measured.is_none()) {
+        return Err(Failure::Usage(
+            "--series: the run of this checkpoint measured no reactions; run the scene from its start with --series"
+                .into(),
+        ));
     }
+    let folder = Folder::take(out(arguments, &scene)?)?;
+    let stopwatch = Stopwatch::new(&pool);
+    let mut warnings = start::warnings(engine.as_ref(), &scene, &timing, arguments.precision, &stopwatch);
     let stop = interrupt::watch()?;
     let start = match resumed {
         Some(_) => Start::default(),
-        None => untangle(engine.as_mut(), arguments, &pool),
+        None => untangle(engine.as_mut(), arguments, &pool, &stop, &mut warnings)?,
     };
-    let mut course = Course::begin(engine, timing, arguments.precision, arguments.audit, start, resumed);
-    let mut files = Files::begin(arguments, out, scene_crc, &course, resumed.is_some(), &scene.desc)?;
+    let (observed, is_resumed) = ([arguments.audit, arguments.series.is_some()], resumed.is_some());
+    let mut course = Course::begin(engine, timing, arguments.precision, observed, start, resumed);
+    let mut files = Files::begin(arguments, folder, scene_crc, &course, is_resumed, &scene.desc)?;
+    warnings.extend(manifest::missing(&files.exporter, &files.folder));
+    warnings.extend(files.series.as_ref().and_then(TimeSeries::missing));
+    if !arguments.quiet {
+        warnings.iter().for_each(Warning::print);
+    }
+    course.warnings = warnings;
     pool.install(|| {
-        if resumed.is_none() {
+        if !is_resumed {
             course.frame(&pool, &mut files)?;
         }
         let started = Instant::now();
@@ -118,45 +138,28 @@ fn out(arguments: &RunArguments, scene: &SceneFile) -> Result<PathBuf, Failure> 
     scene_file::folder(&arguments.of, scene)
 }
 
-/// Untangles the start state; prints a note if there was something to untangle.
-fn untangle(engine: &mut dyn Engine, arguments: &RunArguments, pool: &Pool) -> Start {
-    let (start, note) = pool.install(|| start::untangle(engine, arguments.audit, pool));
-    if let Some(note) = note.filter(|_| !arguments.quiet) {
-        print_note(&note);
-    }
-    start
-}
-
-fn say_what_changed(arguments: &RunArguments, scene: &SceneFile, timing: &Timing) {
-    if arguments.quiet {
-        return;
-    }
-    let (asked, duration, rate) = (scene.desc.integrator.step(), scene.desc.duration, scene.desc.frame_rate);
-    let (n, step) = (timing.steps_per_frame, 1e3 * timing.step);
-    if asked > 1.001 / rate {
-        print_note(&format!(
-            "step {} ms is longer than a frame: taking one step of {step:.4} ms per frame",
-            1e3 * asked
-        ));
-    } else if timing.step < 0.9 * asked {
-        print_note(&format!(
-            "step {} ms does not divide a frame: taking {n} steps of {step:.4} ms per frame",
-            1e3 * asked
-        ));
-    }
-    let taken = timing.frames as f64 / rate;
-    if (taken - duration).abs() > 1e-6 * duration {
-        print_note(&format!(
-            "duration {duration} s is not a whole number of frames: taking {} frames, {taken:.4} s",
-            timing.frames
-        ));
-    }
+/// Untangles the start state; adds a warning if there was something to untangle.
+fn untangle(
+    engine: &mut dyn Engine,
+    arguments: &RunArguments,
+    pool: &Pool,
+    stop: &AtomicBool,
+    warnings: &mut Vec<Warning>,
+) -> Result<Start, Failure> {
+    let untangled = pool.install(|| start::untangle(engine, arguments.audit, pool, stop));
+    let (start, warning) = untangled.ok_or_else(|| {
+        Failure::Interrupted(
+            "interrupted before the first step: the start state was searched for crossings; nothing is written".into(),
+        )
+    })?;
+    warnings.extend(warning);
+    Ok(start)
 }
 
 impl<'a> Files<'a> {
     fn begin(
         arguments: &'a RunArguments,
-        out: PathBuf,
+        folder: Folder,
         scene_crc: u32,
         course: &Course,
         resumed: bool,
@@ -165,10 +168,18 @@ impl<'a> Files<'a> {
         let frame_rate = desc.frame_rate;
         let Course { engine, timing, positions, steps, .. } = course;
         let first_frame = if resumed { steps / timing.steps_per_frame + 1 } else { 0 };
-        let exporter = Exporter::create(&out, &arguments.export, engine.triangles(), frame_rate, first_frame as u32)?;
+        let (out, formats) = (folder.path(), &arguments.export);
+        let run = checkpoint::identity(scene_crc, arguments.precision);
+        let series = arguments.series.as_deref();
+        match resumed {
+            true => manifest::resume(&folder, &run, formats, series)?,
+            false => manifest::begin(&folder, &run, formats, series)?,
+        }
+        let exporter = Exporter::create(out, formats, engine.triangles(), frame_rate, first_frame as u32)?;
+        let series = series.map(|name| TimeSeries::begin(&out.join(name), course, first_frame)).transpose()?;
         let bar = progress_bar(arguments, total_steps(timing), *steps);
         let (preview, step_plot, solids) = (None, None, Vec::new());
-        let mut files = Self { arguments, out, scene_crc, exporter, preview, step_plot, solids, bar };
+        let mut files = Self { arguments, folder, scene_crc, exporter, series, preview, step_plot, solids, bar };
         if arguments.preview != PreviewKind::None {
             files.step_plot = desc.integrator.error().map(|most| StepPlot::new(most, engine.substeps()));
             engine.write_solids(&mut files.solids);
@@ -177,7 +188,7 @@ impl<'a> Files<'a> {
             let mut preview = Preview::new(triangles, pins, solids, frame_rate, most.clamp(6, PREVIEW_FRAMES));
             // The preview of a resumed run begins here: earlier frames are in files, if they exist at all.
             if resumed {
-                preview.frame(positions, &files.solids);
+                preview.frame(positions, &files.solids, engine.origin());
             }
             files.preview = Some(preview);
         }
@@ -185,17 +196,19 @@ impl<'a> Files<'a> {
     }
 
     fn write_checkpoint(&mut self, course: &Course) -> Result<PathBuf, Failure> {
-        let path = self.out.join(CHECKPOINT);
+        let path = self.folder.path().join(CHECKPOINT);
         // Frames go to disk first: a checkpoint must never be ahead of them.
         self.exporter.flush()?;
+        self.series.as_mut().map_or(Ok(()), TimeSeries::flush)?;
         let checkpoint = Checkpoint {
             precision: self.arguments.precision,
             scene: self.scene_crc,
             chain: course.chain,
-            record: course.record,
+            record: course.record(),
             snapshot: course.engine.snapshot(),
+            impulses: course.engine.impulses(),
         };
-        checkpoint::write(&path, &checkpoint).map_err(|error| Failure::Tool(error.to_string()))?;
+        checkpoint::write(&path, &checkpoint)?;
         Ok(path)
     }
 
@@ -211,7 +224,6 @@ impl<'a> Files<'a> {
     ) -> Result<(), Failure> {
         if let Ending::Interrupted = ending {
             let path = self.write_checkpoint(course)?;
-            self.exporter.suspend()?;
             let message = format!(
                 "interrupted at step {}; to continue, add --resume {} to the same command",
                 course.steps,
@@ -220,15 +232,25 @@ impl<'a> Files<'a> {
             return Err(Failure::Interrupted(message));
         }
         let mut summary = course.summary(scene, ending, pool, wall);
-        summary.warnings().iter().for_each(|warning| print_note(warning));
+        summary.warnings.extend(self.exporter.rounded(course.engine.mean_edge()));
+        // Those from before the first step are printed already.
+        summary.warnings[course.warnings.len()..].iter().for_each(Warning::print);
         summary.divergence = summary.divergence.map(|what| format!("{what}. The frames before it are kept"));
         let intersecting = course.intersecting(scene);
-        let Self { arguments, out, exporter, preview, step_plot, .. } = self;
+        let Self { arguments, folder, exporter, series, preview, step_plot, .. } = self;
         let mut written = exporter.finish()?;
-        written.extend(write_preview(arguments, preview.as_ref(), &out)?);
+        if let Some(series) = series {
+            let path = series.finish()?;
+            if arguments.preview != PreviewKind::None {
+                let plot = series_plot::draw(&path, &scene.desc.name)?;
+                written.extend(plot.map(|plot| write_plot(SERIES_PLOT, &plot, &folder)).transpose()?);
+            }
+            written.push(path);
+        }
+        written.extend(write_preview(arguments, preview.as_ref(), folder.path())?);
         let plot = step_plot.and_then(|plot| plot.draw(&scene.desc.name));
-        written.extend(plot.map(|plot| write_step_plot(&plot, &out)).transpose()?);
-        written.push(write_summary(&summary, &out)?);
+        written.extend(plot.map(|plot| write_plot(STEP_PLOT, &plot, &folder)).transpose()?);
+        written.push(write_summary(&summary, &folder)?);
         if arguments.json {
             print_data(&to_json(&summary)?)?;
         } else if !arguments.quiet {
@@ -237,15 +259,12 @@ impl<'a> Files<'a> {
         if !arguments.quiet {
             let names: Vec<_> = written.iter().map(|path| path.display().to_string()).collect();
             print_note(&format!("wrote {}", names.join(", ")));
-            let older: Vec<_> = files::older(&out, &written).iter().map(|path| path.display().to_string()).collect();
-            if !older.is_empty() {
-                print_note(&format!("of an earlier run: {}", older.join(", ")));
-            }
         }
-        match (summary.divergence, intersecting) {
-            (Some(message), _) => Err(Failure::Diverged(message)),
-            (None, Some(message)) => Err(Failure::Intersecting(message)),
-            (None, None) => Ok(()),
+        match (summary.divergence, intersecting, summary.doubt) {
+            (Some(message), _, _) => Err(Failure::Diverged(message)),
+            (None, Some(message), _) => Err(Failure::Intersecting(message)),
+            (None, None, Some(doubt)) => Err(Failure::Doubtful(format!("doubtful: {doubt}"))),
+            (None, None, None) => Ok(()),
         }
     }
 }
@@ -253,9 +272,10 @@ impl<'a> Files<'a> {
 impl Witness for Files<'_> {
     fn frame(&mut self, course: &Course) -> Result<(), Failure> {
         self.exporter.frame(&course.positions)?;
+        self.series.as_mut().map_or(Ok(()), |series| series.frame(course))?;
         if let Some(preview) = &mut self.preview {
             course.engine.write_solids(&mut self.solids);
-            preview.frame(&course.positions, &self.solids);
+            preview.frame(&course.positions, &self.solids, course.engine.origin());
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
-//! Before the first step: notes on unsuitable settings are printed, and a start state with crossings is untangled.
+//! Before the first step: warnings of unsuitable settings, and the untangling of a start state with crossings.
 
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use muslin_core::integrate::Method;
 use muslin_core::integrate::stability::{Mode, longest_step};
@@ -8,13 +9,13 @@ use muslin_core::scene::{Content, SceneDesc, Timing};
 
 use crate::args::Precision;
 use crate::engine::{Engine, Untangled};
-use crate::failure::print_note;
 use crate::mesh_io;
 use crate::pool::Pool;
 use crate::record::Start;
 use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
 use crate::units::time;
+use crate::warning::Warning;
 
 /// Displacement by untangling beyond which the note asks the user to look at the start state, m.
 const FAR: f64 = 0.05;
@@ -33,88 +34,145 @@ const MARGIN: f64 = 0.8;
 /// 3e5, by 5 mm at 3e6 and by 0.3 m at 3e7.
 const MASSES_LOST: f64 = 2e6;
 
-/// Prints a note if the step is too long for the method in this precision.
-pub fn weigh_step(engine: &dyn Engine, scene: &SceneDesc, timing: &Timing, precision: Precision) {
+/// The warnings of settings that do not suit the scene.
+pub fn warnings(
+    engine: &dyn Engine,
+    scene: &SceneFile,
+    timing: &Timing,
+    precision: Precision,
+    stopwatch: &Stopwatch<'_>,
+) -> Vec<Warning> {
+    let mut all = times(&scene.desc, timing);
+    all.extend(loose_vertices(scene));
+    all.extend(thickness(engine, &scene.desc));
+    all.extend(step(engine, &scene.desc, timing, precision, stopwatch));
+    all
+}
+
+/// A step or a duration that was changed to divide time into whole frames.
+fn times(scene: &SceneDesc, timing: &Timing) -> Vec<Warning> {
+    let (asked, duration, rate) = (scene.integrator.step(), scene.duration, scene.frame_rate);
+    let (n, step) = (timing.steps_per_frame, 1e3 * timing.step);
+    let mut all = Vec::new();
+    if asked > 1.001 / rate {
+        let text = format!("step {} ms is longer than a frame: taking one step of {step:.4} ms per frame", 1e3 * asked);
+        all.push(Warning::new("step", text));
+    } else if timing.step < 0.9 * asked {
+        let text =
+            format!("step {} ms does not divide a frame: taking {n} steps of {step:.4} ms per frame", 1e3 * asked);
+        all.push(Warning::new("step", text));
+    }
+    let taken = timing.frames as f64 / rate;
+    if (taken - duration).abs() > 1e-6 * duration {
+        let frames = timing.frames;
+        let text =
+            format!("duration {duration} s is not a whole number of frames: taking {frames} frames, {taken:.4} s");
+        all.push(Warning::new("duration", text));
+    }
+    all
+}
+
+/// A step that is too long for the method in this precision.
+fn step(
+    engine: &dyn Engine,
+    scene: &SceneDesc,
+    timing: &Timing,
+    precision: Precision,
+    stopwatch: &Stopwatch<'_>,
+) -> Option<Warning> {
     let method = scene.integrator.method;
+    let modes = || engine.fastest_modes(0.0, ITERATIONS, stopwatch);
     match (method.is_implicit(), precision) {
-        (true, Precision::F64) => {}
-        (true, Precision::F32) => weigh_masses(&engine.fastest_modes(0.0, ITERATIONS), timing.step),
-        (false, _) => weigh_limit(&engine.fastest_modes(0.0, ITERATIONS), timing.step, method),
+        (true, Precision::F64) => None,
+        (true, Precision::F32) => masses(&modes(), timing.step),
+        (false, _) => limit(&modes(), timing.step, method),
     }
 }
 
-/// Prints a note if the matrix of an implicit step loses the masses beside the stiffness.
-fn weigh_masses(modes: &[Mode; 2], step: f64) {
+/// An implicit step whose matrix loses the masses beside the stiffness.
+fn masses(modes: &[Mode; 2], step: f64) -> Option<Warning> {
     let times = step * step * modes[0].stiffness;
-    if times > MASSES_LOST {
-        print_note(&format!(
+    (times > MASSES_LOST).then(|| {
+        let text = format!(
             "step^2 x stiffness is {times:.0e} times the mass of a vertex: single precision rounds such masses away, \
              and the cloth does not fall as it should; use --precision f64, a shorter step or a softer cloth"
-        ));
-    }
+        );
+        Warning::new("masses", text)
+    })
 }
 
-/// Prints a note if the step is longer than the longest stable step of an explicit method.
-fn weigh_limit(modes: &[Mode; 2], step: f64, method: Method) {
-    let Some(longest) = longest_step(modes, method).filter(|&longest| step > longest) else { return };
+/// A step longer than the longest stable step of an explicit method.
+fn limit(modes: &[Mode; 2], step: f64, method: Method) -> Option<Warning> {
+    let longest = longest_step(modes, method).filter(|&longest| step > longest)?;
     let (name, hertz) = (method.name(), modes[0].stiffness.sqrt() / TAU);
     if longest == 0.0 {
-        print_note(&format!(
+        let text = format!(
             "{name} gains energy in every step without damping; use --set integrator.method=symplectic-euler, or \
              give the cloth damping"
-        ));
-        return;
+        );
+        return Some(Warning::new("unstable", text));
     }
     // Rounded down to two digits.
     let safe = MARGIN * longest;
     let digit = 10f64.powf(safe.log10().floor() - 1.0);
     let safe = (safe / digit).floor() * digit;
-    print_note(&format!(
+    let text = format!(
         "step {} is longer than the limit of {name} at the start of this scene, {} (the fastest mode has {hertz:.0} \
          Hz), and stretched cloth lowers the limit: the cloth will fly apart; use --set integrator.step={safe:.1e}, \
          or --set integrator.method=backward-euler",
         time(step),
         time(longest)
-    ));
+    );
+    Some(Warning::new("unstable", text))
 }
 
-/// Prints a note if vertices of a collider's mesh belong to no triangle. Cloth with such vertices is refused.
-pub fn weigh_meshes(scene: &SceneFile) {
-    for (name, content) in &scene.resources {
+/// Vertices of a collider's mesh that belong to no triangle. Cloth with such vertices is refused.
+fn loose_vertices(scene: &SceneFile) -> impl Iterator<Item = Warning> {
+    scene.resources.iter().filter_map(|(name, content)| {
         let of_collider = scene.desc.collider.iter().any(|collider| collider.file.as_ref() == Some(name));
-        if let (true, Content::Mesh(mesh)) = (of_collider, content)
-            && let Some(note) = mesh_io::loose_note(name, mesh.loose_vertices())
-        {
-            print_note(&note);
+        match content {
+            Content::Mesh(mesh) if of_collider => mesh_io::loose_note(name, mesh.loose_vertices()),
+            Content::Mesh(_) | Content::Cache(_) => None,
         }
-    }
+        .map(|note| Warning::new("loose-vertices", note))
+    })
 }
 
-/// Prints a note if the thickness does not suit the mesh: often the reason is a length that is not in metres.
-pub fn weigh_thickness(engine: &dyn Engine, scene: &SceneDesc) {
-    let Some(contact) = &scene.contact else { return };
+/// A thickness that does not suit the mesh: often the reason is a length that is not in metres.
+fn thickness(engine: &dyn Engine, scene: &SceneDesc) -> Option<Warning> {
+    let contact = scene.contact.as_ref()?;
     let (thickness, edge) = (contact.thickness, engine.mean_edge());
     let beside = format!("contact.thickness = {thickness:?} m with edges of {edge:.1e} m on average");
-    if thickness > THICKNESS[1] * edge {
-        print_note(&format!(
+    let text = if thickness > THICKNESS[1] * edge {
+        format!(
             "{beside}: each vertex has many neighbours within the thickness, so steps are slow or fail; take a \
              thickness well below the edges"
-        ));
+        )
     } else if thickness < THICKNESS[0] * edge {
-        print_note(&format!("{beside}: such a thin layer is hard to keep apart, so steps are rejected"));
-    }
+        format!("{beside}: such a thin layer is hard to keep apart, so steps are rejected")
+    } else {
+        return None;
+    };
+    Some(Warning::new("thickness", text))
 }
 
-/// Untangles the start state of a scene with contact. Also returns a note for the user, if there was something
-/// to untangle.
-pub fn untangle(engine: &mut dyn Engine, audit: bool, pool: &Pool) -> (Start, Option<String>) {
-    let audited = audit.then(|| engine.crossings(pool) as u64);
-    let Some(found) = engine.untangle(&Stopwatch::new(pool)) else {
-        return (Start { crossings: audited, untangled: None }, None);
-    };
-    let note = (found.before > 0 || found.inside[0] > 0).then(|| words(&found));
+/// Untangles the start state of a scene with contact. Also returns a warning, if there was something to untangle. `None` after an interrupt: then the state is not to be used.
+pub fn untangle(
+    engine: &mut dyn Engine,
+    audit: bool,
+    pool: &Pool,
+    stop: &AtomicBool,
+) -> Option<(Start, Option<Warning>)> {
+    let stopwatch = Stopwatch::new(pool).until(stop);
+    let audited = audit.then(|| engine.crossings(&stopwatch) as u64);
+    let found = engine.untangle(&stopwatch);
+    if (audit || found.is_some()) && stop.load(Ordering::Relaxed) {
+        return None;
+    }
+    let Some(found) = found else { return Some((Start { crossings: audited, untangled: None }, None)) };
+    let warning = (found.before > 0 || found.inside[0] > 0).then(|| Warning::new("untangled", words(&found)));
     let crossings = audited.unwrap_or(found.before as u64);
-    (Start { crossings: Some(crossings), untangled: Some((found.before - found.after) as u64) }, note)
+    Some((Start { crossings: Some(crossings), untangled: Some((found.before - found.after) as u64) }, warning))
 }
 
 fn words(found: &Untangled) -> String {

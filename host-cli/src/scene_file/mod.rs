@@ -6,6 +6,7 @@ mod hint;
 
 pub use change::Change;
 
+use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use muslin_core::scene::{BUILT_IN, ColliderMotionDesc, Content, Resource, SceneDesc};
@@ -13,6 +14,7 @@ use toml::{Table, Value};
 
 use crate::args::SceneArguments;
 use crate::failure::Failure;
+use crate::limits;
 use crate::mesh_io;
 
 /// The key of a scene's name. The name is optional: its default is the file name.
@@ -162,9 +164,9 @@ fn read(scene: &str, directory: &Path) -> Result<(String, String, PathBuf), Fail
         return Ok((format!("built-in scene {name}"), (*text).into(), PathBuf::from(".")));
     }
     let label = path.display().to_string();
-    match std::fs::read_to_string(&path) {
+    match limits::read_text(&path) {
         Ok(text) => Ok((label, text, path.parent().unwrap_or(Path::new(".")).into())),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
             let names = BUILT_IN.iter().map(|(name, _)| *name);
             let hint = match hint::nearest(scene, names.clone()) {
                 Some(name) => format!("did you mean the built-in scene {name}?"),

@@ -1,7 +1,8 @@
 //! One HTML page with the results of all studies of a scene.
 
-use std::fs;
 use std::path::Path;
+
+use crate::limits;
 
 /// Name of the file.
 pub const NAME: &str = "study.html";
@@ -21,8 +22,8 @@ svg { max-width: 100%; height: auto } pre { overflow-x: auto }";
 /// The page of all studies whose files are in a folder.
 pub fn of(folder: &Path, scene: &str) -> String {
     let sections = STUDIES.iter().filter_map(|(title, stem)| {
-        let svg = fs::read_to_string(folder.join(format!("{stem}.svg"))).ok()?;
-        let words = fs::read_to_string(folder.join(format!("{stem}.txt"))).ok()?;
+        let svg = read(&folder.join(format!("{stem}.svg")))?;
+        let words = read(&folder.join(format!("{stem}.txt")))?;
         let svg = named_apart(&svg, stem);
         Some(format!("<h2>{title}</h2>\n{svg}\n<pre>{}</pre>\n", escape(&words)))
     });
@@ -33,6 +34,11 @@ pub fn of(folder: &Path, scene: &str) -> String {
          <meta name=\"viewport\" content=\"width=device-width\">\n<title>{scene}</title>\n\
          <style>{STYLE}</style>\n<h1>{scene}</h1>\n{sections}</html>"
     )
+}
+
+/// Reads a file that a study wrote.
+fn read(path: &Path) -> Option<String> {
+    String::from_utf8(limits::read(path, limits::DATA).ok()?).ok()
 }
 
 /// Adds a prefix to the ids inside a picture: on a page with several pictures ids must be unique.

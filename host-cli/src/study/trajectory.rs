@@ -1,19 +1,21 @@
 //! A run of a variant from start to end, recorded at samples.
 
-use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::args::Precision;
+use crate::checkpoint;
 use crate::engine::{self, Engine, Halt, Report, flown_apart};
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
 
+use serde::{Deserialize, Serialize};
+
 use super::variant::{SAMPLES, Variant};
 use super::{Study, cost};
 
 /// How a run ended.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Ending {
     /// It reached its end.
     Complete,
@@ -21,14 +23,26 @@ pub enum Ending {
     Diverged(String),
     /// Its energy exceeded the limit.
     Grown,
-    /// It would have taken longer than its time limit.
+    /// It would have taken longer than its time limit, or the study was interrupted.
     OutOfTime,
 }
 
+impl Ending {
+    /// The ending in words.
+    fn in_words(&self) -> &str {
+        match self {
+            Self::Complete => "complete",
+            Self::Diverged(what) => what,
+            Self::Grown => "its energy grew too far",
+            Self::OutOfTime => "given up: it takes too long",
+        }
+    }
+}
+
 /// The record of a run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Trajectory {
-    /// Positions at each sample, m.
+    /// Positions at each sample, m; empty if they are not wanted.
     pub samples: Vec<Vec<[f64; 3]>>,
     /// Kinetic, stretch, shear, bend, seam and gravity energy at each sample, J.
     pub energies: Vec<[f64; 6]>,
@@ -45,6 +59,24 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
+    /// A run that has not begun.
+    fn new() -> Self {
+        Self {
+            samples: Vec::new(),
+            energies: Vec::new(),
+            stretch: 0.0,
+            penetration: None,
+            report: Report::default(),
+            wall: 0.0,
+            ending: Ending::OutOfTime,
+        }
+    }
+
+    /// Whether it tells how a run with these limits ends. One that was given up does not tell of much longer limits.
+    fn serves(&self, limits: Limits) -> bool {
+        self.ending != Ending::OutOfTime || limits.wall.as_secs_f64() <= NOISE * self.wall
+    }
+
     /// Kinetic and elastic energy at a sample, J.
     pub fn lively(&self, sample: usize) -> f64 {
         self.energies[sample][..5].iter().sum()
@@ -60,6 +92,9 @@ impl Trajectory {
         self.energies[sample].iter().sum()
     }
 }
+
+/// A time limit that the clock sets is reproduced up to this factor.
+const NOISE: f64 = 1.1;
 
 /// Limits that end a run early.
 #[derive(Clone, Copy, Debug)]
@@ -88,38 +123,85 @@ pub fn fly(study: &Study<'_>, variant: &Variant, limits: Limits) -> Result<Traje
 
 /// Runs a variant of a scene, usually of the study's scene with some changes.
 pub fn fly_of(study: &Study<'_>, scene: &SceneFile, variant: &Variant, limits: Limits) -> Result<Trajectory, Failure> {
-    fly_scene(study, &variant.scene(scene)?, variant.precision, variant.steps, limits)
+    fly_scene(study, &variant.scene(scene)?, variant.precision, variant.steps, limits, Samples::WithPositions)
 }
 
-/// Runs a scene with `steps` steps from sample to sample.
+/// What a run records at its samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Samples {
+    /// Energies.
+    Energies,
+    /// Energies and positions.
+    WithPositions,
+}
+
+/// Runs a scene with `steps` steps from sample to sample, unless the outcome is known from an interrupted call. A run that
+/// is interrupted ends as one that runs out of time.
 pub fn fly_scene(
     study: &Study<'_>,
     scene: &SceneFile,
     precision: Precision,
     steps: u64,
     limits: Limits,
+    samples: Samples,
+) -> Result<Trajectory, Failure> {
+    if study.is_interrupted() {
+        return Ok(Trajectory::new());
+    }
+    let entry = study.kept.entry(&question(study, scene, precision, steps, limits, samples));
+    if let Some(known) = study.kept.find(&entry, |run: &Trajectory| run.serves(limits)) {
+        study.spend_known(known.wall);
+        study.note(known.wall, known.ending.in_words());
+        return Ok(known);
+    }
+    let flight = take_off(study, scene, precision, steps, limits, samples)?;
+    study.spend(flight.wall);
+    if !study.is_interrupted() {
+        study.kept.keep(&entry, &flight);
+        study.note(flight.wall, flight.ending.in_words());
+    }
+    Ok(flight)
+}
+
+/// Everything that the outcome of a run depends on, except the time limit.
+fn question(
+    study: &Study<'_>,
+    scene: &SceneFile,
+    precision: Precision,
+    steps: u64,
+    limits: Limits,
+    samples: Samples,
+) -> String {
+    format!(
+        "run {:08x} in {} by {steps} steps, energy {:?}, {samples:?}, {:?}:\n{}",
+        checkpoint::scene_crc(scene),
+        precision.name(),
+        limits.energy,
+        study.arguments.cost,
+        scene.text
+    )
+}
+
+fn take_off(
+    study: &Study<'_>,
+    scene: &SceneFile,
+    precision: Precision,
+    steps: u64,
+    limits: Limits,
+    samples: Samples,
 ) -> Result<Trajectory, Failure> {
     let (mut engine, _) = engine::build(scene, precision)
         .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
-    let mut flight = Trajectory {
-        samples: Vec::new(),
-        energies: Vec::new(),
-        stretch: 0.0,
-        penetration: None,
-        report: Report::default(),
-        wall: 0.0,
-        ending: Ending::Complete,
-    };
+    let mut flight = Trajectory::new();
     let first_stretch = engine.largest_stretch();
     for _ in 0..SAMPLES {
-        let see = || sample(study, engine.as_mut(), steps, limits, first_stretch, &mut flight);
-        flight.ending = study.pool.install(see)?;
+        let see = || sample(study, engine.as_mut(), steps, limits, first_stretch, samples, &mut flight);
+        flight.ending = study.pool.install(see);
         if flight.ending != Ending::Complete {
             break;
         }
     }
     flight.report = engine.report();
-    study.spend(flight.wall);
     Ok(flight)
 }
 
@@ -130,8 +212,9 @@ fn sample(
     steps: u64,
     limits: Limits,
     first_stretch: f64,
+    samples: Samples,
     flight: &mut Trajectory,
-) -> Result<Ending, Failure> {
+) -> Ending {
     let before = flight.wall;
     let left = limits.wall.saturating_sub(Duration::from_secs_f64(before));
     let stopwatch = Stopwatch::new(&study.pool).until(&study.stop);
@@ -144,28 +227,26 @@ fn sample(
             false => cost::seconds(engine.counted()),
         };
         match stepped {
-            _ if study.stop.load(Ordering::Relaxed) => return Err(interrupted()),
-            Ok(()) if flight.wall > limits.wall.as_secs_f64() => return Ok(Ending::OutOfTime),
+            _ if study.is_interrupted() => return Ending::OutOfTime,
+            Ok(()) if flight.wall > limits.wall.as_secs_f64() => return Ending::OutOfTime,
             Ok(()) => {}
-            Err(Halt::Diverged(divergence)) => return Ok(Ending::Diverged(divergence.what)),
-            // The stop flag is not set, so the deadline caused the stop.
-            Err(Halt::Stopped) => return Ok(Ending::OutOfTime),
+            Err(Halt::Diverged(divergence)) => return Ending::Diverged(divergence.what),
+            // There is no interrupt, so the deadline caused the stop.
+            Err(Halt::Stopped) => return Ending::OutOfTime,
         }
     }
-    let mut positions = Vec::new();
-    engine.write_state(&mut positions);
-    flight.samples.push(positions);
+    if samples == Samples::WithPositions {
+        let mut positions = Vec::new();
+        engine.write_state(&mut positions);
+        flight.samples.push(positions);
+    }
     flight.energies.push(engine.report().energy);
     let stretch = engine.largest_stretch();
     flight.stretch = flight.stretch.max(stretch);
     if let Some(how) = flown_apart(stretch, first_stretch) {
-        return Ok(Ending::Diverged(how));
+        return Ending::Diverged(how);
     }
     flight.penetration = engine.penetration().map(|now| now.max(flight.penetration.unwrap_or(0.0)));
     let lively = flight.lively(flight.energies.len() - 1);
-    Ok(if lively > limits.energy || lively.is_nan() { Ending::Grown } else { Ending::Complete })
-}
-
-fn interrupted() -> Failure {
-    Failure::Interrupted("interrupted; a study writes its results at the end, so there are none".into())
+    if lively > limits.energy || lively.is_nan() { Ending::Grown } else { Ending::Complete }
 }

@@ -11,7 +11,7 @@ mod write;
 use muslin_core::integrate::Method;
 
 use crate::args::{ChooseArguments, Precision};
-use crate::engine;
+use crate::engine::{self, Engine};
 use crate::failure::Failure;
 use crate::units::{apart, length, time};
 
@@ -19,6 +19,7 @@ use super::Study;
 use super::distance::{self, Measure};
 use super::draw;
 use super::reference::Reference;
+use check::Checked;
 use pilot::Pilot;
 pub use report::Choice;
 pub use row::Row;
@@ -26,9 +27,12 @@ use saving::Candidate;
 
 /// Runs the command.
 pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
-    let study = Study::begin(&arguments.study)?;
+    Study::run("choose", &arguments.study, |study| run(study, arguments))
+}
+
+fn run(study: &Study<'_>, arguments: &ChooseArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.write {
-        write::allow(&study, path)?;
+        write::allow(study, path)?;
     }
     let (engine, _) = engine::build(&study.scene, Precision::F32)
         .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.of.scene)))?;
@@ -40,15 +44,24 @@ pub fn choose(arguments: &ChooseArguments) -> Result<(), Failure> {
             length(size)
         )));
     }
-    let mut pilot = Pilot::begin(&study, engine.masses(), arguments.tolerance, size)?;
-    let best = search::search(&mut pilot, engine.as_ref())?.ok_or_else(|| nothing_meets(&pilot))?;
-    let found = saving::leave_out(&mut pilot, Candidate::new(&study, best), &engine.mean_edges())?;
-    let checked = check::check(&mut pilot, found)?;
+    let mut pilot = Pilot::begin(study, engine.masses(), arguments.tolerance, size)?;
+    let checked = decide(&mut pilot, engine.as_ref());
+    if study.is_interrupted() {
+        return Err(study.suspend(Some(report::so_far(&pilot)?)));
+    }
+    let checked = checked?;
     if let Some(path) = &arguments.write {
-        write::write(&study, &checked.found, path)?;
+        write::write(study, &checked.found, path)?;
     }
     let choice = report::of(&pilot, &checked)?;
-    study.finish("choose", &draw::choose(&choice), &choice, &choice.lines())
+    study.finish(&draw::choose(&choice), &choice, &choice.lines())
+}
+
+/// Searches, leaves out terms that are not needed, and checks the choice.
+fn decide(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Checked, Failure> {
+    let best = search::search(pilot, engine)?.ok_or_else(|| nothing_meets(pilot))?;
+    let found = saving::leave_out(pilot, Candidate::new(pilot.study, best), &engine.mean_edges())?;
+    check::check(pilot, found)
 }
 
 /// The error if no method meets the tolerance; it names the best result.

@@ -4,12 +4,16 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::study::distance::Measure;
+use crate::study::partial::SoFar;
 use crate::study::variant::{Variant, in_words};
 use crate::units::{apart, length, time};
 
 use super::check::Checked;
 use super::pilot::Pilot;
 use super::row::{Row, Verdict};
+
+/// Head of the table of runs.
+const HEAD: &str = "method                            step   solver        error       time  verdict";
 
 /// How to run the scene.
 #[derive(Clone, Debug, Serialize)]
@@ -101,6 +105,29 @@ pub struct Choice {
     pub considered: Vec<Row>,
 }
 
+/// The report of an interrupted search.
+#[derive(Debug, Serialize)]
+struct Unchecked<'a> {
+    scene: &'a str,
+    tolerance: f64,
+    /// The cheapest run so far that meets the tolerance.
+    cheapest: Option<&'a Row>,
+    considered: &'a [Row],
+}
+
+/// What is known when the search is interrupted: all pilot runs, and the cheapest that meets the tolerance.
+pub fn so_far(pilot: &Pilot<'_>) -> Result<SoFar, Failure> {
+    let (tolerance, cheapest, considered) = (pilot.tolerance, pilot.cheapest(), &pilot.considered[..]);
+    let scene = &pilot.study.scene.desc.name;
+    let best = cheapest.map_or_else(
+        || "no run meets it yet".into(),
+        |row| format!("{} meets it in {} and is the cheapest so far; it is not checked", row.name(), time(row.wall_s)),
+    );
+    let mut lines = vec![format!("{scene}: tolerance {}; {best}", length(tolerance)), HEAD.into()];
+    lines.extend(considered.iter().map(|row| line(row, tolerance)));
+    SoFar::new(None, &Unchecked { scene, tolerance, cheapest, considered }, lines.join("\n"))
+}
+
 /// Creates the report.
 pub fn of(pilot: &Pilot<'_>, checked: &Checked) -> Result<Choice, Failure> {
     let (study, row) = (pilot.study, &checked.found.row);
@@ -182,10 +209,7 @@ impl Choice {
         lines.push(String::new());
         lines.extend(self.answered());
         lines.push(String::new());
-        lines.push(format!(
-            "{:<18}{:<5}{:>15}{:>9}{:>13}{:>11}  verdict",
-            "method", "", "step", "solver", "error", "time"
-        ));
+        lines.push(HEAD.into());
         lines.extend(self.considered.iter().map(|row| line(row, self.tolerance)));
         lines.join("\n")
     }

@@ -57,7 +57,7 @@ const SHORT: f64 = 2.0;
 
 /// The cheapest run of all methods; `None` if no run meets the tolerance.
 pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>, Failure> {
-    let modes = engine.fastest_modes(STEADY, ITERATIONS);
+    let modes = engine.fastest_modes(STEADY, ITERATIONS, &pilot.study.stopwatch());
     let methods = methods(pilot.reference.rule.measure);
     let firsts: Vec<_> = methods.into_iter().flat_map(|method| firsts(pilot, &modes, method)).collect();
     for (place, &first) in firsts.iter().enumerate() {

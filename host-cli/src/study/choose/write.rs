@@ -15,9 +15,10 @@ use crate::study::Study;
 use super::report::is_cut;
 use super::saving::Candidate;
 
-/// Refuses to overwrite the scene itself, or to write into a folder in which the scene would not find the files
-/// that it names.
+/// Refuses to overwrite the scene itself or a device, or to write into a folder in which the scene would not find the
+/// files that it names.
 pub fn allow(study: &Study<'_>, path: &Path) -> Result<(), Failure> {
+    target(path)?;
     let scene = Path::new(&study.arguments.of.scene);
     let own = if scene.is_file() { folder(scene) } else { PathBuf::from(".") };
     let there = |folder: &Path| fs::canonicalize(folder).ok();
@@ -40,6 +41,19 @@ pub fn allow(study: &Study<'_>, path: &Path) -> Result<(), Failure> {
     }
 }
 
+/// The file to write: if `path` is a link, the file that it leads to, so that the link stays.
+fn target(path: &Path) -> Result<PathBuf, Failure> {
+    let refused = |why: &str| Failure::Usage(format!("--write {}: {why}; give another name", path.display()));
+    let target = match path.is_symlink() {
+        true => fs::canonicalize(path).map_err(|_| refused("this link leads to no file"))?,
+        false => path.into(),
+    };
+    match target.exists() && !target.is_file() {
+        true => Err(refused("this is a folder, a device or a pipe, not a file")),
+        false => Ok(target),
+    }
+}
+
 /// The folder of a file.
 fn folder(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -52,8 +66,7 @@ pub fn write(study: &Study<'_>, found: &Candidate, path: &Path) -> Result<(), Fa
     // The study may have run a shorter duration than the scene has.
     let scene = chosen.changed(&[("duration", Some(Value::Float(own_duration(study)?)))])?;
     let text = scene_file::commented(&study.arguments.of.scene, &scene)?;
-    whole::write(path.into(), |out| out.write_all((head(study) + &text).as_bytes()))
-        .map_err(|error| Failure::Tool(error.to_string()))?;
+    whole::write(target(path)?, |out| out.write_all((head(study) + &text).as_bytes()))?;
     if !study.arguments.quiet {
         print_note(&note(&scene, found, path));
     }

@@ -6,6 +6,7 @@ mod control;
 mod crosses;
 mod master_curve;
 mod needs;
+mod rigidity;
 mod series;
 mod stability;
 mod stretch;
@@ -14,6 +15,7 @@ mod work_precision;
 pub use choose::choose;
 pub use master_curve::master_curve;
 pub use needs::needs;
+pub use rigidity::rigidity;
 pub use stability::stability;
 pub use work_precision::work_precision;
 

@@ -17,20 +17,23 @@ use trial::{Baseline, Trial};
 
 /// Runs the command.
 pub fn needs(arguments: &NeedsArguments) -> Result<(), Failure> {
-    let study = Study::begin(&arguments.study)?;
-    let baseline = Baseline::fly(&study)?;
+    Study::run("needs", &arguments.study, run)
+}
+
+fn run(study: &Study<'_>) -> Result<(), Failure> {
+    let baseline = Baseline::fly(study)?;
     let terms = terms::of(&study.scene.desc, &baseline.mean_edges);
     let mut trials: Vec<_> = terms.into_iter().map(Trial::new).collect();
-    trial::run(&study, &baseline, &mut trials)?;
-    let hidden = hidden(&study, &baseline, &trials)?;
-    let needs = report::of(&study, &baseline, &trials, hidden);
-    study.finish("needs", &draw::needs(&needs), &needs, &needs.lines())?;
+    trial::run(study, &baseline, &mut trials)?;
+    let hidden = hidden(study, &baseline, &trials)?;
+    let needs = report::of(study, &baseline, &trials, hidden);
+    study.finish(&draw::needs(&needs), &needs, &needs.lines())?;
     match needs.rows.iter().filter(|row| row.verdict == Verdict::Unfinished).count() {
         0 => Ok(()),
         late => Err(Failure::Diverged(format!(
             "the budget of {} s is used up: {late} of {} runs are missing; take a larger --budget, a shorter \
              --duration or a coarser cloth by --set",
-            arguments.study.budget,
+            study.arguments.budget,
             needs.rows.len()
         ))),
     }

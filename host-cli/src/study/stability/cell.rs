@@ -8,7 +8,7 @@ use toml::Value;
 
 use crate::args::Precision;
 use crate::failure::Failure;
-use crate::study::trajectory::{Ending, Limits, Trajectory, fly_scene};
+use crate::study::trajectory::{Ending, Limits, Samples, Trajectory, fly_scene};
 use crate::study::variant::SAMPLES;
 
 use super::map::Ground;
@@ -103,7 +103,7 @@ pub fn fly(
         ("integrator.error", error.map(Value::Float)),
     ])?;
     let limits = Limits { wall: share.left().max(Duration::from_millis(1)), energy };
-    fly_scene(share.study, &scene, Precision::F32, steps / SAMPLES, limits)
+    fly_scene(share.study, &scene, Precision::F32, steps / SAMPLES, limits, Samples::Energies)
 }
 
 /// The class of a run, and the reason for it.

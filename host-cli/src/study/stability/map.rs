@@ -94,7 +94,10 @@ fn ground(study: &Study<'_>, stiffness: f64, damping: f64) -> Result<Ground, Fai
     let scene = study.scene.scaled(&STIFFNESS, stiffness)?.scaled(&DAMPING, damping)?;
     let (engine, _) = engine::build(&scene, Precision::F64)
         .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
-    let modes = engine.fastest_modes(STEADY, ITERATIONS);
+    let modes = engine.fastest_modes(STEADY, ITERATIONS, &study.stopwatch());
+    if study.is_interrupted() {
+        return Err(study.suspend(None));
+    }
     Ok(Ground { stiffness, damping, scene, modes, mass: engine.mass(), energy: f64::INFINITY })
 }
 

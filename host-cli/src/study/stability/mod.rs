@@ -23,21 +23,23 @@ const CONVERGED: u32 = 20;
 
 /// Runs the command.
 pub fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
-    let study = Study::begin(&arguments.study)?;
-    let subjects = subjects(&arguments.methods);
-    let grounds = map::grounds(&study)?;
-    let mut rows = map::run(&study, &subjects, &grounds, &grounds[..1])?;
-    let limits = limits::measure(&study, &subjects, &grounds[0], &rows)?;
-    rows.extend(map::run(&study, &subjects, &grounds, &grounds[1..])?);
-    map::run_rest(&study, &subjects, &grounds[1..], &mut rows)?;
-    let map = report::summarise(&study, &grounds, rows, limits);
-    study.finish("stability", &draw::stability(&map), &map, &map.lines())?;
+    Study::run("stability", &arguments.study, |study| run(study, &subjects(&arguments.methods)))
+}
+
+fn run(study: &Study<'_>, subjects: &[Subject]) -> Result<(), Failure> {
+    let grounds = map::grounds(study)?;
+    let mut rows = map::run(study, subjects, &grounds, &grounds[..1])?;
+    let limits = limits::measure(study, subjects, &grounds[0], &rows)?;
+    rows.extend(map::run(study, subjects, &grounds, &grounds[1..])?);
+    map::run_rest(study, subjects, &grounds[1..], &mut rows)?;
+    let map = report::summarise(study, &grounds, rows, limits);
+    study.finish(&draw::stability(&map), &map, &map.lines())?;
     match map.missing() {
         0 => Ok(()),
         missing => Err(Failure::Diverged(format!(
             "{} s are not enough for {missing} of {} runs; the finished runs are written: take fewer --methods, a \
              coarser cloth by --set, or a larger --budget",
-            arguments.study.budget,
+            study.arguments.budget,
             map.all().count()
         ))),
     }

@@ -9,6 +9,7 @@ use toml::{Table, Value};
 
 use crate::args::Precision;
 use crate::failure::Failure;
+use crate::limits;
 use crate::scene_file::{self, Change, Source};
 
 /// The contents of the file.
@@ -90,7 +91,7 @@ impl Sweep {
     /// Reads a sweep and its scene. Errors are usage errors and name the line.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let label = path.display().to_string();
-        let text = std::fs::read_to_string(path);
+        let text = limits::read_text(path);
         let text = text.map_err(|error| Failure::Usage(format!("cannot read {label}: {error}")))?;
         let file = Text { label, text };
         let explained = |error| file.failed(&scene_file::explain(&error));

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use crate::export::whole::WriteError;
 use crate::failure::Failure;
 
 /// The beginning of each line.
@@ -75,7 +76,7 @@ impl Ledger {
             path.parent().map_or(Ok(()), fs::create_dir_all)?;
             OpenOptions::new().read(true).append(true).create(true).open(path)
         };
-        let file = open().map_err(|error| cannot_write(path, &error))?;
+        let file = open().map_err(|error| cannot_write(path, error))?;
         let mut ledger = Self { path: path.into(), file, read: 0, runs: Runs::new() };
         ledger.locked(Self::catch_up)?;
         Ok(ledger)
@@ -92,7 +93,7 @@ impl Ledger {
         self.locked(|ledger| {
             ledger.catch_up()?;
             if !ledger.runs.contains_key(key) {
-                ledger.write(line).map_err(|error| cannot_write(&ledger.path, &error))?;
+                ledger.write(line).map_err(|error| cannot_write(&ledger.path, error))?;
             }
             ledger.catch_up()
         })
@@ -113,10 +114,10 @@ impl Ledger {
     fn locked<T>(&mut self, act: impl FnOnce(&mut Self) -> Result<T, Failure>) -> Result<T, Failure> {
         match self.file.lock() {
             Err(error) if error.kind() == ErrorKind::Unsupported => return act(self),
-            locked => locked.map_err(|error| cannot_write(&self.path, &error))?,
+            locked => locked.map_err(|error| cannot_write(&self.path, error))?,
         }
         let acted = act(self);
-        let unlocked = self.file.unlock().map_err(|error| cannot_write(&self.path, &error));
+        let unlocked = self.file.unlock().map_err(|error| cannot_write(&self.path, error));
         acted.and_then(|value| unlocked.map(|()| value))
     }
 
@@ -128,7 +129,7 @@ impl Ledger {
         let whole = take_lines(&bytes, &mut self.runs).map_err(|what| foreign(&self.path, &what))?;
         self.read += whole as u64;
         if whole < bytes.len() {
-            self.file.set_len(self.read).map_err(|error| cannot_write(&self.path, &error))?;
+            self.file.set_len(self.read).map_err(|error| cannot_write(&self.path, error))?;
         }
         Ok(())
     }
@@ -157,9 +158,6 @@ fn foreign(path: &Path, line: &str) -> Failure {
     ))
 }
 
-fn cannot_write(path: &Path, error: &io::Error) -> Failure {
-    Failure::Tool(format!(
-        "cannot write {}: {error}; check that its folder exists, is writable and has room",
-        path.display()
-    ))
+fn cannot_write(path: &Path, cause: io::Error) -> Failure {
+    WriteError { path: path.into(), cause }.into()
 }

@@ -14,6 +14,7 @@ use crate::pool::Pool;
 use crate::run::course::{Course, Ending};
 use crate::run::start;
 use crate::scene_file::SceneFile;
+use crate::stopwatch::Stopwatch;
 use crate::summary::Summary;
 
 use super::file::Sweep;
@@ -47,15 +48,18 @@ pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<
         )));
     }
     let summary = pool.install(|| {
-        let (start, _) = start::untangle(engine.as_mut(), false, pool);
-        let mut course = Course::begin(engine, timing, task.point.precision, false, start, None);
+        let stopwatch = Stopwatch::new(pool).until(stop);
+        let mut warnings = start::warnings(engine.as_ref(), &scene, &timing, task.point.precision, &stopwatch);
+        let Some((start, warning)) = start::untangle(engine.as_mut(), false, pool, stop) else {
+            return Err(interrupted(task));
+        };
+        let mut course = Course::begin(engine, timing, task.point.precision, [false; 2], start, None);
+        warnings.extend(warning);
+        course.warnings = warnings;
         course.frame(pool, &mut ())?;
         let started = Instant::now();
         match course.advance(pool, stop, &mut ())? {
-            Ending::Interrupted => Err(Failure::Interrupted(format!(
-                "interrupted in the run with {}, which leaves no line; go on with the same command",
-                task.point.name()
-            ))),
+            Ending::Interrupted => Err(interrupted(task)),
             ending => Ok(course.summary(&scene, &ending, pool, started.elapsed())),
         }
     })?;
@@ -63,4 +67,11 @@ pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<
     let overrides = point.changes.iter().map(|change| (change.key.as_str(), &change.value)).collect();
     let line = Line { key, index: point.index, overrides, summary };
     serde_json::to_string(&line).map_err(|error| Failure::Tool(error.to_string()))
+}
+
+fn interrupted(task: &Task) -> Failure {
+    Failure::Interrupted(format!(
+        "interrupted in the run with {}, which leaves no line; go on with the same command",
+        task.point.name()
+    ))
 }

@@ -61,7 +61,7 @@ const SEWING: f64 = 1e4;
 
 /// Condition at the sides of a strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Sides {
+pub(super) enum Sides {
     /// The strip bends like a part of an endless sheet.
     Sewn,
     /// The sides are free.
@@ -112,9 +112,9 @@ fn order(lab: &Lab) -> Result<f64, Miss> {
 }
 
 /// A strip at rest over its line.
-struct Hung {
-    strip: Strip,
-    sim: Simulation,
+pub(super) struct Hung {
+    pub strip: Strip,
+    pub sim: Simulation,
     stiffness: f64,
 }
 
@@ -122,7 +122,11 @@ impl Hung {
     /// Hangs a strip until it is at rest; `edges` are in its length, `times` multiplies its width.
     fn settle(lab: &Lab, cut: &Cut, sides: Sides, gamma: f64, edges: f64, times: u32) -> Result<Self, Miss> {
         let periods = if sides == Sides::Sewn { cut.periods } else { cut.free_periods };
-        let strip = strip(cut.along, times * periods, 1.0 / edges)?;
+        Self::hang(lab, strip(cut.along, times * periods, 1.0 / edges)?, sides, gamma)
+    }
+
+    /// Hangs a strip over its line until it is at rest.
+    pub fn hang(lab: &Lab, strip: Strip, sides: Sides, gamma: f64) -> Result<Self, Miss> {
         let stiffness = STIFFNESS * WEIGHT * strip.length;
         let text = scene(&strip, sides, gamma, stiffness);
         let mesh = Content::Mesh(strip.mesh.clone());
@@ -133,7 +137,7 @@ impl Hung {
 
     /// Drop over reach of the tip. It is taken from a line fitted to all vertices near the tip: the end is jagged,
     /// and the strip is straight there.
-    fn drop_over_reach(&self) -> f64 {
+    pub fn drop_over_reach(&self) -> f64 {
         let Strip { mesh, length, edge, .. } = &self.strip;
         let tips = mesh.positions.iter().zip(self.sim.positions());
         let tips = tips.map(|(rest, x)| [rest[0].abs() - length, x.x * rest[0].signum(), -x.y]);

@@ -1,60 +1,72 @@
 //! Effective properties of sheets of hinges and of bending springs: rigidity by direction, Poisson's ratio, and
 //! known defects of the models.
 
-use glam::DVec3;
-use muslin_core_f64::forces::element::Element;
+use glam::{DMat3, DVec3};
 use muslin_core_f64::mesh::TriMesh;
-use muslin_core_f64::scene::{BuiltScene, Content};
+use muslin_core_f64::scene::Content;
 
 use super::check::Check;
 use super::lab::{self, Miss};
-use super::lattice::ROW;
+use super::report::Row;
+use super::rigidity::{Rigidity, SHEETS, Sheet};
 
 /// Description in the report.
-pub const ABOUT: &str = "rigidity of a bent sheet over the one asked for; what is not 1 the pattern cannot do, \
-                         however fine: take the equilateral one. Bending springs have no rigidity when flat";
+pub const ABOUT: &str = "rigidity of a bent sheet in equilibrium over the one asked for, by the direction along which it \
+                         bends: kept a cylinder, or a narrow strip with free sides, and its twist over its curvature; \
+                         equilateral triangles alone bend alike in all directions. Bending springs have no rigidity when flat";
 
-/// D(phi)/D for curvature along phi in steps of 15 degrees, from x towards z; the diagonal is at 45 degrees.
-const DIRECTIONS: [(&str, [f64; 12]); 3] = [
-    ("equilateral", [1.0; 12]),
-    ("alternating", [1.0, 1.125, 1.375, 1.5, 1.375, 1.125, 1.0, 1.125, 1.375, 1.5, 1.375, 1.125]),
-    ("diagonal", [1.0, 1.75, 2.616, 3.0, 2.616, 1.75, 1.0, 0.75, 0.884, 1.0, 0.884, 0.75]),
+/// Rigidity tensor of each of [`SHEETS`], by curvature along x, along z and mixed. The triangles of three of the sheets
+/// repeat from vertex to vertex, and bend as imposed. In an alternating sheet every other vertex moves out of the
+/// cylinder: without that its first two rows would be 1, 0, 0 and 0, 1, 0.
+const TENSORS: [[[f64; 3]; 3]; 4] = [
+    [[1.0, -1.0 / 3.0, 0.0], [-1.0 / 3.0, 1.0, 0.0], [0.0, 0.0, 8.0 / 3.0]],
+    [[27.0 / 32.0, -0.25, 0.0], [-0.25, 1.0, 0.0], [0.0, 0.0, 25.0 / 8.0]],
+    [[5.0 / 6.0, -1.0 / 6.0, 0.0], [-1.0 / 6.0, 5.0 / 6.0, 0.0], [0.0, 0.0, 4.0]],
+    [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 6.0]],
 ];
 
-/// Relative tolerance: the table has four digits.
-const TABLE: f64 = 5e-3;
+/// Tolerance: the answers are exact.
+const EXACT: f64 = 1e-9;
 
-/// Rigidity, N m.
-const RIGIDITY: f64 = 3.0;
+/// The name of the rigidity of a sheet that stays a cylinder.
+const CYLINDER: &str = "cylinder";
 
-/// Curvature, 1/m: so small, with cells of 1 m, that angles equal their sines.
-const CURVATURE: f64 = 1e-4;
+fn name(sheet: &str, degrees: u32, what: &str) -> String {
+    format!("{sheet}, {degrees} degrees, {what}")
+}
+
+/// For each sheet its name, and the directions and rigidities of its cylinders that are measured. A sheet bends along
+/// 180 degrees as along 0.
+pub fn cylinders(rows: &[Row]) -> Vec<(&'static str, Vec<(f64, f64)>)> {
+    let of = |sheet: Sheet| {
+        let at = |degrees: u32| rows.iter().find(|row| row.name == name(sheet.name, degrees % 180, CYLINDER))?.measured;
+        let points = (0..=12).filter_map(|step| Some((f64::from(15 * step), at(15 * step)?)));
+        (sheet.name, points.collect())
+    };
+    SHEETS.map(of).into()
+}
 
 /// All checks.
 pub fn checks() -> Vec<Check> {
-    let directions = DIRECTIONS.into_iter().flat_map(|(pattern, table)| {
-        table.into_iter().enumerate().map(move |(step, factor)| {
+    let directions = SHEETS.into_iter().zip(TENSORS).flat_map(|(sheet, tensor)| {
+        let known = Rigidity(DMat3::from_cols_array_2d(&tensor));
+        let check = move |what: &str, step: u32, of: fn(&Rigidity, f64) -> f64| {
             let degrees = 15 * step;
-            let (sine, cosine) = (degrees as f64).to_radians().sin_cos();
-            let bent = move |x: f64, z: f64| 0.5 * (cosine * x + sine * z).powi(2);
-            let name = format!("{pattern} hinges, bent along {degrees} degrees");
-            Check::relative(name, factor, TABLE, move |_| rigidity(pattern, bent))
-        })
+            let (name, angle) = (name(sheet.name, degrees, what), f64::from(degrees));
+            Check::absolute(name, of(&known, angle), EXACT, move |_| Ok(of(&Rigidity::of(&sheet)?, angle)))
+        };
+        let held = (0..12).map(move |step| check(CYLINDER, step, Rigidity::held));
+        let free = (0..12).step_by(3).flat_map(move |step| {
+            [check("free sides", step, Rigidity::narrow), check("free sides, twist", step, Rigidity::twist)]
+        });
+        held.chain(free)
     });
-    let sphere = |x: f64, z: f64| 0.5 * (x * x + z * z);
-    let saddle = |x: f64, z: f64| 0.5 * (x * x - z * z);
-    let twist = |x: f64, z: f64| x * z;
-    // D/2 (2 + 2 nu) and D/2 (2 - 2 nu).
-    let shapes = [
-        Check::relative("equilateral hinges on a sphere", 4.0 / 3.0, 1e-6, move |_| rigidity("equilateral", sphere)),
-        Check::relative("equilateral hinges on a saddle", 8.0 / 3.0, 1e-6, move |_| rigidity("equilateral", saddle)),
-        Check::relative("equilateral hinges on a twist", 8.0 / 3.0, 1e-6, move |_| rigidity("equilateral", twist)),
-        Check::relative("equilateral hinges, Poisson's ratio", -1.0 / 3.0, 1e-6, move |_| {
-            let [sphere, saddle] = [rigidity("equilateral", sphere)?, rigidity("equilateral", saddle)?];
-            Ok((sphere - saddle) / (sphere + saddle))
-        }),
-    ];
-    directions.chain(shapes).chain(springs()).collect()
+    let [equilateral, ..] = SHEETS;
+    let poisson = Check::absolute("equilateral, Poisson's ratio", -1.0 / 3.0, EXACT, move |_| {
+        let Rigidity(tensor) = Rigidity::of(&equilateral)?;
+        Ok(tensor.y_axis.x / tensor.x_axis.x)
+    });
+    directions.chain([poisson]).chain(springs()).collect()
 }
 
 /// Checks of the predicted defect of bending springs: E = k l^2 theta^4 / 32 across two edges of length l.
@@ -69,41 +81,6 @@ fn springs() -> [Check; 2] {
         Ok((stored(0.1)? / stored(0.05)?).log2())
     });
     [energy.in_unit("J"), power]
-}
-
-/// A sheet of 8x8 cells with edges of 1 m.
-fn sheet(pattern: &str) -> Result<BuiltScene, Miss> {
-    let row = if pattern == "equilateral" { ROW } else { 1.0 };
-    let text = format!(
-        "name = \"sheet\"\nduration = 0\n[[cloth]]\ndensity = 1.0\n\
-         grid = {{ size = [8.0, {:?}], cells = [8, 8], pattern = \"{pattern}\" }}\n\
-         bend = {{ model = \"hinge\", rigidity = {RIGIDITY:?} }}",
-        8.0 * row
-    );
-    lab::columns(&text, &[])
-}
-
-/// Energy of the hinges over the energy of a plate, which is D/2 per area at unit curvature. `height` is the
-/// displacement of the sheet; both energies are over one period of the pattern in its middle.
-fn rigidity(pattern: &str, height: impl Fn(f64, f64) -> f64) -> Result<f64, Miss> {
-    let built = sheet(pattern)?;
-    let rest = &built.particles.positions;
-    let hinges = built.model.view().hinges.ok_or_else(|| Miss::Why("the sheet has no hinges".into()))?;
-    let period = match pattern {
-        "equilateral" => [1.0, 2.0 * ROW],
-        "alternating" => [2.0, 2.0],
-        _ => [1.0, 1.0],
-    };
-    // Midpoints of edges lie on quarters of cells, and therefore never on a border of this period.
-    let within = |x: DVec3| [x.x, x.z].iter().zip(period).all(|(&x, period)| (0.1..0.1 + period).contains(&x));
-    let bent: Vec<_> = rest.iter().map(|x| DVec3::new(x.x, CURVATURE * height(x.x, x.z), x.z)).collect();
-    let energies = hinges.vertices.iter().enumerate().filter_map(|(hinge, corners)| {
-        let [a, b, ..] = corners.map(|corner| rest[corner as usize]);
-        let energy = || hinges.energy(hinge, &corners.map(|corner| bent[corner as usize])).bend;
-        within((a + b) / 2.0).then(energy)
-    });
-    let plate = 0.5 * RIGIDITY * CURVATURE * CURVATURE * period[0] * period[1];
-    Ok(energies.sum::<f64>() / plate)
 }
 
 /// Two triangles with a common edge; the second one is turned about it by an angle.

@@ -19,24 +19,30 @@ mod momentum;
 mod net;
 mod orders;
 mod patch;
+mod plates;
 mod projection;
 mod report;
+mod rigidity;
 mod spectra;
 
 pub use cantilever::{CUTS, GAMMAS, TOLERANCE};
 pub use elastica::drop_over_reach;
+pub use hinge::cylinders;
 pub use report::{Report, Row};
 
 use std::time::Instant;
 
 use crate::args::ValidateArguments;
 use crate::failure::{Failure, print_data};
+use crate::folder::Folder;
 use crate::interrupt;
 
 use super::draw;
-use super::folder::{Folder, Results};
+use super::kept::Kept;
+use super::partial::{self, Numbers, SoFar};
 use check::Check;
 use lab::{Lab, Miss};
+use muslin_core_f64::dispatch::Dispatch;
 
 /// A group of related checks.
 struct Group {
@@ -47,9 +53,10 @@ struct Group {
 }
 
 /// Every group, in the order of the report.
-const GROUPS: [Group; 15] = [
+const GROUPS: [Group; 16] = [
     Group { name: "cantilever", about: cantilever::ABOUT, checks: cantilever::checks },
     Group { name: "hinge", about: hinge::ABOUT, checks: hinge::checks },
+    Group { name: "plates", about: plates::ABOUT, checks: plates::checks },
     Group { name: "patch", about: patch::ABOUT, checks: patch::checks },
     Group { name: "derivatives", about: derivatives::ABOUT, checks: derivatives::checks },
     Group { name: "projection", about: projection::ABOUT, checks: projection::checks },
@@ -73,10 +80,27 @@ pub fn validate(arguments: &ValidateArguments) -> Result<(), Failure> {
     }
     // The handler is installed before anything is written that an interrupt would leave behind.
     let lab = Lab::new(interrupt::watch()?);
-    let folder = Folder::make(arguments.out.clone())?;
-    let report = run(&lab, &chosen, arguments.quiet)?;
-    let results = Results::new(draw::master_curve(&report.rows), &report, report.lines())?;
-    let written = folder.keep(&file_name(arguments.only.as_deref()), &results)?;
+    let folder = Folder::take(arguments.out.clone())?;
+    let name = file_name(arguments.only.as_deref());
+    let kept = Kept::of(folder.path(), &name);
+    let report = run(&lab, &chosen, &kept, arguments.quiet);
+    let svg = draw::master_curve(&report.rows).or_else(|| draw::rigidity(&report.rows));
+    if lab.stopped() {
+        let so_far = SoFar::new(svg, &report, report.lines())?;
+        return Err(partial::report(
+            &folder,
+            &name,
+            report.rows.len(),
+            &[],
+            Some(&so_far),
+            arguments.json,
+            arguments.quiet,
+        ));
+    }
+    let results = Numbers::results(svg, &report, &report.lines(), kept.known(), report.rows.len())?;
+    let written = results.write(&folder, &name)?;
+    kept.forget();
+    partial::remove(&folder, &name);
     results.print(arguments.json, arguments.quiet, &written)?;
     match report.verdict() {
         Some(why) => Err(Failure::Missed(why)),
@@ -135,31 +159,36 @@ fn words(text: &str) -> Vec<String> {
     text.split(between).filter(|word| !word.is_empty()).map(str::to_lowercase).collect()
 }
 
-/// Runs one check after the other.
-fn run(lab: &Lab, chosen: &[(&'static Group, Vec<Check>)], quiet: bool) -> Result<Report, Failure> {
+/// Runs one check after the other, until an interrupt. Checks of an interrupted call are not run again.
+fn run(lab: &Lab, chosen: &[(&'static Group, Vec<Check>)], kept: &Kept, quiet: bool) -> Report {
     let started = Instant::now();
-    let count: usize = chosen.iter().map(|(_, checks)| checks.len()).sum();
-    let bar = crate::progress::bar(count as u64, "{pos} of {len} {wide_bar} {msg}", quiet);
+    let all = || chosen.iter().flat_map(|(group, checks)| checks.iter().map(move |check| (group, check)));
+    let bar = crate::progress::bar(all().count() as u64, "{pos} of {len} {wide_bar} {msg}", quiet);
     let mut rows = Vec::new();
-    for (group, checks) in chosen {
-        for check in checks {
-            bar.set_message(format!("{} {}", group.name, check.name));
-            let measured = match (check.measure)(lab) {
-                Err(Miss::Stopped) => {
-                    bar.finish_and_clear();
-                    return Err(Failure::Interrupted(
-                        "interrupted; results are written at the end: there are none".into(),
-                    ));
-                }
-                Err(Miss::Why(why)) => Err(why),
-                Ok(measured) => Ok(measured),
-            };
-            rows.push(Row::new(group.name, group.about, check, measured));
-            bar.inc(1);
-        }
+    for (group, check) in all() {
+        bar.set_message(format!("{} {}", group.name, check.name));
+        let Some(measured) = measure(lab, group, check, kept) else { break };
+        rows.push(Row::new(group.name, group.about, check, measured));
+        bar.inc(1);
     }
     bar.finish_and_clear();
-    Ok(Report::new(rows, started.elapsed().as_secs_f64()))
+    Report::new(rows, started.elapsed().as_secs_f64())
+}
+
+/// The value of a check, or the reason why it has none; `None` after an interrupt.
+fn measure(lab: &Lab, group: &Group, check: &Check, kept: &Kept) -> Option<Result<f64, String>> {
+    let entry = kept.entry(&format!("{} {}", group.name, check.name));
+    kept.find(&entry, |_| true).or_else(|| {
+        let measured = match (check.measure)(lab) {
+            // An interrupted measurement may have a value, but it says nothing.
+            _ if lab.stopped() => return None,
+            Err(Miss::Stopped) => return None,
+            Err(Miss::Why(why)) => Err(why),
+            Ok(value) => Ok(value),
+        };
+        kept.keep(&entry, &measured);
+        Some(measured)
+    })
 }
 
 #[cfg(test)]

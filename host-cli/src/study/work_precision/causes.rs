@@ -9,7 +9,7 @@ use crate::args::Precision;
 use crate::failure::Failure;
 use crate::study::Study;
 use crate::study::terms::CONVERGED;
-use crate::study::trajectory::{Ending, Trajectory, fly_scene};
+use crate::study::trajectory::{Ending, Samples, Trajectory, fly_scene};
 use crate::study::variant::Variant;
 
 use super::report::Row;
@@ -106,6 +106,7 @@ fn run(
     ];
     study.say(&format!("{}, newton = {newton}", variant.name(&study.scene)));
     let scene = variant.scene(&study.scene)?.changed(&solver)?;
-    let run = fly_scene(study, &scene, variant.precision, variant.steps, yardstick.limits(left))?;
+    let limits = yardstick.limits(left);
+    let run = fly_scene(study, &scene, variant.precision, variant.steps, limits, Samples::WithPositions)?;
     Ok(Some(run).filter(|run| run.ending == Ending::Complete))
 }

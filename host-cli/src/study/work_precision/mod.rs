@@ -28,25 +28,28 @@ pub use winners::front;
 
 /// Runs the command.
 pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
-    let study = Study::begin(&arguments.study)?;
+    Study::run("chart", &arguments.study, |study| run(study, arguments))
+}
+
+fn run(study: &Study<'_>, arguments: &ChartArguments) -> Result<(), Failure> {
     let (engine, _) = engine::build(&study.scene, Precision::F64)
         .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.of.scene)))?;
     let masses = engine.masses();
     let diagonal = distance::diagonal(engine.as_ref());
     let rule = Rule::of(study.scene.desc.contact.is_some(), diagonal);
-    let reference = reference::refine(&study, rule, &masses)?;
+    let reference = reference::refine(study, rule, &masses)?;
     if !reference.is_found() {
-        return Err(Failure::Diverged(refusal::no_reference(&study, &reference)));
+        return Err(Failure::Diverged(refusal::no_reference(study, &reference)));
     }
     let finest = arguments.finest.unwrap_or(0.0);
     let yardstick = Yardstick { reference: &reference, masses: &masses, diagonal, finest };
-    let ladders = climb(&study, &yardstick, &methods(&arguments.methods, rule.measure))?;
-    let chart = complete(&study, &yardstick, &ladders)?;
+    let ladders = climb(study, &yardstick, &methods(&arguments.methods, rule.measure))?;
+    let chart = complete(study, &yardstick, &ladders)?;
     if !chart.rows.iter().any(|row| row.stable) {
         return Err(Failure::Diverged(refusal::nothing_charted(&chart)));
     }
     let svg = draw::work_precision(&chart);
-    study.finish("chart", &svg, &chart, &chart.lines())?;
+    study.finish(&svg, &chart, &chart.lines())?;
     match rule.measure == Measure::Positions && chart.reference.agreement.is_none() {
         true => Err(Failure::Diverged(refusal::unconfirmed(&chart))),
         false => Ok(()),

@@ -1,0 +1,124 @@
+//! The impulses that pins and colliders give to the cloth, and the moments of these impulses. Divided by a time they are
+//! mean forces: the reactions.
+//!
+//! A pin gives what the forces and the contacts leave of the change of momentum along its held axes. Forces are
+//! evaluated in the middle of the step, as for the [work](crate::work_done).
+
+use core::ops::Range;
+
+use glam::DVec3;
+
+use crate::contact::{ContactModel, ContactScratch};
+use crate::integrate::StepInput;
+use crate::integrate::pins::held;
+use crate::real::{Real, Sum, Vec3, to_f64};
+use crate::response::constraint::Constraint;
+use crate::scratch::Scratch;
+
+/// The pins of one `[[cloth.pin]]` of a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PinGroup {
+    /// Index of the cloth.
+    pub cloth: u32,
+    /// Number of the group in its cloth.
+    pub number: u32,
+    /// Its pins in the columns of pins.
+    pub pins: Range<usize>,
+}
+
+/// An impulse on the cloth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Impulse {
+    /// The impulse, N s.
+    pub linear: DVec3,
+    /// Its moment about the origin of the positions, N m s.
+    pub angular: DVec3,
+}
+
+impl Impulse {
+    fn add(&mut self, at: Vec3, impulse: DVec3) {
+        self.linear += impulse;
+        self.angular += DVec3::from(to_f64(at)).cross(impulse);
+    }
+}
+
+/// The sums of impulses, borrowed.
+#[derive(Debug)]
+pub struct Reactions<'a> {
+    /// The groups of pins.
+    pub groups: &'a [PinGroup],
+    /// Impulses of the groups.
+    pub pins: &'a mut [Impulse],
+    /// Impulses of the colliders.
+    pub colliders: &'a mut [Impulse],
+}
+
+impl Reactions<'_> {
+    /// Adds the impulses of the pins in the step to the candidate state in `s`. Its forces, with those of contacts, and
+    /// the positions of its stage are those in the middle of the step.
+    pub fn add_pins<D>(&mut self, c: &StepInput<'_, D>, s: &Scratch<'_>) {
+        let step = Sum::from(c.step);
+        for (group, sum) in self.groups.iter().zip(&mut *self.pins) {
+            let pins = c.pins.vertices.iter().zip(c.pins.axes);
+            for (&vertex, &axes) in pins.take(group.pins.end).skip(group.pins.start) {
+                let vertex = vertex as usize;
+                let [change, force] = [&s.velocity_changes[vertex], &s.forces[vertex]].map(|&v| DVec3::from(to_f64(v)));
+                let all = change * Sum::from(c.masses[vertex]) - force * step;
+                let mut own = DVec3::ZERO;
+                held(axes).for_each(|axis| own[axis] = all[axis]);
+                sum.add(s.stage_positions[vertex], own);
+            }
+        }
+    }
+
+    /// Adds the impulses of colliders. `step` is the length of the step, s.
+    pub fn add_colliders(&mut self, model: &ContactModel<'_>, contact: &ContactScratch<'_>, step: Real) {
+        let cloth = model.cloth();
+        for constraint in &contact.constraints[..contact.lengths.constraints] {
+            let Some(vertex) = constraint.contact.vertices.iter().find(|&&v| v as usize >= cloth) else { continue };
+            let bodies = model.colliders.bodies;
+            let body = bodies.partition_point(|body| body.range().end <= *vertex as usize - cloth);
+            for (v, impulse) in impulses(constraint, step).filter(|(v, _)| *v < cloth) {
+                self.colliders[body].add(contact.end[v], impulse);
+            }
+        }
+    }
+}
+
+/// The impulses of a contact on its vertices, N s.
+pub fn impulses(constraint: &Constraint, step: Real) -> impl Iterator<Item = (usize, DVec3)> {
+    let contact = constraint.contact;
+    // Impulse times the step, kg m.
+    let impulse = contact.normal * constraint.normal_impulse + constraint.friction_impulse;
+    let impulse = DVec3::from(to_f64(impulse)) / Sum::from(step);
+    (0..4).map(move |k| (contact.vertices[k] as usize, impulse * Sum::from(contact.weights[k])))
+}
+
+/// The owned columns of [`Reactions`].
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReactionColumns {
+    /// Impulses of the groups of pins.
+    pub pins: alloc::vec::Vec<Impulse>,
+    /// Impulses of the colliders.
+    pub colliders: alloc::vec::Vec<Impulse>,
+}
+
+#[cfg(feature = "alloc")]
+impl ReactionColumns {
+    /// The borrowed view that a step takes.
+    pub fn view<'a>(&'a mut self, groups: &'a [PinGroup]) -> Reactions<'a> {
+        Reactions { groups, pins: &mut self.pins, colliders: &mut self.colliders }
+    }
+
+    /// Copies the sums without an allocation; both have the same lengths.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.pins.copy_from_slice(&other.pins);
+        self.colliders.copy_from_slice(&other.colliders);
+    }
+
+    /// Size of the columns, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.pins[..]) + size_of_val(&self.colliders[..])
+    }
+}

@@ -1,0 +1,174 @@
+//! The work that is done on the cloth from outside, by pins, colliders and wind. With it, a host can balance the energy
+//! of the cloth: what the cloth gains beyond this work comes from errors. With [reactions](crate::reactions), the work
+//! that contacts and damping take is measured too, and the rest of the balance is the error of the method.
+//!
+//! A force is evaluated in the middle of the step and multiplied by the displacement: this is exact to the second order for
+//! every method.
+
+use crate::contact::{ContactModel, ContactScratch};
+use crate::dispatch::Dispatch;
+use crate::forces::{self, Model, Term};
+use crate::implicit_contact::exchange;
+use crate::integrate::StepInput;
+use crate::integrate::pins::AT_REST;
+use crate::particles::Particles;
+use crate::reactions::{Reactions, impulses};
+use crate::real::{Sum, Vec3, dot_sum, to_f64};
+use crate::scratch::Scratch;
+
+/// Work done on the cloth, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WorkDone {
+    /// By pins that move.
+    pub pins: Sum,
+    /// By colliders that move.
+    pub colliders: Sum,
+    /// By wind; negative where it slows the cloth down.
+    pub wind: Sum,
+    /// By friction and impacts; negative. Measured with reactions.
+    pub contacts: Sum,
+    /// By damping and drag; negative. Measured with reactions.
+    pub damping: Sum,
+    /// The amounts of the work of all steps: errors of the steps also change the forces of pins, to and fro.
+    pub exchanged: Sum,
+}
+
+impl core::ops::AddAssign for WorkDone {
+    fn add_assign(&mut self, other: Self) {
+        self.pins += other.pins;
+        self.colliders += other.colliders;
+        self.wind += other.wind;
+        self.contacts += other.contacts;
+        self.damping += other.damping;
+        self.exchanged += other.exchanged;
+    }
+}
+
+/// The sums to which a step adds.
+#[derive(Debug)]
+pub struct Ledger<'a> {
+    /// The work.
+    pub done: &'a mut WorkDone,
+    /// The reactions; `None`: neither they nor the work of contacts and damping are measured.
+    pub reactions: Option<Reactions<'a>>,
+}
+
+/// Adds the work, and the reactions, in the step to the candidate state in `s`. Overwrites the columns of the stage and of
+/// the forces.
+pub fn in_step<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    from: &Particles<'_>,
+    contact: Option<(&ContactModel<'_>, &ContactScratch<'_>)>,
+    ledger: Ledger<'_>,
+    s: &mut Scratch<'_>,
+) {
+    let mut done = WorkDone::default();
+    let Ledger { done: sum, mut reactions } = ledger;
+    if let Some((model, contact)) = contact {
+        add_contacts(c, model, contact, &mut done);
+        if let Some(reactions) = &mut reactions {
+            done.contacts += by_contacts(c, model, contact, from, s);
+            reactions.add_colliders(model, contact, c.step);
+        }
+    }
+    let (wind, everything) = (c.model.only(Term::Wind), reactions.is_some());
+    if pins_move(c) || wind.is_some() || everything {
+        write_middle(c, from, s);
+    }
+    if pins_move(c) || everything {
+        evaluate(c, c.model, s);
+    }
+    if pins_move(c) {
+        done.pins += by_pins(c, from, s);
+    }
+    let of_all = if everything { by_forces(s) } else { 0.0 };
+    if let Some(mut reactions) = reactions {
+        if let Some((_, contact)) = contact {
+            exchange::add_impulses(contact, c.step * c.step, s.forces);
+        }
+        reactions.add_pins(c, s);
+    }
+    if let Some(wind) = wind {
+        evaluate(c, &wind, s);
+        done.wind += by_forces(s);
+    }
+    done.exchanged = done.pins.abs() + done.colliders.abs() + done.wind.abs();
+    if everything && c.model.dissipates() {
+        s.stage_velocities.fill(Vec3::ZERO);
+        evaluate(c, &c.model.conservative(), s);
+        done.damping += of_all - done.wind - by_forces(s);
+    }
+    *sum += done;
+}
+
+fn pins_move<D>(c: &StepInput<'_, D>) -> bool {
+    c.pins.motions.iter().any(|&motion| motion != AT_REST)
+}
+
+/// Writes the state in the middle of the step to the columns of the stage.
+fn write_middle<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) {
+    let (x, dx) = (&*from.positions, &*s.displacements);
+    c.dispatch.run((&mut *s.stage_positions, &mut *s.stage_velocities), |start, (middle, v)| {
+        for (i, (middle, v)) in (start..).zip(middle.iter_mut().zip(v)) {
+            *middle = x[i] + dx[i] * 0.5;
+            *v = dx[i] / c.step;
+        }
+    });
+}
+
+fn evaluate<D: Dispatch>(c: &StepInput<'_, D>, model: &Model<'_>, s: &mut Scratch<'_>) {
+    forces::evaluate(model, c.masses, s.stage_positions, s.stage_velocities, s.elements, s.forces, c.dispatch);
+}
+
+/// The work of the forces in their column.
+fn by_forces(s: &Scratch<'_>) -> Sum {
+    s.forces.iter().zip(&*s.displacements).map(|(&force, &moved)| dot_sum(force, moved)).sum()
+}
+
+/// A pin holds against the forces, and changes the velocity of its vertex.
+fn by_pins<D>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &Scratch<'_>) -> Sum {
+    let of_axis = |vertex: usize, axis: usize| {
+        let scalar = |column: &[Vec3]| Sum::from(column[vertex][axis]);
+        let [before, after] = [scalar(from.velocities), scalar(s.next_velocities)];
+        let inertia = 0.5 * Sum::from(c.masses[vertex]) * (after * after - before * before);
+        inertia - scalar(s.forces) * scalar(s.displacements)
+    };
+    let of_pin = |(&vertex, &axes): (&u32, &u8)| {
+        let held = (0..3).filter(move |axis| axes >> axis & 1 == 1);
+        held.map(|axis| of_axis(vertex as usize, axis)).sum::<Sum>()
+    };
+    c.pins.vertices.iter().zip(c.pins.axes).map(of_pin).sum()
+}
+
+/// Adds the forces of contacts times the displacements of the axes that pins and colliders prescribe, with the opposite
+/// sign.
+fn add_contacts<D>(c: &StepInput<'_, D>, model: &ContactModel<'_>, contact: &ContactScratch<'_>, done: &mut WorkDone) {
+    for constraint in &contact.constraints[..contact.lengths.constraints] {
+        for (vertex, impulse) in impulses(constraint, c.step) {
+            let is_prescribed = model.inverse_masses[vertex].cmpeq(Vec3::ZERO);
+            let moved = Vec3::select(is_prescribed, contact.displacements[vertex], Vec3::ZERO);
+            let work = -impulse.dot(to_f64(moved).into()) / Sum::from(c.step);
+            *if vertex < model.cloth() { &mut done.pins } else { &mut done.colliders } += work;
+        }
+    }
+}
+
+/// The work of contacts on the relative motion of their features. An impulse changes the kinetic energy of a free vertex
+/// by its product with the mean of the velocities before and after.
+fn by_contacts<D>(
+    c: &StepInput<'_, D>,
+    model: &ContactModel<'_>,
+    contact: &ContactScratch<'_>,
+    from: &Particles<'_>,
+    s: &Scratch<'_>,
+) -> Sum {
+    let velocity = |vertex: usize| {
+        let prescribed = contact.displacements[vertex] / c.step;
+        let Some(&before) = from.velocities.get(vertex) else { return prescribed };
+        let is_prescribed = model.inverse_masses[vertex].cmpeq(Vec3::ZERO);
+        Vec3::select(is_prescribed, prescribed, (before + s.next_velocities[vertex]) * 0.5)
+    };
+    let constraints = &contact.constraints[..contact.lengths.constraints];
+    let each = constraints.iter().flat_map(|constraint| impulses(constraint, c.step));
+    each.map(|(vertex, impulse)| impulse.dot(to_f64(velocity(vertex)).into())).sum()
+}

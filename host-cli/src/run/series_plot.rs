@@ -1,0 +1,115 @@
+//! The picture of a series: energies and works, and the forces of pins and colliders, over time.
+
+use std::path::Path;
+
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::plot::legend::LegendPosition;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+
+use crate::failure::Failure;
+use crate::limits;
+
+/// Size of one panel, px.
+const PANEL: [f64; 2] = [820.0, 320.0];
+/// Most points of a curve.
+const MOST: usize = 1500;
+/// Colours that colour-blind readers can distinguish [Wong 2011]; more curves begin anew with dashes.
+const COLORS: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999"];
+
+/// The columns of a series, by name.
+struct Table<'a> {
+    names: Vec<&'a str>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl<'a> Table<'a> {
+    /// Parses a series. Empty cells are not a number.
+    fn parse(text: &'a str) -> Self {
+        let mut lines = text.lines();
+        let names = lines.next().unwrap_or_default().split(',').collect();
+        let rows: Vec<_> = lines.collect();
+        let every = rows.len().div_ceil(MOST).max(1);
+        let values = |row: &&str| row.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+        Self { names, rows: rows.iter().step_by(every).map(values).collect() }
+    }
+
+    /// The curve of a value of each row over time, where it is finite.
+    fn curve(&self, value: impl Fn(&[f64]) -> f64) -> Vec<(f64, f64)> {
+        let points = self.rows.iter().filter(|row| row.len() == self.names.len()).map(|row| (row[1], value(row)));
+        points.filter(|(time, value)| time.is_finite() && value.is_finite()).collect()
+    }
+
+    /// Energies, the potential energy from its first value on, and works, except for those that are always zero.
+    fn energies(&self) -> Vec<(String, Vec<(f64, f64)>)> {
+        let columns = self.names.iter().enumerate().filter(|(_, name)| name.ends_with("_J"));
+        let curve = |(column, name): (usize, &&str)| {
+            let first = if *name == "gravity_J" { self.rows.first().map_or(0.0, |row| row[column]) } else { 0.0 };
+            (name.trim_end_matches("_J").replace('_', " "), self.curve(|row| row[column] - first))
+        };
+        columns.map(curve).filter(|(_, points)| points.iter().any(|point| point.1 != 0.0)).collect()
+    }
+
+    /// Sizes of the forces.
+    fn forces(&self) -> Vec<(String, Vec<(f64, f64)>)> {
+        let columns = self.names.iter().enumerate();
+        let first = columns.filter_map(|(column, name)| Some((column, name.strip_suffix("_force_x_N")?)));
+        let size = |row: &[f64], column: usize| row[column..column + 3].iter().map(|x| x * x).sum::<f64>().sqrt();
+        first.map(|(column, name)| (name.replace('_', " "), self.curve(|row| size(row, column)))).collect()
+    }
+}
+
+/// Draws a series as SVG; `None` without two frames.
+pub fn draw(path: &Path, scene: &str) -> Result<Option<String>, Failure> {
+    let failed = |error| Failure::Tool(format!("cannot draw {}: {error}", path.display()));
+    let text = limits::read(path, limits::DATA).map_err(failed)?;
+    Ok(picture(&String::from_utf8_lossy(&text), scene))
+}
+
+fn picture(text: &str, scene: &str) -> Option<String> {
+    let table = Table::parse(text);
+    let panels = [("energy and work, J", table.energies()), ("force on the cloth, N", table.forces())];
+    let panels = panels.into_iter().filter(|(_, curves)| curves.iter().any(|(_, points)| points.len() > 1));
+    let (layouts, plots): (Vec<_>, Vec<_>) = panels.map(|(label, curves)| panel(label, &curves)).unzip();
+    if plots.is_empty() {
+        return None;
+    }
+    let figure = Figure::new(plots.len(), 1)
+        .with_title(format!("{scene}: energies from the start on, works, and reactions"))
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(PANEL[0], PANEL[1]);
+    Some(SvgBackend.render_scene(&figure.render()))
+}
+
+fn panel(label: &str, curves: &[(String, Vec<(f64, f64)>)]) -> (Layout, Vec<Plot>) {
+    let plot = |(k, (name, points)): (usize, &(String, Vec<_>))| {
+        let line = LinePlot::new().with_data(points.clone()).with_color(COLORS[k % COLORS.len()]);
+        let line = line.with_stroke_width(1.4).with_legend(name.clone());
+        Plot::Line(if k < COLORS.len() { line } else { line.with_dashed() })
+    };
+    let plots: Vec<_> = curves.iter().enumerate().map(plot).collect();
+    let layout = Layout::auto_from_plots(&plots).with_x_label("simulated time, s").with_y_label(label);
+    (layout.with_legend_position(LegendPosition::OutsideRightTop), plots)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_the_columns_that_are_not_zero() {
+        let header = "frame,time_s,kinetic_J,bend_J,gravity_J,pin_0_0_force_x_N,pin_0_0_force_y_N,pin_0_0_force_z_N";
+        let text =
+            format!("{header}\n0,0.0,0.0,0.0,5.0,,,\n1,0.1,1.0,0.0,4.0,3.0,4.0,0.0\n2,0.2,2.0,0.0,3.0,3.0,4.0,0.0\n");
+        let svg = picture(&text, "ball").unwrap();
+        assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{svg}");
+        for (name, drawn) in [(">kinetic<", true), (">bend<", false), (">gravity<", true), (">pin 0 0<", true)] {
+            assert_eq!(svg.contains(name), drawn, "{name} in {svg}");
+        }
+        assert_eq!(Table::parse(&text).forces()[0].1, [(0.1, 5.0), (0.2, 5.0)]);
+        assert_eq!(picture(&format!("{header}\n"), "ball"), None);
+    }
+}

@@ -1,0 +1,46 @@
+//! Runs that end at rest.
+
+use crate::kit::{Place, TINY};
+
+/// A sheet that air stops within a second.
+fn scene(speed: f64) -> String {
+    format!("until_rest = {speed}\n{}\n[drag]\nlinear = 2.0\n", TINY.replace("duration = 0.2", "duration = 100.0"))
+}
+
+#[test]
+fn a_run_ends_after_the_first_frame_at_rest() {
+    let place = Place::new();
+    place.write("scene.toml", scene(0.002));
+    let whole = place.run("scene.toml --checkpoint 7 --export none");
+    assert_eq!(whole["at_rest"], true);
+    let (frames, time) = (whole["frames"].as_u64().unwrap(), whole["simulated_s"].as_f64().unwrap());
+    assert!(time < 50.0, "it ended after {time} s");
+    assert!((time - (frames - 1) as f64 / 20.0).abs() < 1e-5, "{time} s is not the end of frame {frames}");
+
+    let again = place.run("scene.toml --resume out/checkpoint.muslin --export none");
+    assert_eq!((&again["state_hash"], &again["steps"]), (&whole["state_hash"], &whole["steps"]), "resumed");
+
+    let shorter = place.run(&format!("scene.toml --duration {:?} --export none", time - 0.05));
+    assert_eq!(shorter["at_rest"], false, "one frame before");
+    place.write("scene.toml", scene(0.002).replace("until_rest", "# until_rest"));
+    assert!(place.run("scene.toml --duration 0.1 --export none")["at_rest"].is_null(), "without the key");
+}
+
+/// The speed counts in every step of the frame, not only at its end: a run that begins at rest does not end there.
+#[test]
+fn a_start_at_rest_is_no_end() {
+    let place = Place::new();
+    place.write("scene.toml", scene(0.1));
+    let first = place.run("scene.toml --export none");
+    assert!(first["frames"].as_u64() > Some(2) && first["at_rest"] == true, "{first}");
+}
+
+#[test]
+fn the_end_at_rest_is_told() {
+    let place = Place::new();
+    place.write("scene.toml", scene(0.002));
+    let told =
+        |words: &str| place.muslin(&format!("run scene.toml --preview none --export none {words}")).expect(0).stdout;
+    assert!(told("").contains("it came to rest, and the run ended"));
+    assert!(told("--duration 0.1").contains("it did not come to rest"));
+}
