@@ -68,9 +68,7 @@ impl Motion {
         let (offset, slope) = offset(&keys[first as usize..(first + count) as usize], time, side);
         (turned + offset, vec3((spin + slope).into()))
     }
-}
 
-impl Motion {
     /// The point that the motion brings to `place` at `time`.
     pub fn undo(&self, keys: &[Key], place: DVec3, time: Sum) -> DVec3 {
         let [first, count] = self.keys;

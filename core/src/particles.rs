@@ -1,8 +1,8 @@
 //! Particle columns: one array per attribute.
 //!
-//! A position is the sum of two numbers: the rounded one, which everything computes with, and what rounding left. Only a step
-//! adds to both [Dekker 1971]: where it moves a particle by less than the last digit of its position, the motions of many steps
-//! still add up. Velocities are sums likewise.
+//! A position is the sum of a rounded position and its rounding error [Dekker 1971]. All kernels compute with the rounded one,
+//! and each step adds to both. So the motions of many steps add up, even where a step moves a particle by less than the last
+//! digit of its position. Velocities are sums likewise.
 
 use crate::real::{Real, Vec3};
 
@@ -13,9 +13,9 @@ pub struct Particles<'a> {
     pub positions: &'a mut [Vec3],
     /// Velocities, rounded, m/s.
     pub velocities: &'a mut [Vec3],
-    /// What rounding left of the positions, m.
+    /// Rounding errors of the positions, m.
     pub low_positions: &'a mut [Vec3],
-    /// What rounding left of the velocities, m/s.
+    /// Rounding errors of the velocities, m/s.
     pub low_velocities: &'a mut [Vec3],
     /// Masses, kg. A pinned vertex keeps its mass, because pins prescribe positions and velocities.
     pub masses: &'a [Real],
@@ -31,9 +31,9 @@ pub struct ParticleColumns {
     pub positions: alloc::vec::Vec<Vec3>,
     /// Velocities, rounded, m/s.
     pub velocities: alloc::vec::Vec<Vec3>,
-    /// What rounding left of the positions, m.
+    /// Rounding errors of the positions, m.
     pub low_positions: alloc::vec::Vec<Vec3>,
-    /// What rounding left of the velocities, m/s.
+    /// Rounding errors of the velocities, m/s.
     pub low_velocities: alloc::vec::Vec<Vec3>,
     /// Masses, kg.
     pub masses: alloc::vec::Vec<Real>,

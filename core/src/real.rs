@@ -14,7 +14,7 @@ mod precision {
     /// Four scalars in one SIMD vector.
     pub type Lanes = wide::f32x4;
 
-    pub use libm::{atan2f as atan2, cosf as cos, expf as exp, sinf as sin};
+    pub use libm::{atan2f as atan2, expf as exp};
 
     pub(super) use libm::sqrtf as libm_sqrt;
 
@@ -36,7 +36,7 @@ mod precision {
     /// Four scalars in one SIMD vector.
     pub type Lanes = wide::f64x4;
 
-    pub use libm::{atan2, cos, exp, sin};
+    pub use libm::{atan2, exp};
 
     pub(super) use libm::sqrt as libm_sqrt;
 
@@ -80,9 +80,9 @@ pub fn to_f64(v: Vec3) -> [f64; 3] {
     [v.x as f64, v.y as f64, v.z as f64]
 }
 
-/// What rounding `a + b` to `sum` leaves, for every order of their sizes [Knuth 1998, 4.2.2].
+/// The rounding error `a + b - sum` of a sum, exact for every order of their sizes [Knuth 1998, 4.2.2].
 #[inline]
-pub fn rounded_off(a: Vec3, b: Vec3, sum: Vec3) -> Vec3 {
+pub fn rounding_error(a: Vec3, b: Vec3, sum: Vec3) -> Vec3 {
     let of_b = sum - a;
     (a - (sum - of_b)) + (b - of_b)
 }

@@ -150,7 +150,7 @@ mod owned {
             let column = |used: bool| vec![Vec3::ZERO; if used { vertices } else { 0 }];
             let implicit = scheme.method.is_implicit();
             let searches = implicit && scheme.newton > 1;
-            let bdf2 = scheme.method == Method::Bdf2;
+            let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
             let history = bdf2 || (scheme.method == Method::ImplicitMidpoint && scheme.error.is_some());
             let pattern = if implicit { SparsityPattern::build(vertices, model) } else { SparsityPattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
@@ -166,8 +166,8 @@ mod owned {
                 next_velocities: column(true),
                 displacements: column(true),
                 velocity_changes: column(true),
-                stage_positions: column(true),
-                stage_velocities: column(true),
+                stage_positions: column(rk4 || implicit),
+                stage_velocities: column(rk4),
                 previous_displacements: column(history),
                 previous_velocity_changes: column(history),
                 base_positions: column(bdf2),
@@ -191,6 +191,13 @@ mod owned {
                 coarse_rounded: vec![0.0; coarse_values],
                 coarse_vector: vec![0.0; coarse_rows],
                 coarse_motions: vec![[Lanes::ZERO; 3]; coarse_rows / MODES],
+            }
+        }
+
+        /// Adds the columns of a stage, if the method has none.
+        pub(crate) fn add_stage(&mut self) {
+            for column in [&mut self.stage_positions, &mut self.stage_velocities] {
+                column.resize(self.forces.len(), Vec3::ZERO);
             }
         }
 

@@ -21,7 +21,7 @@ use crate::dispatch::Dispatch;
 use crate::implicit_contact::{self, exchange, multiplier};
 use crate::integrate::{self, IntegratorStatistics, Method, Scheme, StepInput, bdf2, local_error};
 use crate::particles::Particles;
-use crate::real::{Real, Vec3, rounded_off, sqrt};
+use crate::real::{Real, Vec3, rounding_error, sqrt};
 use crate::refusal::{Cause, Obstacle};
 use crate::response::{self, ContactStatistics, Outcome, Settings};
 use crate::scratch::Scratch;
@@ -349,7 +349,7 @@ fn commit(particles: &mut Particles<'_>, scratch: &mut Scratch<'_>, statistics: 
     ];
     for (now, low, changes, next) in columns {
         for (((now, low), &change), &next) in now.iter_mut().zip(low.iter_mut()).zip(changes).zip(next) {
-            *low = rounded_off(*now, *low + change, next);
+            *low = rounding_error(*now, *low + change, next);
             *now = next;
         }
     }

@@ -1,5 +1,5 @@
 //! The work that is done on the cloth from outside, by pins, colliders and wind. With it, a host can balance the energy
-//! of the cloth: what the cloth gains beyond this work comes from errors. With [reactions](crate::reactions), the work
+//! of the cloth: a larger gain of energy comes from errors. With [reactions](crate::reactions), the work
 //! that contacts and damping take is measured too, and the rest of the balance is the error of the method.
 //!
 //! A force is evaluated in the middle of the step and multiplied by the displacement: this is exact to the second order for
@@ -10,7 +10,7 @@ use crate::dispatch::Dispatch;
 use crate::forces::{self, Model, Term};
 use crate::implicit_contact::exchange;
 use crate::integrate::StepInput;
-use crate::integrate::pins::AT_REST;
+use crate::integrate::pins::{AT_REST, held};
 use crate::particles::Particles;
 use crate::reactions::{Reactions, impulses};
 use crate::real::{Sum, Vec3, dot_sum, to_f64};
@@ -133,10 +133,7 @@ fn by_pins<D>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &Scratch<'_>) -> Su
         let inertia = 0.5 * Sum::from(c.masses[vertex]) * (after * after - before * before);
         inertia - scalar(s.forces) * scalar(s.displacements)
     };
-    let of_pin = |(&vertex, &axes): (&u32, &u8)| {
-        let held = (0..3).filter(move |axis| axes >> axis & 1 == 1);
-        held.map(|axis| of_axis(vertex as usize, axis)).sum::<Sum>()
-    };
+    let of_pin = |(&vertex, &axes): (&u32, &u8)| held(axes).map(|axis| of_axis(vertex as usize, axis)).sum::<Sum>();
     c.pins.vertices.iter().zip(c.pins.axes).map(of_pin).sum()
 }
 

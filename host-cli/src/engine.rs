@@ -99,7 +99,7 @@ pub struct Snapshot {
     pub work: [u64; 11],
     /// Counters of contact, in the order of the core's `ContactStatistics`.
     pub contacts: [u64; 7],
-    /// Positions and velocities, what rounding left of them, for BDF2 their changes in the last step, the forces of contacts, and
+    /// Positions and velocities, their rounding errors, for BDF2 their changes in the last step, the forces of contacts, and
     /// the positions of pins that begin or end at a time.
     pub columns: [Vec<u8>; 8],
     /// Whether contact changed the state in the last step.

@@ -1,4 +1,4 @@
-//! Limits on the length of a run, on its memory and on the size of input files. What is larger is refused with a message.
+//! Limits on the length of a run, on its memory and on the size of input files. Larger ones are refused with a message.
 //!
 //! This module only refuses values that are too large; the core refuses invalid ones (NaN, negative).
 
@@ -85,9 +85,9 @@ pub fn has_memory(needed: u64) -> bool {
     let Ok(mut system) = System::new() else { return true };
     system.refresh_memory();
     let own = system.available_memory() + system.free_swap();
-    // What the container uses without its cache of files, which makes room.
+    // The cache of files does not count as used: the system frees it.
     let of_container = |limits: CGroupLimits| limits.total_memory.saturating_sub(limits.rss) + limits.free_swap;
     let free = system.cgroup_limits().map_or(own, |limits| own.min(of_container(limits)));
-    // Where the system does not say what is free, it is 0.
+    // 0: the system does not tell the free memory.
     free == 0 || needed <= free
 }

@@ -57,7 +57,7 @@ fn obey(command: Command) -> Result<(), Failure> {
     }
 }
 
-/// Prints help or the version to stdout, or what is wrong with the arguments to stderr.
+/// Prints help or the version to stdout; prints an error in the arguments to stderr.
 fn explain(error: &clap::Error) -> ExitCode {
     match error.print() {
         Err(unprinted) if !error.use_stderr() => reported(&failure::unprinted(&unprinted)),

@@ -3,28 +3,7 @@
 
 use serde_json::Value;
 
-use crate::kit::{Place, TINY, in_page};
-
-/// A soft, damped sheet: the short steps that are tried resolve even its fastest mode.
-const SOFT: &str = r#"name = "soft"
-duration = 0.4
-frame_rate = 20
-gravity = [0.0, -9.81, 0.0]
-
-[[cloth]]
-grid = { size = [0.4, 0.35], cells = [4, 4] }
-density = 0.2
-stretch = { model = "membrane", stiffness = 5.0, damping = 0.01 }
-shear = { stiffness = 2.0 }
-bend = { model = "hinge", rigidity = 1e-4 }
-pin = [{ select = { corners = [0, 1] } }]
-
-[drag]
-linear = 0.1
-
-[integrator]
-step = 0.005
-"#;
+use crate::kit::{Place, TINY, in_page, soft_in_air};
 
 const METHODS: [(&str, f64); 7] = [
     ("explicit-euler", 1.0),
@@ -62,7 +41,7 @@ fn evaluations(chart: &Value, method: &str, error: f64) -> u64 {
 #[test]
 fn a_soft_sheet_is_charted_by_every_method() {
     let place = Place::new();
-    place.write("soft.toml", SOFT);
+    place.write("soft.toml", soft_in_air(0.1));
     let chart = place.muslin("chart soft.toml --finest 5e-5 --cost counts --json").expect(0).json();
 
     for (method, theory) in METHODS {
@@ -149,7 +128,7 @@ const IMPLICIT: [&str; 3] = ["backward-euler", "implicit-midpoint", "bdf2"];
 #[test]
 fn the_solver_is_varied_and_errors_are_separated() {
     let place = Place::new();
-    place.write("soft.toml", SOFT);
+    place.write("soft.toml", soft_in_air(0.1));
     let words = "chart soft.toml --methods backward-euler,bdf2 --finest 1e-3 --cost counts --json";
     let chart = place.muslin(words).expect(0).json();
     let svg = String::from_utf8(place.read("out/soft/chart.svg")).unwrap();

@@ -4,28 +4,7 @@
 use serde_json::Value;
 use toml::Table;
 
-use crate::kit::{Place, PointCache, TINY, obj};
-
-/// A soft, damped sheet: explicit methods may take long steps.
-const SOFT: &str = r#"name = "soft"
-duration = 0.4
-frame_rate = 20
-gravity = [0.0, -9.81, 0.0]
-
-[[cloth]]
-grid = { size = [0.4, 0.35], cells = [4, 4] }
-density = 0.2
-stretch = { model = "membrane", stiffness = 5.0, damping = 0.01 }
-shear = { stiffness = 2.0 }
-bend = { model = "hinge", rigidity = 1e-4 }
-pin = [{ select = { corners = [0, 1] } }]
-
-[drag]
-linear = 1e-6
-
-[integrator]
-step = 0.005
-"#;
+use crate::kit::{Place, PointCache, TINY, obj, soft_in_air};
 
 /// A sheet of springs only: it has no term that could be left out.
 const SPRINGS: &str = r#"# Nothing but springs.
@@ -118,7 +97,7 @@ pub fn rms(a: &PointCache, b: &PointCache, areas: &[f64]) -> f64 {
 #[test]
 fn the_scene_that_it_writes_is_within_the_tolerance() {
     let place = Place::new();
-    place.write("soft.toml", SOFT);
+    place.write("soft.toml", soft_in_air(1e-6));
     let choice = choose(&place, "soft.toml --cost counts --tolerance 1mm --write chosen.toml");
     assert_eq!(choice["tolerance"], 1e-3);
     let precision = choice["chosen"]["precision"].as_str().unwrap();
@@ -142,7 +121,7 @@ fn the_scene_that_it_writes_is_within_the_tolerance() {
 #[test]
 fn where_it_is_soft_rk4_wins_and_double_precision_is_for_fine_tolerances_only() {
     let place = Place::new();
-    place.write("soft.toml", SOFT);
+    place.write("soft.toml", soft_in_air(1e-6));
     let [coarse, fine] =
         ["5mm", "20nm"].map(|tolerance| choose(&place, &format!("soft.toml --cost counts --tolerance {tolerance}")));
     assert!(number(&coarse["chosen"]["step"]) >= number(&fine["chosen"]["step"]));

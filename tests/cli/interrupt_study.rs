@@ -6,25 +6,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::kit::{Place, TINY, wait, wait_until};
-
-/// A soft, damped sheet, for which explicit methods may take long steps.
-const SOFT: &str = r#"name = "soft"
-duration = 0.4
-frame_rate = 20
-gravity = [0.0, -9.81, 0.0]
-
-[[cloth]]
-grid = { size = [0.4, 0.35], cells = [4, 4] }
-density = 0.2
-stretch = { model = "membrane", stiffness = 5.0, damping = 0.01 }
-shear = { stiffness = 2.0 }
-bend = { model = "hinge", rigidity = 1e-4 }
-pin = [{ select = { corners = [0, 1] } }]
-
-[integrator]
-step = 0.005
-"#;
+use crate::kit::{Place, SOFT, TINY, wait, wait_until};
 
 /// The output of a command that was interrupted.
 struct Interrupted {

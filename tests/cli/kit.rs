@@ -38,6 +38,29 @@ select = { corners = [0, 1] }
 step = 0.01
 "#;
 
+/// A soft, damped sheet: explicit methods may take long steps, and the short ones of a study resolve its fastest mode.
+pub const SOFT: &str = r#"name = "soft"
+duration = 0.4
+frame_rate = 20
+gravity = [0.0, -9.81, 0.0]
+
+[[cloth]]
+grid = { size = [0.4, 0.35], cells = [4, 4] }
+density = 0.2
+stretch = { model = "membrane", stiffness = 5.0, damping = 0.01 }
+shear = { stiffness = 2.0 }
+bend = { model = "hinge", rigidity = 1e-4 }
+pin = [{ select = { corners = [0, 1] } }]
+
+[integrator]
+step = 0.005
+"#;
+
+/// The same sheet with drag.
+pub fn soft_in_air(linear: f64) -> String {
+    format!("{SOFT}\n[drag]\nlinear = {linear:?}\n")
+}
+
 /// A command that runs longer counts as hung. The limit is long because machines may be slow and busy.
 const PATIENCE: Duration = Duration::from_secs(1800);
 

@@ -1,4 +1,4 @@
-//! What a group of vertices gets: loads, masses and velocities at the start.
+//! Loads, masses and start velocities of groups of vertices.
 
 use alloc::vec;
 use alloc::vec::Vec;

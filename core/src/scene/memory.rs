@@ -14,7 +14,7 @@ use crate::real::Real;
 /// Bytes per vertex in single and in double precision.
 type Bytes = [u64; 2];
 
-/// The state, and what the build needs beside it for a while.
+/// The state, and the columns that exist during the build only.
 const STATE: Bytes = [620, 725];
 const STRETCH_SPRINGS: Bytes = [75, 122];
 const BEND_SPRINGS: Bytes = [180, 160];
@@ -88,7 +88,7 @@ fn per_vertex(scene: &SceneDesc, cloth: &ClothDesc) -> u64 {
     explicit + rest + matrix.min(of(MOST_MATRIX))
 }
 
-/// What a scene needs.
+/// The memory that a scene needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
     /// Vertices of all cloths.

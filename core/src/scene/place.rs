@@ -10,8 +10,8 @@ use crate::error::{MeshError, SceneError};
 use crate::mesh::edges::Edge;
 use crate::real::Real;
 
-/// Distance of a cloth from the world's origin up to which that is the origin of the columns, relative to twice the size of the
-/// cloth.
+/// Least distance between two possible origins, relative to the size of the cloth. Up to half of it from the world's origin,
+/// that is the origin of the columns.
 const NEAR: f64 = 16.0;
 
 /// Largest rounding of a position, relative to the length of an edge.

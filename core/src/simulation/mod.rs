@@ -85,7 +85,7 @@ pub struct State<'a> {
     pub positions: &'a [Vec3],
     /// Velocities, m/s.
     pub velocities: &'a [Vec3],
-    /// What rounding left of positions and velocities, m and m/s.
+    /// Rounding errors of positions and velocities, m and m/s.
     pub low: [&'a [Vec3]; 2],
     /// Changes of positions and velocities in the last step or substep; empty if the method does not need them.
     pub previous: [&'a [Vec3]; 2],
@@ -395,10 +395,11 @@ impl Simulation {
         self.built.pins.view()
     }
 
-    /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. If pins move and the steps have no
-    /// largest error, each step takes one more evaluation of the forces.
+    /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. Allocates columns that the
+    /// method may not have. If pins move, each step takes one more evaluation of the forces.
     pub fn measure_work(&mut self, from: WorkDone) {
         (self.measures_work, self.work_done) = (true, from);
+        self.scratch.add_stage();
     }
 
     /// Measures the [reactions](crate::reactions) of pins and colliders too, and the work of contacts and damping. Allocates

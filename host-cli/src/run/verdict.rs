@@ -39,7 +39,7 @@ impl Summary {
         let audited = record.crossings.is_some_and(|(count, _)| count > 0);
         let doubts = [self.appeared(record, scene), self.stretched(), self.unconverged(), rounded(record)];
         let reached_the_end = self.divergence.is_none();
-        let mut of_end: Vec<_> = doubts.into_iter().flatten().filter(|_| reached_the_end).collect();
+        let of_end: Vec<_> = doubts.into_iter().flatten().filter(|_| reached_the_end).collect();
         let doubt = of_end.iter().find(|(is_doubtful, _)| *is_doubtful).map(|(_, warning)| warning.text.clone());
         (self.verdict, self.doubt) = match (reached_the_end, audited, doubt) {
             (false, _, _) => ("diverged", None),
@@ -47,7 +47,7 @@ impl Summary {
             (true, false, Some(doubt)) => ("doubtful", Some(doubt)),
             (true, false, None) => ("ok", None),
         };
-        self.warnings.extend(of_end.drain(..).map(|(_, warning)| warning));
+        self.warnings.extend(of_end.into_iter().map(|(_, warning)| warning));
         self.warnings.extend(self.exceeding());
         self.warnings.extend(self.audit_gap());
         self.warnings.extend(pool.detector().map(StepDetector::warnings).unwrap_or_default());

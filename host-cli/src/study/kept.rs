@@ -17,6 +17,7 @@ use serde::de::DeserializeOwned;
 
 use crate::export::whole;
 use crate::failure::print_note;
+use crate::limits;
 
 /// The kept outcomes of a study.
 pub struct Kept {
@@ -56,7 +57,7 @@ impl Kept {
 
     /// The outcome of an earlier call, if there is one that `serves`.
     pub fn find<T: DeserializeOwned>(&self, entry: &Entry, serves: impl FnOnce(&T) -> bool) -> Option<T> {
-        let bytes = fs::read(&entry.file).ok()?;
+        let bytes = limits::read(&entry.file, limits::DATA).ok()?;
         let (crc, rest) = bytes.split_first_chunk()?;
         if crc32fast::hash(rest) != u32::from_le_bytes(*crc) {
             return None;
