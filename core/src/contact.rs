@@ -59,6 +59,8 @@ pub struct ContactScratch<'a> {
     pub displacements: &'a mut [Vec3],
     /// The part of the displacements that only separates surfaces and changes no velocity, m.
     pub corrections: &'a mut [Vec3],
+    /// Rotation of each collider in the step, rad.
+    pub turns: &'a mut [Vec3],
     /// The round in which the response last moved each vertex; 0 if it did not.
     pub rounds: &'a mut [u32],
     /// Union-find over vertices.
@@ -289,6 +291,7 @@ mod owned {
         predicted_displacements: Vec<Vec3>,
         displacements: Vec<Vec3>,
         corrections: Vec<Vec3>,
+        turns: Vec<Vec3>,
         rounds: Vec<u32>,
         zones: Vec<u32>,
         boxes: Vec<Aabb>,
@@ -322,6 +325,7 @@ mod owned {
                 predicted_displacements: column.clone(),
                 displacements: column.clone(),
                 corrections: column,
+                turns: vec![Vec3::ZERO; model.colliders.bodies.len()],
                 rounds: vec![0; vertices],
                 zones: vec![0; vertices],
                 boxes: vec![Aabb::EMPTY; vertices],
@@ -379,6 +383,7 @@ mod owned {
         /// Bytes held.
         pub fn bytes(&self) -> usize {
             6 * size_of_val(&self.start[..])
+                + size_of_val(&self.turns[..])
                 + 2 * size_of_val(&self.rounds[..])
                 + 2 * size_of_val(&self.boxes[..])
                 + self.vertex_triangle.bytes()
@@ -402,6 +407,7 @@ mod owned {
                 predicted_displacements: &mut self.predicted_displacements,
                 displacements: &mut self.displacements,
                 corrections: &mut self.corrections,
+                turns: &mut self.turns,
                 rounds: &mut self.rounds,
                 zones: &mut self.zones,
                 boxes: &mut self.boxes,

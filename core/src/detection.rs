@@ -135,7 +135,8 @@ fn surround(model: &ContactModel<'_>, purpose: Purpose, contact: &mut ContactScr
     true
 }
 
-/// Writes the positions of all vertices at both ends of a step that starts at `time` and takes `step`, s.
+/// Writes the positions of all vertices at both ends of a step that starts at `time` and takes `step`, s, and how
+/// colliders turn in it.
 pub fn place(
     model: &ContactModel<'_>,
     [time, step]: [Sum; 2],
@@ -148,6 +149,9 @@ pub fn place(
     model.colliders.place(time, &mut contact.start[cloth..]);
     contact.predicted[..cloth].copy_from_slice(next_positions);
     model.colliders.place(time + step, &mut contact.predicted[cloth..]);
+    for (turn, body) in contact.turns.iter_mut().zip(model.colliders.bodies) {
+        *turn = body.turns([time, step]);
+    }
     contact.end.copy_from_slice(contact.predicted);
     let ends = contact.start.iter().zip(&*contact.predicted);
     for (displacement, (&start, &end)) in contact.predicted_displacements.iter_mut().zip(ends) {

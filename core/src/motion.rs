@@ -58,6 +58,13 @@ pub struct Motion {
     pub turn: Option<Turn>,
 }
 
+impl Turn {
+    /// Angle at `time`, rad.
+    pub fn angle(&self, time: Sum) -> Sum {
+        self.rate * time.min(self.until)
+    }
+}
+
 impl Motion {
     /// Position of a point at `time`, m, and its velocity on the given side of that time, m/s. `keys`
     /// are the keys of all motions.
@@ -80,7 +87,7 @@ impl Motion {
 
 /// Position of a point that rotates about the axis, m, and its velocity, m/s [Rodrigues].
 fn turned(turn: &Turn, point: DVec3, time: Sum, side: JumpSide) -> (DVec3, DVec3) {
-    let angle = turn.rate * time.min(turn.until);
+    let angle = turn.angle(time);
     let arm = point - turn.centre;
     let along = turn.axis * arm.dot(turn.axis);
     let across = arm - along;

@@ -76,8 +76,7 @@ impl Reactions<'_> {
         let cloth = model.cloth();
         for constraint in &contact.constraints[..contact.lengths.constraints] {
             let Some(vertex) = constraint.contact.vertices.iter().find(|&&v| v as usize >= cloth) else { continue };
-            let bodies = model.colliders.bodies;
-            let body = bodies.partition_point(|body| body.range().end <= *vertex as usize - cloth);
+            let body = model.colliders.body_of(*vertex as usize - cloth);
             for (v, impulse) in impulses(constraint, step).filter(|(v, _)| *v < cloth) {
                 self.colliders[body].add(contact.end[v], impulse);
             }

@@ -5,6 +5,8 @@
 //! A force is evaluated in the middle of the step and multiplied by the displacement: this is exact to the second order for
 //! every method.
 
+use glam::DVec3;
+
 use crate::contact::{ContactModel, ContactScratch};
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Model, Term};
@@ -13,7 +15,8 @@ use crate::integrate::StepInput;
 use crate::integrate::pins::{AT_REST, held};
 use crate::particles::Particles;
 use crate::reactions::{Reactions, impulses};
-use crate::real::{Sum, Vec3, dot_sum, to_f64};
+use crate::real::{Real, Sum, Vec3, dot_sum, to_f64};
+use crate::response::constraint::Constraint;
 use crate::scratch::Scratch;
 
 /// Work done on the cloth, J.
@@ -147,6 +150,7 @@ fn add_contacts<D>(c: &StepInput<'_, D>, model: &ContactModel<'_>, contact: &Con
             let work = -impulse.dot(to_f64(moved).into()) / Sum::from(c.step);
             *if vertex < model.cloth() { &mut done.pins } else { &mut done.colliders } += work;
         }
+        done.colliders -= by_roll(constraint, c.step);
     }
 }
 
@@ -166,6 +170,14 @@ fn by_contacts<D>(
         Vec3::select(is_prescribed, prescribed, (before + s.next_velocities[vertex]) * 0.5)
     };
     let constraints = &contact.constraints[..contact.lengths.constraints];
-    let each = constraints.iter().flat_map(|constraint| impulses(constraint, c.step));
-    each.map(|(vertex, impulse)| impulse.dot(to_f64(velocity(vertex)).into())).sum()
+    let of_vertex = |(vertex, impulse): (usize, DVec3)| impulse.dot(to_f64(velocity(vertex)).into());
+    let each = constraints
+        .iter()
+        .map(|constraint| by_roll(constraint, c.step) + impulses(constraint, c.step).map(of_vertex).sum::<Sum>());
+    each.sum()
+}
+
+/// The work of a contact on a surface that [turns](crate::response::roll) under it, J.
+fn by_roll(constraint: &Constraint, step: Real) -> Sum {
+    dot_sum(constraint.friction_impulse, constraint.roll) / (Sum::from(step) * Sum::from(step))
 }

@@ -115,8 +115,12 @@ pub fn slips(friction: f64, light_end: f64, seconds: f64) -> f64 {
 /// The drum as a capsule, for [`hanging`].
 pub const ROUND: &str = "shape = \"capsule\"\na = [0, 0, -0.2]\nb = [0, 0, 0.2]\nradius = 0.05";
 
+/// How long the lighter end is held, s. A belt that were let go at once would slip under waves of tension, which change
+/// its way by half.
+pub const HELD: f64 = 0.2;
+
 /// The scene of the mesh "belt" over a drum, with a coefficient of friction, a stiffness (N/m) and an `[integrator]`
-/// table.
+/// table. Its lighter end is [`HELD`], so that the belt takes up its weight.
 pub fn hanging(friction: f64, stiffness: f64, integrator: &str, drum: &str) -> String {
     let damping = 0.02 / stiffness;
     format!(
@@ -137,8 +141,31 @@ pub fn hanging(friction: f64, stiffness: f64, integrator: &str, drum: &str) -> S
         stretch = {{ model = "membrane", stiffness = {stiffness:?}, damping = {damping:?} }}
         shear = {{ stiffness = 30.0 }}
         bend = {{ model = "hinge", rigidity = 1e-6 }}
+        [[cloth.pin]]
+        select = {{ vertices = [0, 1, 2, 3] }}
+        until = {HELD:?}
         [[collider]]
         {drum}
         "#
     )
+}
+
+/// The scene of a belt of both ends of 0.5 m, without weight, over a drum. Pins strain its ends in 20 ms and then draw it
+/// toward its heavy end with a `speed`, m/s.
+pub fn drawn(friction: f64, stiffness: f64, speed: f64, drum: &str) -> String {
+    let rows = belt(HEAVY_END, 0.0068).positions.len() as u32;
+    let (strained, until) = (-20.0 / stiffness * HEAVY_END, 1.0);
+    let pin = |first: u32, speed: f64| {
+        let vertices = [first, first + 1, first + 2, first + 3];
+        let end = strained + speed * (until - 0.02);
+        format!(
+            "[[cloth.pin]]\nselect = {{ vertices = {vertices:?} }}\n\
+             motion = {{ keys = [[0, 0, 0, 0], [0.02, 0, {strained:?}, 0], [{until:?}, 0, {end:?}, 0]] }}\n"
+        )
+    };
+    let pins = pin(0, speed) + &pin(rows - 4, -speed);
+    let scene = hanging(friction, stiffness, "[integrator]\nmethod = \"backward-euler\"\nstep = 0.00025", drum);
+    let (before, after) = scene.split_once("[[cloth.pin]]").expect("the scene has a pin");
+    let (_, collider) = after.split_once("[[collider]]").expect("the scene has a collider");
+    before.replace("-9.81", "0.0") + &pins + "[[collider]]" + collider
 }

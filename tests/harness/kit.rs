@@ -451,12 +451,13 @@ macro_rules! kit {
                 (name.into(), Content::Mesh(TriMesh { positions, uvs, triangles, uv_triangles, ..TriMesh::default() }))
             }
 
-            /// Distance that the last vertex of the first cloth falls in a time, m.
-            pub fn falls(text: &str, resources: &[Resource], seconds: f64) -> f64 {
+            /// Distance that the last vertex of the first cloth falls between two times (s), m.
+            pub fn falls(text: &str, resources: &[Resource], [from, until]: [f64; 2]) -> f64 {
                 let mut sim = simulation(text, resources);
                 let end = |sim: &Simulation| places(sim, 0).last().expect("the cloth has vertices").y;
+                run(&mut sim, from, |_| ());
                 let start = end(&sim);
-                run(&mut sim, seconds, |_| ());
+                run(&mut sim, until - from, |_| ());
                 start - end(&sim)
             }
 

@@ -4,40 +4,42 @@
 //! Run: `cargo test -p muslin-tests --test response belt`; with `-- --nocapture` it prints
 //! how far.
 
-use harness::belt::{ROUND, belt, hanging, holding_end, slips};
+use harness::belt::{HELD, ROUND, belt, hanging, holding_end, slips};
 use harness::both_precisions;
 
 both_precisions! {
-    use super::{ROUND, belt, hanging, holding_end, slips};
+    use super::{HELD, ROUND, belt, hanging, holding_end, slips};
 
-    /// How far the heavy end goes down in a time, m.
-    fn falls(light_end: f64, friction: f64, integrator: &str, seconds: f64) -> f64 {
-        let belt = kit::resource("belt", belt(light_end, 0.012));
-        kit::falls(&hanging(friction, 100.0, integrator, ROUND), &[belt], seconds)
+    /// How far the heavy end goes down after the light end was let go, m.
+    fn falls(light_end: f64, spacing: f64, friction: f64, stiffness: f64, integrator: &str, seconds: f64) -> f64 {
+        let belt = kit::resource("belt", belt(light_end, spacing));
+        kit::falls(&hanging(friction, stiffness, integrator, ROUND), &[belt], [HELD, HELD + seconds])
     }
 
-    /// How far the heavy end of a belt of 20 kN/m goes down in a time, m. In a step of 1 ms waves of tension pass 46 of its
-    /// edges.
+    /// The same of a belt of 20 kN/m. In a step of 1 ms waves of tension pass 46 of its edges.
     fn stiff_falls(light_end: f64, friction: f64, seconds: f64) -> f64 {
-        let belt = kit::resource("belt", belt(light_end, 0.0068));
-        kit::falls(&hanging(friction, 2e4, &format!("{IMPLICIT} 0.001"), ROUND), &[belt], seconds)
+        falls(light_end, 0.0068, friction, 2e4, &format!("{IMPLICIT} 0.001"), seconds)
     }
 
     const IMPLICIT: &str = "[integrator]\nmethod = \"backward-euler\"\nstep =";
 
+    /// A belt of 10 kN/m stretches by a ten-thousandth, so that the formula for a belt that does not stretch holds.
     #[test]
     #[ignore = "slow"]
-    fn a_belt_slips_over_a_drum_as_fast_by_an_implicit_method_as_by_an_explicit() {
-        let light_end = 0.5 * holding_end(0.1);
-        for friction in [0.0, 0.1] {
-            let explicit = "[integrator]\nmethod = \"symplectic-euler\"\nstep = 0.0001";
-            let expected = falls(light_end, friction, explicit, 0.35);
-            for (step, bound) in [(0.005, 0.2), (0.0025, 0.1), (0.001, 0.03)] {
-                let went = falls(light_end, friction, &format!("{IMPLICIT} {step:?}"), 0.35);
+    fn a_belt_slips_over_a_drum_as_euler_says_by_explicit_and_implicit_methods() {
+        for friction in [0.0, 0.1, 0.4] {
+            let light_end = 0.5 * holding_end(f64::max(friction, 0.1));
+            let expected = slips(friction, light_end, 0.2);
+            // In single precision gaps are rounded by more than such a short step changes them.
+            let explicit = ("symplectic-euler", 1e-5, if muslin::real::NAME == "f32" { 0.06 } else { 0.02 });
+            let implicit = [(0.005, 0.3), (0.0025, 0.1), (0.001, 0.02)].map(|(step, bound)| ("backward-euler", step, bound));
+            for (method, step, bound) in implicit.into_iter().chain([explicit]) {
+                let integrator = format!("[integrator]\nmethod = \"{method}\"\nstep = {step:?}");
+                let went = falls(light_end, 0.0068, friction, 1e4, &integrator, 0.2);
                 let error = went / expected - 1.0;
-                let what = format!("{} mu {friction}, h {step}", muslin::real::NAME);
-                println!("{what}: {went:.4} m, explicit {expected:.4} m, off by {error:.3}, bound {bound}");
-                assert!(error.abs() < bound, "{what}: {went} m, explicit {expected} m, bound {bound}");
+                let what = format!("{} mu {friction}, {method}, h {step}", muslin::real::NAME);
+                println!("{what}: {went:.4} m, by Euler {expected:.4} m, off by {error:.4}, bound {bound}");
+                assert!(error.abs() < bound, "{what}: {went} m, by Euler {expected} m, bound {bound}");
             }
         }
     }
@@ -48,8 +50,8 @@ both_precisions! {
         for friction in [0.1, 0.3] {
             for (part, slips) in [(0.8, true), (1.25, false)] {
                 let light_end = part * holding_end(friction);
-                let by = |seconds: f64| falls(light_end, friction, &format!("{IMPLICIT} 0.001"), seconds);
-                // Its own weight draws the belt out first.
+                let by = |seconds: f64| falls(light_end, 0.012, friction, 100.0, &format!("{IMPLICIT} 0.001"), seconds);
+                // The release draws the belt out first.
                 let went = by(0.4) - by(0.1);
                 let what = format!("{} mu {friction}, {part} of the holding end", muslin::real::NAME);
                 println!("{what}: {went:.4} m");
@@ -65,8 +67,8 @@ both_precisions! {
         let (went, expected) = (stiff_falls(light_end, 0.4, 0.2), slips(0.4, light_end, 0.2));
         let error = went / expected - 1.0;
         let what = format!("{}: pulled by 1.98 times the holding weight, {went:.4} m", muslin::real::NAME);
-        println!("{what}, by Euler {expected:.4} m, off by {error:.3}, bound 0.05");
-        assert!(error.abs() < 0.05, "{what}, by Euler {expected} m, off by {error}, expected at most 0.05");
+        println!("{what}, by Euler {expected:.4} m, off by {error:.4}, bound 0.015");
+        assert!(error.abs() < 0.015, "{what}, by Euler {expected} m, off by {error}, expected at most 0.015");
         for (over, least, most) in [(0.96, 0.0, 0.001), (1.09, 0.065, 0.2)] {
             let by = |seconds: f64| stiff_falls(holding_end(0.2) / over, 0.2, seconds);
             let speed = (by(0.4) - by(0.2)) / 0.2;
@@ -89,8 +91,7 @@ both_precisions! {
                 let implicit = [0.005, 0.0025, 0.001, 0.0005, 0.00025].map(|step| ("backward-euler", step));
                 for (method, step) in implicit.into_iter().chain([explicit]) {
                     let integrator = format!("[integrator]\nmethod = \"{method}\"\nstep = {step:?}");
-                    let belt = kit::resource("belt", belt(light_end, 0.0068));
-                    let way = kit::falls(&hanging(friction, stiffness, &integrator, ROUND), &[belt], 0.2);
+                    let way = falls(light_end, 0.0068, friction, stiffness, &integrator, 0.2);
                     let (mut low, mut high) = (0.2 * friction, 2.0 * friction);
                     while high - low > 1e-4 {
                         let middle = 0.5 * (low + high);

@@ -22,6 +22,7 @@ mod refusal;
 mod safety;
 mod sliding;
 mod stretch;
+mod turning;
 mod zone;
 
 /// What most of the sheets here are of.

@@ -64,6 +64,12 @@ impl Body {
     pub fn range(&self) -> core::ops::Range<usize> {
         self.vertices[0]..self.vertices[0] + self.vertices[1]
     }
+
+    /// Its rotation in a step that starts at `time` and takes `step`, s, rad. That of a point cache is not known.
+    pub fn turns(&self, [time, step]: [Sum; 2]) -> Vec3 {
+        let Drive::Motion(Motion { turn: Some(turn), .. }) = self.drive else { return Vec3::ZERO };
+        vec3((turn.axis * (turn.angle(time + step) - turn.angle(time))).into())
+    }
 }
 
 /// All colliders, borrowed.
@@ -80,6 +86,11 @@ pub struct Colliders<'a> {
 }
 
 impl Colliders<'_> {
+    /// Index of the collider that a vertex belongs to.
+    pub fn body_of(&self, vertex: usize) -> usize {
+        self.bodies.partition_point(|body| body.range().end <= vertex)
+    }
+
     /// Writes the positions of all vertices at `time`, s.
     pub fn place(&self, time: Sum, out: &mut [Vec3]) {
         for body in self.bodies {

@@ -7,7 +7,7 @@ use super::augmented_contact::{AugmentedContact, Friction};
 use super::multiplier;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::real::{Real, Vec3, sqrt};
-use crate::response::constraint::{self, Constraint};
+use crate::response::constraint::Constraint;
 use crate::response::friction::FrictionCoefficients;
 use crate::response::repulsion::{Known, MOST_LEVER_RATIO};
 
@@ -41,7 +41,7 @@ pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>,
             normal: contact.normal,
             least_velocity: target - contact.gap,
             slack: VIOLATION * thickness,
-            velocity: constraint::weighted(&contact, scratch.predicted_displacements),
+            velocity: constraint.relative(scratch.predicted_displacements),
             multiplier: force * step,
             coefficients: [coefficients.at_rest, coefficients.kinetic],
             constraint: index,
@@ -68,8 +68,9 @@ pub fn add_impulses(scratch: &ContactScratch<'_>, step: Real, out: &mut [Vec3]) 
 /// Writes the impulses that the solve found to the constraints. The response starts from them.
 pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, step: Real) {
     for constraint in &mut scratch.constraints[..scratch.lengths.constraints] {
-        let Constraint { contact, target, coefficients, .. } = *constraint;
-        *constraint = Constraint::new(contact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO);
+        let Constraint { contact, target, roll, coefficients, .. } = *constraint;
+        let fresh = Constraint::new(contact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO);
+        *constraint = Constraint { roll, ..fresh };
     }
     for solved in &scratch.contacts[..scratch.lengths.contacts] {
         let constraint = &mut scratch.constraints[solved.constraint as usize];

@@ -15,6 +15,8 @@ pub struct Constraint {
     pub target: Real,
     /// Effective inverse mass along the normal, 1/kg; 0: nothing can move.
     pub inverse_mass: Real,
+    /// Displacement of the first feature relative to a surface that [turns](super::roll) under it, m.
+    pub roll: Vec3,
     /// The coefficients of friction.
     pub coefficients: FrictionCoefficients,
     /// Impulse along the normal times the step, kg m.
@@ -24,7 +26,7 @@ pub struct Constraint {
 }
 
 impl Constraint {
-    /// A constraint with zero impulses. It is not solved if a vertex would have to move more than `lever_ratio` times as far
+    /// A constraint with zero impulses, of surfaces that do not turn. It is not solved if a vertex would have to move more than `lever_ratio` times as far
     /// as the contact.
     #[cfg_attr(small, inline(never))]
     pub fn new(
@@ -35,7 +37,12 @@ impl Constraint {
         lever_ratio: Real,
     ) -> Self {
         let inverse_mass = movable_inverse_mass(&contact, inverse_masses, lever_ratio);
-        Self { contact, target, inverse_mass, coefficients, normal_impulse: 0.0, friction_impulse: Vec3::ZERO }
+        Self { contact, target, inverse_mass, coefficients, ..Self::default() }
+    }
+
+    /// Relative displacement of the two surfaces, m.
+    pub fn relative(&self, displacements: &[Vec3]) -> Vec3 {
+        weighted(&self.contact, displacements) + self.roll
     }
 }
 
@@ -83,7 +90,7 @@ pub fn solve(constraint: &mut Constraint, inverse_masses: &[Vec3], displacements
     if along <= 0.0 {
         return (0.0, false);
     }
-    let relative = weighted(&contact, displacements);
+    let relative = constraint.relative(displacements);
     let normal = contact.normal;
     let violation = constraint.target - contact.gap - relative.dot(normal);
     let impulse = (constraint.normal_impulse + violation / along).max(0.0);

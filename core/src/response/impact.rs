@@ -1,8 +1,8 @@
 //! Impacts: pairs that collide during a step. Each gives a constraint at the place and along the direction of the impact:
 //! the pair must end no nearer than it began, or no nearer than the thickness. Inelastic [Bridson 2002].
 
-use super::constraint::{self, Constraint};
-use super::repulsion::{self, coefficients, least_at_rest};
+use super::constraint;
+use super::repulsion::{self, least_at_rest};
 use super::work::{List, Motion, Work, relax};
 use crate::broad_phase::Counts;
 use crate::contact::{ContactModel, Pairs};
@@ -84,8 +84,7 @@ fn find_pairs<D: Dispatch>(
             continue;
         }
         let target = least_at_rest(kind, model, vertices, model.thickness).min(before.gap);
-        let coefficients = coefficients(model, &impact, motion);
-        list.push(Constraint::new(impact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO));
+        list.push(repulsion::constraint(model, impact, target, motion, MOST_LEVER_RATIO));
     }
     list.sort_from(first);
 }

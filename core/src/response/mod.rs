@@ -20,6 +20,7 @@ pub mod hold;
 pub mod impact;
 pub mod impact_zone;
 pub mod repulsion;
+pub mod roll;
 mod work;
 
 use core::ops::Range;
@@ -116,9 +117,9 @@ pub fn find_impacts<D: Dispatch>(
 ) -> Result<(), usize> {
     dispatch.enter(Stage::Response);
     let near = find_near(model, scratch, step, scratch.lengths.constraints, 0.0)?;
-    let ContactScratch { start, end, displacements, rounds, counts, constraints, .. } = scratch;
+    let ContactScratch { start, end, displacements, turns, rounds, counts, constraints, .. } = scratch;
     let mut pairs = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
-    let motion = Motion { start, end, displacements, rounds, round: 0, step };
+    let motion = Motion { start, end, displacements, turns, rounds, round: 0, step };
     let mut list = List { all: constraints, count: near, touching: 0 };
     scratch.lengths.constraints = impact::find(model, &mut pairs, counts, &motion, &mut list, dispatch)?;
     Ok(())
@@ -132,7 +133,8 @@ fn find_near(
     before: usize,
     margin: Real,
 ) -> Result<usize, usize> {
-    let ContactScratch { start, end, displacements, corrections, rounds, counts, constraints, order, .. } = scratch;
+    let ContactScratch { start, end, displacements, corrections, turns, rounds, counts, constraints, order, .. } =
+        scratch;
     end.copy_from_slice(scratch.predicted);
     displacements.copy_from_slice(scratch.predicted_displacements);
     corrections.fill(Vec3::ZERO);
@@ -140,7 +142,7 @@ fn find_near(
     let mut list = List { all: constraints, count: before, touching: 0 };
     let known = repulsion::Known::sort(&list.all[..list.count], order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];
-    let motion = Motion { start, end, displacements, rounds, round: 0, step };
+    let motion = Motion { start, end, displacements, turns, rounds, round: 0, step };
     repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &known, margin, &mut list);
     list.count()
 }
@@ -156,7 +158,18 @@ pub fn respond<D: Dispatch>(
 ) -> Result<Outcome, usize> {
     let near = find_near(model, scratch, settings.step, scratch.lengths.constraints, 0.0)?;
     let ContactScratch {
-        start, end, displacements, corrections, rounds, zones, ends, counts, constraints, order, ..
+        start,
+        end,
+        displacements,
+        corrections,
+        turns,
+        rounds,
+        zones,
+        ends,
+        counts,
+        constraints,
+        order,
+        ..
     } = scratch;
     let mut pairs = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
     let mut work = Work {
@@ -164,7 +177,7 @@ pub fn respond<D: Dispatch>(
         list: List { all: constraints, count: near, touching: 0 },
         near,
         first: near,
-        motion: Motion { start, end, displacements, rounds, round: 0, step: settings.step },
+        motion: Motion { start, end, displacements, turns, rounds, round: 0, step: settings.step },
         corrections,
         zones,
         order,

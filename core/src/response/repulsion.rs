@@ -3,7 +3,7 @@
 //! it adds no energy.
 
 use super::constraint::{self, Constraint};
-use super::friction::FrictionCoefficients;
+use super::roll::roll;
 use super::work::{List, Motion, Work, relax};
 use crate::colliders::Form;
 use crate::contact::{ContactModel, Pairs};
@@ -108,14 +108,7 @@ fn find_pairs(
         let reach = least_at_rest(kind, model, vertices, model.thickness + margin);
         let least = reach.min(model.thickness);
         if distance < least || ends < reach {
-            let coefficients = coefficients(model, &contact, motion);
-            list.push(Constraint::new(
-                contact,
-                least.min(contact.gap),
-                coefficients,
-                model.inverse_masses,
-                MOST_LEVER_RATIO,
-            ));
+            list.push(constraint(model, contact, least.min(contact.gap), motion, MOST_LEVER_RATIO));
         }
     }
     list.sort_from(start);
@@ -147,8 +140,7 @@ pub(crate) fn find_planes(
             let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(normal);
             if ends < least(contact.gap) && known.first(list.all, contact.vertices).is_none() {
                 let target = model.thickness.min(contact.gap);
-                let coefficients = coefficients(model, &contact, motion);
-                list.push(Constraint::new(contact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO));
+                list.push(constraint(model, contact, target, motion, MOST_LEVER_RATIO));
             }
         }
     }
@@ -159,13 +151,22 @@ pub(crate) fn least_gap(gap: Real, thickness: Real) -> Real {
     if gap > 0.0 { 0.1 * gap.min(thickness) } else { 1.1 * gap }
 }
 
-/// The coefficients of friction of a contact, by its sliding in the predicted motion. The larger law of its vertices counts.
+/// The constraint of a contact. Its coefficients of friction are those of its sliding in the predicted motion; the larger law
+/// of its vertices counts.
 #[cfg_attr(small, inline(never))]
-pub(crate) fn coefficients(model: &ContactModel<'_>, contact: &Contact, motion: &Motion<'_>) -> FrictionCoefficients {
+pub(crate) fn constraint(
+    model: &ContactModel<'_>,
+    contact: Contact,
+    target: Real,
+    motion: &Motion<'_>,
+    lever_ratio: Real,
+) -> Constraint {
     let law = gather(contact.vertices, model.law_of).into_iter().fold(0, u32::max);
-    let relative = constraint::weighted(contact, motion.displacements);
+    let roll = roll(model, &contact, motion.turns);
+    let relative = constraint::weighted(&contact, motion.displacements) + roll;
     let sliding = relative - contact.normal * contact.normal.dot(relative);
-    model.laws[law as usize].coefficients(sqrt(sliding.length_squared()) / motion.step)
+    let coefficients = model.laws[law as usize].coefficients(sqrt(sliding.length_squared()) / motion.step);
+    Constraint { roll, ..Constraint::new(contact, target, coefficients, model.inverse_masses, lever_ratio) }
 }
 
 /// The part of a `distance` that a pair can keep, m. Neighbours on one sheet may be nearer in its material.

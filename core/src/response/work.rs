@@ -75,6 +75,8 @@ pub(crate) struct Motion<'a> {
     pub start: &'a mut [Vec3],
     pub end: &'a mut [Vec3],
     pub displacements: &'a mut [Vec3],
+    /// Rotation of each collider, rad.
+    pub turns: &'a [Vec3],
     pub rounds: &'a mut [u32],
     /// The present round, with which vertices that move are marked; 0 before the first.
     pub round: u32,
