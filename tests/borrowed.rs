@@ -41,7 +41,7 @@ both_precisions! {
     use muslin::contact::NoContact;
     use muslin::dispatch::{Serial, block_on};
     use harness::steps::Steps;
-    use muslin::forces::gravity::Gravity;
+    use muslin::forces::gravity::{Gravity, GravityColumns};
     use muslin::forces::spring::{Spring, SpringColumns, Springs};
     use muslin::forces::{Model, ModelColumns, Term};
     use muslin::forces::matrix::{Block, BlockMatrix, Mirrored, NOT_STORED, AssemblyMap};
@@ -63,7 +63,7 @@ both_precisions! {
     const MOTIONS: [u32; 2] = [AT_REST, 0];
     const TABLE: [Motion; 1] = [Motion { keys: [0, 2], turn: None }];
     const KEYS: [Key; 2] =
-        [Key { time: 0.0, offset: DVec3::ZERO }, Key { time: 1.0, offset: DVec3::new(-0.3, 0.1, 0.2) }];
+        [Key { time: 0.0, value: DVec3::ZERO }, Key { time: 1.0, value: DVec3::new(-0.3, 0.1, 0.2) }];
 
     fn start() -> [Vec3; VERTICES] {
         std::array::from_fn(|i| vec3([0.1 * (i % SIDE) as f64, 0.01 * (i * i % 5) as f64, 0.1 * (i / SIDE) as f64]))
@@ -92,7 +92,7 @@ both_precisions! {
                 (0..VERTICES).map(|i| 1.0 / mass(i)).collect(),
             ),
             model: ModelColumns {
-                gravity: Some(Gravity(GRAVITY)),
+                gravity: Some(GravityColumns::constant(GRAVITY)),
                 stretch_springs: Some(SpringColumns::build(VERTICES, &listed)),
                 ..ModelColumns::default()
             },
@@ -159,7 +159,8 @@ both_precisions! {
         let (rest, stiffness, damping) =
             (material.map(|s| s.rest), material.map(|s| s.stiffness), material.map(|s| s.damping));
         let stretch = Springs { offsets: &offsets, others: &others, rest: &rest, stiffness: &stiffness, damping: &damping };
-        let model = Model { gravity: Some(Gravity(GRAVITY)), stretch_springs: Some(stretch), ..Model::default() };
+        let gravity = Gravity { acceleration: GRAVITY, keys: &[] };
+        let model = Model { gravity: Some(gravity), stretch_springs: Some(stretch), ..Model::default() };
         let (masses, anchors): ([Real; VERTICES], _) = (std::array::from_fn(mass), HELD.map(|v| start()[v as usize]));
         let inverse_masses = masses.map(|m| 1.0 / m);
         let pins =
@@ -211,7 +212,7 @@ both_precisions! {
         let mut history = History::Start;
         for n in 0..STEPS {
             let context = StepInput {
-                model: &model,
+                model,
                 pins: &pins,
                 masses: &masses,
                 inverse_masses: &inverse_masses,

@@ -160,6 +160,8 @@ pub enum SceneError {
     Negative { key: &'static str, value: f64 },
     /// A number that must be finite is not.
     NotFinite { key: &'static str },
+    /// A vector over time has no key, its times do not increase, or a number in its keys is not finite.
+    VectorKeys { key: &'static str },
     /// A number that must be less than 1 is not.
     NotBelowOne { key: &'static str, value: f64 },
     /// An edge is so far from the first cloth, or from the world's origin, that its ends are rounded to a large part of its
@@ -254,6 +256,12 @@ impl fmt::Display for SceneError {
                 write!(f, "cloth {cloth}, seam {seam}: joins no vertices; give pairs, or a file with stitch lines")
             }
             Self::NotFinite { key } => write!(f, "{key}: must be a finite number"),
+            Self::VectorKeys { key } => {
+                write!(
+                    f,
+                    "{key}: give at least one key [time, x, y, z]; all numbers must be finite, and times must increase"
+                )
+            }
             Self::TooFewCells { key, least } => write!(f, "{key}: must be at least {least}"),
             Self::TooLarge { vertices } => {
                 write!(f, "the scene would have {vertices} vertices; at most 2^28 are possible")

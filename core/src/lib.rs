@@ -29,7 +29,7 @@
 //! 12. [`simulation`]: all of it owned, for hosts that allocate.
 //!
 //! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time),
-//! [`dispatch`] (how kernels use the host's threads), [`error`], [`stage`] (names of the stages, for hosts that measure time)
+//! [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over time), [`error`], [`stage`] (names of the stages, for hosts that measure time)
 //! and [`traffic`] (bytes that each stage streams).
 //!
 //! The crate is `no_std`. With the feature `alloc` (default) it builds scenes and owns columns;
@@ -130,6 +130,7 @@ pub mod simulation;
 
 pub mod dispatch;
 pub mod error;
+pub mod keys;
 pub mod lanes;
 pub mod motion;
 pub mod real;

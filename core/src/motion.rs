@@ -3,38 +3,9 @@
 
 use glam::DVec3;
 
-use crate::real::{Real, Sum, Vec3, to_f64, vec3};
-
-/// The side from which a velocity is evaluated at a time: velocities jump at keys and where a rotation
-/// stops.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum JumpSide {
-    /// The velocity up to that time.
-    Before,
-    /// The velocity from that time on.
-    After,
-}
-
-impl JumpSide {
-    /// Whether a change at time `change` lies in the past of `time`. Times are multiples of a rounded step,
-    /// so times that differ by less than the rounding count as equal.
-    pub(crate) fn has_passed(self, change: Sum, time: Sum) -> bool {
-        let rounding = Sum::from(Real::EPSILON) * time.abs();
-        match self {
-            Self::Before => change < time - rounding,
-            Self::After => change <= time + rounding,
-        }
-    }
-}
-
-/// A key of a motion: an offset at a time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Key {
-    /// Time, s.
-    pub time: Sum,
-    /// Offset, m.
-    pub offset: DVec3,
-}
+use crate::keys::interpolate;
+pub use crate::keys::{JumpSide, Key};
+use crate::real::{Sum, Vec3, to_f64, vec3};
 
 /// A steady rotation about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,14 +43,14 @@ impl Motion {
         let point = to_f64(point).into();
         let (turned, spin) = self.turn.map_or((point, DVec3::ZERO), |turn| turned(&turn, point, time, side));
         let [first, count] = self.keys;
-        let (offset, slope) = offset(&keys[first as usize..(first + count) as usize], time, side);
+        let (offset, slope) = interpolate(&keys[first as usize..(first + count) as usize], time, side);
         (turned + offset, vec3((spin + slope).into()))
     }
 
     /// The point that the motion brings to `place` at `time`.
     pub fn undo(&self, keys: &[Key], place: DVec3, time: Sum) -> DVec3 {
         let [first, count] = self.keys;
-        let (offset, _) = offset(&keys[first as usize..(first + count) as usize], time, JumpSide::After);
+        let (offset, _) = interpolate(&keys[first as usize..(first + count) as usize], time, JumpSide::After);
         let back = self.turn.map(|turn| Turn { rate: -turn.rate, ..turn });
         back.map_or(place - offset, |back| turned(&back, place - offset, time, JumpSide::After).0)
     }
@@ -95,19 +66,4 @@ fn turned(turn: &Turn, point: DVec3, time: Sum, side: JumpSide) -> (DVec3, DVec3
     let stopped = side.has_passed(turn.until, time);
     let spin = if stopped { DVec3::ZERO } else { turn.axis.cross(rotated) * turn.rate };
     (turn.centre + along + rotated, spin)
-}
-
-/// Offset, m, and its rate, m/s: linear between keys, constant before the first and after the last.
-fn offset(keys: &[Key], time: Sum, side: JumpSide) -> (DVec3, DVec3) {
-    let after = keys.partition_point(|key| side.has_passed(key.time, time));
-    match (after.checked_sub(1).map(|i| keys[i]), keys.get(after)) {
-        (Some(a), Some(b)) => {
-            let span = b.time - a.time;
-            let slope = (b.offset - a.offset) / span;
-            let part = ((time - a.time) / span).clamp(0.0, 1.0);
-            (a.offset + (b.offset - a.offset) * part, slope)
-        }
-        (Some(only), None) | (None, Some(&only)) => (only.offset, DVec3::ZERO),
-        (None, None) => (DVec3::ZERO, DVec3::ZERO),
-    }
 }

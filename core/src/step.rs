@@ -113,11 +113,12 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     }
     let scheme = &Scheme { method: method(input.scheme.method, from), ..*input.scheme };
     let extrapolates = input.extrapolates && from != History::Corrected;
-    let input = &StepInput { scheme, extrapolates, ..*input };
     scratch.last_step = match from {
         History::Smooth { step } if !scratch.previous_displacements.is_empty() => Some(step),
         History::Smooth { .. } | History::Start | History::Cut | History::Corrected => None,
     };
+    let input = StepInput { scheme, extrapolates, ..*input };
+    let input = &input.after(input.stage_time(scratch.last_step));
     predict(input, particles, scratch, work.integrator)?;
     let mut corrected = false;
     if let Some(contact) = &mut contact {
@@ -257,7 +258,7 @@ async fn couple<D: Dispatch>(
     detection::search(model, Purpose::Solve, columns, input.dispatch).await?;
     input.dispatch.enter(Stage::Response);
     // Backward Euler predicts without gravity, which closes a gap by half of this in a step.
-    let gravity = input.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.0);
+    let gravity = input.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.acceleration);
     let fall = 2.0 * sqrt(gravity.length_squared()) * input.step * input.step;
     let margin = fall + REST * model.thickness;
     with_room(columns, |contact| response::find_contacts(model, contact, input.step, margin))?;

@@ -1,6 +1,9 @@
-//! The work that is done on the cloth from outside, by pins, colliders and wind. With it, a host can balance the energy
-//! of the cloth: a larger gain of energy comes from errors. With [reactions](crate::reactions), the work
+//! The work that is done on the cloth from outside, by pins, colliders, wind, and gravity and loads that change. With it, a
+//! host can balance the energy of the cloth: a larger gain of energy comes from errors. With [reactions](crate::reactions), the work
 //! that contacts and damping take is measured too, and the rest of the balance is the error of the method.
+//!
+//! Where gravity or a load changes, the potential energy changes at a fixed position. This is work too: the whole change of
+//! the potential energy, and what the force gives along the displacement.
 //!
 //! A force is evaluated in the middle of the step and multiplied by the displacement: this is exact to the second order for
 //! every method.
@@ -28,11 +31,14 @@ pub struct WorkDone {
     pub colliders: Sum,
     /// By wind; negative where it slows the cloth down.
     pub wind: Sum,
+    /// By gravity and loads that change with time. Like the potential energy, it depends on where heights count from.
+    pub gravity: Sum,
     /// By friction and impacts; negative. Measured with reactions.
     pub contacts: Sum,
     /// By damping and drag; negative. Measured with reactions.
     pub damping: Sum,
-    /// The amounts of the work of all steps: errors of the steps also change the forces of pins, to and fro.
+    /// The amounts of the work of all steps by pins, colliders and wind: errors of the steps also change the forces of pins,
+    /// to and fro.
     pub exchanged: Sum,
 }
 
@@ -41,6 +47,7 @@ impl core::ops::AddAssign for WorkDone {
         self.pins += other.pins;
         self.colliders += other.colliders;
         self.wind += other.wind;
+        self.gravity += other.gravity;
         self.contacts += other.contacts;
         self.damping += other.damping;
         self.exchanged += other.exchanged;
@@ -65,6 +72,7 @@ pub fn in_step<D: Dispatch>(
     ledger: Ledger<'_>,
     s: &mut Scratch<'_>,
 ) {
+    let c = &c.after(0.5);
     let mut done = WorkDone::default();
     let Ledger { done: sum, mut reactions } = ledger;
     if let Some((model, contact)) = contact {
@@ -79,7 +87,7 @@ pub fn in_step<D: Dispatch>(
         write_middle(c, from, s);
     }
     if pins_move(c) || everything {
-        evaluate(c, c.model, s);
+        evaluate(c, &c.model, s);
     }
     if pins_move(c) {
         done.pins += by_pins(c, from, s);
@@ -94,6 +102,9 @@ pub fn in_step<D: Dispatch>(
     if let Some(wind) = wind {
         evaluate(c, &wind, s);
         done.wind += by_forces(s);
+    }
+    if c.model.potential_varies() {
+        done.gravity += by_change(c, from, s);
     }
     done.exchanged = done.pins.abs() + done.colliders.abs() + done.wind.abs();
     if everything && c.model.dissipates() {
@@ -126,6 +137,14 @@ fn evaluate<D: Dispatch>(c: &StepInput<'_, D>, model: &Model<'_>, s: &mut Scratc
 /// The work of the forces in their column.
 fn by_forces(s: &Scratch<'_>) -> Sum {
     s.forces.iter().zip(&*s.displacements).map(|(&force, &moved)| dot_sum(force, moved)).sum()
+}
+
+/// Gravity and loads change the potential energy, beside what they give along the displacement.
+fn by_change<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) -> Sum {
+    let model = Model { gravity: c.model.gravity, loads: c.model.loads, ..Model::default() };
+    evaluate(c, &model, s);
+    let potential = |time, x: &[Vec3]| forces::energy(&model.at(time), c.masses, x).gravity;
+    potential(c.time_after(1.0), s.next_positions) - potential(c.time, from.positions) + by_forces(s)
 }
 
 /// A pin holds against the forces, and changes the velocity of its vertex.

@@ -18,7 +18,7 @@ use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const FORMAT: u32 = 9;
+const FORMAT: u32 = 10;
 
 /// The version of muslin: another one may take other steps.
 const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -151,10 +151,10 @@ pub trait Engine: Send {
     /// Counts from which costs are computed, up to now.
     fn counted(&self) -> Counted;
     /// Measures the work done on the cloth from now on; `from` is that up to now, as of [`work_done`](Self::work_done).
-    fn measure_work(&mut self, from: [f64; 6]);
-    /// The work done on the cloth since the start, J: by pins, colliders and wind, by contacts and damping, which are measured
-    /// with the reactions, and the amounts of pins, colliders and wind in all steps together.
-    fn work_done(&self) -> [f64; 6];
+    fn measure_work(&mut self, from: [f64; 7]);
+    /// The work done on the cloth since the start, J: by pins, colliders, wind, and gravity that changes, by contacts and damping,
+    /// which are measured with the reactions, and the amounts of pins, colliders and wind in all steps together.
+    fn work_done(&self) -> [f64; 7];
     /// Measures the reactions too.
     fn measure_reactions(&mut self);
     /// Impulses on the cloth since they were set, N s, and their moments about the [`origin`](Self::origin), N m s: of each
@@ -369,13 +369,17 @@ macro_rules! engine {
                     })
                 }
 
-                fn measure_work(&mut self, [pins, colliders, wind, contacts, damping, exchanged]: [f64; 6]) {
-                    Simulation::measure_work(self, WorkDone { pins, colliders, wind, contacts, damping, exchanged });
+                fn measure_work(&mut self, [pins, colliders, wind, gravity, contacts, damping, exchanged]: [f64; 7]) {
+                    Simulation::measure_work(
+                        self,
+                        WorkDone { pins, colliders, wind, gravity, contacts, damping, exchanged },
+                    );
                 }
 
-                fn work_done(&self) -> [f64; 6] {
-                    let WorkDone { pins, colliders, wind, contacts, damping, exchanged } = Simulation::work_done(self);
-                    [pins, colliders, wind, contacts, damping, exchanged]
+                fn work_done(&self) -> [f64; 7] {
+                    let WorkDone { pins, colliders, wind, gravity, contacts, damping, exchanged } =
+                        Simulation::work_done(self);
+                    [pins, colliders, wind, gravity, contacts, damping, exchanged]
                 }
 
                 fn measure_reactions(&mut self) {

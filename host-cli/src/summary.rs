@@ -105,10 +105,11 @@ pub struct Energy {
 /// Where the energy of the run came from, J.
 #[derive(Clone, Debug, Serialize)]
 pub struct EnergyBalance {
-    /// Work done on the cloth by pins, colliders and wind, from the start to the end.
+    /// Work done on the cloth by pins, colliders, wind, and gravity and loads that change, from the start to the end.
     pub pins: f64,
     pub colliders: f64,
     pub wind: f64,
+    pub gravity: f64,
     /// Largest growth of the energy without this work: it comes from errors.
     pub appeared: f64,
     /// Largest energy that moved, to compare with.
@@ -117,8 +118,8 @@ pub struct EnergyBalance {
 
 impl From<&Balance> for EnergyBalance {
     fn from(balance: &Balance) -> Self {
-        let [pins, colliders, wind, _] = balance.work;
-        Self { pins, colliders, wind, appeared: balance.appeared, moved: balance.moved() }
+        let [pins, colliders, wind, gravity, _] = balance.work;
+        Self { pins, colliders, wind, gravity, appeared: balance.appeared, moved: balance.moved() }
     }
 }
 

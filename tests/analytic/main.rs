@@ -6,6 +6,7 @@
 mod cantilever;
 mod chains;
 mod falls;
+mod keys;
 mod loads;
 mod reactions;
 mod short_steps;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use harness::steps::Steps;
 use muslin_core_f64::forces::ModelColumns;
-use muslin_core_f64::forces::gravity::Gravity;
+use muslin_core_f64::forces::gravity::GravityColumns;
 use muslin_core_f64::forces::spring::{Spring, SpringColumns};
 use muslin_core_f64::integrate::pins::{AT_REST, PinColumns};
 use muslin_core_f64::integrate::{Method, Scheme};
@@ -214,7 +214,7 @@ fn a_pendulum_pulls_with_its_weight_and_what_bends_its_path() {
                 masses.map(|m| 1.0 / m).to_vec(),
             ),
             model: ModelColumns {
-                gravity: Some(Gravity(DVec3::NEG_Y * G)),
+                gravity: Some(GravityColumns::constant(DVec3::NEG_Y * G)),
                 stretch_springs: Some(SpringColumns::build(2, &[([0, 1], spring)])),
                 ..ModelColumns::default()
             },

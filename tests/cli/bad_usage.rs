@@ -52,7 +52,9 @@ fn overrides() {
     refuses("integrator.metod=rk4", &["`metod`", "did you mean `method`?"]);
     refuses("integrator.method=rk5", &["`rk5`", "did you mean `rk4`?"]);
     refuses("durtion=3", &["did you mean `duration`?"]);
-    refuses("gravity=3", &["array of length 3"]);
+    refuses("gravity=3", &["expected [x, y, z], or { keys = [[time, x, y, z], ..] }"]);
+    refuses("gravity={key=[[0,0,0,0]]}", &["unknown field `key`", "did you mean `keys`?"]);
+    refuses("gravity={keys=[[0,0,0]]}", &["array of length 4"]);
     refuses("gravity=[0,0]", &["array of length 3"]);
     refuses("duration=\"x\"", &["expected a number"]);
     refuses("integrator=3", &["expected a section"]);

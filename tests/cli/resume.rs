@@ -65,6 +65,29 @@ fn pins_that_change_go_on_too() {
     }
 }
 
+/// Gravity, wind and a load by keys, one of them within a step: checkpoints before, between and after them.
+#[test]
+fn forces_that_change_go_on_too() {
+    let place = Place::new();
+    let load =
+        "[[cloth.load]]\nselect = { corners = [3] }\nforce = { keys = [[0.05, 0, 0, 0], [0.123, 0.01, 0, 0.01]] }\n";
+    let wind = "velocity = { keys = [[0.1, 0, 0, 0], [0.15, 1, 2, 0]] }, normal = 0.5";
+    let gravity = "gravity = { keys = [[0.0, 0, -9.81, 0], [0.125, 0, 0, 9.81]] }";
+    let text = scene().replace("gravity = [0.0, -9.81, 0.0]", gravity);
+    let text = text.replace("[integrator]", &format!("{load}\n[drag]\nwind = {{ {wind} }}\n\n[integrator]"));
+    place.write("scene.toml", text);
+    for (precision, method) in METHODS.into_iter().enumerate().map(|(k, method)| (["f32", "f64"][k % 2], method)) {
+        for every in [26, 60, 70] {
+            let words = format!("scene.toml --precision {precision} --set integrator.method={method}");
+            let whole = place.run(&format!("{words} --checkpoint {every}"));
+            let parts = place.run(&format!("{words} --resume out/checkpoint.muslin"));
+            let which = format!("{precision} {method} from step {every}");
+            assert_eq!(whole["state_hash"], parts["state_hash"], "{which}");
+            assert_eq!(whole["energy_balance"], parts["energy_balance"], "{which}");
+        }
+    }
+}
+
 /// With contact, a step may depend on the contacts of the steps before.
 #[test]
 fn a_run_goes_on_where_something_touches() {

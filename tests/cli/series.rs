@@ -65,6 +65,33 @@ fn a_row_for_each_frame_balances() {
     }
 }
 
+/// Gravity that swings works on the cloth, wherever heights count from, and nothing appears.
+#[test]
+fn gravity_that_changes_has_its_column() {
+    let place = Place::new();
+    let swings = "gravity = { keys = [[0.0, 0, -9.81, 0], [0.1, 0, 9.81, 0], [0.2, 0, -9.81, 0]] }";
+    let high = TINY.replace("gravity = [0.0, -9.81, 0.0]", swings).replace("[0.0, 1.0, 0.0]", "[0.0, 100.0, 0.0]");
+    place.write("scene.toml", high);
+    for method in ["backward-euler", "implicit-midpoint"] {
+        let words = format!("--precision f64 --set integrator.method={method} --set integrator.step=0.0005");
+        let summary = place.run(&format!("scene.toml {words} --series all.csv"));
+        let series = Series::read(&place, "out/all.csv");
+        let last = |name: &str| *series.column(name).last().unwrap();
+        let [work, appeared, moved] =
+            ["gravity", "appeared", "moved"].map(|key| summary["energy_balance"][key].as_f64().unwrap());
+        let mass = summary["mass_kg"].as_f64().unwrap();
+        assert_eq!((last("work_gravity_J"), &summary["verdict"]), (work, &"ok".into()), "{method}");
+        // Halfway, gravity has turned round at a height of 100 m.
+        let turned = series.column("work_gravity_J")[2] / (-2.0 * 9.81 * 100.0 * mass);
+        assert!((turned - 1.0).abs() < 0.01, "{method}: {turned}");
+        assert!(moved < 9.81 * mass, "{method}: {moved} J in motion, which is more than a fall of a metre");
+        assert!(appeared < 1e-3 * moved, "{method}: {appeared} of {moved} J appeared");
+        let by_method = last("method_J") / moved;
+        let as_expected = if method == "backward-euler" { by_method < 0.0 } else { by_method.abs() < 1e-4 };
+        assert!(as_expected, "{method} added {by_method} of the energy that moved");
+    }
+}
+
 /// At rest, the moment of a clamp is that of the weight with the opposite sign.
 #[test]
 fn the_moment_of_a_clamp_carries_the_weight() {

@@ -171,6 +171,7 @@ macro_rules! kit {
                     incidence: IncidenceColumns::build(3 * states.len(), &vertices),
                     vertices,
                     velocity: vec3(velocity.to_array()),
+                    keys: Vec::new(),
                     normal: normal as Real,
                     tangential: tangential as Real,
                 }

@@ -5,7 +5,7 @@ use crate::steps::Steps;
 use glam::DVec3;
 use muslin_core_f64::forces::ModelColumns;
 use muslin_core_f64::forces::drag::DragColumns;
-use muslin_core_f64::forces::gravity::Gravity;
+use muslin_core_f64::forces::gravity::GravityColumns;
 use muslin_core_f64::forces::spring::{Spring, SpringColumns};
 use muslin_core_f64::integrate::pins::{AT_REST, PinColumns};
 use muslin_core_f64::integrate::{Method, Scheme, Tolerance};
@@ -85,7 +85,7 @@ impl Net {
                 self.masses.iter().map(|m| 1.0 / m).collect(),
             ),
             model: ModelColumns {
-                gravity: self.gravity.map(Gravity),
+                gravity: self.gravity.map(GravityColumns::constant),
                 drag: (self.drag > 0.0).then(|| DragColumns { coefficients: vec![self.drag; self.points.len()] }),
                 stretch_springs: Some(SpringColumns::build(self.points.len(), &self.springs)),
                 ..ModelColumns::default()

@@ -184,11 +184,11 @@ fn fold(x: &[DVec3; 4]) -> f64 {
 /// Gravity, wind, drag and loads.
 fn add_outer_forces(model: &Model<'_>, sheets: &Sheets<'_>, masses: &[f64], x: &[DVec3], v: &[DVec3], f: &mut [DVec3]) {
     for (f, &m) in f.iter_mut().zip(masses) {
-        *f += model.gravity.map_or(DVec3::ZERO, |gravity| gravity.0 * m);
+        *f += model.gravity.map_or(DVec3::ZERO, |gravity| gravity.acceleration * m);
     }
     if let Some(loads) = &model.loads {
-        for (&vertex, &force) in loads.vertices.iter().zip(loads.forces) {
-            f[vertex as usize] += force;
+        for (vertex, force) in loads.forces() {
+            f[vertex] += force;
         }
     }
     for t in sheets.triangles {

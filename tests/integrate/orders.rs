@@ -12,7 +12,7 @@ use harness::rng::Rng;
 use harness::steps::Steps;
 use muslin_core_f64::contact::NoContact;
 use muslin_core_f64::dispatch::{Serial, block_on};
-use muslin_core_f64::integrate::pins::JumpSide;
+use muslin_core_f64::integrate::pins::{JumpSide, Key};
 use muslin_core_f64::integrate::{IntegratorStatistics, Jacobian, Method, Scheme, StepInput};
 use muslin_core_f64::response::ContactStatistics;
 use muslin_core_f64::scene::BuiltScene;
@@ -55,7 +55,7 @@ fn run_unequal(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) ->
         let length = lengths.next().unwrap_or(1);
         let mut particles = state.view();
         let input = StepInput {
-            model: &built.model.view(),
+            model: built.model.view(),
             pins: &built.pins.view(),
             masses: &built.particles.masses,
             inverse_masses: &built.particles.inverse_masses,
@@ -165,6 +165,18 @@ fn pins_that_jump_at_the_end_of_a_step() {
         built.particles.velocities[pin as usize] = DVec3::ZERO;
     }
     all_methods("pins that jump", &built);
+}
+
+/// Gravity, wind and a load grow and turn within one interval of their keys.
+#[test]
+fn forces_that_change_with_time() {
+    const GROWING: &str = "drag = { wind = { velocity = { keys = [[0, 2, 1, 3], [0.02, -9, 4, 20]] }, normal = 0.6 } }";
+    const LOAD: &str =
+        "load = [{ select = { corners = [3] }, force = { keys = [[0, 0, 0, 0], [0.02, 0, 0.3, -0.2]] } }]";
+    let mut built = cloth(&format!("{MEMBRANE}\n{LOAD}"), 1.0, "", GROWING);
+    let keys = [(0.0, DVec3::NEG_Y * 9.81), (DURATION, DVec3::new(60.0, 40.0, 0.0))];
+    built.model.gravity.as_mut().expect("gravity").keys = keys.map(|(time, value)| Key { time, value }).to_vec();
+    all_methods("forces that change", &built);
 }
 
 #[test]

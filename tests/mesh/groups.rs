@@ -10,8 +10,9 @@ const GRID: &str = "grid = { size = [2.0, 2.0], cells = [2, 2], pattern = \"diag
 fn loaded(keys: &str) -> (Vec<u32>, Vec<f64>) {
     let built = cloth(&format!("{GRID}\nload = [{{ force = [0.0, 8.0, 0.0], {keys} }}]"));
     let loads = built.model.loads.expect("there is a load");
-    assert!(loads.forces.iter().all(|force| force.x == 0.0 && force.z == 0.0));
-    (loads.vertices, loads.forces.iter().map(|force| force.y).collect())
+    let forces: Vec<_> = loads.view().forces().map(|(_, force)| force).collect();
+    assert!(forces.iter().all(|force| force.x == 0.0 && force.z == 0.0));
+    (loads.vertices, forces.iter().map(|force| force.y).collect())
 }
 
 #[test]

@@ -59,6 +59,10 @@ const NUMBERS: &[Case] = &[
     ("frame_rate = 30", "frame_rate = 0", "frame_rate = 0: must be greater than zero and finite"),
     ("frame_rate = 30", "until_rest = 0.0", "until_rest = 0: must be greater than zero and finite"),
     ("gravity = [0.0, -9.81, 0.0]", "gravity = [0.0, inf, 0.0]", "gravity: must be a finite number"),
+    ("gravity = [0.0, -9.81, 0.0]", "gravity = { keys = [] }", GRAVITY_KEYS),
+    ("gravity = [0.0, -9.81, 0.0]", "gravity = { keys = [[0, 0, 1, 0], [0, 0, 2, 0]] }", GRAVITY_KEYS),
+    ("gravity = [0.0, -9.81, 0.0]", "gravity = { keys = [[0, 0, 1, 0], [1, 0, nan, 0]] }", GRAVITY_KEYS),
+    ("gravity = [0.0, -9.81, 0.0]", "gravity = { keys = [[-inf, 0, 1, 0], [1, 0, 1, 0]] }", GRAVITY_KEYS),
     ("step = 0.01", "step = 0.0", "integrator.step = 0: must be greater than zero and finite"),
     ("step = 0.01", "step = inf", "integrator.step = inf: must be greater than zero and finite"),
     ("step = 0.01", "error = -0.1", "integrator.error = -0.1: must not be negative, and must be finite"),
@@ -74,6 +78,11 @@ const NUMBERS: &[Case] = &[
     ("tolerance = 1e-4", "tolerance = -1e-4", "integrator.tolerance = -0.0001: must be greater than zero and finite"),
     ("linear = 0.1", "linear = -0.1", "drag.linear = -0.1: must not be negative, and must be finite"),
     ("velocity = [1.0", "velocity = [nan", "drag.wind.velocity: must be a finite number"),
+    (
+        "velocity = [1.0, 0.0, 0.0]",
+        "velocity = { keys = [[2, 0, 0, 0], [1, 0, 0, 0]] }",
+        "drag.wind.velocity: give at least one key [time, x, y, z]; all numbers must be finite, and times must increase",
+    ),
     ("normal = 0.1", "normal = -2.0", "drag.wind.normal = -2: must not be negative, and must be finite"),
     ("tangential = 0.0", "tangential = -2.0", "drag.wind.tangential = -2: must not be negative, and must be finite"),
     ("density = 0.2", "density = -0.2", "cloth.density = -0.2: must be greater than zero and finite"),
@@ -240,6 +249,11 @@ const GROUPS: &[Case] = &[
     ("vertices = [3]", "vertices = []", "cloth 0, load 0: selects no vertex"),
     ("force = [1.0", "force = [inf", "cloth.load.force: must be a finite number"),
     (
+        "force = [1.0, 2.0, 3.0]",
+        "force = { keys = [[0, 0, 0, inf]] }",
+        "cloth.load.force: give at least one key [time, x, y, z]; all numbers must be finite, and times must increase",
+    ),
+    (
         "force = [1.0",
         "share = \"length\", force = [1.0",
         "cloth 0, load 0: share = \"length\" needs edges between the selected vertices",
@@ -289,12 +303,15 @@ const AXES: &str = "cloth 0, pin 0: axes must be a combination of x, y and z, su
 const TURN: &str = "cloth 0, pin 0: motion.turn needs an axis with a direction and a finite rate";
 const KEYS: &str = "cloth 0, pin 0: the times of motion.keys must be finite and increase";
 
+const GRAVITY_KEYS: &str =
+    "gravity: give at least one key [time, x, y, z]; all numbers must be finite, and times must increase";
+
 /// A new variant breaks this match: add a case above.
 const fn has_a_case(error: &SceneError) -> bool {
     use SceneError::*;
     match error {
         NotPositive { .. } | Negative { .. } | NotFinite { .. } | KeyNotForModel { .. } | KeyNeeded { .. } => true,
-        NotBelowOne { .. } | TooFar { .. } | EmptySeam { .. } => true,
+        VectorKeys { .. } | NotBelowOne { .. } | TooFar { .. } | EmptySeam { .. } => true,
         SpinAxis { .. }
         | OneMass { .. }
         | OneMeshSource { .. }

@@ -271,7 +271,7 @@ harness::both_precisions! {
         for n in 0..steps {
             let mut particles = built.particles.view();
             let input = StepInput {
-                model: &built.model.view(),
+                model: built.model.view(),
                 pins: &built.pins.view(),
                 masses: particles.masses,
                 inverse_masses: particles.inverse_masses,

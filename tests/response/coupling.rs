@@ -175,7 +175,7 @@ both_precisions! {
         let (mut state, mut work) = (built.particles.clone(), IntegratorStatistics::default());
         let (model, pins) = (built.model.view(), built.pins.view());
         let context = StepInput {
-            model: &model,
+            model,
             pins: &pins,
             masses: &built.particles.masses,
             inverse_masses: &built.particles.inverse_masses,

@@ -1,24 +1,33 @@
-//! Gravity, f = m g.
+//! Gravity, f = m g. It may change with time.
 
 use super::matrix::BlockMatrix;
 use super::term::ForceTerm;
 use super::{Energy, Jacobian, TangentScale, Term};
 use crate::dispatch::Dispatch;
-use crate::real::{Real, Sum, Vec3, dot_sum};
+use crate::keys::{Key, Moment};
+use crate::real::{Real, Sum, Vec3, dot_sum, vec3};
 use crate::traffic::{SCALAR, TrafficSizes};
 
-/// The acceleration g, m/s^2.
+/// Gravity.
 #[derive(Clone, Copy, Debug)]
-pub struct Gravity(pub Vec3);
+pub struct Gravity<'a> {
+    /// The acceleration g, m/s^2.
+    pub acceleration: Vec3,
+    /// The acceleration over time, m/s^2; empty: it is constant.
+    pub keys: &'a [Key],
+}
 
-impl Gravity {
-    /// The view that kernels take: there is nothing to borrow.
-    pub fn view(&self) -> Self {
-        *self
+impl Gravity<'_> {
+    /// With the acceleration of a moment.
+    pub fn at(self, moment: Moment) -> Self {
+        if self.keys.is_empty() {
+            return self;
+        }
+        Self { acceleration: vec3(moment.value(self.keys).into()), ..self }
     }
 }
 
-impl ForceTerm for Gravity {
+impl ForceTerm for Gravity<'_> {
     /// Sets the forces: gravity is the first term, so that no other pass needs to clear them.
     fn add_forces(
         &self,
@@ -29,7 +38,7 @@ impl ForceTerm for Gravity {
         f: &mut [Vec3],
         dispatch: &impl Dispatch,
     ) {
-        let gravity = self.0;
+        let gravity = self.acceleration;
         dispatch.run(f, |start, part| {
             for (f, &mass) in part.iter_mut().zip(&masses[start..]) {
                 *f = gravity * mass;
@@ -39,7 +48,7 @@ impl ForceTerm for Gravity {
 
     /// The potential energy, zero at the origin.
     fn energy(&self, _: Term, masses: &[Real], x: &[Vec3]) -> Energy {
-        let gravity = -masses.iter().zip(x).map(|(&m, &x)| dot_sum(self.0 * m, x)).sum::<Sum>();
+        let gravity = -masses.iter().zip(x).map(|(&m, &x)| dot_sum(self.acceleration * m, x)).sum::<Sum>();
         Energy { gravity, ..Energy::default() }
     }
 
@@ -74,5 +83,28 @@ impl ForceTerm for Gravity {
 
     fn tangent_traffic(&self, _: TrafficSizes) -> usize {
         0
+    }
+}
+
+/// The owned columns of [`Gravity`].
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug, Default)]
+pub struct GravityColumns {
+    /// The acceleration, m/s^2.
+    pub acceleration: Vec3,
+    /// The acceleration over time, m/s^2; empty: it is constant.
+    pub keys: alloc::vec::Vec<Key>,
+}
+
+#[cfg(feature = "alloc")]
+impl GravityColumns {
+    /// Constant gravity, m/s^2.
+    pub fn constant(acceleration: Vec3) -> Self {
+        Self { acceleration, ..Self::default() }
+    }
+
+    /// The borrowed view that kernels take.
+    pub fn view(&self) -> Gravity<'_> {
+        Gravity { acceleration: self.acceleration, keys: &self.keys }
     }
 }

@@ -1,10 +1,13 @@
-//! Loads, f = constant in the world.
+//! Loads, forces that do not depend on the motion. They may change with time.
+
+use glam::DVec3;
 
 use super::matrix::BlockMatrix;
 use super::term::ForceTerm;
 use super::{Energy, Jacobian, TangentScale, Term};
 use crate::dispatch::Dispatch;
-use crate::real::{Real, Sum, Vec3, dot_sum};
+use crate::keys::{Key, Moment};
+use crate::real::{Real, Sum, Vec3, to_f64, vec3};
 use crate::traffic::{TrafficSizes, VECTOR};
 
 /// Loads on some vertices.
@@ -12,23 +15,76 @@ use crate::traffic::{TrafficSizes, VECTOR};
 pub struct Loads<'a> {
     /// The loaded vertices. A vertex may carry several loads.
     pub vertices: &'a [u32],
-    /// The force of each, N.
-    pub forces: &'a [Vec3],
-    /// The sum of f . x at the start, J.
-    pub reference: Sum,
+    /// The part of each in the force of its group.
+    pub parts: &'a [Sum],
+    /// The groups, in the order of the vertices.
+    pub groups: &'a [LoadGroup],
+    /// The forces of all groups over time, N.
+    pub keys: &'a [Key],
+    /// When they act.
+    pub moment: Moment,
+}
+
+/// A force that some vertices share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadGroup {
+    /// Index of its first vertex among the loaded ones, and number of vertices.
+    pub vertices: [u32; 2],
+    /// Index of its first key, and number of keys. A constant force has one.
+    pub keys: [u32; 2],
+    /// The sum of its parts times the positions at the start, m.
+    pub start: DVec3,
+}
+
+impl<'a> Loads<'a> {
+    /// At a moment.
+    pub fn at(self, moment: Moment) -> Self {
+        Self { moment, ..self }
+    }
+
+    /// Whether a force changes with time.
+    pub fn vary(&self) -> bool {
+        self.groups.iter().any(|group| group.keys[1] > 1)
+    }
+
+    /// The loaded vertices with their forces, N.
+    pub fn forces(&self) -> impl Iterator<Item = (usize, Vec3)> + use<'a> {
+        let loads = *self;
+        loads.groups.iter().flat_map(move |group| {
+            let force = loads.force(group);
+            loads.of(group).map(move |(vertex, part)| (vertex, vec3((force * part).into())))
+        })
+    }
+
+    /// The force of a group, N.
+    fn force(&self, group: &LoadGroup) -> DVec3 {
+        let [first, count] = group.keys;
+        self.moment.value(&self.keys[first as usize..(first + count) as usize])
+    }
+
+    /// The vertices of a group and their parts.
+    fn of(&self, group: &LoadGroup) -> impl Iterator<Item = (usize, Sum)> + use<'a> {
+        let [first, count] = group.vertices;
+        let range = first as usize..(first + count) as usize;
+        let vertices = self.vertices[range.clone()].iter().map(|&vertex| vertex as usize);
+        vertices.zip(self.parts[range].iter().copied())
+    }
 }
 
 impl ForceTerm for Loads<'_> {
     fn add_forces(&self, _: &[Real], _: &[Vec3], _: &[Vec3], _: &mut [Vec3], f: &mut [Vec3], _: &impl Dispatch) {
-        for (&vertex, &force) in self.vertices.iter().zip(self.forces) {
-            f[vertex as usize] += force;
+        for (vertex, force) in self.forces() {
+            f[vertex] += force;
         }
     }
 
     /// The potential energy, zero at the start. It counts as that of gravity.
     fn energy(&self, _: Term, _: &[Real], x: &[Vec3]) -> Energy {
-        let work = self.vertices.iter().zip(self.forces).map(|(&vertex, &force)| dot_sum(force, x[vertex as usize]));
-        Energy { gravity: self.reference - work.sum::<Sum>(), ..Energy::default() }
+        let of_group = |group: &LoadGroup| {
+            let now: DVec3 = self.of(group).map(|(vertex, part)| DVec3::from(to_f64(x[vertex])) * part).sum();
+            self.force(group).dot(group.start - now)
+        };
+        Energy { gravity: self.groups.iter().map(of_group).sum(), ..Energy::default() }
     }
 
     fn add_tangents(
@@ -52,7 +108,7 @@ impl ForceTerm for Loads<'_> {
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(self.vertices) + size_of_val(self.forces)
+        size_of_val(self.vertices) + size_of_val(self.parts)
     }
 
     /// Reads the loads, reads and writes the forces of their vertices.
@@ -71,16 +127,24 @@ impl ForceTerm for Loads<'_> {
 pub struct LoadColumns {
     /// The loaded vertices.
     pub vertices: alloc::vec::Vec<u32>,
-    /// The force of each, N.
-    pub forces: alloc::vec::Vec<Vec3>,
-    /// The sum of f . x at the start, J.
-    pub reference: Sum,
+    /// The part of each in the force of its group.
+    pub parts: alloc::vec::Vec<Sum>,
+    /// The groups, in the order of the vertices.
+    pub groups: alloc::vec::Vec<LoadGroup>,
+    /// The forces of all groups over time, N.
+    pub keys: alloc::vec::Vec<Key>,
 }
 
 #[cfg(feature = "alloc")]
 impl LoadColumns {
     /// The borrowed view that kernels take.
     pub fn view(&self) -> Loads<'_> {
-        Loads { vertices: &self.vertices, forces: &self.forces, reference: self.reference }
+        Loads {
+            vertices: &self.vertices,
+            parts: &self.parts,
+            groups: &self.groups,
+            keys: &self.keys,
+            moment: Moment::default(),
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::term::ForceTerm;
 use super::{drag, gravity, hinge, load, membrane, seam, spring, wind};
+use crate::keys::Moment;
 
 /// Makes [`Term`], [`Model`], [`ModelColumns`] and `for_each_term` from the list. `$d` is a dollar sign: the
 /// inner macro needs its own.
@@ -78,7 +79,7 @@ macro_rules! force_terms {
 // Terms are evaluated in this order.
 force_terms! { $
     /// Gravity.
-    gravity, Gravity, "gravity", gravity::Gravity, gravity::Gravity;
+    gravity, Gravity, "gravity", gravity::Gravity<'a>, gravity::GravityColumns;
     /// Linear drag.
     drag, Drag, "drag", drag::Drag<'a>, drag::DragColumns;
     /// Springs along the edges.
@@ -103,6 +104,22 @@ const _: () = assert!(Term::Gravity as usize == 0 && Term::Drag as usize == 1);
 pub(crate) use for_each_term;
 
 impl Model<'_> {
+    /// The forces at a time, s, or at a [`Moment`] of a step.
+    pub fn at(&self, moment: impl Into<Moment>) -> Self {
+        let moment = moment.into();
+        Self {
+            gravity: self.gravity.map(|gravity| gravity.at(moment)),
+            wind: self.wind.map(|wind| wind.at(moment)),
+            loads: self.loads.map(|loads| loads.at(moment)),
+            ..*self
+        }
+    }
+
+    /// Whether gravity or a load changes with time. Then the potential energy changes at a fixed position too.
+    pub fn potential_varies(&self) -> bool {
+        self.gravity.is_some_and(|gravity| !gravity.keys.is_empty()) || self.loads.is_some_and(|loads| loads.vary())
+    }
+
     /// Whether any force depends on velocities.
     pub fn dissipates(&self) -> bool {
         let mut any = false;

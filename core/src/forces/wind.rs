@@ -4,16 +4,19 @@
 
 use super::element::{Element, ElementTerm};
 use super::{Energy, TangentScale};
+use crate::keys::{Key, Moment};
 use crate::mesh::Incidence;
-use crate::real::{Mat3, Real, Vec3, cross, outer, scaled_identity, sqrt};
+use crate::real::{Mat3, Real, Vec3, cross, outer, scaled_identity, sqrt, vec3};
 
-/// A steady wind on triangles.
+/// Wind on triangles.
 #[derive(Clone, Copy, Debug)]
 pub struct Wind<'a> {
     /// Corners.
     pub vertices: &'a [[u32; 3]],
     /// Velocity of the air, m/s.
     pub velocity: Vec3,
+    /// The velocity over time, m/s; empty: it is constant.
+    pub keys: &'a [Key],
     /// cn, N s/m^3.
     pub normal: Real,
     /// ct, N s/m^3.
@@ -23,6 +26,14 @@ pub struct Wind<'a> {
 }
 
 impl Wind<'_> {
+    /// With the velocity of a moment.
+    pub fn at(self, moment: Moment) -> Self {
+        if self.keys.is_empty() {
+            return self;
+        }
+        Self { velocity: vec3(moment.value(self.keys).into()), ..self }
+    }
+
     /// The normal with twice the area as length, its length, and the relative wind w.
     #[inline]
     fn facing(&self, x: &[Vec3; 3], v: &[Vec3; 3]) -> (Vec3, Real, Vec3) {
@@ -115,6 +126,8 @@ pub struct WindColumns {
     pub vertices: alloc::vec::Vec<[u32; 3]>,
     /// Velocity of the air, m/s.
     pub velocity: Vec3,
+    /// The velocity over time, m/s; empty: it is constant.
+    pub keys: alloc::vec::Vec<Key>,
     /// cn, N s/m^3.
     pub normal: Real,
     /// ct, N s/m^3.
@@ -130,6 +143,7 @@ impl WindColumns {
         Wind {
             vertices: &self.vertices,
             velocity: self.velocity,
+            keys: &self.keys,
             normal: self.normal,
             tangential: self.tangential,
             incidence: self.incidence.view(),

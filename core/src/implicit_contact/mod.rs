@@ -52,7 +52,7 @@ pub fn correct<D: Dispatch>(
     for linearization in 1..=MOST_LINEARIZATIONS {
         let goal = c.goal(rough(c) * newton::weight_factor(c, length, s));
         let target = conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), goal, s, statistics);
-        let part = MOST_STRAIN / (length * forces::strain_rate(c.model, s.solution));
+        let part = MOST_STRAIN / (length * forces::strain_rate(&c.model, s.solution));
         let left = (MOST_LINEARIZATIONS - linearization) as Real;
         // Steps that are much too long for the motion gain nothing.
         let is_last = part >= 1.0 || part * left < 1.0 || !part.is_finite();

@@ -104,7 +104,7 @@ fn write_residual<D: Dispatch>(
             (*x, *v) = if is_middle { ((x0[i] + x1[i]) * 0.5, dx[i] / c.step) } else { (x1[i], v1[i]) };
         }
     });
-    c.forces(s.stage_positions, s.products, s.elements, s.forces, statistics);
+    c.after(if is_middle { 0.5 } else { 1.0 }).forces(s.stage_positions, s.products, s.elements, s.forces, statistics);
     let last = s.last_step.filter(|_| extrapolates);
     let (length, v, dvp) = (c.stage_length(last), &*s.products, &*s.previous_velocity_changes);
     match last.map(|last| bdf2::extrapolation(c.step, last)) {

@@ -27,7 +27,7 @@ pub fn advance<D: Dispatch>(
         }
     });
     c.pins.impose(c.time_after(0.5), JumpSide::Before, s.next_positions, s.next_velocities);
-    c.forces(s.next_positions, s.next_velocities, s.elements, s.forces, statistics);
+    c.after(0.5).forces(s.next_positions, s.next_velocities, s.elements, s.forces, statistics);
     let (vm, f) = (&*s.next_velocities, &*s.forces);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {

@@ -26,6 +26,7 @@ pub use crate::forces::Jacobian;
 
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Model};
+use crate::keys::Moment;
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
@@ -192,8 +193,9 @@ pub struct IntegratorStatistics {
 /// Input of every method: the forces, pins and masses of the particles, and the time step.
 #[derive(Clone, Copy)]
 pub struct StepInput<'a, D> {
-    /// The forces.
-    pub model: &'a Model<'a>,
+    /// The forces. [`step::take`](crate::step::take) sets them to those at the time of the stage of an implicit method, or
+    /// of the first stage of an explicit one.
+    pub model: Model<'a>,
     /// The pinned vertices.
     pub pins: &'a Pins<'a>,
     /// Masses, kg.
@@ -235,6 +237,22 @@ impl<D: Dispatch> StepInput<'_, D> {
         }
     }
 
+    /// The time of the only or the first stage, as a fraction of the step. `last` is as for [`Self::stage_length`].
+    pub(crate) fn stage_time(&self, last: Option<Real>) -> Sum {
+        match self.scheme.method {
+            Method::ExplicitEuler | Method::SymplecticEuler | Method::Midpoint | Method::Rk4 => 0.0,
+            Method::Bdf2 if last.is_none() => 0.5,
+            Method::ImplicitMidpoint => 0.5,
+            Method::BackwardEuler | Method::Bdf2 => 1.0,
+        }
+    }
+
+    /// The same with the forces at a fraction of the step.
+    pub(crate) fn after(&self, fraction: Sum) -> Self {
+        let moment = Moment { time: self.time_after(fraction), step: [self.time, self.time_after(1.0)] };
+        Self { model: self.model.at(moment), ..*self }
+    }
+
     /// Where a linear solve stops; `residual` is the relative residual for it if the tolerance is a residual.
     pub(crate) fn goal(&self, residual: Sum) -> Goal {
         match self.scheme.tolerance {
@@ -257,7 +275,7 @@ impl<D: Dispatch> StepInput<'_, D> {
         statistics: &mut IntegratorStatistics,
     ) {
         statistics.force_evaluations += 1;
-        forces::evaluate(self.model, self.masses, x, v, scratch, f, self.dispatch);
+        forces::evaluate(&self.model, self.masses, x, v, scratch, f, self.dispatch);
     }
 
     /// The time at a fraction of the step, s.

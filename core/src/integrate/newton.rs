@@ -81,7 +81,7 @@ fn linearized_step<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) {
     let part = if c.extrapolates {
-        (MOST_STRAIN / (stage.length * forces::strain_rate(c.model, s.next_velocities))).min(1.0)
+        (MOST_STRAIN / (stage.length * forces::strain_rate(&c.model, s.next_velocities))).min(1.0)
     } else {
         0.0
     };
@@ -186,7 +186,7 @@ fn write_matrix<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s:
     let scale = TangentScale { position: stage.length * stage.length, velocity: stage.length };
     let jacobian = c.scheme.jacobian;
     forces::write_tangents(
-        c.model,
+        &c.model,
         s.stage_positions,
         scale,
         jacobian,
@@ -231,7 +231,7 @@ fn solve_linear<D: Dispatch>(
 /// Norm of the impulse of gravity during a stage: sqrt(sum m) times the gravitational acceleration times the length
 /// of the stage. Residuals are compared with it, because for a sheet at rest the residual itself gives no scale.
 fn weight_impulse<D: Dispatch>(c: &StepInput<'_, D>, length: Real) -> Sum {
-    let gravity = c.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.0) * length;
+    let gravity = c.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.acceleration) * length;
     let mass: Sum = c.masses.iter().map(|&m| Sum::from(m)).sum();
     libm::sqrt(mass * dot_sum(gravity, gravity))
 }
@@ -321,7 +321,7 @@ fn objective<D: Dispatch>(c: &StepInput<'_, D>, scale: Real, s: &Scratch<'_>) ->
             0.5 * Sum::from(m) * dot_sum(d, d)
         })
         .sum();
-    inertia + forces::energy(c.model, c.masses, s.stage_positions).total()
+    inertia + forces::energy(&c.model, c.masses, s.stage_positions).total()
 }
 
 /// Slope and curvature of the frozen dissipation R along `s.solution`. The gradient of R is minus the non-conservative

@@ -249,8 +249,8 @@ impl PinColumns {
         self.release(vertex);
         let motion = self.spare_motion();
         let first = self.table[motion as usize].keys[0] as usize;
-        self.keys[first] = Key { time: start, offset: DVec3::ZERO };
-        self.keys[first + 1] = Key { time: end, offset: to - DVec3::from(to_f64(from)) };
+        self.keys[first] = Key { time: start, value: DVec3::ZERO };
+        self.keys[first + 1] = Key { time: end, value: to - DVec3::from(to_f64(from)) };
         self.vertices.push(vertex);
         self.axes.push(0b111);
         self.anchors.push(from);
@@ -282,7 +282,7 @@ impl PinColumns {
         let free = (0..self.table.len() as u32).find(is_free);
         free.unwrap_or_else(|| {
             self.table.push(Motion { keys: [self.keys.len() as u32, 2], turn: None });
-            self.keys.extend([Key { time: 0.0, offset: DVec3::ZERO }; 2]);
+            self.keys.extend([Key { time: 0.0, value: DVec3::ZERO }; 2]);
             self.table.len() as u32 - 1
         })
     }

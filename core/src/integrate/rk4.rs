@@ -39,8 +39,9 @@ pub fn advance<D: Dispatch>(
                 *vs = v[i] + f[i] * (h * w[i]);
             }
         });
-        c.pins.impose(c.time_after(fraction as Sum), JumpSide::Before, s.stage_positions, s.stage_velocities);
-        c.forces(s.stage_positions, s.stage_velocities, s.elements, s.forces, statistics);
+        let fraction = Sum::from(fraction);
+        c.pins.impose(c.time_after(fraction), JumpSide::Before, s.stage_positions, s.stage_velocities);
+        c.after(fraction).forces(s.stage_positions, s.stage_velocities, s.elements, s.forces, statistics);
         let (f, vs, part) = (&*s.forces, &*s.stage_velocities, weight * sixth);
         c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
             for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {

@@ -13,7 +13,7 @@ use crate::contact::ContactColumns;
 use crate::error::{MeshError, SceneError};
 use crate::forces::ModelColumns;
 use crate::forces::drag::DragColumns;
-use crate::forces::gravity::Gravity;
+use crate::forces::gravity::GravityColumns;
 use crate::forces::hinge::HingeColumns;
 use crate::forces::load::LoadColumns;
 use crate::forces::membrane::MembraneColumns;
@@ -222,7 +222,10 @@ impl Parts {
         }
         let linear = drag.map_or(0.0, |drag| drag.linear);
         let model = ModelColumns {
-            gravity: scene.gravity.map(|g| Gravity(vec3(g))),
+            gravity: scene.gravity.as_ref().map(|gravity| {
+                let (acceleration, keys) = gravity.over_time();
+                GravityColumns { acceleration, keys }
+            }),
             drag: (linear > 0.0)
                 .then(|| DragColumns { coefficients: self.areas.iter().map(|area| (area * linear) as Real).collect() }),
             stretch_springs: springs(&self.stretch_springs),
@@ -230,12 +233,16 @@ impl Parts {
             membrane: (!self.membrane.vertices.is_empty()).then_some(self.membrane),
             hinges: (!self.hinges.vertices.is_empty()).then_some(self.hinges),
             seams: (!self.seams.vertices.is_empty()).then_some(self.seams),
-            wind: drag.and_then(|drag| drag.wind.as_ref()).map(|wind| WindColumns {
-                vertices: self.triangles.clone(),
-                velocity: vec3(wind.velocity),
-                normal: wind.normal as Real,
-                tangential: wind.tangential as Real,
-                incidence: IncidenceColumns::build(vertices, &self.triangles),
+            wind: drag.and_then(|drag| drag.wind.as_ref()).map(|wind| {
+                let (velocity, keys) = wind.velocity.over_time();
+                WindColumns {
+                    vertices: self.triangles.clone(),
+                    velocity,
+                    keys,
+                    normal: wind.normal as Real,
+                    tangential: wind.tangential as Real,
+                    incidence: IncidenceColumns::build(vertices, &self.triangles),
+                }
             }),
             loads: (!self.loads.vertices.is_empty()).then_some(self.loads),
         };

@@ -59,11 +59,13 @@ pub(super) fn check_numbers(scene: &SceneDesc) -> Result<(), SceneError> {
         positive("until_rest", speed)?;
     }
     check_integrator(&scene.integrator)?;
-    finite("gravity", &scene.gravity.unwrap_or_default())?;
+    if let Some(gravity) = &scene.gravity {
+        gravity.check("gravity")?;
+    }
     if let Some(drag) = &scene.drag {
         not_negative("drag.linear", drag.linear)?;
         if let Some(wind) = &drag.wind {
-            finite("drag.wind.velocity", &wind.velocity)?;
+            wind.velocity.check("drag.wind.velocity")?;
             not_negative("drag.wind.normal", wind.normal)?;
             not_negative("drag.wind.tangential", wind.tangential)?;
         }

@@ -8,8 +8,10 @@ use glam::DVec3;
 use super::build::{Parts, Sheet};
 use super::check::{finite, positive};
 use super::select::{self, SelectDesc};
+use super::vector::VectorDesc;
 use crate::error::{SceneError, SelectError};
-use crate::real::{dot_sum, vec3};
+use crate::forces::load::LoadGroup;
+use crate::real::{to_f64, vec3};
 
 /// How a total is shared among the selected vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,8 +32,8 @@ pub enum Share {
 pub struct LoadDesc {
     /// The loaded vertices.
     pub select: SelectDesc,
-    /// The total force, constant in the world, N.
-    pub force: [f64; 3],
+    /// The total force, N. It does not turn with the cloth.
+    pub force: VectorDesc,
     /// How the force is shared.
     #[cfg_attr(feature = "serde", serde(default))]
     pub share: Share,
@@ -136,13 +138,20 @@ impl Parts {
         (cloth, number): (u32, u32),
         load: &LoadDesc,
     ) -> Result<(), SceneError> {
-        finite("cloth.load.force", &load.force)?;
-        let origin = self.origin.unwrap_or_default();
-        for (vertex, part) in shares(load.share, &load.select, sheet, placed, (cloth, "load", number))? {
-            let force = vec3((DVec3::from(load.force) * part).into());
+        load.force.check("cloth.load.force")?;
+        let (origin, keys) = (self.origin.unwrap_or_default(), load.force.keys());
+        let shares = shares(load.share, &load.select, sheet, placed, (cloth, "load", number))?;
+        // From rounded positions, so that the energy at the start is zero.
+        let position = |vertex: u32| DVec3::from(to_f64(vec3((placed[vertex as usize] - origin).into())));
+        self.loads.groups.push(LoadGroup {
+            vertices: [self.loads.vertices.len(), shares.len()].map(|n| n as u32),
+            keys: [self.loads.keys.len(), keys.len()].map(|n| n as u32),
+            start: shares.iter().map(|&(vertex, part)| position(vertex) * part).sum(),
+        });
+        self.loads.keys.extend(keys);
+        for (vertex, part) in shares {
             self.loads.vertices.push(sheet.first + vertex);
-            self.loads.forces.push(force);
-            self.loads.reference += dot_sum(force, vec3((placed[vertex as usize] - origin).into()));
+            self.loads.parts.push(part);
         }
         Ok(())
     }

@@ -19,6 +19,7 @@ mod resource;
 mod select;
 mod terms;
 mod tube;
+mod vector;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -35,6 +36,7 @@ pub use memory::{Memory, memory};
 pub use resource::{Content, PointCache, Resource};
 pub use select::{LineDesc, PlaneDesc, SelectDesc, SheetSide};
 pub use tube::TubeDesc;
+pub use vector::VectorDesc;
 
 use crate::integrate::{Jacobian, Method, Preconditioner, Tolerance};
 use crate::mesh::rest::RestSource;
@@ -58,7 +60,7 @@ pub struct SceneDesc {
     #[cfg_attr(feature = "serde", serde(default = "defaults::frame_rate"))]
     pub frame_rate: f64,
     /// Gravity, m/s^2; absent: no gravity.
-    pub gravity: Option<[f64; 3]>,
+    pub gravity: Option<VectorDesc>,
     /// The sheets.
     pub cloth: Vec<ClothDesc>,
     /// Objects that the cloth collides with.
@@ -265,12 +267,12 @@ pub struct DragDesc {
     pub wind: Option<WindDesc>,
 }
 
-/// A steady wind. Its force on a triangle depends on how the triangle faces it.
+/// Wind. Its force on a triangle depends on how the triangle faces it.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct WindDesc {
     /// Velocity of the air, m/s.
-    pub velocity: [f64; 3],
+    pub velocity: VectorDesc,
     /// Coefficient along the normal, N s/m^3: force per relative velocity and area, which counts once as that of drag.
     pub normal: f64,
     /// Coefficient in the plane of the triangle, N s/m^3.

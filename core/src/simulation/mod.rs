@@ -202,7 +202,7 @@ impl Simulation {
         } = self;
         let mut particles = built.particles.view();
         let input = StepInput {
-            model: &built.model.view(),
+            model: built.model.view(),
             pins: &built.pins.view(),
             masses: particles.masses,
             inverse_masses: particles.inverse_masses,
@@ -229,9 +229,10 @@ impl Simulation {
     }
 
     fn hardest_term(&mut self, particle: u32, dispatch: &impl Dispatch) -> Option<Term> {
+        let model = self.built.model.view().at(self.time());
         let (particles, scratch) = (&self.built.particles, self.scratch.view());
         diagnostics::hardest_term(
-            &self.built.model.view(),
+            &model,
             &particles.masses,
             &particles.positions,
             &particles.velocities,
@@ -385,9 +386,9 @@ impl Simulation {
         }
     }
 
-    /// The forces.
+    /// The forces of now.
     pub fn model(&self) -> Model<'_> {
-        self.built.model.view()
+        self.built.model.view().at(self.time())
     }
 
     /// The pinned vertices.
@@ -398,7 +399,8 @@ impl Simulation {
     /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. Allocates columns that the
     /// method may not have. If pins move, each step takes one more evaluation of the forces.
     pub fn measure_work(&mut self, from: WorkDone) {
-        (self.measures_work, self.work_done) = (true, from);
+        // Steps measure the energy of gravity from the origin of positions.
+        (self.measures_work, self.work_done) = (true, WorkDone { gravity: from.gravity + self.lift(), ..from });
         self.scratch.add_stage();
     }
 
@@ -425,18 +427,23 @@ impl Simulation {
 
     /// The work done on the cloth, if it is [measured](Self::measure_work).
     pub fn work_done(&self) -> WorkDone {
-        self.work_done
+        let lift = if self.measures_work { self.lift() } else { 0.0 };
+        WorkDone { gravity: self.work_done.gravity - lift, ..self.work_done }
     }
 
     /// Current energies, J.
     pub fn energy(&self) -> Energy {
-        let (model, masses) = (self.model(), &self.built.particles.masses);
-        let mut energy = diagnostics::energy(&model, masses, self.positions(), self.velocities());
-        // Heights count from the world's origin.
-        let gravity = model.gravity.map_or(Vec3::ZERO, |gravity| gravity.0);
-        energy.gravity -=
-            self.built.origin.dot(to_f64(gravity).into()) * masses.iter().map(|&m| Sum::from(m)).sum::<Sum>();
+        let masses = &self.built.particles.masses;
+        let mut energy = diagnostics::energy(&self.model(), masses, self.positions(), self.velocities());
+        energy.gravity -= self.lift();
         energy
+    }
+
+    /// The energy of gravity at the world's origin, where heights count from, less that at the origin of positions, J.
+    fn lift(&self) -> Sum {
+        let gravity = self.model().gravity.map_or(Vec3::ZERO, |gravity| gravity.acceleration);
+        let mass: Sum = self.built.particles.masses.iter().map(|&m| Sum::from(m)).sum();
+        self.built.origin.dot(to_f64(gravity).into()) * mass
     }
 
     /// Current linear momentum, kg m/s.

@@ -107,9 +107,9 @@ impl Course {
         };
         let mut record = resumed.as_ref().map_or_else(fresh, |resumed| resumed.record);
         record.measured = record.measured.filter(|_| measures);
-        let [pins, colliders, wind, exchanged] = record.balance.work;
+        let [pins, colliders, wind, gravity, exchanged] = record.balance.work;
         let [contacts, damping] = record.measured.unwrap_or_default().work;
-        engine.measure_work([pins, colliders, wind, contacts, damping, exchanged]);
+        engine.measure_work([pins, colliders, wind, gravity, contacts, damping, exchanged]);
         if measures {
             engine.measure_reactions();
             engine.set_impulses(&resumed.map(|resumed| resumed.impulses).unwrap_or_default());
@@ -135,8 +135,8 @@ impl Course {
     /// Observations of the run up to now.
     pub fn record(&self) -> Record {
         let mut record = self.record;
-        let [pins, colliders, wind, contacts, damping, exchanged] = self.engine.work_done();
-        record.balance.work = [pins, colliders, wind, exchanged];
+        let [pins, colliders, wind, gravity, contacts, damping, exchanged] = self.engine.work_done();
+        record.balance.work = [pins, colliders, wind, gravity, exchanged];
         record.measured = record.measured.map(|measured| Measured { work: [contacts, damping], ..measured });
         record
     }
@@ -147,8 +147,8 @@ impl Course {
         self.engine.write_state(&mut self.positions);
         let record = &mut self.record;
         record.stretch = record.stretch.max(self.engine.largest_stretch());
-        let [pins, colliders, wind, .., exchanged] = self.engine.work_done();
-        record.balance.see(&self.engine.report().energy, [pins, colliders, wind, exchanged]);
+        let [pins, colliders, wind, gravity, .., exchanged] = self.engine.work_done();
+        record.balance.see(&self.engine.report().energy, [pins, colliders, wind, gravity, exchanged]);
         record.rounding = record.rounding.max(self.engine.rounding());
         record.penetration = self.engine.penetration().map(|now| now.max(record.penetration.unwrap_or(0.0)));
         if self.audit {

@@ -15,7 +15,7 @@ use crate::warning::Warning;
 
 /// The columns before the reactions.
 const COLUMNS: &str = "frame,time_s,kinetic_J,stretch_J,shear_J,bend_J,seam_J,gravity_J,work_pins_J,work_colliders_J,\
-                       work_wind_J,work_contacts_J,work_damping_J,method_J,\
+                       work_wind_J,work_gravity_J,work_contacts_J,work_damping_J,method_J,\
                        momentum_x_kg_m_per_s,momentum_y_kg_m_per_s,momentum_z_kg_m_per_s,\
                        angular_momentum_x_kg_m2_per_s,angular_momentum_y_kg_m2_per_s,angular_momentum_z_kg_m2_per_s,\
                        largest_stretch";

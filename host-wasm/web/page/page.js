@@ -95,7 +95,7 @@ function show() {
   el("material").value = state.shown.material ?? "as in the scene";
   el("method").value = method_of(scene);
   el("length").value = +(1000 * run.cloth.stepLength).toPrecision(4);
-  const wind = Math.hypot(...(scene.drag?.wind?.velocity ?? [0]));
+  const wind = Math.hypot(...(steady(scene) ?? [0]));
   el("wind").value = el("speed").value = wind.toFixed(1);
   for (const [name, [key]] of Object.entries(TERMS)) {
     const box = el(name);
@@ -180,9 +180,15 @@ function strain(whether) {
   show();
 }
 
+/** The velocity of a scene's wind, m/s; of one that changes with time, the first. */
+function steady(scene) {
+  const velocity = scene.drag?.wind?.velocity;
+  return velocity?.keys?.[0].slice(1) ?? velocity;
+}
+
 function wind(speed) {
   const { scene } = run.cloth;
-  const way = [scene.drag?.wind?.velocity, base.drag?.wind?.velocity, [0.3, 0, -1]].find((way) => way && Math.hypot(...way) > 0);
+  const way = [steady(scene), steady(base), [0.3, 0, -1]].find((way) => way && Math.hypot(...way) > 0);
   const size = Math.hypot(...way);
   const velocity = way.map((x) => (x / size) * speed);
   change({ "drag.wind": windy(scene, velocity) });

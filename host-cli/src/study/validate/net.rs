@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use muslin_core_f64::forces::ModelColumns;
-use muslin_core_f64::forces::gravity::Gravity;
+use muslin_core_f64::forces::gravity::GravityColumns;
 use muslin_core_f64::forces::spring::{Spring, SpringColumns};
 use muslin_core_f64::integrate::pins::{AT_REST, PinColumns};
 use muslin_core_f64::particles::ParticleColumns;
@@ -80,7 +80,7 @@ impl Net {
                 self.masses.iter().map(|m| 1.0 / m).collect(),
             ),
             model: ModelColumns {
-                gravity: self.heavy.then_some(Gravity(DVec3::NEG_Y * GRAVITY)),
+                gravity: self.heavy.then_some(GravityColumns::constant(DVec3::NEG_Y * GRAVITY)),
                 stretch_springs: Some(SpringColumns::build(self.points.len(), &self.springs)),
                 ..ModelColumns::default()
             },
