@@ -12,12 +12,12 @@ use crate::warning::Warning;
 /// Rounding of a number in single precision, relative to it.
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 
-/// Part of its size that the cloth may lose by this bound. Scenes from seeds lost a tenth of the bound in the median, and
-/// half of it at most: 1 % of the size.
+/// Part of its size that the cloth may lose by this bound. Of 31 scenes from seeds, nine tenths lost less than the bound, and
+/// half of them less than 3 % of it. At 0.01 no more wrong runs are found, and more good ones are warned of.
 const MOST_LOST: f64 = 0.02;
 
-/// Way of cloth that nothing moves, relative to its size: rounding of the stiffness moves it too. In scenes from seeds,
-/// cloth at rest moved by up to this part of the bound.
+/// Way of cloth that nothing moves, relative to its size: rounding of the stiffness moves it too. In 16 of 18 scenes from
+/// seeds, cloth at rest moved by less than this part of the bound.
 const AT_REST: f64 = 1e-4;
 
 /// The warning that steps of this length, s, lose masses; `size` is that of the cloth, m.
