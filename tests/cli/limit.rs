@@ -53,6 +53,19 @@ fn masses_that_single_precision_loses_are_said_to_be_lost() {
 }
 
 #[test]
+fn masses_are_lost_only_on_a_long_way_and_in_long_steps() {
+    let place = Place::new();
+    let run = |seconds: f64, error: f64| {
+        let words = format!("run tiny.toml --preview none --out out --duration {seconds}");
+        let words = format!("{words} --set cloth.stretch.stiffness=3e6 --set integrator.error={error}");
+        place.muslin(&words).stderr.contains("single precision rounds such masses away")
+    };
+    assert!(run(0.5, 0.0) && run(0.5, 1e-2), "the cloth falls by its size");
+    assert!(!run(0.05, 0.0), "it falls by a twenty-fifth of its size");
+    assert!(!run(0.5, 1e-5), "error control takes steps of a tenth");
+}
+
+#[test]
 fn nothing_is_said_where_nothing_limits_or_nobody_listens() {
     let place = Place::new();
     for words in ["backward-euler", "rk4 --quiet"] {

@@ -2,7 +2,8 @@
 //!
 //! f32 is off where a vertex ends more than 1 % of the cloth's size from its place in f64. Then the verdict must be other than
 //! ok, or a warning must say that the result may be wrong. Of the runs that are not off, and that f64 does not warn of, fewer
-//! than 2 % may be warned of. Scenes are not judged if they amplify a change of the start of 1e-7 of the size to 0.1 %.
+//! than 2 % may be warned of. A scene whose f32 is off is not judged if it amplifies a change of the start of 1e-7 of the size
+//! to 0.1 %, and f32 is off by less than a hundred times this.
 //!
 //! 5,000 seeds, or those of `MUSLIN_SEEDS=FROM..TO`:
 //! `cargo test -p muslin-cli --test fuzz -- --ignored --nocapture long_form`.
@@ -21,9 +22,9 @@ use judge::{Case, Finding, judge};
 /// Share of the good runs that may be warned of.
 const MOST_FALSE_ALARMS: f64 = 0.02;
 
-/// Known false alarms among the first 200 seeds: in a few steps, the loss that `masses` warns of does not show yet. One ends above
-/// the tolerance of its solver.
-const KNOWN: [u64; 9] = [18, 33, 58, 84, 97, 119, 125, 168, 200];
+/// Known false alarms among the first 200 seeds: those that lose less than the bound by which `masses` warns. One ends above the
+/// tolerance of its solver.
+const KNOWN: [u64; 7] = [33, 58, 84, 97, 119, 168, 200];
 
 /// Up to so many scenes are printed.
 const FEW: u64 = 10;

@@ -3,10 +3,14 @@
 use std::time::Duration;
 
 use super::course::{Course, Ending};
-use crate::args::Backend;
+use super::masses;
+use super::start::ITERATIONS;
+use crate::args::{Backend, Precision};
 use crate::pool::Pool;
 use crate::scene_file::SceneFile;
+use crate::stopwatch::Stopwatch;
 use crate::summary::{ErrorControl, StageMs, Stretch, Summary};
+use crate::warning::Warning;
 
 impl Course {
     /// The message on crossings; `None` if the audit found no crossing in any frame.
@@ -99,6 +103,18 @@ impl Course {
             state_hash: format!("fnv1a:{:016x}", self.chain),
         };
         summary.judge(&record, &scene.desc, pool);
+        summary.warnings.extend(self.masses(scene, ending, pool));
         summary
+    }
+
+    /// The warning that the steps of error control were so long, in the mean, that single precision lost masses.
+    fn masses(&self, scene: &SceneFile, ending: &Ending, pool: &Pool) -> Option<Warning> {
+        let is_controlled = self.engine.is_implicit() && scene.desc.integrator.error().is_some();
+        if !is_controlled || self.precision != Precision::F32 || !matches!(ending, Ending::Complete) {
+            return None;
+        }
+        let modes = self.engine.fastest_modes(0.0, ITERATIONS, &Stopwatch::new(pool));
+        let step = self.engine.report().time / self.engine.substeps().max(1) as f64;
+        masses::warning(&modes, &scene.desc, self.record().size.into_iter().fold(0.0, f64::max), step)
     }
 }
