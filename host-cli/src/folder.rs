@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use same_file::Handle;
 
+use crate::disk;
 use crate::export::whole::{self, WriteError};
 use crate::failure::Failure;
 
@@ -28,10 +29,9 @@ impl Folder {
         if path.exists() && !path.is_dir() {
             return Err(Failure::Usage(format!("{} is a file; give a folder by --out", path.display())));
         }
-        let missing = path.ancestors().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
-        let made = missing.map(Path::to_path_buf).collect();
-        let lock = fs::create_dir_all(&path).and_then(|()| lock(&path.join(LOCK)));
-        match lock.map_err(|cause| WriteError { path: path.join(LOCK), cause })? {
+        let failed = |cause| WriteError { path: path.join(LOCK), cause };
+        let made = disk::create_folders(&path).map_err(failed)?;
+        match lock(&path.join(LOCK)).map_err(failed)? {
             Some(lock) => Ok(Self { path, made, _lock: lock }),
             None => Err(Failure::Tool(format!(
                 "another muslin is writing to the folder {}; wait until it ends, or give another folder by --out",

@@ -7,6 +7,7 @@ mod checkpoint;
 mod detect;
 mod device;
 mod devices;
+mod disk;
 mod engine;
 mod export;
 mod failure;

@@ -77,7 +77,9 @@ fn killed_again_and_again() {
 /// pictures may differ: they show the own part of a resumed run.
 fn killed_at_random(kills: usize, preview: &str) {
     let place = place();
-    let words = format!("run sheet.toml --duration 1 --export obj,pc2,usda,vtp --checkpoint 3 --preview {preview}");
+    let words = format!(
+        "run sheet.toml --duration 1 --export obj,pc2,usda,vtp --series all.csv --checkpoint 3 --preview {preview}"
+    );
     let started = Instant::now();
     let hash = place.muslin(&format!("{words} --json --out whole")).expect(0).json()["state_hash"].clone();
     let time = started.elapsed();
@@ -98,7 +100,7 @@ fn killed_at_random(kills: usize, preview: &str) {
         assert_eq!(status.code(), Some(0), "after {killed} kills");
         let summary: Value = serde_json::from_slice(&place.read("out/summary.json")).unwrap();
         assert_eq!(summary["state_hash"], hash, "after {killed} kills");
-        place.same_files_but("out", "whole", &["summary.json", "preview.gif", "steps.svg"]);
+        place.same_files_but("out", "whole", &["summary.json", "preview.gif", "preview.png"]);
         std::fs::remove_dir_all(place.path("out")).unwrap();
         ended += 1;
     }
@@ -113,13 +115,13 @@ fn random() -> f64 {
 #[test]
 #[ignore = "slow"]
 fn killed_at_random_times() {
-    ["none", "gif"].iter().for_each(|preview| killed_at_random(8, preview));
+    ["none", "gif", "png"].iter().for_each(|preview| killed_at_random(8, preview));
 }
 
 #[test]
 #[ignore = "slow"]
 fn long_form_killed_a_hundred_times() {
-    ["none", "gif"].iter().for_each(|preview| killed_at_random(100, preview));
+    ["none", "gif", "png"].iter().for_each(|preview| killed_at_random(100, preview));
 }
 
 /// Signals a run once the path `once` exists, checks that it ends as interrupted, and resumes it.

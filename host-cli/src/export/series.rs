@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::whole::partial_name;
+use crate::disk;
 
 /// The names of a series: `FOLDER/STEM_00000.ENDING`, `FOLDER/STEM_00001.ENDING` and so on.
 pub struct Series {
@@ -44,6 +45,6 @@ impl Series {
 
     /// Removes the files in `dir` of all frames from number `from` on; a file that cannot be removed stays.
     pub fn remove(&self, dir: &Path, from: u32) {
-        self.files(dir, from).iter().for_each(|path| drop(fs::remove_file(path)));
+        self.files(dir, from).iter().for_each(|path| drop(disk::remove(path)));
     }
 }

@@ -2,8 +2,12 @@
 //! renamed.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, ErrorKind, Seek, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
+
+use crate::disk;
+#[cfg(test)]
+use crate::disk::journal::{Event, note};
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -25,11 +29,8 @@ impl Partial {
     /// Creates an empty file that will become `path`; its folder is created if necessary.
     pub fn create(path: PathBuf) -> Result<Partial, WriteError> {
         let create = || {
-            path.parent().map_or(Ok(()), fs::create_dir_all)?;
-            let partial = partial_name(&path);
-            // An older file is removed, not overwritten: it may be a link to a file elsewhere.
-            remove(&partial)?;
-            OpenOptions::new().read(true).write(true).create_new(true).open(partial)
+            path.parent().map_or(Ok(Vec::new()), disk::create_folders)?;
+            disk::create(&partial_name(&path))
         };
         Partial::new(create(), path)
     }
@@ -66,23 +67,36 @@ impl Partial {
 
     /// Reads or writes the file; an error names the file.
     pub fn with<T>(&mut self, act: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) -> Result<T, WriteError> {
-        act(&mut self.file).map_err(|cause| WriteError { path: self.path.clone(), cause })
+        let done = act(&mut self.file).map_err(|cause| WriteError { path: self.path.clone(), cause });
+        #[cfg(test)]
+        note(Event::Changed(partial_name(&self.path), fs::read(partial_name(&self.path)).unwrap_or_default()));
+        done
     }
 
-    /// Writes buffered data to the disk, so that not even a loss of power takes them.
+    /// Writes buffered data and the partial name to the disk, so that not even a loss of power takes them.
     pub fn sync(&mut self) -> Result<(), WriteError> {
+        self.sync_data()?;
+        let partial = partial_name(&self.path);
+        self.with(|_| disk::sync_folder_of(&partial))
+    }
+
+    fn sync_data(&mut self) -> Result<(), WriteError> {
         self.with(|file| {
             file.flush()?;
             file.get_ref().sync_all()
-        })
+        })?;
+        #[cfg(test)]
+        note(Event::Synced(partial_name(&self.path)));
+        Ok(())
     }
 
-    /// Gives the file its final name; returns the path. The data reach the disk before the name does.
+    /// Gives the file its final name; returns the path. The data reach the disk before the name does, and both are there
+    /// when this returns.
     pub fn finish(mut self) -> Result<PathBuf, WriteError> {
-        self.sync()?;
+        self.sync_data()?;
         let Partial { path, file } = self;
         drop(file);
-        match fs::rename(partial_name(&path), &path) {
+        match disk::rename(&partial_name(&path), &path) {
             Ok(()) => Ok(path),
             Err(cause) => Err(WriteError { path, cause }),
         }
@@ -94,18 +108,10 @@ pub fn write(path: PathBuf, fill: impl FnOnce(&mut BufWriter<File>) -> io::Resul
     let mut partial = Partial::create(path)?;
     if let Err(error) = partial.with(fill) {
         // The error above is the one to report, so an error of the removal is ignored.
-        let _ = fs::remove_file(partial_name(partial.path()));
+        let _ = disk::remove(&partial_name(partial.path()));
         return Err(error);
     }
     partial.finish()
-}
-
-/// Removes a file if it exists. A link is removed itself, not the file that it leads to.
-fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
-    }
 }
 
 /// The name of a file while it is not complete.

@@ -1,13 +1,13 @@
 //! `run.json`: to which run the files in an output folder belong. Without it, a resumed run could continue the frames
 //! of another run.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use super::files;
 use crate::args::series_name;
+use crate::disk;
 use crate::export::whole::partial_name;
 use crate::export::{Exporter, Format};
 use crate::failure::Failure;
@@ -47,7 +47,7 @@ pub fn begin(folder: &Folder, run: &str, formats: &[Format], series: Option<&str
         let frames = earlier.export.iter().flat_map(|format| format.files(folder.path()));
         // A file that cannot be removed stays, until the run replaces it.
         let others = files::besides_frames(folder.path()).chain(earlier.series(folder.path()));
-        frames.chain(others).for_each(|path| drop(fs::remove_file(path)));
+        frames.chain(others).for_each(|path| drop(disk::remove(&path)));
     }
     Ok(())
 }

@@ -6,6 +6,8 @@ pub mod course;
 mod files;
 mod manifest;
 mod masses;
+#[cfg(test)]
+mod power_loss;
 mod series_plot;
 pub mod start;
 mod step_plot;
@@ -13,6 +15,7 @@ mod time_series;
 mod verdict;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
@@ -65,6 +68,14 @@ struct Files<'a> {
 
 /// Runs a scene.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
+    run_watched(arguments, interrupt::watch)
+}
+
+/// Runs a scene. `watch` is called when the scene is built: until then, an interrupt ends the process at once.
+fn run_watched(
+    arguments: &RunArguments,
+    watch: impl FnOnce() -> Result<Arc<AtomicBool>, Failure>,
+) -> Result<(), Failure> {
     if arguments.export.len() > 1 && arguments.export.contains(&Format::None) {
         return Err(Failure::Usage("--export: none excludes all other formats".into()));
     }
@@ -86,13 +97,13 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
                 .into(),
         ));
     }
+    let stop = &*watch()?;
     let folder = Folder::take(out(arguments, &scene)?)?;
-    let stopwatch = Stopwatch::new(&pool);
+    let stopwatch = Stopwatch::new(&pool).until(stop);
     let mut warnings = start::warnings(engine.as_ref(), &scene, &timing, arguments.precision, &stopwatch);
-    let stop = interrupt::watch()?;
     let start = match resumed {
         Some(_) => Start::default(),
-        None => untangle(engine.as_mut(), arguments, &pool, &stop, &mut warnings)?,
+        None => untangle(engine.as_mut(), arguments, &pool, stop, &mut warnings)?,
     };
     let (observed, is_resumed) = ([arguments.audit, arguments.series.is_some()], resumed.is_some());
     let mut course = Course::begin(engine, timing, arguments.precision, observed, start, resumed);
@@ -108,7 +119,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
             course.frame(&pool, &mut files)?;
         }
         let started = Instant::now();
-        let ending = course.advance(&pool, &stop, &mut files);
+        let ending = course.advance(&pool, stop, &mut files);
         files.bar.finish_and_clear();
         files.finish(&course, &scene, &ending?, &pool, started.elapsed())
     })
