@@ -110,6 +110,17 @@ pub struct Snapshot {
     pub last_step: f64,
 }
 
+/// The work done on the cloth, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WorkDone {
+    /// By pins, colliders and wind, and by moving overlapping surfaces apart.
+    pub outside: [f64; 4],
+    /// The amounts of pins, colliders and wind in all steps together.
+    pub exchanged: f64,
+    /// By contacts and by damping; measured with the reactions.
+    pub inside: [f64; 2],
+}
+
 /// The vertices of a `[[cloth.pin]]`.
 #[derive(Clone, Copy, Debug)]
 pub struct PinGroup {
@@ -151,10 +162,11 @@ pub trait Engine: Send {
     /// Counts from which costs are computed, up to now.
     fn counted(&self) -> Counted;
     /// Measures the work done on the cloth from now on; `from` is that up to now, as of [`work_done`](Self::work_done).
-    fn measure_work(&mut self, from: [f64; 6]);
-    /// The work done on the cloth since the start, J: by pins, colliders and wind, by contacts and damping, which are measured
-    /// with the reactions, and the amounts of pins, colliders and wind in all steps together.
-    fn work_done(&self) -> [f64; 6];
+    fn measure_work(&mut self, from: WorkDone);
+    /// The work done on the cloth since the start.
+    fn work_done(&self) -> WorkDone;
+    /// Whether a force or a contact may take energy.
+    fn dissipates(&self) -> bool;
     /// Measures the reactions too.
     fn measure_reactions(&mut self);
     /// Impulses on the cloth since they were set, N s, and their moments about the [`origin`](Self::origin), N m s: of each
@@ -369,13 +381,24 @@ macro_rules! engine {
                     })
                 }
 
-                fn measure_work(&mut self, [pins, colliders, wind, contacts, damping, exchanged]: [f64; 6]) {
-                    Simulation::measure_work(self, WorkDone { pins, colliders, wind, contacts, damping, exchanged });
+                fn measure_work(&mut self, from: super::WorkDone) {
+                    let super::WorkDone { outside: [pins, colliders, wind, separation], exchanged, .. } = from;
+                    let [contacts, damping] = from.inside;
+                    let from = WorkDone { pins, colliders, wind, separation, contacts, damping, exchanged };
+                    Simulation::measure_work(self, from);
                 }
 
-                fn work_done(&self) -> [f64; 6] {
-                    let WorkDone { pins, colliders, wind, contacts, damping, exchanged } = Simulation::work_done(self);
-                    [pins, colliders, wind, contacts, damping, exchanged]
+                fn work_done(&self) -> super::WorkDone {
+                    let w = Simulation::work_done(self);
+                    super::WorkDone {
+                        outside: [w.pins, w.colliders, w.wind, w.separation],
+                        exchanged: w.exchanged,
+                        inside: [w.contacts, w.damping],
+                    }
+                }
+
+                fn dissipates(&self) -> bool {
+                    self.contact().is_some() || self.model().dissipates()
                 }
 
                 fn measure_reactions(&mut self) {

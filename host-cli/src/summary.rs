@@ -109,16 +109,22 @@ pub struct EnergyBalance {
     pub pins: f64,
     pub colliders: f64,
     pub wind: f64,
+    /// Work of moving overlapping surfaces apart.
+    pub separation: f64,
+    /// Energy that the method added from the start to the end, or took if it is negative; null if what contacts and damping took
+    /// is not known.
+    pub method: Option<f64>,
     /// Largest growth of the energy without this work: it comes from errors.
     pub appeared: f64,
     /// Largest energy that moved, to compare with.
     pub moved: f64,
 }
 
-impl From<&Balance> for EnergyBalance {
-    fn from(balance: &Balance) -> Self {
-        let [pins, colliders, wind, _] = balance.work;
-        Self { pins, colliders, wind, appeared: balance.appeared, moved: balance.moved() }
+impl EnergyBalance {
+    /// The balance of a run. `method` is the energy that the method added, if it is known.
+    pub fn new(balance: &Balance, method: Option<f64>) -> Self {
+        let [pins, colliders, wind, separation] = balance.work.outside;
+        Self { pins, colliders, wind, separation, method, appeared: balance.appeared, moved: balance.moved() }
     }
 }
 

@@ -396,7 +396,8 @@ impl Simulation {
     }
 
     /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. Allocates columns that the
-    /// method may not have. If pins move, each step takes one more evaluation of the forces.
+    /// method may not have. Each step in which pins move or overlapping surfaces are moved apart takes one more
+    /// evaluation of the forces.
     pub fn measure_work(&mut self, from: WorkDone) {
         (self.measures_work, self.work_done) = (true, from);
         self.scratch.add_stage();

@@ -1,11 +1,15 @@
-//! The balance of energy over the frames of a run. Energy that neither was there nor was given by pins, colliders or wind comes
-//! from errors.
+//! The balance of energy over the frames of a run. Energy that neither was there nor was given by pins, colliders, wind or the
+//! separation of overlapping surfaces comes from errors.
+
+use crate::engine::WorkDone;
 
 /// What the frames so far have shown, J.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
-    /// Work done on the cloth: by pins, colliders and wind, and the amounts of all steps together.
-    pub work: [f64; 4],
+    /// Work done on the cloth.
+    pub work: WorkDone,
+    /// Energy of the start state.
+    start: Option<f64>,
     /// Least energy without the work.
     least: f64,
     /// Largest growth of this difference from its least value.
@@ -17,12 +21,13 @@ pub struct Balance {
 }
 
 /// Number of words in an encoded balance.
-pub const WORDS: usize = 9;
+pub const WORDS: usize = 14;
 
 impl Default for Balance {
     fn default() -> Self {
         Self {
-            work: [0.0; 4],
+            work: WorkDone::default(),
+            start: None,
             least: f64::INFINITY,
             appeared: 0.0,
             active: 0.0,
@@ -33,11 +38,11 @@ impl Default for Balance {
 
 impl Balance {
     /// Observes a frame: its energies (kinetic, stretch, shear, bend, seam, gravity) and the work done up to now.
-    pub fn see(&mut self, energy: &[f64; 6], work: [f64; 4]) {
+    pub fn see(&mut self, energy: &[f64; 6], work: WorkDone) {
         let [kinetic, stretch, shear, bend, seam, gravity] = *energy;
-        let done: f64 = work[..3].iter().sum();
         let active = kinetic + stretch + shear + bend + seam;
-        let without_work = active + gravity - done;
+        let without_work = active + gravity - work.outside.iter().sum::<f64>();
+        self.start.get_or_insert(active + gravity);
         self.work = work;
         self.least = self.least.min(without_work);
         self.appeared = self.appeared.max(without_work - self.least);
@@ -47,19 +52,34 @@ impl Balance {
 
     /// The largest energy that moved, by which the energy that appeared is measured.
     pub fn moved(&self) -> f64 {
-        self.active.max(self.gravity[1] - self.gravity[0]).max(self.work[3])
+        self.active.max(self.gravity[1] - self.gravity[0]).max(self.work.exchanged)
+    }
+
+    /// The energy that the method added up to a state with these energies, or took if it is negative. It is complete if the work
+    /// of contacts and damping is [measured](WorkDone::inside), or if there is neither.
+    pub fn by_method(&self, energy: &[f64; 6]) -> f64 {
+        let now = energy.iter().sum::<f64>();
+        let WorkDone { outside, inside, .. } = self.work;
+        now - self.start.unwrap_or(now) - outside.iter().chain(&inside).sum::<f64>()
     }
 
     /// Encodes the balance as words.
     pub fn encode(&self) -> [u64; WORDS] {
-        let Self { work: [a, b, c, d], least, appeared, active, gravity: [low, high] } = *self;
-        [a, b, c, d, least, appeared, active, low, high].map(f64::to_bits)
+        let Self { work, start, least, appeared, active, gravity: [low, high] } = *self;
+        let WorkDone { outside: [a, b, c, d], exchanged, inside: [e, f] } = work;
+        let all = [a, b, c, d, exchanged, e, f, start.unwrap_or(0.0), least, appeared, active, low, high];
+        let mut words = [u64::from(start.is_some()); WORDS];
+        words[1..].iter_mut().zip(all).for_each(|(word, value)| *word = value.to_bits());
+        words
     }
 
     /// Decodes a balance.
     pub fn decode(words: [u64; WORDS]) -> Self {
-        let [a, b, c, d, least, appeared, active, low, high] = words.map(f64::from_bits);
-        Self { work: [a, b, c, d], least, appeared, active, gravity: [low, high] }
+        let [has_start, words @ ..] = words;
+        let [a, b, c, d, exchanged, e, f, start, least, appeared, active, low, high] = words.map(f64::from_bits);
+        let work = WorkDone { outside: [a, b, c, d], exchanged, inside: [e, f] };
+        let start = (has_start != 0).then_some(start);
+        Self { work, start, least, appeared, active, gravity: [low, high] }
     }
 }
 
@@ -67,19 +87,24 @@ impl Balance {
 mod tests {
     use super::*;
 
+    fn work(pins: f64, separation: f64) -> WorkDone {
+        WorkDone { outside: [pins, 0.0, 0.0, separation], exchanged: pins, inside: [0.0; 2] }
+    }
+
     #[test]
     fn energy_appears_where_it_grows_without_work() {
         let mut balance = Balance::default();
-        balance.see(&[0.0, 0.0, 0.0, 0.0, 0.0, 5.0], [0.0; 4]);
+        balance.see(&[0.0, 0.0, 0.0, 0.0, 0.0, 5.0], work(0.0, 0.0));
         // It falls, and loses 1 J.
-        balance.see(&[2.0, 1.0, 0.0, 0.0, 0.0, 1.0], [0.0; 4]);
+        balance.see(&[2.0, 1.0, 0.0, 0.0, 0.0, 1.0], work(0.0, 0.0));
         assert_eq!((balance.appeared, balance.moved()), (0.0, 4.0));
-        // A pin gives 3 J.
-        balance.see(&[2.0, 4.0, 0.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 3.0]);
-        assert_eq!(balance.appeared, 0.0);
+        // A pin gives 2 J, and the separation of surfaces 1 J.
+        let energy = [2.0, 4.0, 0.0, 0.0, 0.0, 1.0];
+        balance.see(&energy, work(2.0, 1.0));
+        assert_eq!((balance.appeared, balance.by_method(&energy)), (0.0, -1.0));
         // 2 J appear, and are lost again.
-        balance.see(&[4.0, 4.0, 0.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 3.0]);
-        balance.see(&[1.0, 4.0, 0.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 3.0]);
+        balance.see(&[4.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
+        balance.see(&[1.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
         assert_eq!(balance.appeared, 2.0);
         assert_eq!(Balance::decode(balance.encode()), balance);
     }

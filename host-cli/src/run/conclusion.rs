@@ -6,7 +6,7 @@ use super::course::{Course, Ending};
 use crate::args::Backend;
 use crate::pool::Pool;
 use crate::scene_file::SceneFile;
-use crate::summary::{ErrorControl, StageMs, Stretch, Summary};
+use crate::summary::{EnergyBalance, ErrorControl, StageMs, Stretch, Summary};
 
 impl Course {
     /// The message on crossings; `None` if the audit found no crossing in any frame.
@@ -48,6 +48,8 @@ impl Course {
             _ => None,
         };
         let record = self.record();
+        let all_is_known = record.measures_reactions || !self.engine.dissipates();
+        let by_method = all_is_known.then(|| record.balance.by_method(&report.energy));
         let mut summary = Summary {
             tool: "muslin",
             version: env!("CARGO_PKG_VERSION"),
@@ -86,7 +88,7 @@ impl Course {
                 max_of_all_frames: record.stretch.max(report.stretch[0]),
             },
             energy: (&report).into(),
-            energy_balance: (&record.balance).into(),
+            energy_balance: EnergyBalance::new(&record.balance, by_method),
             momentum: report.momentum,
             contacts: (&report).into(),
             frames_audited: record.audited,

@@ -79,7 +79,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         }
         None => None,
     };
-    if arguments.series.is_some() && resumed.as_ref().is_some_and(|resumed| resumed.record.measured.is_none()) {
+    if arguments.series.is_some() && resumed.as_ref().is_some_and(|resumed| !resumed.record.measures_reactions) {
         return Err(Failure::Usage(
             "--series: the run of this checkpoint measured no reactions; run the scene from its start with --series"
                 .into(),
