@@ -25,8 +25,8 @@ pub enum Halt {
 pub struct Divergence {
     /// What went wrong, in which step and where.
     pub what: String,
-    /// Advice to the user.
-    pub advice: &'static str,
+    /// Advice to the user; `None` if it depends on the settings of the scene.
+    pub advice: Option<&'static str>,
     /// Whether a more stable method may help.
     pub is_instability: bool,
 }
@@ -377,7 +377,8 @@ macro_rules! engine {
                             Cause::Stopped => return Halt::Stopped,
                         };
                         let is_instability = matches!(diverged.cause, Cause::NotFinite | Cause::TooMuch);
-                        Halt::Diverged(Divergence { what: diverged.to_string(), advice, is_instability })
+                        let (what, advice) = (diverged.to_string(), Some(advice));
+                        Halt::Diverged(Divergence { what, advice, is_instability })
                     })
                 }
 

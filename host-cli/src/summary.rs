@@ -32,6 +32,8 @@ pub struct Summary {
     pub simulated_s: f64,
     /// Whether the run ended at rest; null in a scene without `until_rest`.
     pub at_rest: Option<bool>,
+    /// Largest speed in the last frame; null in a scene without `until_rest`.
+    pub fastest_m_per_s: Option<f64>,
     pub wall_s: f64,
     pub verdict: &'static str,
     /// Why the verdict is doubtful; otherwise null.
@@ -44,6 +46,9 @@ pub struct Summary {
     pub stretch: Stretch,
     pub energy: Energy,
     pub energy_balance: EnergyBalance,
+    /// Whether neither a force nor a contact takes energy.
+    #[serde(skip)]
+    pub is_conservative: bool,
     pub momentum: [f64; 3],
     pub contacts: Contacts,
     pub frames_audited: u64,
@@ -226,8 +231,12 @@ impl Summary {
                 1e3 * shortest_s
             );
         }
-        if let Some(rests) = self.at_rest {
-            text += if rests { "\nit came to rest, and the run ended" } else { "\nit did not come to rest" };
+        match (self.at_rest, self.fastest_m_per_s) {
+            (Some(false), Some(fastest)) => {
+                text += &format!("\nit did not come to rest: {fastest:.2e} m/s at most in the last frame");
+            }
+            (Some(true), _) => text += "\nit came to rest, and the run ended",
+            _ => {}
         }
         text += &self.contact_lines();
         text

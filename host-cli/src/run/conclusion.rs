@@ -2,11 +2,23 @@
 
 use std::time::Duration;
 
+use muslin_core::scene::SceneDesc;
+
 use super::course::{Course, Ending};
+use super::remedy;
 use crate::args::Backend;
 use crate::pool::Pool;
 use crate::scene_file::SceneFile;
 use crate::summary::{EnergyBalance, ErrorControl, StageMs, Stretch, Summary};
+
+/// Advice for cloth that flew apart.
+fn flown_apart(scene: &SceneDesc) -> String {
+    let loads = match scene.cloth.iter().any(|cloth| !cloth.load.is_empty()) {
+        true => "; a load on a light edge also needs a shorter step, or mass there",
+        false => "; cloth that its own weight stretches must be stiffer",
+    };
+    remedy::of_steps(scene) + loads
+}
 
 impl Course {
     /// The message on crossings; `None` if the audit found no crossing in any frame.
@@ -43,7 +55,8 @@ impl Course {
         let divergence = match ending {
             Ending::Diverged(d) => {
                 let method = d.is_instability && !self.engine.is_implicit();
-                Some(format!("{}; {}{}", d.what, d.advice, if method { ", or an implicit method" } else { "" }))
+                let advice = d.advice.map_or_else(|| flown_apart(&scene.desc), str::to_owned);
+                Some(format!("{}; {advice}{}", d.what, if method { ", or an implicit method" } else { "" }))
             }
             _ => None,
         };
@@ -75,6 +88,7 @@ impl Course {
             }),
             simulated_s: report.time,
             at_rest: self.is_at_rest(),
+            fastest_m_per_s: self.timing.until_rest.map(|_| record.fastest),
             wall_s: wall.as_secs_f64(),
             verdict: "ok",
             doubt: None,
@@ -89,6 +103,7 @@ impl Course {
             },
             energy: (&report).into(),
             energy_balance: EnergyBalance::new(&record.balance, by_method),
+            is_conservative: !self.engine.dissipates(),
             momentum: report.momentum,
             contacts: (&report).into(),
             frames_audited: record.audited,

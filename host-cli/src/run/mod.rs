@@ -5,6 +5,7 @@ mod conclusion;
 pub mod course;
 mod files;
 mod manifest;
+mod remedy;
 mod series_plot;
 pub mod start;
 mod step_plot;
