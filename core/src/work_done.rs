@@ -1,5 +1,6 @@
-//! The work that is done on the cloth from outside, by pins, colliders, wind, and gravity and loads that change. With it, a
-//! host can balance the energy of the cloth: a larger gain of energy comes from errors. With [reactions](crate::reactions), the work
+//! The work that is done on the cloth by pins, colliders and wind, by gravity and loads that change, and by the response where
+//! it moves overlapping surfaces apart. With it, a host can balance the energy of the cloth: a larger gain of energy comes from
+//! errors. With [reactions](crate::reactions), the work
 //! that contacts and damping take is measured too, and the rest of the balance is the error of the method.
 //!
 //! Where gravity or a load changes, the potential energy changes at a fixed position. This is work too: the whole change of
@@ -33,6 +34,8 @@ pub struct WorkDone {
     pub wind: Sum,
     /// By gravity and loads that change with time. Like the potential energy, it depends on where heights count from.
     pub gravity: Sum,
+    /// By [moving overlapping surfaces apart](crate::response), against the forces. It changes no velocity.
+    pub separation: Sum,
     /// By friction and impacts; negative. Measured with reactions.
     pub contacts: Sum,
     /// By damping and drag; negative. Measured with reactions.
@@ -48,6 +51,7 @@ impl core::ops::AddAssign for WorkDone {
         self.colliders += other.colliders;
         self.wind += other.wind;
         self.gravity += other.gravity;
+        self.separation += other.separation;
         self.contacts += other.contacts;
         self.damping += other.damping;
         self.exchanged += other.exchanged;
@@ -83,16 +87,22 @@ pub fn in_step<D: Dispatch>(
         }
     }
     let (wind, everything) = (c.model.only(Term::Wind), reactions.is_some());
-    if pins_move(c) || wind.is_some() || everything {
+    let separated = contact.map(|(_, contact)| &contact.corrections[..from.positions.len()]);
+    let separated = separated.filter(|corrections| corrections.iter().any(|&moved| moved != Vec3::ZERO));
+    let needs_forces = pins_move(c) || separated.is_some() || everything;
+    if needs_forces || wind.is_some() {
         write_middle(c, from, s);
     }
-    if pins_move(c) || everything {
+    if needs_forces {
         evaluate(c, &c.model, s);
     }
     if pins_move(c) {
         done.pins += by_pins(c, from, s);
     }
-    let of_all = if everything { by_forces(s) } else { 0.0 };
+    if let Some(corrections) = separated {
+        done.separation -= along(s.forces, corrections);
+    }
+    let of_all = if everything { along(s.forces, s.displacements) } else { 0.0 };
     if let Some(mut reactions) = reactions {
         if let Some((_, contact)) = contact {
             exchange::add_impulses(contact, c.step * c.step, s.forces);
@@ -101,7 +111,7 @@ pub fn in_step<D: Dispatch>(
     }
     if let Some(wind) = wind {
         evaluate(c, &wind, s);
-        done.wind += by_forces(s);
+        done.wind += along(s.forces, s.displacements);
     }
     if c.model.potential_varies() {
         done.gravity += by_change(c, from, s);
@@ -110,7 +120,7 @@ pub fn in_step<D: Dispatch>(
     if everything && c.model.dissipates() {
         s.stage_velocities.fill(Vec3::ZERO);
         evaluate(c, &c.model.conservative(), s);
-        done.damping += of_all - done.wind - by_forces(s);
+        done.damping += of_all - done.wind - along(s.forces, s.displacements);
     }
     *sum += done;
 }
@@ -134,9 +144,9 @@ fn evaluate<D: Dispatch>(c: &StepInput<'_, D>, model: &Model<'_>, s: &mut Scratc
     forces::evaluate(model, c.masses, s.stage_positions, s.stage_velocities, s.elements, s.forces, c.dispatch);
 }
 
-/// The work of the forces in their column.
-fn by_forces(s: &Scratch<'_>) -> Sum {
-    s.forces.iter().zip(&*s.displacements).map(|(&force, &moved)| dot_sum(force, moved)).sum()
+/// The work of forces along displacements.
+fn along(forces: &[Vec3], displacements: &[Vec3]) -> Sum {
+    forces.iter().zip(displacements).map(|(&force, &moved)| dot_sum(force, moved)).sum()
 }
 
 /// Gravity and loads change the potential energy, beside what they give along the displacement.
@@ -144,7 +154,8 @@ fn by_change<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Sc
     let model = Model { gravity: c.model.gravity, loads: c.model.loads, ..Model::default() };
     evaluate(c, &model, s);
     let potential = |time, x: &[Vec3]| forces::energy(&model.at(time), c.masses, x).gravity;
-    potential(c.time_after(1.0), s.next_positions) - potential(c.time, from.positions) + by_forces(s)
+    potential(c.time_after(1.0), s.next_positions) - potential(c.time, from.positions)
+        + along(s.forces, s.displacements)
 }
 
 /// A pin holds against the forces, and changes the velocity of its vertex.

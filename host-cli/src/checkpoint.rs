@@ -233,7 +233,7 @@ fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::{Measured, Start};
+    use crate::record::Start;
     use crate::run::balance::Balance;
 
     fn example() -> Checkpoint {
@@ -249,7 +249,7 @@ mod tests {
             stretch: 1.25,
             first_stretch: 1.125,
             balance: Balance::default(),
-            measured: Some(Measured { start: 4.5, work: [-0.5, -0.25] }),
+            measures_reactions: true,
             rounding: 1e-6,
             fastest: 0.25,
             penetration: Some(1e-3),

@@ -25,8 +25,8 @@ pub enum Halt {
 pub struct Divergence {
     /// What went wrong, in which step and where.
     pub what: String,
-    /// Advice to the user.
-    pub advice: &'static str,
+    /// Advice to the user; `None` if it depends on the settings of the scene.
+    pub advice: Option<&'static str>,
     /// Whether a more stable method may help.
     pub is_instability: bool,
 }
@@ -110,6 +110,17 @@ pub struct Snapshot {
     pub last_step: f64,
 }
 
+/// The work done on the cloth, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WorkDone {
+    /// By pins, colliders and wind, by gravity and loads that change, and by moving overlapping surfaces apart.
+    pub outside: [f64; 5],
+    /// The amounts of pins, colliders and wind in all steps together.
+    pub exchanged: f64,
+    /// By contacts and by damping; measured with the reactions.
+    pub inside: [f64; 2],
+}
+
 /// The vertices of a `[[cloth.pin]]`.
 #[derive(Clone, Copy, Debug)]
 pub struct PinGroup {
@@ -151,10 +162,11 @@ pub trait Engine: Send {
     /// Counts from which costs are computed, up to now.
     fn counted(&self) -> Counted;
     /// Measures the work done on the cloth from now on; `from` is that up to now, as of [`work_done`](Self::work_done).
-    fn measure_work(&mut self, from: [f64; 7]);
-    /// The work done on the cloth since the start, J: by pins, colliders, wind, and gravity that changes, by contacts and damping,
-    /// which are measured with the reactions, and the amounts of pins, colliders and wind in all steps together.
-    fn work_done(&self) -> [f64; 7];
+    fn measure_work(&mut self, from: WorkDone);
+    /// The work done on the cloth since the start.
+    fn work_done(&self) -> WorkDone;
+    /// Whether a force or a contact may take energy.
+    fn dissipates(&self) -> bool;
     /// Measures the reactions too.
     fn measure_reactions(&mut self);
     /// Impulses on the cloth since they were set, N s, and their moments about the [`origin`](Self::origin), N m s: of each
@@ -365,21 +377,29 @@ macro_rules! engine {
                             Cause::Stopped => return Halt::Stopped,
                         };
                         let is_instability = matches!(diverged.cause, Cause::NotFinite | Cause::TooMuch);
-                        Halt::Diverged(Divergence { what: diverged.to_string(), advice, is_instability })
+                        let (what, advice) = (diverged.to_string(), Some(advice));
+                        Halt::Diverged(Divergence { what, advice, is_instability })
                     })
                 }
 
-                fn measure_work(&mut self, [pins, colliders, wind, gravity, contacts, damping, exchanged]: [f64; 7]) {
-                    Simulation::measure_work(
-                        self,
-                        WorkDone { pins, colliders, wind, gravity, contacts, damping, exchanged },
-                    );
+                fn measure_work(&mut self, from: super::WorkDone) {
+                    let super::WorkDone { outside: [pins, colliders, wind, gravity, separation], exchanged, .. } = from;
+                    let [contacts, damping] = from.inside;
+                    let from = WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged };
+                    Simulation::measure_work(self, from);
                 }
 
-                fn work_done(&self) -> [f64; 7] {
-                    let WorkDone { pins, colliders, wind, gravity, contacts, damping, exchanged } =
-                        Simulation::work_done(self);
-                    [pins, colliders, wind, gravity, contacts, damping, exchanged]
+                fn work_done(&self) -> super::WorkDone {
+                    let w = Simulation::work_done(self);
+                    super::WorkDone {
+                        outside: [w.pins, w.colliders, w.wind, w.gravity, w.separation],
+                        exchanged: w.exchanged,
+                        inside: [w.contacts, w.damping],
+                    }
+                }
+
+                fn dissipates(&self) -> bool {
+                    self.contact().is_some() || self.model().dissipates()
                 }
 
                 fn measure_reactions(&mut self) {

@@ -11,15 +11,6 @@ pub struct Start {
     pub untangled: Option<u64>,
 }
 
-/// Measurements for a series, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
-    /// Energy of the start state.
-    pub start: f64,
-    /// Work of contacts and of damping up to now.
-    pub work: [f64; 2],
-}
-
 /// Observations of the start state, and the worst values of all frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Record {
@@ -33,8 +24,8 @@ pub struct Record {
     pub first_stretch: f64,
     /// The balance of energy.
     pub balance: Balance,
-    /// The measurements for a series; `None`: nothing more than the balance is measured.
-    pub measured: Option<Measured>,
+    /// Whether reactions are measured, and the work of contacts and damping.
+    pub measures_reactions: bool,
     /// Largest rounding of a position, relative to the mean length of an edge.
     pub rounding: f64,
     /// Largest speed in the present frame, m/s, where a run ends at rest.
@@ -48,13 +39,13 @@ pub struct Record {
 }
 
 /// Number of words in an encoded record.
-pub const WORDS: usize = 21 + balance::WORDS;
+pub const WORDS: usize = 18 + balance::WORDS;
 
 impl Record {
     /// Encodes the record as words.
     pub fn encode(&self) -> [u64; WORDS] {
         let Self { start, size: [x, y, z], stretch, first_stretch, balance, rounding, fastest, .. } = *self;
-        let Self { penetration, audited, crossings, measured, .. } = *self;
+        let Self { penetration, audited, crossings, measures_reactions, .. } = *self;
         let known = |value: Option<u64>| [u64::from(value.is_some()), value.unwrap_or(0)];
         let ([a, b], [c, d]) = (known(start.crossings), known(start.untangled));
         let [e, f] = known(penetration.map(f64::to_bits));
@@ -63,10 +54,7 @@ impl Record {
         let [stretch, first, rounding, fastest] = [stretch, first_stretch, rounding, fastest].map(f64::to_bits);
         let [x, y, z] = [x, y, z].map(f64::to_bits);
         let own = [a, b, c, d, x, y, z, stretch, first, e, f, audited, g, h, frame, rounding, fastest];
-        let Measured { start, work: [contacts, damping] } = measured.unwrap_or_default();
-        let [start, contacts, damping] = [start, contacts, damping].map(f64::to_bits);
-        let series = [measured.is_some().into(), start, contacts, damping];
-        let all = own.into_iter().chain(series).chain(balance.encode());
+        let all = own.into_iter().chain([measures_reactions.into()]).chain(balance.encode());
         let mut words = [0; WORDS];
         words.iter_mut().zip(all).for_each(|(word, value)| *word = value);
         words
@@ -75,7 +63,7 @@ impl Record {
     /// Decodes a record.
     pub fn decode(words: [u64; WORDS]) -> Self {
         let [a, b, c, d, x, y, z, stretch, first, e, f, audited, g, h, frame, rounding, fastest, rest @ ..] = words;
-        let [measured, energy, contacts, damping, balance @ ..] = rest;
+        let [measures_reactions, balance @ ..] = rest;
         let known = |is: u64, value: u64| (is != 0).then_some(value);
         Self {
             start: Start { crossings: known(a, b), untangled: known(c, d) },
@@ -83,8 +71,7 @@ impl Record {
             stretch: f64::from_bits(stretch),
             first_stretch: f64::from_bits(first),
             balance: Balance::decode(balance),
-            measured: (measured != 0)
-                .then(|| Measured { start: f64::from_bits(energy), work: [contacts, damping].map(f64::from_bits) }),
+            measures_reactions: measures_reactions != 0,
             rounding: f64::from_bits(rounding),
             fastest: f64::from_bits(fastest),
             penetration: known(e, f).map(f64::from_bits),

@@ -32,6 +32,8 @@ pub struct Summary {
     pub simulated_s: f64,
     /// Whether the run ended at rest; null in a scene without `until_rest`.
     pub at_rest: Option<bool>,
+    /// Largest speed in the last frame; null in a scene without `until_rest`.
+    pub fastest_m_per_s: Option<f64>,
     pub wall_s: f64,
     pub verdict: &'static str,
     /// Why the verdict is doubtful; otherwise null.
@@ -44,6 +46,9 @@ pub struct Summary {
     pub stretch: Stretch,
     pub energy: Energy,
     pub energy_balance: EnergyBalance,
+    /// Whether neither a force nor a contact takes energy.
+    #[serde(skip)]
+    pub is_conservative: bool,
     pub momentum: [f64; 3],
     pub contacts: Contacts,
     pub frames_audited: u64,
@@ -110,16 +115,23 @@ pub struct EnergyBalance {
     pub colliders: f64,
     pub wind: f64,
     pub gravity: f64,
+    /// Work of moving overlapping surfaces apart.
+    pub separation: f64,
+    /// Energy that the method added from the start to the end, or took if it is negative; null if what contacts and damping took
+    /// is not known.
+    pub method: Option<f64>,
     /// Largest growth of the energy without this work: it comes from errors.
     pub appeared: f64,
     /// Largest energy that moved, to compare with.
     pub moved: f64,
 }
 
-impl From<&Balance> for EnergyBalance {
-    fn from(balance: &Balance) -> Self {
-        let [pins, colliders, wind, gravity, _] = balance.work;
-        Self { pins, colliders, wind, gravity, appeared: balance.appeared, moved: balance.moved() }
+impl EnergyBalance {
+    /// The balance of a run. `method` is the energy that the method added, if it is known.
+    pub fn new(balance: &Balance, method: Option<f64>) -> Self {
+        let [pins, colliders, wind, gravity, separation] = balance.work.outside;
+        let (appeared, moved) = (balance.appeared, balance.moved());
+        Self { pins, colliders, wind, gravity, separation, method, appeared, moved }
     }
 }
 
@@ -221,8 +233,12 @@ impl Summary {
                 1e3 * shortest_s
             );
         }
-        if let Some(rests) = self.at_rest {
-            text += if rests { "\nit came to rest, and the run ended" } else { "\nit did not come to rest" };
+        match (self.at_rest, self.fastest_m_per_s) {
+            (Some(false), Some(fastest)) => {
+                text += &format!("\nit did not come to rest: {fastest:.2e} m/s at most in the last frame");
+            }
+            (Some(true), _) => text += "\nit came to rest, and the run ended",
+            _ => {}
         }
         text += &self.contact_lines();
         text

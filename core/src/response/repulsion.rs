@@ -1,6 +1,6 @@
 //! Pairs that are near at the start of a step. A pair may come as near as the thickness; a pair that is nearer may come no
-//! nearer. A tenth of an overlap is removed in each step [Bridson 2002]. This changes positions and not velocities, so that
-//! it adds no energy.
+//! nearer. A tenth of an overlap is removed in each step [Bridson 2002]. This changes positions and not velocities, so it
+//! adds no kinetic energy. The work that it does against the forces is [measured](crate::work_done).
 
 use super::constraint::{self, Constraint};
 use super::roll::roll;

@@ -397,7 +397,8 @@ impl Simulation {
     }
 
     /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. Allocates columns that the
-    /// method may not have. If pins move, each step takes one more evaluation of the forces.
+    /// method may not have. Each step in which pins move or overlapping surfaces are moved apart takes one more
+    /// evaluation of the forces.
     pub fn measure_work(&mut self, from: WorkDone) {
         // Steps measure the energy of gravity from the origin of positions.
         (self.measures_work, self.work_done) = (true, WorkDone { gravity: from.gravity + self.lift(), ..from });

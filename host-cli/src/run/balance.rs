@@ -1,10 +1,14 @@
 //! The balance of energy over the frames of a run. Energy that neither was there nor was given from outside comes from errors.
 
+use crate::engine::WorkDone;
+
 /// What the frames so far have shown, J.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
-    /// Work done on the cloth: by pins, colliders, wind, and gravity that changes, and the amounts of all steps together.
-    pub work: [f64; 5],
+    /// Work done on the cloth.
+    pub work: WorkDone,
+    /// Energy of the start state.
+    start: Option<f64>,
     /// Least energy without the work.
     least: f64,
     /// Largest growth of this difference from its least value.
@@ -17,12 +21,13 @@ pub struct Balance {
 }
 
 /// Number of words in an encoded balance.
-pub const WORDS: usize = 10;
+pub const WORDS: usize = 15;
 
 impl Default for Balance {
     fn default() -> Self {
         Self {
-            work: [0.0; 5],
+            work: WorkDone::default(),
+            start: None,
             least: f64::INFINITY,
             appeared: 0.0,
             active: 0.0,
@@ -33,12 +38,14 @@ impl Default for Balance {
 
 impl Balance {
     /// Observes a frame: its energies (kinetic, stretch, shear, bend, seam, gravity) and the work done up to now.
-    pub fn see(&mut self, energy: &[f64; 6], [pins, colliders, wind, changes, exchanged]: [f64; 5]) {
+    pub fn see(&mut self, energy: &[f64; 6], work: WorkDone) {
         let [kinetic, stretch, shear, bend, seam, gravity] = *energy;
-        let gravity = gravity - changes;
         let active = kinetic + stretch + shear + bend + seam;
-        let without_work = active + gravity - (pins + colliders + wind);
-        self.work = [pins, colliders, wind, changes, exchanged];
+        let without_work = active + gravity - work.outside.iter().sum::<f64>();
+        self.start.get_or_insert(active + gravity);
+        let [_, _, _, changes, _] = work.outside;
+        let gravity = gravity - changes;
+        self.work = work;
         self.least = self.least.min(without_work);
         self.appeared = self.appeared.max(without_work - self.least);
         self.active = self.active.max(active);
@@ -47,19 +54,34 @@ impl Balance {
 
     /// The largest energy that moved, by which the energy that appeared is measured.
     pub fn moved(&self) -> f64 {
-        self.active.max(self.gravity[1] - self.gravity[0]).max(self.work[4])
+        self.active.max(self.gravity[1] - self.gravity[0]).max(self.work.exchanged)
+    }
+
+    /// The energy that the method added up to a state with these energies, or took if it is negative. It is complete if the work
+    /// of contacts and damping is [measured](WorkDone::inside), or if there is neither.
+    pub fn by_method(&self, energy: &[f64; 6]) -> f64 {
+        let now = energy.iter().sum::<f64>();
+        let WorkDone { outside, inside, .. } = self.work;
+        now - self.start.unwrap_or(now) - outside.iter().chain(&inside).sum::<f64>()
     }
 
     /// Encodes the balance as words.
     pub fn encode(&self) -> [u64; WORDS] {
-        let Self { work: [a, b, c, d, e], least, appeared, active, gravity: [low, high] } = *self;
-        [a, b, c, d, e, least, appeared, active, low, high].map(f64::to_bits)
+        let Self { work, start, least, appeared, active, gravity: [low, high] } = *self;
+        let WorkDone { outside: [a, b, c, d, e], exchanged, inside: [f, g] } = work;
+        let all = [a, b, c, d, e, exchanged, f, g, start.unwrap_or(0.0), least, appeared, active, low, high];
+        let mut words = [u64::from(start.is_some()); WORDS];
+        words[1..].iter_mut().zip(all).for_each(|(word, value)| *word = value.to_bits());
+        words
     }
 
     /// Decodes a balance.
     pub fn decode(words: [u64; WORDS]) -> Self {
-        let [a, b, c, d, e, least, appeared, active, low, high] = words.map(f64::from_bits);
-        Self { work: [a, b, c, d, e], least, appeared, active, gravity: [low, high] }
+        let [has_start, words @ ..] = words;
+        let [a, b, c, d, e, exchanged, f, g, start, least, appeared, active, low, high] = words.map(f64::from_bits);
+        let work = WorkDone { outside: [a, b, c, d, e], exchanged, inside: [f, g] };
+        let start = (has_start != 0).then_some(start);
+        Self { work, start, least, appeared, active, gravity: [low, high] }
     }
 }
 
@@ -67,19 +89,24 @@ impl Balance {
 mod tests {
     use super::*;
 
+    fn work(pins: f64, separation: f64) -> WorkDone {
+        WorkDone { outside: [pins, 0.0, 0.0, 0.0, separation], exchanged: pins, inside: [0.0; 2] }
+    }
+
     #[test]
     fn energy_appears_where_it_grows_without_work() {
         let mut balance = Balance::default();
-        balance.see(&[0.0, 0.0, 0.0, 0.0, 0.0, 5.0], [0.0; 5]);
+        balance.see(&[0.0, 0.0, 0.0, 0.0, 0.0, 5.0], work(0.0, 0.0));
         // It falls, and loses 1 J.
-        balance.see(&[2.0, 1.0, 0.0, 0.0, 0.0, 1.0], [0.0; 5]);
+        balance.see(&[2.0, 1.0, 0.0, 0.0, 0.0, 1.0], work(0.0, 0.0));
         assert_eq!((balance.appeared, balance.moved()), (0.0, 4.0));
-        // A pin gives 3 J.
-        balance.see(&[2.0, 4.0, 0.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 0.0, 3.0]);
-        assert_eq!(balance.appeared, 0.0);
+        // A pin gives 2 J, and the separation of surfaces 1 J.
+        let energy = [2.0, 4.0, 0.0, 0.0, 0.0, 1.0];
+        balance.see(&energy, work(2.0, 1.0));
+        assert_eq!((balance.appeared, balance.by_method(&energy)), (0.0, -1.0));
         // 2 J appear, and are lost again.
-        balance.see(&[4.0, 4.0, 0.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 0.0, 3.0]);
-        balance.see(&[1.0, 4.0, 0.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 0.0, 3.0]);
+        balance.see(&[4.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
+        balance.see(&[1.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
         assert_eq!(balance.appeared, 2.0);
         assert_eq!(Balance::decode(balance.encode()), balance);
     }
@@ -87,12 +114,13 @@ mod tests {
     #[test]
     fn gravity_that_changes_neither_makes_energy_appear_nor_counts_as_a_fall() {
         let mut balance = Balance::default();
-        balance.see(&[0.0, 0.0, 0.0, 0.0, 0.0, 5.0], [0.0; 5]);
+        balance.see(&[0.0, 0.0, 0.0, 0.0, 0.0, 5.0], work(0.0, 0.0));
         // At a height where gravity turns round, it gives 10 J of potential energy, of which 1 J becomes motion.
-        balance.see(&[1.0, 0.0, 0.0, 0.0, 0.0, -6.0], [0.0, 0.0, 0.0, -10.0, 0.0]);
+        balance
+            .see(&[1.0, 0.0, 0.0, 0.0, 0.0, -6.0], WorkDone { outside: [0.0, 0.0, 0.0, -10.0, 0.0], ..work(0.0, 0.0) });
         assert_eq!((balance.appeared, balance.moved()), (0.0, 1.0));
         // 3 J appear.
-        balance.see(&[4.0, 0.0, 0.0, 0.0, 0.0, 4.0], [0.0; 5]);
+        balance.see(&[4.0, 0.0, 0.0, 0.0, 0.0, 4.0], work(0.0, 0.0));
         assert_eq!((balance.appeared, balance.moved()), (3.0, 4.0));
     }
 }

@@ -2,15 +2,27 @@
 
 use std::time::Duration;
 
+use muslin_core::scene::SceneDesc;
+
 use super::course::{Course, Ending};
 use super::masses;
+use super::remedy;
 use super::start::ITERATIONS;
 use crate::args::{Backend, Precision};
 use crate::pool::Pool;
 use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
-use crate::summary::{ErrorControl, StageMs, Stretch, Summary};
+use crate::summary::{EnergyBalance, ErrorControl, StageMs, Stretch, Summary};
 use crate::warning::Warning;
+
+/// Advice for cloth that flew apart.
+fn flown_apart(scene: &SceneDesc) -> String {
+    let loads = match scene.cloth.iter().any(|cloth| !cloth.load.is_empty()) {
+        true => "; a load on a light edge also needs a shorter step, or mass there",
+        false => "; cloth that its own weight stretches must be stiffer",
+    };
+    remedy::of_steps(scene) + loads
+}
 
 impl Course {
     /// The message on crossings; `None` if the audit found no crossing in any frame.
@@ -47,11 +59,14 @@ impl Course {
         let divergence = match ending {
             Ending::Diverged(d) => {
                 let method = d.is_instability && !self.engine.is_implicit();
-                Some(format!("{}; {}{}", d.what, d.advice, if method { ", or an implicit method" } else { "" }))
+                let advice = d.advice.map_or_else(|| flown_apart(&scene.desc), str::to_owned);
+                Some(format!("{}; {advice}{}", d.what, if method { ", or an implicit method" } else { "" }))
             }
             _ => None,
         };
         let record = self.record();
+        let all_is_known = record.measures_reactions || !self.engine.dissipates();
+        let by_method = all_is_known.then(|| record.balance.by_method(&report.energy));
         let mut summary = Summary {
             tool: "muslin",
             version: env!("CARGO_PKG_VERSION"),
@@ -77,6 +92,7 @@ impl Course {
             }),
             simulated_s: report.time,
             at_rest: self.is_at_rest(),
+            fastest_m_per_s: self.timing.until_rest.map(|_| record.fastest),
             wall_s: wall.as_secs_f64(),
             verdict: "ok",
             doubt: None,
@@ -90,7 +106,8 @@ impl Course {
                 max_of_all_frames: record.stretch.max(report.stretch[0]),
             },
             energy: (&report).into(),
-            energy_balance: (&record.balance).into(),
+            energy_balance: EnergyBalance::new(&record.balance, by_method),
+            is_conservative: !self.engine.dissipates(),
             momentum: report.momentum,
             contacts: (&report).into(),
             frames_audited: record.audited,

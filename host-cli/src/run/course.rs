@@ -11,7 +11,7 @@ use crate::checkpoint::Resumed;
 use crate::engine::{Divergence, Engine, Halt, flown_apart};
 use crate::failure::Failure;
 use crate::pool::Pool;
-use crate::record::{Measured, Record, Start, extent};
+use crate::record::{Record, Start, extent};
 use crate::stopwatch::Stopwatch;
 use crate::warning::Warning;
 
@@ -97,19 +97,15 @@ impl Course {
         let frames = if resumed.is_some() { steps / timing.steps_per_frame + 1 } else { 0 };
         let mut positions = Vec::new();
         engine.write_state(&mut positions);
-        let start_energy = || Measured { start: engine.report().energy.iter().sum(), ..Measured::default() };
         let fresh = || Record {
             start,
-            measured: measures.then(start_energy),
             size: extent(positions.iter().copied()),
             first_stretch: engine.largest_stretch(),
             ..Record::default()
         };
         let mut record = resumed.as_ref().map_or_else(fresh, |resumed| resumed.record);
-        record.measured = record.measured.filter(|_| measures);
-        let [pins, colliders, wind, gravity, exchanged] = record.balance.work;
-        let [contacts, damping] = record.measured.unwrap_or_default().work;
-        engine.measure_work([pins, colliders, wind, gravity, contacts, damping, exchanged]);
+        record.measures_reactions = measures;
+        engine.measure_work(record.balance.work);
         if measures {
             engine.measure_reactions();
             engine.set_impulses(&resumed.map(|resumed| resumed.impulses).unwrap_or_default());
@@ -135,9 +131,7 @@ impl Course {
     /// Observations of the run up to now.
     pub fn record(&self) -> Record {
         let mut record = self.record;
-        let [pins, colliders, wind, gravity, contacts, damping, exchanged] = self.engine.work_done();
-        record.balance.work = [pins, colliders, wind, gravity, exchanged];
-        record.measured = record.measured.map(|measured| Measured { work: [contacts, damping], ..measured });
+        record.balance.work = self.engine.work_done();
         record
     }
 
@@ -147,8 +141,7 @@ impl Course {
         self.engine.write_state(&mut self.positions);
         let record = &mut self.record;
         record.stretch = record.stretch.max(self.engine.largest_stretch());
-        let [pins, colliders, wind, gravity, .., exchanged] = self.engine.work_done();
-        record.balance.see(&self.engine.report().energy, [pins, colliders, wind, gravity, exchanged]);
+        record.balance.see(&self.engine.report().energy, self.engine.work_done());
         record.rounding = record.rounding.max(self.engine.rounding());
         record.penetration = self.engine.penetration().map(|now| now.max(record.penetration.unwrap_or(0.0)));
         if self.audit {
@@ -217,8 +210,8 @@ impl Course {
     fn flown_apart(&self) -> Option<Divergence> {
         flown_apart(self.engine.largest_stretch(), self.record.first_stretch).map(|how| Divergence {
             what: format!("diverged in step {}: {how}", self.steps),
-            advice: "take a smaller integrator.step, or stiffer cloth if its own weight stretches it",
-            is_instability: true,
+            advice: None,
+            is_instability: false,
         })
     }
 }

@@ -8,6 +8,7 @@ mod manifest;
 mod masses;
 #[cfg(test)]
 mod power_loss;
+mod remedy;
 mod series_plot;
 pub mod start;
 mod step_plot;
@@ -91,7 +92,7 @@ fn run_watched(
         }
         None => None,
     };
-    if arguments.series.is_some() && resumed.as_ref().is_some_and(|resumed| resumed.record.measured.is_none()) {
+    if arguments.series.is_some() && resumed.as_ref().is_some_and(|resumed| !resumed.record.measures_reactions) {
         return Err(Failure::Usage(
             "--series: the run of this checkpoint measured no reactions; run the scene from its start with --series"
                 .into(),

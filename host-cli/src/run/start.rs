@@ -47,15 +47,16 @@ pub fn warnings(
 
 /// A step or a duration that was changed to divide time into whole frames.
 fn times(scene: &SceneDesc, timing: &Timing) -> Vec<Warning> {
-    let (asked, duration, rate) = (scene.integrator.step(), scene.duration, scene.frame_rate);
+    let (duration, rate) = (scene.duration, scene.frame_rate);
+    // Nobody asked for a default.
+    let asked = scene.integrator.step.unwrap_or(timing.step);
     let (n, step) = (timing.steps_per_frame, 1e3 * timing.step);
     let mut all = Vec::new();
     if asked > 1.001 / rate {
-        let text = format!("step {} ms is longer than a frame: taking one step of {step:.4} ms per frame", 1e3 * asked);
+        let text = format!("step {} is longer than a frame: taking one step of {step:.4} ms per frame", time(asked));
         all.push(Warning::new("step", text));
     } else if timing.step < 0.9 * asked {
-        let text =
-            format!("step {} ms does not divide a frame: taking {n} steps of {step:.4} ms per frame", 1e3 * asked);
+        let text = format!("step {} does not divide a frame: taking {n} steps of {step:.4} ms per frame", time(asked));
         all.push(Warning::new("step", text));
     }
     let taken = timing.frames as f64 / rate;

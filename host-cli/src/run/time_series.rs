@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::course::Course;
-use crate::engine::Engine;
+use crate::engine::{Engine, WorkDone};
 use crate::export::whole::{Partial, WriteError};
 use crate::warning::Warning;
 
 /// The columns before the reactions.
 const COLUMNS: &str = "frame,time_s,kinetic_J,stretch_J,shear_J,bend_J,seam_J,gravity_J,work_pins_J,work_colliders_J,\
-                       work_wind_J,work_gravity_J,work_contacts_J,work_damping_J,method_J,\
+                       work_wind_J,work_gravity_J,work_separation_J,work_contacts_J,work_damping_J,method_J,\
                        momentum_x_kg_m_per_s,momentum_y_kg_m_per_s,momentum_z_kg_m_per_s,\
                        angular_momentum_x_kg_m2_per_s,angular_momentum_y_kg_m2_per_s,angular_momentum_z_kg_m2_per_s,\
                        largest_stretch";
@@ -84,17 +84,16 @@ fn header(engine: &dyn Engine) -> String {
 /// The row of the present frame. The first frame has no forces, because they are means over the time before it.
 fn row(course: &Course) -> String {
     let Course { engine, timing, steps, .. } = course;
-    let (report, [work @ .., _]) = (engine.report(), engine.work_done());
-    let start = course.record().measured.unwrap_or_default().start;
-    let by_method = report.energy.iter().sum::<f64>() - start - work.iter().sum::<f64>();
+    let (report, balance) = (engine.report(), course.record().balance);
+    let WorkDone { outside, inside, .. } = balance.work;
     let frame = steps / timing.steps_per_frame;
     let mut row = frame.to_string();
     let mut add = |value: f64| {
         // Writing to a string does not fail. Zero has no sign.
         let _ = write!(row, ",{:?}", value + 0.0);
     };
-    [report.time].iter().chain(&report.energy).chain(&work).for_each(|&value| add(value));
-    add(by_method);
+    [report.time].iter().chain(&report.energy).chain(&outside).chain(&inside).for_each(|&value| add(value));
+    add(balance.by_method(&report.energy));
     report.momentum.iter().chain(&engine.angular_momentum()).for_each(|&value| add(value));
     add(report.stretch[0]);
     let impulses = engine.impulses();

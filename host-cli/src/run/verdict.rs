@@ -1,7 +1,9 @@
 //! The verdict on a run, and the warnings of its end: signs that the result is wrong, although the run reached its end.
 
-use muslin_core::scene::SceneDesc;
+use muslin_core::integrate::Method;
+use muslin_core::scene::{SceneDesc, StretchModel};
 
+use super::remedy;
 use crate::device::StepDetector;
 use crate::pool::Pool;
 use crate::record::Record;
@@ -37,9 +39,12 @@ impl Summary {
     /// Adds the warnings and decides the verdict.
     pub fn judge(&mut self, record: &Record, scene: &SceneDesc, pool: &Pool) {
         let audited = record.crossings.is_some_and(|(count, _)| count > 0);
-        let doubts = [self.appeared(record, scene), self.stretched(), self.unconverged(), rounded(record)];
+        let appeared = self.appeared(record, scene);
+        let stretched = self.stretched(scene, appeared.is_some());
+        let noted = [self.overlap(record, scene), self.taken(record, scene)].map(|note| note.map(|note| (false, note)));
+        let doubts = [appeared, stretched, self.unconverged(scene), rounded(record)].into_iter().chain(noted);
         let reached_the_end = self.divergence.is_none();
-        let of_end: Vec<_> = doubts.into_iter().flatten().filter(|_| reached_the_end).collect();
+        let of_end: Vec<_> = doubts.flatten().filter(|_| reached_the_end).collect();
         let doubt = of_end.iter().find(|(is_doubtful, _)| *is_doubtful).map(|(_, warning)| warning.text.clone());
         (self.verdict, self.doubt) = match (reached_the_end, audited, doubt) {
             (false, _, _) => ("diverged", None),
@@ -53,24 +58,57 @@ impl Summary {
         self.warnings.extend(pool.detector().map(StepDetector::warnings).unwrap_or_default());
     }
 
-    /// Advice against errors of the steps.
-    fn shorter(&self) -> &'static str {
-        match self.error_control {
-            Some(_) => "take a smaller integrator.error, or a shorter integrator.step beside it",
-            None => "take a smaller integrator.step",
-        }
-    }
-
     /// Energy that came from nowhere.
     fn appeared(&self, record: &Record, scene: &SceneDesc) -> Option<(bool, Warning)> {
         let (appeared, moved) = (record.balance.appeared, record.balance.moved());
         (appeared > MOST_APPEARED * moved && self.is_harmful(appeared, record.rounding, scene)).then(|| {
             let text = format!(
-                "{appeared:.2e} J of energy appeared from nowhere, {:.0} % of the largest energy that moved ({moved:.2e} J): {}",
+                "{appeared:.2e} J of energy appeared from nowhere, {:.0} % of the largest energy that moved ({moved:.2e} J): {}{}",
                 1e2 * appeared / moved,
-                self.shorter()
+                remedy::of_steps(scene),
+                self.rest(scene)
             );
             (true, Warning::new("energy", text))
+        })
+    }
+
+    /// A sentence on the equilibrium of a run that ended at rest. With friction it depends on the motion before it.
+    fn rest(&self, scene: &SceneDesc) -> &'static str {
+        match (self.at_rest, &scene.contact) {
+            (Some(true), None) => {
+                ". The run ended at rest, where the forces balance: the motion before it is doubtful, and this state is \
+                 an equilibrium"
+            }
+            _ => "",
+        }
+    }
+
+    /// Energy by moving overlapping surfaces apart.
+    fn overlap(&self, record: &Record, scene: &SceneDesc) -> Option<Warning> {
+        let (separation, moved) = (self.energy_balance.separation, record.balance.moved());
+        let is_much = separation > MOST_APPEARED * moved && self.is_harmful(separation, record.rounding, scene);
+        is_much.then(|| {
+            let text = format!(
+                "moving overlapping surfaces apart gave {separation:.2e} J, {:.0} % of the largest energy that moved: let \
+                 surfaces start farther apart than contact.thickness",
+                1e2 * separation / moved
+            );
+            Warning::new("overlap", text)
+        })
+    }
+
+    /// Energy that the method took from a motion that nothing damps. A run to rest is meant to lose it.
+    fn taken(&self, record: &Record, scene: &SceneDesc) -> Option<Warning> {
+        let (taken, moved) = (-self.energy_balance.method?, record.balance.moved());
+        (self.is_conservative && self.at_rest.is_none() && taken > MOST_APPEARED * moved).then(|| {
+            let text = format!(
+                "{} took {taken:.2e} J, {:.0} % of the largest energy that moved, and the scene has no damping: take {} \
+                 with integrator.error = 0 and a short integrator.step",
+                scene.integrator.method.name(),
+                1e2 * taken / moved,
+                if scene.integrator.method == Method::Bdf2 { "bdf2" } else { "bdf2 or implicit-midpoint" }
+            );
+            Warning::new("method", text)
         })
     }
 
@@ -91,25 +129,32 @@ impl Summary {
     }
 
     /// Cloth that is stretched too far. It is no reason for doubt: without energy that appeared, the loads have stretched it.
-    fn stretched(&self) -> Option<(bool, Warning)> {
+    fn stretched(&self, scene: &SceneDesc, has_appeared: bool) -> Option<(bool, Warning)> {
         let most = self.stretch.max_of_all_frames;
         (most > TOO_LONG).then(|| {
-            let text = format!(
-                "cloth does not stretch by {}: {}, or check density (kg/m^2), stiffness (N/m), the mesh's size (m) and \
-                 how far pins and colliders pull it",
-                percent(most),
-                self.shorter()
-            );
+            let shearless = scene.cloth.iter().position(|cloth| {
+                cloth.shear.is_none() && cloth.stretch.as_ref().is_some_and(|s| s.model == StretchModel::Membrane)
+            });
+            let cause = match shearless {
+                _ if has_appeared => "energy appeared, so errors of the steps did it".into(),
+                Some(cloth) => format!("nothing resists the shear of cloth {cloth}: add [cloth.shear]"),
+                None => format!(
+                    "check density (kg/m^2), stiffness (N/m), the mesh's size (m), the loads and how far pins and \
+                     colliders pull it; if all are right, {}",
+                    remedy::of_steps(scene)
+                ),
+            };
+            let text = format!("an edge became {} longer than at rest, more than cloth does: {cause}", percent(most));
             (false, Warning::new("stretch", text))
         })
     }
 
     /// Solves that ended above their tolerance.
-    fn unconverged(&self) -> Option<(bool, Warning)> {
+    fn unconverged(&self, scene: &SceneDesc) -> Option<(bool, Warning)> {
         let count = self.work.unconverged;
         (count > 0).then(|| {
             let solves = if count == 1 { "solve" } else { "solves" };
-            let text = format!("{count} {solves} ended above the tolerance: {}", self.shorter());
+            let text = format!("{count} {solves} ended above the tolerance: {}", remedy::of_solves(scene));
             let is_often = count > 1 && count as f64 > MOST_UNCONVERGED * self.steps as f64;
             (is_often, Warning::new("unconverged", text))
         })

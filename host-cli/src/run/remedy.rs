@@ -1,0 +1,38 @@
+//! What helps against the errors of the steps of a scene.
+
+use muslin_core::integrate::Method;
+use muslin_core::scene::SceneDesc;
+
+/// Advice against errors of the steps: what the settings of the scene leave to improve.
+pub fn of_steps(scene: &SceneDesc) -> String {
+    let integrator = &scene.integrator;
+    let shorter = match integrator.error() {
+        Some(_) => "a smaller integrator.error, or a shorter integrator.step beside it",
+        None => "a smaller integrator.step",
+    };
+    if !integrator.method.is_implicit() {
+        return format!("take {shorter}, or an implicit method");
+    }
+    let other = if integrator.method == Method::ImplicitMidpoint { "bdf2, which damps fast modes, " } else { "" };
+    match (integrator.newton, &scene.contact) {
+        (..=1, None) => format!(
+            "one linear solve in each step is inexact where cloth turns far; take integrator.newton = 20, {other}or \
+             {shorter}"
+        ),
+        _ if other.is_empty() => format!("take {shorter}"),
+        _ => format!("take {other}or {shorter}"),
+    }
+}
+
+/// Advice against solves that end above their tolerance.
+pub fn of_solves(scene: &SceneDesc) -> String {
+    match (scene.integrator.newton, &scene.contact) {
+        (2.., Some(_)) => {
+            "take integrator.newton = 1: Newton's method iterates without the contacts, and they undo its work".into()
+        }
+        (newton @ 2.., None) => {
+            format!("they need more than integrator.newton = {newton} iterations, or a smaller integrator.step")
+        }
+        _ => of_steps(scene),
+    }
+}
