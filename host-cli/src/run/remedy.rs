@@ -36,3 +36,32 @@ pub fn of_solves(scene: &SceneDesc) -> String {
         _ => of_steps(scene),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(sections: &str) -> SceneDesc {
+        toml::from_str(&format!(
+            "duration = 1.0\ncloth = [{{ grid = {{ size = [1, 1], cells = [1, 1] }}, density = 0.1 }}]\n{sections}"
+        ))
+        .unwrap()
+    }
+
+    #[test]
+    fn it_suits_the_settings() {
+        let contact = "[contact]\nthickness = 0.01\n";
+        for (sections, steps, solves) in [
+            ("", "take integrator.newton = 20, or a smaller integrator.error", "integrator.newton = 20"),
+            ("[integrator]\nmethod = \"implicit-midpoint\"\nstep = 0.01", "or a smaller integrator.step", "bdf2"),
+            ("[integrator]\nmethod = \"rk4\"", "or an implicit method", "or an implicit method"),
+            ("[integrator]\nnewton = 5", "take a smaller integrator.error", "more than integrator.newton = 5"),
+            (contact, "take a smaller integrator.error", "take a smaller integrator.error"),
+            (&format!("{contact}[integrator]\nnewton = 5"), "a smaller", "take integrator.newton = 1"),
+        ] {
+            let scene = scene(sections);
+            let said = [of_steps(&scene), of_solves(&scene)];
+            assert!(said[0].contains(steps) && said[1].contains(solves), "{sections}: {said:?}");
+        }
+    }
+}
