@@ -5,7 +5,7 @@
 //! as large a part of the way on which gravity or pins take the cloth. Cloth that goes no way loses little, however stiff it is.
 
 use muslin_core::integrate::stability::Mode;
-use muslin_core::scene::SceneDesc;
+use muslin_core::scene::{SceneDesc, VectorDesc};
 
 use crate::warning::Warning;
 
@@ -36,7 +36,12 @@ pub fn warning(modes: &[Mode; 2], scene: &SceneDesc, size: f64, step: f64) -> Op
 /// A bound on the way of cloth that follows gravity and its pins until the end, m.
 fn way(scene: &SceneDesc) -> f64 {
     let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let fall = 0.5 * length(scene.gravity.unwrap_or_default()) * scene.duration * scene.duration;
+    let gravity = match &scene.gravity {
+        None => 0.0,
+        Some(VectorDesc::Constant(gravity)) => length(*gravity),
+        Some(VectorDesc::Keys(keys)) => keys.iter().map(|&[_, x, y, z]| length([x, y, z])).fold(0.0, f64::max),
+    };
+    let fall = 0.5 * gravity * scene.duration * scene.duration;
     let pins = scene.cloth.iter().flat_map(|cloth| &cloth.pin).filter_map(|pin| pin.motion.as_ref());
     let keys = pins.flat_map(|motion| &motion.keys);
     fall + keys.map(|&[_, x, y, z]| length([x, y, z])).fold(0.0, f64::max)
