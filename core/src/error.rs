@@ -106,10 +106,12 @@ impl fmt::Display for MeshError {
 impl core::error::Error for MeshError {}
 
 /// Reason why a selection of vertices is not usable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SelectError {
     /// It selects no vertex.
     Empty,
+    /// No vertex lies in its place. The cloth lies in this box, m.
+    Elsewhere { lowest: [f64; 3], highest: [f64; 3] },
     /// It gives no way to select, or more than one.
     OneWay,
     /// It names a corner, a ring or a vertex that does not exist.
@@ -126,6 +128,10 @@ impl fmt::Display for SelectError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Empty => write!(f, "selects no vertex"),
+            Self::Elsewhere { lowest, highest } => {
+                let [low, high] = [lowest, highest].map(|corner| corner.map(|x| x as f32));
+                write!(f, "selects no vertex; the cloth lies between {low:?} and {high:?} m")
+            }
             Self::OneWay => {
                 write!(f, "give exactly one of corners, vertices, box, nearest, edge, ring, border, line or plane")
             }
@@ -140,6 +146,19 @@ impl fmt::Display for SelectError {
             }
         }
     }
+}
+
+/// Reason why the motion of a collider is not usable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColliderMotionError {
+    /// Times of keys do not increase, or a number is not finite.
+    Keys,
+    /// The axis of a rotation has no direction, or the rotation has a number that is not valid.
+    Turn,
+    /// A plane cannot turn.
+    Plane,
+    /// A number of a point cache is not finite.
+    Cache,
 }
 
 /// Reason why a scene cannot be built. Indices of cloths, pins, seams and colliders count from 0 in the
@@ -208,7 +227,7 @@ pub enum SceneError {
     /// A point cache has another number of points than its mesh, or no whole frame.
     CachePoints { collider: u32, expected: u32, found: u32 },
     /// The motion of a collider is not usable.
-    ColliderMotion { collider: u32 },
+    ColliderMotion { collider: u32, error: ColliderMotionError },
 }
 
 /// Displays a number without an exponent, unless it is so large or so small that it would need many zeros.
@@ -310,12 +329,14 @@ impl fmt::Display for SceneError {
             Self::CachePoints { collider, expected, found } => {
                 write!(f, "collider {collider}: its point cache has {found} points, its mesh {expected} vertices")
             }
-            Self::ColliderMotion { collider } => {
-                write!(
-                    f,
-                    "collider {collider}: its motion needs finite numbers, times that increase, and an axis for a \
-                     turn; a plane cannot turn"
-                )
+            Self::ColliderMotion { collider, error } => {
+                let reason = match error {
+                    ColliderMotionError::Keys => "the times of motion.keys must be finite and increase",
+                    ColliderMotionError::Turn => "motion.turn needs an axis with a direction and a finite rate",
+                    ColliderMotionError::Plane => "a plane cannot turn; take a box whose side is as large as the cloth",
+                    ColliderMotionError::Cache => "its point cache has a number that is not finite",
+                };
+                write!(f, "collider {collider}: {reason}")
             }
         }
     }

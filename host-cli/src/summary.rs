@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::device::StageTime;
 use crate::engine::Report;
 use crate::run::balance::Balance;
+use crate::units::{length, mass};
 use crate::warning::Warning;
 
 /// The documented keys in their order, and a few more.
@@ -199,9 +200,9 @@ impl Summary {
     pub fn lines(&self) -> String {
         let StageMs { predict, broad_phase, narrow_phase, response, output } = self.stage_ms;
         let per_step = predict + broad_phase + narrow_phase + response + output;
-        let [x, y, z] = self.size_m;
+        let [x, y, z] = self.size_m.map(length);
         let mut text = format!(
-            "{}: {} vertices, {} triangles, {x:.2} x {y:.2} x {z:.2} m, {:.3} kg, {} pinned\n\
+            "{}: {} vertices, {} triangles, {x} x {y} x {z}, {}, {} pinned\n\
              {:.3} s in {} steps of {:.4} ms by {} in {}: {:.2} s of wall time, {per_step:.3} ms per step\n\
              stretch {} at most in any frame, {} at the end, {} on average at the end\n\
              work {} force evaluations, {} Newton iterations, {} CG iterations\n\
@@ -209,7 +210,7 @@ impl Summary {
             self.scene,
             self.vertices,
             self.triangles,
-            self.mass_kg,
+            mass(self.mass_kg),
             self.pinned,
             self.simulated_s,
             self.steps,

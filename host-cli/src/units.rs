@@ -17,6 +17,16 @@ fn precise(metres: f64, more: usize) -> String {
     }
 }
 
+/// A mass with its unit.
+pub fn mass(kilograms: f64) -> String {
+    match kilograms {
+        m if m >= 1.0 => format!("{m:.2} kg"),
+        m if m >= 1e-3 => format!("{:.1} g", 1e3 * m),
+        m if m >= 1e-6 => format!("{:.1} mg", 1e6 * m),
+        m => format!("{m:.1e} kg"),
+    }
+}
+
 /// A length as a whole number of its unit, for the ticks of an axis.
 pub fn round_length(metres: f64) -> String {
     let scales = [("m", 1.0), ("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9), ("pm", 1e-12), ("fm", 1e-15)];

@@ -158,11 +158,14 @@ fn contact_and_colliders() {
     collider("shape = \"plane\"\nradius = 1", &["collider 0: radius has no meaning with shape = \"plane\""]);
     collider("shape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0", &["collider.radius = 0: must be greater"]);
     collider("shape = \"mesh\"\nfile = \"none.obj\"", &["cannot read none.obj"]);
+    let sphere = "shape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0.1\nmotion = ";
+    collider(&format!("{sphere}{{ turn = {{ axs = [0, 1, 0], rate = 1 }} }}"), &["`axs`", "did you mean `axis`?"]);
+    collider(&format!("{sphere}3"), &["the name of a point cache, or { keys"]);
 }
 
 #[test]
 fn pins() {
-    refuses(PIN, "box = [[9, 9, 9], [10, 10, 10]]", &["cloth 0, pin 0: selects no vertex"]);
+    refuses(PIN, "box = [[9, 9, 9], [10, 10, 10]]", &["pin 0: selects no vertex; the cloth lies between [-0.15, "]);
     refuses(PIN, "corners = []", &["cloth 0, pin 0: selects no vertex"]);
     refuses(PIN, "corners = [4]", &["cloth 0, pin 0", "4"]);
     refuses(PIN, "vertices = [3, 27]", &["cloth 0, pin 0", "27"]);

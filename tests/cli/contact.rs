@@ -301,7 +301,7 @@ fn a_resumed_run_tells_of_the_whole() {
 fn a_thickness_that_does_not_fit_the_mesh_is_noted() {
     let place = Place::new();
     place.write("drop.toml", DROP);
-    // A layer thicker than the edges pushes neighbours apart: its energy comes from nowhere.
+    // A layer thicker than the edges pushes neighbours apart: most of the energy comes from this.
     for (thickness, noted, code) in [("0.004", false, 0), ("0.2", true, 3), ("1e-7", true, 0)] {
         let words =
             format!("run drop.toml --out out --preview none --duration 0.05 --set contact.thickness={thickness}");

@@ -80,7 +80,10 @@ fn gravity_that_changes_has_its_column() {
         let [work, appeared, moved] =
             ["gravity", "appeared", "moved"].map(|key| summary["energy_balance"][key].as_f64().unwrap());
         let mass = summary["mass_kg"].as_f64().unwrap();
-        assert_eq!((last("work_gravity_J"), &summary["verdict"]), (work, &"ok".into()), "{method}");
+        assert_eq!(summary["verdict"], "ok", "{method}");
+        // The summary is parsed with an error of a last digit.
+        let column = last("work_gravity_J");
+        assert!((column / work - 1.0).abs() < 1e-12, "{method}: {column} J in the column, {work} J in the summary");
         // Halfway, gravity has turned round at a height of 100 m.
         let turned = series.column("work_gravity_J")[2] / (-2.0 * 9.81 * 100.0 * mass);
         assert!((turned - 1.0).abs() < 0.01, "{method}: {turned}");

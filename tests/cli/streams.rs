@@ -48,7 +48,7 @@ fn a_person_gets_a_summary() {
     let place = Place::new();
     let outcome = place.muslin(RUN).expect(0);
     for part in [
-        "tiny: 27 vertices, 36 triangles, 0.30 x 0.00 x 0.30 m, 0.018 kg, 2 pinned",
+        "tiny: 27 vertices, 36 triangles, 0.30 m x 0 m x 0.30 m, 18.0 g, 2 pinned",
         "20 steps",
         "by backward-euler in f32",
         "state fnv1a:",

@@ -278,12 +278,13 @@ const COLLIDERS: &[Case] = &[
     (
         "normal = [0.0, 1.5, 0.0]",
         "normal = [0.0, 1.5, 0.0]\nmotion = { turn = { axis = [1, 0, 0], rate = 1.0 } }",
-        MOVES,
+        "collider 1: a plane cannot turn; take a box whose side is as large as the cloth",
     ),
+    ("[2.0, 0, 1, 0]", "[-2.0, 0, 1, 0]", "collider 0: the times of motion.keys must be finite and increase"),
     (
-        "[2.0, 0, 1, 0]",
-        "[-2.0, 0, 1, 0]",
-        "collider 0: its motion needs finite numbers, times that increase, and an axis for a turn; a plane cannot turn",
+        "keys= [[0.0, 0, 0, 0], [2.0, 0, 1, 0]]",
+        "turn = { axis = [0, 0, 0], rate = 1.0 }",
+        "collider 0: motion.turn needs an axis with a direction and a finite rate",
     ),
     (
         "shape = \"plane\"\n    point = [0.0, -2.0, 0.0]\n    normal = [0.0, 1.5, 0.0]",
@@ -291,9 +292,6 @@ const COLLIDERS: &[Case] = &[
         "collider 1: its file was not loaded",
     ),
 ];
-
-const MOVES: &str = "collider 1: its motion needs finite numbers, times that increase, and an axis for a turn; \
-                     a plane cannot turn";
 
 const ONE_SELECTION: &str =
     "cloth 0, pin 0: give exactly one of corners, vertices, box, nearest, edge, ring, border, line or plane";

@@ -10,7 +10,7 @@ use super::motion::read_motion;
 use super::place::turn;
 use super::{FrictionDesc, MotionDesc, Resource, resource};
 use crate::colliders::{Body, ColliderColumns, Drive, Form, cuboid, round};
-use crate::error::SceneError;
+use crate::error::{ColliderMotionError, SceneError};
 use crate::real::{Real, Vec3, vec3};
 
 /// The shape of a collider.
@@ -76,12 +76,39 @@ pub struct ColliderDesc {
 
 /// The motion of a collider.
 #[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(untagged))]
 pub enum ColliderMotionDesc {
     /// Mesh: the name of a point cache that the host loads.
     Cache(String),
     /// Keys, and a rotation about the collider's centre.
     Keys(MotionDesc),
+}
+
+/// By hand, so that errors name the key that is wrong.
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for ColliderMotionDesc {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        use serde::de::value::MapAccessDeserializer;
+
+        struct Visitor;
+
+        impl<'de> serde::de::Visitor<'de> for Visitor {
+            type Value = ColliderMotionDesc;
+
+            fn expecting(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                f.write_str("the name of a point cache, or { keys = [[time, x, y, z], ..], turn = {..} }")
+            }
+
+            fn visit_str<E>(self, name: &str) -> Result<ColliderMotionDesc, E> {
+                Ok(ColliderMotionDesc::Cache(name.into()))
+            }
+
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<ColliderMotionDesc, A::Error> {
+                serde::Deserialize::deserialize(MapAccessDeserializer::new(map)).map(ColliderMotionDesc::Keys)
+            }
+        }
+
+        deserializer.deserialize_any(Visitor)
+    }
 }
 
 /// Reads the keys of one collider and checks that they fit its shape.
@@ -202,9 +229,11 @@ fn drive(
     match &desc.motion {
         None => Ok(Drive::Rest),
         Some(ColliderMotionDesc::Keys(motion)) => {
-            let turns_plane = desc.shape == Shape::Plane && motion.turn.is_some();
-            let read = read_motion(motion, centre, &mut columns.keys).ok().filter(|_| !turns_plane);
-            read.map(Drive::Motion).ok_or(SceneError::ColliderMotion { collider: index })
+            let read = match desc.shape == Shape::Plane && motion.turn.is_some() {
+                true => Err(ColliderMotionError::Plane),
+                false => read_motion(motion, centre, &mut columns.keys).map_err(ColliderMotionError::from),
+            };
+            read.map(Drive::Motion).map_err(|error| SceneError::ColliderMotion { collider: index, error })
         }
         Some(ColliderMotionDesc::Cache(name)) => {
             if desc.shape != Shape::Mesh {
@@ -220,7 +249,7 @@ fn drive(
             let from_origin = |p: &[f32; 3]| vec3((DVec3::from(p.map(f64::from)) - keys.origin).into());
             columns.frames.extend(cache.positions.iter().map(from_origin));
             if columns.frames[first..].iter().any(|x| !x.is_finite()) {
-                return Err(SceneError::ColliderMotion { collider: index });
+                return Err(SceneError::ColliderMotion { collider: index, error: ColliderMotionError::Cache });
             }
             Ok(Drive::Cache { first, frames: cache.frames(), rate })
         }

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use glam::DVec3;
 
 use super::{MotionDesc, TurnDesc};
+use crate::error::ColliderMotionError;
 use crate::motion::{Key, Motion, Turn};
 use crate::real::Real;
 
@@ -12,6 +13,15 @@ use crate::real::Real;
 pub(super) enum MotionError {
     Keys,
     Turn,
+}
+
+impl From<MotionError> for ColliderMotionError {
+    fn from(error: MotionError) -> Self {
+        match error {
+            MotionError::Keys => Self::Keys,
+            MotionError::Turn => Self::Turn,
+        }
+    }
 }
 
 /// Reads a motion and appends its keys to `keys`, the keys of all motions. Rotations are about `centre`.

@@ -87,9 +87,19 @@ pub(super) fn select(
     let found = find(select, sheet, placed).and_then(|mut selected| {
         selected.sort_unstable();
         selected.dedup();
-        if selected.is_empty() { Err(SelectError::Empty) } else { Ok(selected) }
+        if selected.is_empty() { Err(nothing(select, placed)) } else { Ok(selected) }
     });
     found.map_err(|error| SceneError::Selection { cloth, part, number, error })
+}
+
+/// The error of a selection without vertices.
+fn nothing(select: &SelectDesc, placed: &[DVec3]) -> SelectError {
+    let is_place = select.inside.is_some() || select.line.is_some() || select.plane.is_some();
+    let corner = |least: fn(DVec3, DVec3) -> DVec3| placed.iter().copied().reduce(least).map(|v| v.to_array());
+    match (corner(DVec3::min), corner(DVec3::max)) {
+        (Some(lowest), Some(highest)) if is_place => SelectError::Elsewhere { lowest, highest },
+        _ => SelectError::Empty,
+    }
 }
 
 /// The selected vertices in any order.

@@ -13,6 +13,10 @@ pub struct Balance {
     least: f64,
     /// Largest growth of this difference from its least value.
     pub appeared: f64,
+    /// The same with the energy by moving overlapping surfaces apart.
+    least_with_separation: f64,
+    /// Its largest growth: what errors and overlaps gave together, less what contact took again.
+    pub appeared_with_separation: f64,
     /// Largest sum of the energies without gravity.
     active: f64,
     /// Least and largest energy of gravity, without the work of gravity that changes: by how much the cloth fell, wherever
@@ -21,7 +25,7 @@ pub struct Balance {
 }
 
 /// Number of words in an encoded balance.
-pub const WORDS: usize = 15;
+pub const WORDS: usize = 17;
 
 impl Default for Balance {
     fn default() -> Self {
@@ -30,6 +34,8 @@ impl Default for Balance {
             start: None,
             least: f64::INFINITY,
             appeared: 0.0,
+            least_with_separation: f64::INFINITY,
+            appeared_with_separation: 0.0,
             active: 0.0,
             gravity: [f64::INFINITY, f64::NEG_INFINITY],
         }
@@ -43,11 +49,14 @@ impl Balance {
         let active = kinetic + stretch + shear + bend + seam;
         let without_work = active + gravity - work.outside.iter().sum::<f64>();
         self.start.get_or_insert(active + gravity);
-        let [_, _, _, changes, _] = work.outside;
+        let [_, _, _, changes, separation] = work.outside;
         let gravity = gravity - changes;
         self.work = work;
         self.least = self.least.min(without_work);
         self.appeared = self.appeared.max(without_work - self.least);
+        let with_separation = without_work + separation;
+        self.least_with_separation = self.least_with_separation.min(with_separation);
+        self.appeared_with_separation = self.appeared_with_separation.max(with_separation - self.least_with_separation);
         self.active = self.active.max(active);
         self.gravity = [self.gravity[0].min(gravity), self.gravity[1].max(gravity)];
     }
@@ -67,21 +76,41 @@ impl Balance {
 
     /// Encodes the balance as words.
     pub fn encode(&self) -> [u64; WORDS] {
-        let Self { work, start, least, appeared, active, gravity: [low, high] } = *self;
-        let WorkDone { outside: [a, b, c, d, e], exchanged, inside: [f, g] } = work;
-        let all = [a, b, c, d, e, exchanged, f, g, start.unwrap_or(0.0), least, appeared, active, low, high];
-        let mut words = [u64::from(start.is_some()); WORDS];
-        words[1..].iter_mut().zip(all).for_each(|(word, value)| *word = value.to_bits());
+        let WorkDone { outside: [a, b, c, d, e], exchanged, inside: [f, g] } = self.work;
+        let [low, high] = self.gravity;
+        let all = [
+            [a, b, c, d, e, exchanged, f, g],
+            [
+                self.start.unwrap_or(0.0),
+                self.least,
+                self.appeared,
+                self.least_with_separation,
+                self.appeared_with_separation,
+                self.active,
+                low,
+                high,
+            ],
+        ];
+        let mut words = [u64::from(self.start.is_some()); WORDS];
+        words[1..].iter_mut().zip(all.as_flattened()).for_each(|(word, value)| *word = value.to_bits());
         words
     }
 
     /// Decodes a balance.
     pub fn decode(words: [u64; WORDS]) -> Self {
         let [has_start, words @ ..] = words;
-        let [a, b, c, d, e, exchanged, f, g, start, least, appeared, active, low, high] = words.map(f64::from_bits);
-        let work = WorkDone { outside: [a, b, c, d, e], exchanged, inside: [f, g] };
-        let start = (has_start != 0).then_some(start);
-        Self { work, start, least, appeared, active, gravity: [low, high] }
+        let [a, b, c, d, e, exchanged, f, g, rest @ ..] = words.map(f64::from_bits);
+        let [start, least, appeared, least_with_separation, appeared_with_separation, active, low, high] = rest;
+        Self {
+            work: WorkDone { outside: [a, b, c, d, e], exchanged, inside: [f, g] },
+            start: (has_start != 0).then_some(start),
+            least,
+            appeared,
+            least_with_separation,
+            appeared_with_separation,
+            active,
+            gravity: [low, high],
+        }
     }
 }
 
@@ -107,7 +136,7 @@ mod tests {
         // 2 J appear, and are lost again.
         balance.see(&[4.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
         balance.see(&[1.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
-        assert_eq!(balance.appeared, 2.0);
+        assert_eq!((balance.appeared, balance.appeared_with_separation), (2.0, 3.0));
         assert_eq!(Balance::decode(balance.encode()), balance);
     }
 

@@ -33,15 +33,22 @@ pub fn warning(modes: &[Mode; 2], scene: &SceneDesc, size: f64, step: f64) -> Op
     })
 }
 
-/// A bound on the way of cloth that follows gravity and its pins until the end, m.
-fn way(scene: &SceneDesc) -> f64 {
-    let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let gravity = match &scene.gravity {
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The largest gravity of a scene, m/s^2.
+pub fn largest_gravity(scene: &SceneDesc) -> f64 {
+    match &scene.gravity {
         None => 0.0,
         Some(VectorDesc::Constant(gravity)) => length(*gravity),
         Some(VectorDesc::Keys(keys)) => keys.iter().map(|&[_, x, y, z]| length([x, y, z])).fold(0.0, f64::max),
-    };
-    let fall = 0.5 * gravity * scene.duration * scene.duration;
+    }
+}
+
+/// A bound on the way of cloth that follows gravity and its pins until the end, m.
+fn way(scene: &SceneDesc) -> f64 {
+    let fall = 0.5 * largest_gravity(scene) * scene.duration * scene.duration;
     let pins = scene.cloth.iter().flat_map(|cloth| &cloth.pin).filter_map(|pin| pin.motion.as_ref());
     let keys = pins.flat_map(|motion| &motion.keys);
     fall + keys.map(|&[_, x, y, z]| length([x, y, z])).fold(0.0, f64::max)

@@ -3,7 +3,7 @@
 use muslin_core::integrate::Method;
 use muslin_core::scene::{SceneDesc, StretchModel};
 
-use super::remedy;
+use super::{masses, remedy};
 use crate::device::StepDetector;
 use crate::pool::Pool;
 use crate::record::Record;
@@ -41,10 +41,16 @@ impl Summary {
         let audited = record.crossings.is_some_and(|(count, _)| count > 0);
         let appeared = self.appeared(record, scene);
         let stretched = self.stretched(scene, appeared.is_some());
-        let noted = [self.overlap(record, scene), self.taken(record, scene)].map(|note| note.map(|note| (false, note)));
-        let doubts = [appeared, stretched, self.unconverged(scene), rounded(record)].into_iter().chain(noted);
+        let doubts = [
+            appeared,
+            stretched,
+            self.unconverged(scene),
+            rounded(record),
+            self.overlap(record, scene),
+            self.taken(record, scene),
+        ];
         let reached_the_end = self.divergence.is_none();
-        let of_end: Vec<_> = doubts.flatten().filter(|_| reached_the_end).collect();
+        let of_end: Vec<_> = doubts.into_iter().flatten().filter(|_| reached_the_end).collect();
         let doubt = of_end.iter().find(|(is_doubtful, _)| *is_doubtful).map(|(_, warning)| warning.text.clone());
         (self.verdict, self.doubt) = match (reached_the_end, audited, doubt) {
             (false, _, _) => ("diverged", None),
@@ -83,22 +89,26 @@ impl Summary {
         }
     }
 
-    /// Energy by moving overlapping surfaces apart.
-    fn overlap(&self, record: &Record, scene: &SceneDesc) -> Option<Warning> {
-        let (separation, moved) = (self.energy_balance.separation, record.balance.moved());
-        let is_much = separation > MOST_APPEARED * moved && self.is_harmful(separation, record.rounding, scene);
-        is_much.then(|| {
+    /// Energy by moving overlapping surfaces apart. It is a reason for doubt if it is more than lifting the whole cloth by the
+    /// thickness takes.
+    fn overlap(&self, record: &Record, scene: &SceneDesc) -> Option<(bool, Warning)> {
+        let (appeared, moved) = (record.balance.appeared_with_separation, record.balance.moved());
+        let separation = self.energy_balance.separation;
+        let is_much = separation.min(appeared) > MOST_APPEARED * moved;
+        (is_much && self.is_harmful(separation, record.rounding, scene)).then(|| {
             let text = format!(
                 "moving overlapping surfaces apart gave {separation:.2e} J, {:.0} % of the largest energy that moved: let \
                  surfaces start farther apart than contact.thickness",
                 1e2 * separation / moved
             );
-            Warning::new("overlap", text)
+            let thickness = scene.contact.as_ref().map_or(0.0, |contact| contact.thickness);
+            let lift = self.mass_kg * masses::largest_gravity(scene) * thickness;
+            (separation > lift, Warning::new("overlap", text))
         })
     }
 
     /// Energy that the method took from a motion that nothing damps. A run to rest is meant to lose it.
-    fn taken(&self, record: &Record, scene: &SceneDesc) -> Option<Warning> {
+    fn taken(&self, record: &Record, scene: &SceneDesc) -> Option<(bool, Warning)> {
         let (taken, moved) = (-self.energy_balance.method?, record.balance.moved());
         (self.is_conservative && self.at_rest.is_none() && taken > MOST_APPEARED * moved).then(|| {
             let text = format!(
@@ -108,7 +118,7 @@ impl Summary {
                 1e2 * taken / moved,
                 if scene.integrator.method == Method::Bdf2 { "bdf2" } else { "bdf2 or implicit-midpoint" }
             );
-            Warning::new("method", text)
+            (false, Warning::new("method", text))
         })
     }
 
