@@ -200,7 +200,11 @@ const MESHES: &[Case] = &[
 ];
 
 const PINS: &[Case] = &[
-    ("corners = [0]", "box = [[5.0, 5.0, 5.0], [6.0, 6.0, 6.0]]", "cloth 0, pin 0: selects no vertex"),
+    (
+        "corners = [0]",
+        "box = [[5.0, 5.0, 5.0], [6.0, 6.0, 6.0]]",
+        "cloth 0, pin 0: selects no vertex; the cloth lies between [-1.0, 1.0, -0.5] and [1.0, 1.0, 0.5] m",
+    ),
     ("corners = [0]", "corners = []", "cloth 0, pin 0: selects no vertex"),
     ("corners = [0]", "nearest = [nan, 0, 0]", SELECT_NUMBERS),
     ("corners = [0]", "line = { a = [0, 0, 0], b = [1, 0, 0], within = -0.1 }", SELECT_NUMBERS),
@@ -209,7 +213,7 @@ const PINS: &[Case] = &[
     (
         "corners = [0]",
         "plane = { point = [0, 9, 0], normal = [0, 1, 0], within = 0.1 }",
-        "cloth 0, pin 0: selects no vertex",
+        "cloth 0, pin 0: selects no vertex; the cloth lies between [-1.0, 1.0, -0.5] and [1.0, 1.0, 0.5] m",
     ),
     ("corners = [0]", "ring = 1", "cloth 0, pin 0: only a disc has rings; select by border, line or plane instead"),
     ("corners = [0]", "border = false", ONE_SELECTION),
@@ -239,7 +243,11 @@ const GROUPS: &[Case] = &[
     ("rate = 2.0", "rate = inf", "cloth.spin: must be a finite number"),
     ("rate = 2.0", "rate = 2.0, center = [nan, 0, 0]", "cloth.spin: must be a finite number"),
     ("axis = [0.0, 0.5", "axis = [0.0, 0.0", "cloth 0: spin needs an axis with a direction"),
-    ("vertices = [1]", "box = [[5, 5, 5], [6, 6, 6]]", "cloth 0, start 0: selects no vertex"),
+    (
+        "vertices = [1]",
+        "box = [[5, 5, 5], [6, 6, 6]]",
+        "cloth 0, start 0: selects no vertex; the cloth lies between [-1.0, 1.0, -0.5] and [1.0, 1.0, 0.5] m",
+    ),
     ("velocity = [0.0, 0.0, 0.2]", "velocity = [0.0, 0.0, inf]", "cloth.start.velocity: must be a finite number"),
     ("vertices = [4]", "vertices = [99]", "cloth 0, mass 0: there is no corner, ring or vertex 99"),
     ("mass = 0.5", "mass = 0.0", "cloth.mass.mass = 0: must be greater than zero and finite"),
