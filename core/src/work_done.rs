@@ -1,10 +1,10 @@
-//! The work that is done on the cloth by pins, colliders and wind, by gravity and loads that change, and by the response where
-//! it moves overlapping surfaces apart. With it, a host can balance the energy of the cloth: a larger gain of energy comes from
-//! errors. With [reactions](crate::reactions), the work
-//! that contacts and damping take is measured too, and the rest of the balance is the error of the method.
+//! The work that is done on the cloth by pins, colliders and wind, by gravity and loads that change, and by the response
+//! where it moves overlapping surfaces apart. With it, a host can balance the energy of the cloth: a larger gain of energy
+//! comes from errors. With [reactions](crate::reactions), the work that contacts and damping take is measured too, and the
+//! rest of the balance is the error of the method.
 //!
 //! Where gravity or a load changes, the potential energy changes at a fixed position. This is work too: the whole change of
-//! the potential energy, and what the force gives along the displacement.
+//! the potential energy plus the work of the force along the displacement.
 //!
 //! A force is evaluated in the middle of the step and multiplied by the displacement: this is exact to the second order for
 //! every method.
@@ -149,7 +149,8 @@ fn along(forces: &[Vec3], displacements: &[Vec3]) -> Sum {
     forces.iter().zip(displacements).map(|(&force, &moved)| dot_sum(force, moved)).sum()
 }
 
-/// Gravity and loads change the potential energy, beside what they give along the displacement.
+/// The work of gravity and loads that change: the whole change of their potential energy, plus the work of their forces
+/// along the displacement.
 fn by_change<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) -> Sum {
     let model = Model { gravity: c.model.gravity, loads: c.model.loads, ..Model::default() };
     evaluate(c, &model, s);

@@ -1,4 +1,4 @@
-//! Warnings: what a user should know about a run that goes on or has ended.
+//! Warnings for the user of a run that goes on or has ended.
 
 use serde::Serialize;
 

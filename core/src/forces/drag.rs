@@ -51,6 +51,10 @@ impl ForceTerm for Drag<'_> {
         false
     }
 
+    fn has_jacobian(&self) -> bool {
+        true
+    }
+
     fn dissipates(&self) -> bool {
         true
     }

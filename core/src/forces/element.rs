@@ -157,6 +157,10 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
         E::CONSERVATIVE
     }
 
+    fn has_jacobian(&self) -> bool {
+        true
+    }
+
     fn dissipates(&self) -> bool {
         ElementTerm::dissipates(self)
     }

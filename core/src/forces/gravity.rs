@@ -1,12 +1,11 @@
 //! Gravity, f = m g. It may change with time.
 
-use super::matrix::BlockMatrix;
 use super::term::ForceTerm;
-use super::{Energy, Jacobian, TangentScale, Term};
+use super::{Energy, Term};
 use crate::dispatch::Dispatch;
 use crate::keys::{Key, Moment};
 use crate::real::{Real, Sum, Vec3, dot_sum, vec3};
-use crate::traffic::{SCALAR, TrafficSizes};
+use crate::traffic::SCALAR;
 
 /// Gravity.
 #[derive(Clone, Copy, Debug)]
@@ -52,26 +51,6 @@ impl ForceTerm for Gravity<'_> {
         Energy { gravity, ..Energy::default() }
     }
 
-    fn add_tangents(
-        &self,
-        _: &[Vec3],
-        _: TangentScale,
-        _: Jacobian,
-        _: &[u16],
-        _: &mut [Real],
-        _: &mut BlockMatrix<'_>,
-        _: &impl Dispatch,
-    ) {
-    }
-
-    fn has_jacobian(&self) -> bool {
-        false
-    }
-
-    fn dissipates(&self) -> bool {
-        false
-    }
-
     fn bytes(&self) -> usize {
         0
     }
@@ -79,10 +58,6 @@ impl ForceTerm for Gravity<'_> {
     /// Reads the masses.
     fn force_traffic(&self, vertices: usize) -> usize {
         vertices * SCALAR
-    }
-
-    fn tangent_traffic(&self, _: TrafficSizes) -> usize {
-        0
     }
 }
 

@@ -2,13 +2,12 @@
 
 use glam::DVec3;
 
-use super::matrix::BlockMatrix;
 use super::term::ForceTerm;
-use super::{Energy, Jacobian, TangentScale, Term};
+use super::{Energy, Term};
 use crate::dispatch::Dispatch;
 use crate::keys::{Key, Moment};
 use crate::real::{Real, Sum, Vec3, to_f64, vec3};
-use crate::traffic::{TrafficSizes, VECTOR};
+use crate::traffic::VECTOR;
 
 /// Loads on some vertices.
 #[derive(Clone, Copy, Debug)]
@@ -87,26 +86,6 @@ impl ForceTerm for Loads<'_> {
         Energy { gravity: self.groups.iter().map(of_group).sum(), ..Energy::default() }
     }
 
-    fn add_tangents(
-        &self,
-        _: &[Vec3],
-        _: TangentScale,
-        _: Jacobian,
-        _: &[u16],
-        _: &mut [Real],
-        _: &mut BlockMatrix<'_>,
-        _: &impl Dispatch,
-    ) {
-    }
-
-    fn has_jacobian(&self) -> bool {
-        false
-    }
-
-    fn dissipates(&self) -> bool {
-        false
-    }
-
     fn bytes(&self) -> usize {
         size_of_val(self.vertices) + size_of_val(self.parts)
     }
@@ -114,10 +93,6 @@ impl ForceTerm for Loads<'_> {
     /// Reads the loads, reads and writes the forces of their vertices.
     fn force_traffic(&self, _: usize) -> usize {
         self.bytes() + 2 * self.vertices.len() * VECTOR
-    }
-
-    fn tangent_traffic(&self, _: TrafficSizes) -> usize {
-        0
     }
 }
 

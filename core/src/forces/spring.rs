@@ -212,6 +212,10 @@ impl ForceTerm for Springs<'_> {
         (0..self.offsets.len().saturating_sub(1)).flat_map(row)
     }
 
+    fn has_jacobian(&self) -> bool {
+        true
+    }
+
     fn dissipates(&self) -> bool {
         !self.damping.is_empty()
     }

@@ -24,17 +24,19 @@ pub trait ForceTerm {
     fn energy(&self, name: Term, masses: &[Real], x: &[Vec3]) -> Energy;
 
     /// Adds `-(position Kx + velocity Kv)` to `matrix`. `slots` is the place of each of the
-    /// [blocks](Self::blocks) in its row, `scratch` has [`Self::tangent_scratch`] scalars.
+    /// [blocks](Self::blocks) in its row, `scratch` has [`Self::tangent_scratch`] scalars. A term without a
+    /// [Jacobian](Self::has_jacobian) adds nothing.
     fn add_tangents(
         &self,
-        x: &[Vec3],
-        scale: TangentScale,
-        jacobian: Jacobian,
-        slots: &[u16],
-        scratch: &mut [Real],
-        matrix: &mut BlockMatrix<'_>,
-        dispatch: &impl Dispatch,
-    );
+        _x: &[Vec3],
+        _scale: TangentScale,
+        _jacobian: Jacobian,
+        _slots: &[u16],
+        _scratch: &mut [Real],
+        _matrix: &mut BlockMatrix<'_>,
+        _dispatch: &impl Dispatch,
+    ) {
+    }
 
     /// Row and column of each block of the Jacobian, in the order of `slots`. Blocks that only add to the diagonal
     /// may be left out.
@@ -42,9 +44,9 @@ pub trait ForceTerm {
         core::iter::empty()
     }
 
-    /// Whether the term has a Jacobian. A constant force has none.
+    /// Whether the term has a Jacobian. A force that does not depend on the motion has none.
     fn has_jacobian(&self) -> bool {
-        true
+        false
     }
 
     /// Whether the forces at zero velocity are minus the slope of the stored energy.
@@ -53,7 +55,9 @@ pub trait ForceTerm {
     }
 
     /// Whether any force depends on velocities.
-    fn dissipates(&self) -> bool;
+    fn dissipates(&self) -> bool {
+        false
+    }
 
     /// The largest strain rate at the velocities `v`, 1/s.
     fn strain_rate(&self, _v: &[Vec3]) -> Real {
@@ -77,5 +81,7 @@ pub trait ForceTerm {
     fn force_traffic(&self, vertices: usize) -> usize;
 
     /// Bytes that [`Self::add_tangents`] streams.
-    fn tangent_traffic(&self, sizes: TrafficSizes) -> usize;
+    fn tangent_traffic(&self, _sizes: TrafficSizes) -> usize {
+        0
+    }
 }

@@ -26,8 +26,8 @@ pub struct Constraint {
 }
 
 impl Constraint {
-    /// A constraint with zero impulses, of surfaces that do not turn. It is not solved if a vertex would have to move more than `lever_ratio` times as far
-    /// as the contact.
+    /// A constraint with zero impulses, of surfaces that do not turn. It is not solved if a vertex would have to move more
+    /// than `lever_ratio` times as far as the contact.
     #[cfg_attr(small, inline(never))]
     pub fn new(
         contact: Contact,

@@ -1,4 +1,4 @@
-//! A record of the changes in a folder, and what a loss of power after any of them may leave.
+//! A record of the changes in a folder, and the files that a loss of power after any of them may leave.
 //!
 //! The model allows all that T. Pillai et al. found in file systems (*All file systems are not created equal*, OSDI
 //! 2014), except that a rename is atomic. The data of a file are safe at its last sync. Each block that changed since is
@@ -94,7 +94,7 @@ impl Change {
     }
 }
 
-/// What is on the disk, and what is on its way there.
+/// The names and data on the disk, and those on their way there.
 pub struct Disk {
     root: PathBuf,
     /// Names on the disk.

@@ -2,7 +2,7 @@
 
 use crate::engine::WorkDone;
 
-/// What the frames so far have shown, J.
+/// The balance over the frames so far, J.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
     /// Work done on the cloth.

@@ -3,7 +3,7 @@
 use muslin_core::integrate::Method;
 use muslin_core::scene::SceneDesc;
 
-/// Advice against errors of the steps: what the settings of the scene leave to improve.
+/// Advice against errors of the steps, by the settings of the scene that can be improved.
 pub fn of_steps(scene: &SceneDesc) -> String {
     let integrator = &scene.integrator;
     let shorter = match integrator.error() {

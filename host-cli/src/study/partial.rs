@@ -96,7 +96,7 @@ pub fn report(
         return Failure::Interrupted("interrupted before a run was finished: there is nothing to report".into());
     }
     let head = format!(
-        "PARTIAL: interrupted after {finished} finished runs; what is missing counts as if the budget had ended. The \
+        "PARTIAL: interrupted after {finished} finished runs; a missing run counts as if the budget had ended. The \
          same command goes on from these runs."
     );
     let table = runs.iter().map(|run| format!("{:<60} {:>10}  {}", run.run, time(run.wall_s), run.ending));
@@ -111,7 +111,7 @@ pub fn report(
     });
     match written {
         Ok(()) => Failure::Interrupted(format!(
-            "interrupted after {finished} finished runs: {} says what is known so far; go on with the same command",
+            "interrupted after {finished} finished runs: {} has the results so far; go on with the same command",
             folder.path().join(format!("{}.txt", stem(name))).display()
         )),
         Err(failure) => failure,
@@ -121,7 +121,7 @@ pub fn report(
 /// Removes the partial report of an earlier call: the study is complete.
 pub fn remove(folder: &Folder, name: &str) {
     for kind in ["svg", "json", "txt"] {
-        // Usually there is none, so errors are ignored.
+        // Usually the file does not exist, so errors are ignored.
         let _ = fs::remove_file(folder.path().join(format!("{}.{kind}", stem(name))));
     }
 }

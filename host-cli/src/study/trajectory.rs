@@ -126,7 +126,7 @@ pub fn fly_of(study: &Study<'_>, scene: &SceneFile, variant: &Variant, limits: L
     fly_scene(study, &variant.scene(scene)?, variant.precision, variant.steps, limits, Samples::WithPositions)
 }
 
-/// What a run records at its samples.
+/// The record of a run at its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Samples {
     /// Energies.

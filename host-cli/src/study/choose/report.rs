@@ -115,7 +115,7 @@ struct Unchecked<'a> {
     considered: &'a [Row],
 }
 
-/// What is known when the search is interrupted: all pilot runs, and the cheapest that meets the tolerance.
+/// The results when the search is interrupted: all pilot runs, and the cheapest that meets the tolerance.
 pub fn so_far(pilot: &Pilot<'_>) -> Result<SoFar, Failure> {
     let (tolerance, cheapest, considered) = (pilot.tolerance, pilot.cheapest(), &pilot.considered[..]);
     let scene = &pilot.study.scene.desc.name;
