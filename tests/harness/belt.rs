@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 const DRUM: f64 = 0.05;
 const THICKNESS: f64 = 0.002;
 /// Length of the heavier end, m, from the side of the drum downward.
-const HEAVY_END: f64 = 0.5;
+pub const HEAVY_END: f64 = 0.5;
 
 /// A ribbon or a drum, as a mesh.
 #[derive(Clone, Debug, Default)]
@@ -147,6 +147,46 @@ pub fn hanging(friction: f64, stiffness: f64, integrator: &str, drum: &str) -> S
         [[collider]]
         {drum}
         "#
+    )
+}
+
+/// The scene of a belt that hangs over the drum on both sides, with a load at each end, N. Both ends of its
+/// mesh are 0.5 m long.
+pub fn loaded(friction: f64, stiffness: f64, loads: [f64; 2], step: f64) -> String {
+    let vertices = belt(HEAVY_END, 0.0068).positions.len() as u32;
+    let load = |first: u32, newton: f64| {
+        let row = [first, first + 1, first + 2, first + 3];
+        format!("[[cloth.load]]\nselect = {{ vertices = {row:?} }}\nforce = [0, {:?}, 0]\n", -newton)
+    };
+    format!(
+        r#"
+        name = "loaded"
+        duration = 1.0
+        frame_rate = 10
+        gravity = [0.0, 0.0, 0.0]
+        [contact]
+        thickness = {THICKNESS:?}
+        friction = {friction:?}
+        [drag]
+        linear = 0.5
+        [integrator]
+        method = "backward-euler"
+        step = {step:?}
+        [[cloth]]
+        mesh = "belt"
+        rest = "uv"
+        uv_scale = 1.0
+        density = 0.2
+        stretch = {{ model = "membrane", stiffness = {stiffness:?} }}
+        shear = {{ stiffness = {:?} }}
+        {}
+        {}
+        [[collider]]
+        {ROUND}
+        "#,
+        0.4 * stiffness,
+        load(0, loads[0]),
+        load(vertices - 4, loads[1]),
     )
 }
 

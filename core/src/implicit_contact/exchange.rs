@@ -84,6 +84,7 @@ pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>
                 Friction::Slips if solved.slide() * step < SMALL * model.thickness => kinetic,
                 Friction::Slips => kinetic.min((1.0 + SLACK) * sqrt(across.length_squared()) / along),
             });
+            constraint.is_solved = true;
             constraint.normal_impulse = along * step;
             constraint.friction_impulse = constraint.coefficients.limit(across, along) * step;
         }

@@ -19,6 +19,8 @@ pub struct Constraint {
     pub roll: Vec3,
     /// The coefficients of friction.
     pub coefficients: FrictionCoefficients,
+    /// Whether an implicit solve found its friction, which is not changed.
+    pub is_solved: bool,
     /// Impulse along the normal times the step, kg m.
     pub normal_impulse: Real,
     /// Impulse across it times the step, kg m.
@@ -38,6 +40,16 @@ impl Constraint {
     ) -> Self {
         let inverse_mass = movable_inverse_mass(&contact, inverse_masses, lever_ratio);
         Self { contact, target, inverse_mass, coefficients, ..Self::default() }
+    }
+
+    /// Whether it is violated, or pushes apart, by at most `tolerance`, m.
+    pub fn is_within(&self, tolerance: Real, displacements: &[Vec3]) -> bool {
+        self.violation(self.relative(displacements)).abs() <= tolerance
+    }
+
+    /// By how much the gap at the end is less than the target, m, for a relative displacement.
+    fn violation(&self, relative: Vec3) -> Real {
+        self.target - self.contact.gap - relative.dot(self.contact.normal)
     }
 
     /// Relative displacement of the two surfaces, m.
@@ -92,7 +104,7 @@ pub fn solve(constraint: &mut Constraint, inverse_masses: &[Vec3], displacements
     }
     let relative = constraint.relative(displacements);
     let normal = contact.normal;
-    let violation = constraint.target - contact.gap - relative.dot(normal);
+    let violation = constraint.violation(relative);
     let impulse = (constraint.normal_impulse + violation / along).max(0.0);
     let change = impulse - constraint.normal_impulse;
     if impulse == 0.0 && change == 0.0 {
@@ -100,7 +112,7 @@ pub fn solve(constraint: &mut Constraint, inverse_masses: &[Vec3], displacements
     }
     constraint.normal_impulse = impulse;
     let mut total = normal * change;
-    if constraint.coefficients.has_friction() {
+    if constraint.coefficients.has_friction() && !constraint.is_solved {
         total += friction_change(constraint, relative - normal * relative.dot(normal), inverse_masses);
     }
     apply_impulse(&contact, total, inverse_masses, displacements);
