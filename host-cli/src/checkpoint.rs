@@ -127,7 +127,7 @@ pub fn scene_crc(scene: &SceneFile) -> u32 {
         table.remove("duration");
         crc.update(table.to_string().as_bytes());
     }
-    for (name, content) in &scene.resources {
+    for (name, content) in &*scene.resources {
         crc.update(name.as_bytes());
         let mesh = match content {
             Content::Mesh(mesh) => mesh,

@@ -10,6 +10,7 @@ use toml::Value;
 
 use crate::engine::{self, Engine};
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::pool::Pool;
 use crate::run::course::{Course, Ending};
 use crate::run::start;
@@ -40,7 +41,9 @@ pub fn build(sweep: &Sweep, task: &Task) -> Result<(SceneFile, Box<dyn Engine>, 
 
 /// Runs a scene until its end or until it diverges, and returns its line.
 pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<String, Failure> {
-    let (scene, mut engine, timing) = build(sweep, task)?;
+    let (of, own) = (sweep.clone(), task.clone());
+    let built = interrupt::until(stop, move || build(&of, &own))?.ok_or_else(|| interrupted(task))?;
+    let (scene, mut engine, timing) = built?;
     if task.point.key(&scene) != task.key {
         return Err(Failure::Tool(format!(
             "{}: a file that the scene names has changed since the sweep began; start the same command again",
