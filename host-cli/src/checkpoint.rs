@@ -18,7 +18,7 @@ use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const FORMAT: u32 = 10;
+const FORMAT: u32 = 11;
 
 /// The version of muslin: another one may take other steps.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -255,6 +255,7 @@ mod tests {
             penetration: Some(1e-3),
             audited: 18,
             crossings: Some((4, 17)),
+            awaits_audit: true,
         };
         let impulses = vec![[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [0.5; 6]];
         Checkpoint { precision: Precision::F64, scene: 0xdead_beef, chain: 42, record, snapshot, impulses }

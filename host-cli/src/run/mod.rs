@@ -132,7 +132,7 @@ fn run_until(arguments: &RunArguments, stop: &AtomicBool) -> Result<(), Failure>
     course.warnings = warnings;
     pool.install(|| {
         if !is_resumed {
-            course.frame(&pool, &mut files)?;
+            course.frame(&pool, stop, &mut files)?;
         }
         let started = Instant::now();
         let ending = course.advance(&pool, stop, &mut files);

@@ -59,7 +59,7 @@ pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<
         let mut course = Course::begin(engine, timing, task.point.precision, [false; 2], start, None);
         warnings.extend(warning);
         course.warnings = warnings;
-        course.frame(pool, &mut ())?;
+        course.frame(pool, stop, &mut ())?;
         let started = Instant::now();
         match course.advance(pool, stop, &mut ())? {
             Ending::Interrupted => Err(interrupted(task)),
