@@ -234,7 +234,7 @@ fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
 mod tests {
     use super::*;
     use crate::record::Start;
-    use crate::run::balance::Balance;
+    use muslin_core::balance::Balance;
 
     fn example() -> Checkpoint {
         let columns =

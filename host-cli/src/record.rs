@@ -1,6 +1,6 @@
 //! Observations of a run up to now. A checkpoint stores them, so that a resumed run reports on the whole run.
 
-use crate::run::balance::{self, Balance};
+use muslin_core::balance::{self, Balance};
 
 /// Observations of the start state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -82,16 +82,4 @@ impl Record {
             awaits_audit: awaits_audit != 0,
         }
     }
-}
-
-/// Size of the box around positions along each axis, m.
-pub fn extent(positions: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in positions {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(p[axis]);
-            high[axis] = high[axis].max(p[axis]);
-        }
-    }
-    [0, 1, 2].map(|axis| high[axis] - low[axis])
 }

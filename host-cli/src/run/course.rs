@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use muslin_core::diagnostics::extent;
 use muslin_core::scene::Timing;
 use muslin_core::stage::Stage;
 
@@ -11,7 +12,7 @@ use crate::checkpoint::Resumed;
 use crate::engine::{Divergence, Engine, Halt, flown_apart};
 use crate::failure::Failure;
 use crate::pool::Pool;
-use crate::record::{Record, Start, extent};
+use crate::record::{Record, Start};
 use crate::stopwatch::Stopwatch;
 use crate::warning::Warning;
 

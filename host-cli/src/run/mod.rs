@@ -1,11 +1,9 @@
 //! `muslin run`: simulates a scene from its first to its last frame, and writes its files.
 
-pub mod balance;
 mod conclusion;
 pub mod course;
 mod files;
 mod manifest;
-mod masses;
 #[cfg(test)]
 mod power_loss;
 mod remedy;
@@ -14,6 +12,7 @@ pub mod start;
 mod step_plot;
 mod time_series;
 mod verdict;
+mod words;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -116,7 +115,7 @@ fn run_until(arguments: &RunArguments, stop: &AtomicBool) -> Result<(), Failure>
     let Prepared { scene, scene_crc, pool, mut engine, timing, resumed } = prepared?;
     let folder = Folder::take(out(arguments, &scene)?)?;
     let stopwatch = Stopwatch::new(&pool).until(stop);
-    let mut warnings = start::warnings(engine.as_ref(), &scene, &timing, arguments.precision, &stopwatch);
+    let mut warnings = start::warnings(engine.as_ref(), &scene, arguments.precision, &stopwatch);
     let start = match resumed {
         Some(_) => Start::default(),
         None => untangle(engine.as_mut(), arguments, &pool, stop, &mut warnings)?,

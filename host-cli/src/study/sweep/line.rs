@@ -52,7 +52,7 @@ pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<
     }
     let summary = pool.install(|| {
         let stopwatch = Stopwatch::new(pool).until(stop);
-        let mut warnings = start::warnings(engine.as_ref(), &scene, &timing, task.point.precision, &stopwatch);
+        let mut warnings = start::warnings(engine.as_ref(), &scene, task.point.precision, &stopwatch);
         let Some((start, warning)) = start::untangle(engine.as_mut(), false, pool, stop) else {
             return Err(interrupted(task));
         };
