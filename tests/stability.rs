@@ -130,7 +130,8 @@ fn blows_up(method: Method, omega: f64, mode: &[DVec3], damping: f64, step: f64)
 #[test]
 fn critical_steps_are_those_of_theory() {
     let undamped = Net::lattice(SIDE, SPRINGS, 0.0).build();
-    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode(1e-12, 100_000, &Serial);
+    let (lambda, mode) =
+        Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact, &Serial).fastest_mode(1e-12, 100_000, &Serial);
     let omega = lambda.sqrt();
     for method in EXPLICIT {
         for zeta in [0.0, 0.3, 0.5, 0.7] {
@@ -160,7 +161,8 @@ fn critical_steps_are_those_of_theory() {
 #[test]
 fn undamped_growth_is_exact() {
     let undamped = Net::lattice(SIDE, SPRINGS, 0.0).build();
-    let (lambda, mode) = Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact).fastest_mode(1e-12, 100_000, &Serial);
+    let (lambda, mode) =
+        Tangent::of(&undamped, 1.0, 0.0, Jacobian::Exact, &Serial).fastest_mode(1e-12, 100_000, &Serial);
     let spans = [0.05, 0.5, 1.0];
     for (method, z) in [Method::ExplicitEuler, Method::Midpoint].into_iter().flat_map(|m| spans.map(|z| (m, z))) {
         let want = spectral_radius(update(method, z, 0.0)).powi(2);

@@ -41,6 +41,18 @@ pub struct Stretch {
     pub mean: Sum,
 }
 
+/// Size of the box around positions along each axis, m.
+pub fn extent(positions: impl Iterator<Item = [Sum; 3]>) -> [Sum; 3] {
+    let (mut low, mut high) = ([Sum::INFINITY; 3], [Sum::NEG_INFINITY; 3]);
+    for p in positions {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(p[axis]);
+            high[axis] = high[axis].max(p[axis]);
+        }
+    }
+    [0, 1, 2].map(|axis| high[axis] - low[axis])
+}
+
 /// Stretch of edges. `rest` are their rest lengths, m.
 pub fn stretch(edges: &[[u32; 2]], rest: &[Real], x: &[Vec3]) -> Stretch {
     let mut stretch = Stretch::default();

@@ -23,9 +23,10 @@
 //! 10. [`step`]: the only module that knows the order; it works in [`scratch`] columns sized once. [`refusal`]: why a
 //!     step fails.
 //! 11. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash; [`work_done`]: work of pins,
-//!     colliders and wind; [`reactions`]: their impulses;
+//!     colliders and wind; [`balance`]: energy that this work does not explain; [`reactions`]: impulses of pins and colliders;
 //!     [`audit`]: an exact test for intersections; [`untangle`]: removes the intersections of a start
-//!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods.
+//!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods; [`warning`]: settings that do not
+//!     suit a scene, and signs that a result is wrong.
 //! 12. [`simulation`]: all of it owned, for hosts that allocate.
 //!
 //! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time),
@@ -114,7 +115,10 @@ pub mod step;
 
 pub mod scratch;
 
+pub mod balance;
 pub mod diagnostics;
+#[cfg(feature = "alloc")]
+pub mod warning;
 pub mod work_done;
 
 pub mod audit;

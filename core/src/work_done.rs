@@ -45,6 +45,14 @@ pub struct WorkDone {
     pub exchanged: Sum,
 }
 
+impl WorkDone {
+    /// The work from outside: what pins, colliders and wind, gravity and loads that change, and the separation of surfaces
+    /// gave, J.
+    pub fn from_outside(&self) -> Sum {
+        self.pins + self.colliders + self.wind + self.gravity + self.separation
+    }
+}
+
 impl core::ops::AddAssign for WorkDone {
     fn add_assign(&mut self, other: Self) {
         self.pins += other.pins;

@@ -18,7 +18,7 @@ use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const FORMAT: u32 = 10;
+const FORMAT: u32 = 11;
 
 /// The version of muslin: another one may take other steps.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -127,7 +127,7 @@ pub fn scene_crc(scene: &SceneFile) -> u32 {
         table.remove("duration");
         crc.update(table.to_string().as_bytes());
     }
-    for (name, content) in &scene.resources {
+    for (name, content) in &*scene.resources {
         crc.update(name.as_bytes());
         let mesh = match content {
             Content::Mesh(mesh) => mesh,
@@ -234,7 +234,7 @@ fn take<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
 mod tests {
     use super::*;
     use crate::record::Start;
-    use crate::run::balance::Balance;
+    use muslin_core::balance::Balance;
 
     fn example() -> Checkpoint {
         let columns =
@@ -255,6 +255,7 @@ mod tests {
             penetration: Some(1e-3),
             audited: 18,
             crossings: Some((4, 17)),
+            awaits_audit: true,
         };
         let impulses = vec![[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [0.5; 6]];
         Checkpoint { precision: Precision::F64, scene: 0xdead_beef, chain: 42, record, snapshot, impulses }

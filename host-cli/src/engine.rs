@@ -3,6 +3,7 @@
 
 use muslin_core::integrate::stability::Mode;
 use muslin_core::scene::Timing;
+use muslin_core::work_done::WorkDone;
 use serde::{Deserialize, Serialize};
 
 use crate::args::Precision;
@@ -108,17 +109,6 @@ pub struct Snapshot {
     pub halvings: u32,
     /// Length of the last step or substep, s; 0 if the next one does not continue it.
     pub last_step: f64,
-}
-
-/// The work done on the cloth, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WorkDone {
-    /// By pins, colliders and wind, by gravity and loads that change, and by moving overlapping surfaces apart.
-    pub outside: [f64; 5],
-    /// The amounts of pins, colliders and wind in all steps together.
-    pub exchanged: f64,
-    /// By contacts and by damping; measured with the reactions.
-    pub inside: [f64; 2],
 }
 
 /// The vertices of a `[[cloth.pin]]`.
@@ -383,19 +373,16 @@ macro_rules! engine {
                 }
 
                 fn measure_work(&mut self, from: super::WorkDone) {
-                    let super::WorkDone { outside: [pins, colliders, wind, gravity, separation], exchanged, .. } = from;
-                    let [contacts, damping] = from.inside;
+                    let super::WorkDone { pins, colliders, wind, gravity, separation, .. } = from;
+                    let super::WorkDone { contacts, damping, exchanged, .. } = from;
                     let from = WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged };
                     Simulation::measure_work(self, from);
                 }
 
                 fn work_done(&self) -> super::WorkDone {
-                    let w = Simulation::work_done(self);
-                    super::WorkDone {
-                        outside: [w.pins, w.colliders, w.wind, w.gravity, w.separation],
-                        exchanged: w.exchanged,
-                        inside: [w.contacts, w.damping],
-                    }
+                    let WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged } =
+                        Simulation::work_done(self);
+                    super::WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged }
                 }
 
                 fn dissipates(&self) -> bool {
@@ -439,8 +426,7 @@ macro_rules! engine {
                 }
 
                 fn rounding(&self) -> f64 {
-                    let farthest = self.positions().iter().map(|x| x.abs().max_element()).fold(0.0, Real::max);
-                    f64::from(farthest * Real::EPSILON) / self.mean_edge()
+                    Simulation::rounding(self)
                 }
 
                 fn write_state(&self, out: &mut Vec<[f64; 3]>) {
@@ -515,8 +501,7 @@ macro_rules! engine {
                 }
 
                 fn mean_edge(&self) -> f64 {
-                    let lengths = &self.scene().rest_lengths;
-                    lengths.iter().map(|&length| f64::from(length)).sum::<f64>() / lengths.len().max(1) as f64
+                    self.scene().mean_edge()
                 }
 
                 fn mean_edges(&self) -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! Observations of a run up to now. A checkpoint stores them, so that a resumed run reports on the whole run.
 
-use crate::run::balance::{self, Balance};
+use muslin_core::balance::{self, Balance};
 
 /// Observations of the start state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,16 +36,18 @@ pub struct Record {
     pub audited: u64,
     /// Crossings of the worst of these frames, and the number of that frame; `None` without an audit.
     pub crossings: Option<(u64, u64)>,
+    /// Whether the audit of the last frame was interrupted.
+    pub awaits_audit: bool,
 }
 
 /// Number of words in an encoded record.
-pub const WORDS: usize = 18 + balance::WORDS;
+pub const WORDS: usize = 19 + balance::WORDS;
 
 impl Record {
     /// Encodes the record as words.
     pub fn encode(&self) -> [u64; WORDS] {
         let Self { start, size: [x, y, z], stretch, first_stretch, balance, rounding, fastest, .. } = *self;
-        let Self { penetration, audited, crossings, measures_reactions, .. } = *self;
+        let Self { penetration, audited, crossings, awaits_audit, measures_reactions, .. } = *self;
         let known = |value: Option<u64>| [u64::from(value.is_some()), value.unwrap_or(0)];
         let ([a, b], [c, d]) = (known(start.crossings), known(start.untangled));
         let [e, f] = known(penetration.map(f64::to_bits));
@@ -54,7 +56,7 @@ impl Record {
         let [stretch, first, rounding, fastest] = [stretch, first_stretch, rounding, fastest].map(f64::to_bits);
         let [x, y, z] = [x, y, z].map(f64::to_bits);
         let own = [a, b, c, d, x, y, z, stretch, first, e, f, audited, g, h, frame, rounding, fastest];
-        let all = own.into_iter().chain([measures_reactions.into()]).chain(balance.encode());
+        let all = own.into_iter().chain([awaits_audit, measures_reactions].map(u64::from)).chain(balance.encode());
         let mut words = [0; WORDS];
         words.iter_mut().zip(all).for_each(|(word, value)| *word = value);
         words
@@ -63,7 +65,7 @@ impl Record {
     /// Decodes a record.
     pub fn decode(words: [u64; WORDS]) -> Self {
         let [a, b, c, d, x, y, z, stretch, first, e, f, audited, g, h, frame, rounding, fastest, rest @ ..] = words;
-        let [measures_reactions, balance @ ..] = rest;
+        let [awaits_audit, measures_reactions, balance @ ..] = rest;
         let known = |is: u64, value: u64| (is != 0).then_some(value);
         Self {
             start: Start { crossings: known(a, b), untangled: known(c, d) },
@@ -77,18 +79,7 @@ impl Record {
             penetration: known(e, f).map(f64::from_bits),
             audited,
             crossings: known(g, h).map(|count| (count, frame)),
+            awaits_audit: awaits_audit != 0,
         }
     }
-}
-
-/// Size of the box around positions along each axis, m.
-pub fn extent(positions: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in positions {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(p[axis]);
-            high[axis] = high[axis].max(p[axis]);
-        }
-    }
-    [0, 1, 2].map(|axis| high[axis] - low[axis])
 }

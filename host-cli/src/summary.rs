@@ -1,10 +1,11 @@
 //! `summary.json`: the summary of a run.
 
+use muslin_core::balance::Balance;
+use muslin_core::work_done::WorkDone;
 use serde::Serialize;
 
 use crate::device::StageTime;
 use crate::engine::Report;
-use crate::run::balance::Balance;
 use crate::units::{length, mass};
 use crate::warning::Warning;
 
@@ -130,7 +131,7 @@ pub struct EnergyBalance {
 impl EnergyBalance {
     /// The balance of a run. `method` is the energy that the method added, if it is known.
     pub fn new(balance: &Balance, method: Option<f64>) -> Self {
-        let [pins, colliders, wind, gravity, separation] = balance.work.outside;
+        let WorkDone { pins, colliders, wind, gravity, separation, .. } = balance.work;
         let (appeared, moved) = (balance.appeared, balance.moved());
         Self { pins, colliders, wind, gravity, separation, method, appeared, moved }
     }

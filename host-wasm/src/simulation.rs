@@ -5,6 +5,7 @@ use muslin_core::diagnostics::StateHash;
 use muslin_core::real::Vec3;
 use muslin_core::scene::SceneDesc;
 use muslin_core::simulation::{Simulation as Cloth, State, StepError};
+use muslin_core::warning::Warning;
 use muslin_gpu::Gpu;
 use muslin_gpu::device::Ask;
 use muslin_gpu::step::StepDetector;
@@ -12,13 +13,15 @@ use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};
 
 use crate::clock::{Clock, PARTS};
 use crate::surface::{write_normals, write_strains};
+use crate::watch::Watch;
 
 /// A simulation. It gives its columns as addresses and lengths in the memory of the module, where a page reads them.
 #[wasm_bindgen]
 pub struct Simulation {
     own: Cloth,
     clock: Clock,
-    settings: Settings,
+    scene: SceneDesc,
+    watch: Watch,
     chain: StateHash,
     /// Vertices that the page holds; `released` are vertices that it freed. Both stay so when the scene is changed.
     held: Vec<u32>,
@@ -27,20 +30,6 @@ pub struct Simulation {
     places: Vec<[f32; 3]>,
     normals: Vec<Vec3>,
     strains: Vec<f32>,
-}
-
-/// Frames per second, duration, s, and largest error of a step, m, of a scene.
-#[derive(Clone, Copy)]
-struct Settings {
-    frame_rate: f64,
-    duration: f64,
-    step_error: Option<f64>,
-}
-
-impl Settings {
-    fn of(desc: &SceneDesc) -> Self {
-        Self { frame_rate: desc.frame_rate, duration: desc.duration, step_error: desc.integrator.error() }
-    }
 }
 
 fn error(why: impl std::fmt::Display) -> JsError {
@@ -53,14 +42,17 @@ impl Simulation {
     #[wasm_bindgen(constructor)]
     pub fn new(scene: JsValue) -> Result<Self, JsError> {
         let desc = muslin_wasm_scene::read(scene).map_err(error)?;
-        let own = Cloth::new(&desc, &[]).map_err(error)?;
+        let mut own = Cloth::new(&desc, &[]).map_err(error)?;
+        let clock = Clock::default();
+        let watch = Watch::begin(&mut own, &desc, &clock);
         let count = own.positions().len();
         let mut chain = StateHash::default();
         chain.add(own.positions(), own.velocities());
         Ok(Self {
             own,
-            clock: Clock::default(),
-            settings: Settings::of(&desc),
+            clock,
+            watch,
+            scene: desc,
             chain,
             held: Vec::new(),
             released: Vec::new(),
@@ -89,6 +81,7 @@ impl Simulation {
         self.clock.pause();
         taken.map_err(error)?;
         self.chain.add(self.own.positions(), self.own.velocities());
+        self.watch.step(&self.own);
         Ok(())
     }
 
@@ -135,7 +128,8 @@ impl Simulation {
         let count = next.positions().len();
         self.normals.resize(count, Vec3::ZERO);
         self.strains.resize(count, 0.0);
-        (self.own, self.settings) = (next, Settings::of(&desc));
+        self.watch = Watch::begin(&mut next, &desc, &self.clock);
+        (self.own, self.scene) = (next, desc);
         Ok(())
     }
 
@@ -267,19 +261,30 @@ impl Simulation {
     /// The largest error of a step, m; none if all steps have the same length.
     #[wasm_bindgen(getter, js_name = stepError)]
     pub fn step_error(&self) -> Option<f64> {
-        self.settings.step_error
+        self.scene.integrator.error()
     }
 
     /// Frames of the scene per simulated second.
     #[wasm_bindgen(getter, js_name = frameRate)]
     pub fn frame_rate(&self) -> f64 {
-        self.settings.frame_rate
+        self.scene.frame_rate
     }
 
     /// Duration of the scene, s.
     #[wasm_bindgen(getter)]
     pub fn duration(&self) -> f64 {
-        self.settings.duration
+        self.scene.duration
+    }
+
+    /// The warnings of the run up to now. Each has a code, a value, the number that it is compared with, and whether it makes
+    /// the result doubtful.
+    #[cfg_attr(small, optimize(size))]
+    pub fn warnings(&self) -> Vec<JsValue> {
+        let mut words = Vec::new();
+        for Warning { code, value, beside, is_doubtful } in self.watch.warnings(&self.own, &self.scene, &self.clock) {
+            words.extend([code.name().into(), value.into(), beside.into(), JsValue::from(is_doubtful)]);
+        }
+        words
     }
 
     /// The hash chain over the states of all steps, as `muslin run` prints it.

@@ -63,6 +63,44 @@ export interface Summary {
   cgIterations: number;
 }
 
+/** A warning, as `muslin run` gives it, of the run since the scene was last set. */
+export interface Warning {
+  /**
+   * What it is about, and what `value` and `beside` are:
+   * - `step`: the step of the scene, which does not divide a frame, and the one that is taken, s
+   * - `duration`: the duration of the scene, which is no whole number of frames, and the one that is meant, s
+   * - `thickness`: the thickness of contact, which does not suit the edges, and their mean length, m
+   * - `masses`: step^2 x stiffness over the mass of a vertex, and the largest value that single precision bears
+   * - `unstable`: the step, and the longest stable step of the explicit method at the start, s
+   * - `energy`: energy that appeared from nowhere, and the largest energy that moved, J
+   * - `stretch`: the largest ratio of edge length to rest length in any frame, and the largest of cloth
+   * - `unconverged`: solves that ended above their tolerance, and steps
+   * - `rounding`: the largest rounding of a position over the length of an edge, and the largest that does not show
+   * - `overlap`: energy by moving overlapping surfaces apart, and the largest energy that moved, J
+   * - `method`: energy that the method took, and the largest energy that moved, J
+   * - `exceeding`: substeps with too large an error, and all substeps
+   */
+  code:
+    | "step"
+    | "duration"
+    | "thickness"
+    | "masses"
+    | "unstable"
+    | "energy"
+    | "stretch"
+    | "unconverged"
+    | "rounding"
+    | "overlap"
+    | "method"
+    | "exceeding";
+  /** The number that is too large or too small. */
+  value: number;
+  /** The number that it is compared with. */
+  beside: number;
+  /** Whether the result of the run is probably wrong. */
+  doubtful: boolean;
+}
+
 /** A collider at the current time. */
 export interface Body {
   shape: "plane" | "sphere" | "capsule" | "box" | "mesh";
@@ -111,6 +149,11 @@ export class Cloth {
   /** The colliders, as copies. */
   bodies(): Body[];
 
+  /**
+   * The warnings up to now. Frames are observed, as by `muslin run`, and a change of the scene begins anew. The first call under
+   * error control takes about as long as 200 solver iterations.
+   */
+  warnings(): Warning[];
   /** A copy of the current scene. */
   readonly scene: Scene;
   /**

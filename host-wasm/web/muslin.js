@@ -187,6 +187,16 @@ export class Cloth {
     return structuredClone(this.#scene);
   }
 
+  warnings() {
+    const all = this.#idle.warnings();
+    const warnings = [];
+    for (let at = 0; at < all.length; at += 4) {
+      const [code, value, beside, doubtful] = all.slice(at);
+      warnings.push({ code, value, beside, doubtful });
+    }
+    return warnings;
+  }
+
   set(key, value) {
     const own = this.#idle;
     const next = changed(this.#scene, typeof key === "string" ? { [key]: value } : key);

@@ -18,7 +18,7 @@ console.log(scenes().length, cloth.positions().length, cloth.steps);
 console.log(await cloth.openDevice().catch(({ message }) => message));
 `;
 const TYPED = `
-import { Cloth, load, type Summary } from "muslin";
+import { Cloth, load, type Summary, type Warning } from "muslin";
 export async function run(): Promise<Summary> {
   await load();
   const cloth = new Cloth("flag");
@@ -28,6 +28,8 @@ export async function run(): Promise<Summary> {
   cloth.moveTo(0, x.subarray(0, 3), 0.1);
   // @ts-expect-error: a step is no word
   cloth.step("one");
+  const codes: Warning["code"][] = cloth.warnings().map(({ code }) => code);
+  console.log(codes);
   return cloth.summary();
 }
 `;

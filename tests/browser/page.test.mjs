@@ -41,6 +41,20 @@ test("it opens without an error, draws, and the cloth falls on the ball", { skip
   await page.close();
 });
 
+test("warnings stand among the numbers, and go with their reason", { skip }, async () => {
+  const { page, errors } = await open("#scene=flag&compare=0");
+  const shows = (whether) =>
+    page.waitForFunction((whether) => document.getElementById("numbers").textContent.includes("does not divide a frame") === whether, whether);
+  const set = (step) => inPage(page, (step) => muslin.run().ask(() => muslin.run().set({ "integrator.step": step })), step);
+  await shows(false);
+  await set(1);
+  await shows(true);
+  await set(undefined);
+  await shows(false);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
 test("a hand drags the cloth, pins it and lets it go", { skip }, async () => {
   const { page, errors } = await open("#scene=flag&compare=0");
   const seen = () =>

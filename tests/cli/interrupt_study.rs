@@ -2,7 +2,9 @@
 //! computed from counts, so that the report is that of an uninterrupted study, number for number.
 #![cfg(unix)]
 
+use std::fs::OpenOptions;
 use std::process::{Command, Stdio};
+use std::thread;
 
 use serde_json::Value;
 
@@ -17,13 +19,19 @@ struct Interrupted {
 /// Interrupts a command once a condition is true, and asserts that it exits with code 130.
 #[track_caller]
 fn interrupt(place: &Place, words: &str, once: impl Fn() -> bool) -> Interrupted {
+    signal(place, words, "-INT", once)
+}
+
+/// Sends a signal to a command once a condition is true, and asserts that it exits with code 130.
+#[track_caller]
+fn signal(place: &Place, words: &str, signal: &str, once: impl Fn() -> bool) -> Interrupted {
     // Not pipes: a report may be longer than a pipe holds.
     let [stdout, stderr] = [tempfile::NamedTempFile::new().unwrap(), tempfile::NamedTempFile::new().unwrap()];
     let mut command = place.command(words);
     let mut child = command.stdout(stdout.reopen().unwrap()).stderr(stderr.reopen().unwrap()).spawn().unwrap();
     wait_until(|| once() || child.try_wait().unwrap().is_some(), words);
     // It fails if the command has ended; then the exit code says so.
-    let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status();
+    let _ = Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status();
     let code = wait(&mut child, &command).code();
     let [stdout, stderr] = [stdout, stderr].map(|file| std::fs::read_to_string(file.path()).unwrap());
     assert_eq!(code, Some(130), "{words}: {stderr}");
@@ -154,4 +162,37 @@ fn untangling_hears_an_interrupt() {
     let interrupted = interrupt(&place, words, || started.elapsed().as_secs() >= 5);
     assert!(interrupted.stderr.contains("interrupted before the first step"), "{}", interrupted.stderr);
     assert!(place.files(".") == before && !place.path("out").exists());
+}
+
+/// A scene and a sweep with a mesh from a pipe that nobody writes to: without an interrupt, to load them takes for ever.
+fn endless(place: &Place) {
+    assert!(Command::new("mkfifo").arg(place.path("endless.obj")).status().unwrap().success());
+    let grid = "grid = { size = [0.3, 0.3], cells = [4, 4] }";
+    place.write("endless.toml", TINY.replace(grid, "mesh = \"endless.obj\""));
+    place.write("sweep.toml", "scene = \"endless.toml\"\n[grid]\n\"cloth.density\" = [0.1, 0.2]\n");
+}
+
+/// Nothing is written before a scene is built.
+#[test]
+fn loading_a_scene_hears_an_interrupt() {
+    let place = Place::new();
+    endless(&place);
+    let before = place.files(".");
+    for words in [
+        "run endless.toml",
+        "sweep sweep.toml",
+        "needs endless.toml",
+        "chart endless.toml",
+        "choose endless.toml --tolerance 1mm",
+        "stability endless.toml",
+    ] {
+        for kind in ["-INT", "-TERM"] {
+            // To open a pipe for writing waits for the command that opens it for reading.
+            let pipe = place.path("endless.obj");
+            let opened = thread::spawn(|| OpenOptions::new().write(true).open(pipe));
+            let interrupted = signal(&place, words, kind, || opened.is_finished());
+            assert!(interrupted.stderr.contains("; nothing is written"), "{words}: {}", interrupted.stderr);
+            assert!(place.files(".") == before && !place.path("out").exists(), "{words}");
+        }
+    }
 }

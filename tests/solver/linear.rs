@@ -9,6 +9,7 @@ use harness::net::linearised;
 use harness::rng::Rng;
 use harness::steps::Steps;
 use harness::worst::Worst;
+use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::forces::strain_rate;
 use muslin_core_f64::integrate::pins::JumpSide;
 use muslin_core_f64::integrate::{Jacobian, Method, Preconditioner, Scheme};
@@ -121,17 +122,17 @@ fn dense(sim: &Simulation, stage: f64) -> Vec<DVec3> {
     let ahead = ahead(sim, stage);
     let mut there = sim.scene().clone();
     there.particles.positions.iter_mut().zip(&ahead).for_each(|(x, &v)| *x += v * stage);
-    let mut tangent = Tangent::of(&there, stage * stage, stage, sim.scheme().jacobian);
+    let mut tangent = Tangent::of(&there, stage * stage, stage, sim.scheme().jacobian, &Serial);
     let (mut unit, mut column) = (vec![DVec3::ZERO; x.len()], vec![DVec3::ZERO; x.len()]);
     let mut matrix = DMatrix::<f64>::zeros(size, size);
     for k in 0..size {
         unit[k / 3][k % 3] = 1.0;
-        tangent.multiply(1.0, &unit, &mut column);
+        tangent.multiply(1.0, &unit, &mut column, &Serial);
         unit[k / 3][k % 3] = 0.0;
         (0..size).for_each(|i| matrix[(i, k)] = column[i / 3][i % 3]);
     }
     let f = kit::forces(&sim.model(), masses, &there.particles.positions, &ahead);
-    tangent.multiply(0.0, &ahead, &mut column);
+    tangent.multiply(0.0, &ahead, &mut column, &Serial);
     let force = |i: usize| v[i] * masses[i] + f[i] * stage + column[i];
     let mut right = DMatrix::<f64>::from_fn(size, 1, |i, _| force(i / 3)[i % 3]);
     // A held axis covers its prescribed displacement at a constant rate.

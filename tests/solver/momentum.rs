@@ -5,6 +5,7 @@ use glam::DVec3;
 use harness::both_precisions;
 use harness::kit::double as kit;
 use harness::steps::Steps;
+use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::{Jacobian, Method};
 use muslin_core_f64::spectrum::Tangent;
 
@@ -110,7 +111,12 @@ fn momentum_gained_is_the_sum_of_the_residual() {
         sim.take_step().expect("finite");
         let gained = DVec3::from(sim.momentum()) - before;
         let mut product = vec![DVec3::ZERO; v0.len()];
-        Tangent::of(&start, h * h, h, Jacobian::Projected).multiply(1.0, sim.velocities(), &mut product);
+        Tangent::of(&start, h * h, h, Jacobian::Projected, &Serial).multiply(
+            1.0,
+            sim.velocities(),
+            &mut product,
+            &Serial,
+        );
         let residual: DVec3 = (0..v0.len()).map(|i| v0[i] * masses[i] + f[i] * h - product[i]).sum();
         let size: f64 = v0.iter().zip(masses).map(|(v, m)| (*v * *m).length()).sum();
         println!(

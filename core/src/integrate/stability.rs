@@ -24,6 +24,7 @@ const PARTS: u32 = 4096;
 
 impl Mode {
     /// The longest stable step, s: 0 if every step amplifies the mode, `None` if no step does.
+    #[cfg_attr(small, optimize(size))]
     pub fn longest_step(&self, method: Method) -> Option<Sum> {
         let [real, imaginary] = self.eigenvalue();
         let size = libm::hypot(real, imaginary);

@@ -21,6 +21,7 @@ pub struct Edge {
 /// Builds the unique edges, sorted by their smaller end, then by their larger end.
 ///
 /// Errors: an edge with more than two triangles.
+#[cfg_attr(small, optimize(size))]
 pub fn build(triangles: &[[u32; 3]]) -> Result<Vec<Edge>, MeshError> {
     let mut sides: Vec<(u32, u32, u32, u8)> = Vec::with_capacity(triangles.len() * 3);
     for (t, corners) in triangles.iter().enumerate() {

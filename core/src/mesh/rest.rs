@@ -61,6 +61,7 @@ pub enum RestSource {
 /// the projection of the x axis (of the z axis where a triangle faces x).
 ///
 /// Errors: a triangle without area; [`RestSource::Uv`] for a mesh without texture coordinates.
+#[cfg_attr(small, optimize(size))]
 pub fn triangles(mesh: &TriMesh, source: RestSource, uv_scale: f64) -> Result<Vec<RestTriangle>, MeshError> {
     if source == RestSource::Uv && !mesh.has_uvs() {
         return Err(MeshError::NoTextureCoordinates);

@@ -26,7 +26,7 @@ use crate::mesh::rest::{self, RestTriangle};
 use crate::mesh::{IncidenceColumns, TriMesh};
 use crate::particles::ParticleColumns;
 use crate::reactions::PinGroup;
-use crate::real::{Real, vec3};
+use crate::real::{Real, Sum, vec3};
 
 /// Range of a cloth's vertices and triangles in the scene's columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,6 +78,11 @@ impl BuiltScene {
             + size_of_val(&self.rest_lengths[..])
             + self.model.view().bytes()
             + self.contact.as_ref().map_or(0, ContactColumns::bytes)
+    }
+
+    /// Mean rest length of all edges, m.
+    pub fn mean_edge(&self) -> Sum {
+        self.rest_lengths.iter().map(|&length| Sum::from(length)).sum::<Sum>() / self.rest_lengths.len().max(1) as Sum
     }
 
     /// Pairs of vertices that seams join.

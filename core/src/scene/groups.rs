@@ -158,6 +158,7 @@ impl Parts {
 }
 
 /// The selected vertices and their parts of a total.
+#[cfg_attr(small, optimize(size))]
 fn shares(
     share: Share,
     select: &SelectDesc,

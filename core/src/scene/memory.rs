@@ -100,6 +100,7 @@ pub struct Memory {
 /// The memory that a scene needs. `resources` holds every mesh file that it names.
 ///
 /// Errors: [`SceneError::TooLarge`].
+#[cfg_attr(small, optimize(size))]
 pub fn memory(scene: &SceneDesc, resources: &[Resource]) -> Result<Memory, SceneError> {
     let vertices = scene.cloth.iter().map(|cloth| vertices(cloth, resources));
     let bytes = vertices.clone().zip(&scene.cloth).map(|(count, cloth)| count.saturating_mul(per_vertex(scene, cloth)));

@@ -78,6 +78,7 @@ pub(super) type Part = (u32, &'static str, u32);
 
 /// The selected vertices in ascending order, counted from the first one of the sheet. `placed` are their positions after
 /// placement, m.
+#[cfg_attr(small, optimize(size))]
 pub(super) fn select(
     select: &SelectDesc,
     sheet: &Sheet<'_>,

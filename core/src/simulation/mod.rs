@@ -122,6 +122,7 @@ impl Simulation {
     }
 
     /// Makes a simulation of a scene that is already built. Pins start with their prescribed velocities.
+    #[cfg_attr(small, optimize(size))]
     pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
         built.pins.view().set_out(0.0, &mut built.particles.velocities);
         let scratch = ScratchColumns::build(&built, &scheme);
@@ -461,6 +462,12 @@ impl Simulation {
     /// Current stretch of all edges.
     pub fn stretch(&self) -> Stretch {
         diagnostics::stretch(&self.built.edges, &self.built.rest_lengths, self.positions())
+    }
+
+    /// Largest rounding of a position, relative to the mean length of an edge.
+    pub fn rounding(&self) -> Sum {
+        let farthest = self.positions().iter().map(|x| x.abs().max_element()).fold(0.0, Real::max);
+        Sum::from(farthest * Real::EPSILON) / self.built.mean_edge()
     }
 
     /// The state that a checkpoint stores.

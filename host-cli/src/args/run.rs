@@ -26,7 +26,7 @@ pub struct SceneArguments {
 }
 
 /// `muslin run`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(after_help = help(include_str!("help/run.txt")))]
 pub struct RunArguments {
     /// The scene

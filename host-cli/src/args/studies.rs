@@ -81,7 +81,7 @@ pub struct ChooseArguments {
 }
 
 /// `muslin sweep`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(after_help = help(include_str!("help/sweep.txt")))]
 pub struct SweepArguments {
     /// The file of the sweep

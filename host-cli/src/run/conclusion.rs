@@ -3,11 +3,12 @@
 use std::time::Duration;
 
 use muslin_core::scene::SceneDesc;
+use muslin_core::warning;
 
 use super::course::{Course, Ending};
-use super::masses;
 use super::remedy;
 use super::start::ITERATIONS;
+use super::words::{self, Known};
 use crate::args::{Backend, Precision};
 use crate::pool::Pool;
 use crate::scene_file::SceneFile;
@@ -132,6 +133,7 @@ impl Course {
         }
         let modes = self.engine.fastest_modes(0.0, ITERATIONS, &Stopwatch::new(pool));
         let step = self.engine.report().time / self.engine.substeps().max(1) as f64;
-        masses::warning(&modes, &scene.desc, self.record().size.into_iter().fold(0.0, f64::max), step)
+        let size = self.record().size.into_iter().fold(0.0, f64::max);
+        warning::masses(&modes, &scene.desc, size, step).map(|one| words::of(&one, &scene.desc, Known::default()))
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use muslin_core::diagnostics::extent;
 use muslin_core::scene::Timing;
 use muslin_core::stage::Stage;
 
@@ -11,7 +12,7 @@ use crate::checkpoint::Resumed;
 use crate::engine::{Divergence, Engine, Halt, flown_apart};
 use crate::failure::Failure;
 use crate::pool::Pool;
-use crate::record::{Record, Start, extent};
+use crate::record::{Record, Start};
 use crate::stopwatch::Stopwatch;
 use crate::warning::Warning;
 
@@ -105,6 +106,8 @@ impl Course {
         };
         let mut record = resumed.as_ref().map_or_else(fresh, |resumed| resumed.record);
         record.measures_reactions = measures;
+        // Without an audit, a frame whose audit was interrupted is not tested.
+        record.awaits_audit &= audit;
         engine.measure_work(record.balance.work);
         if measures {
             engine.measure_reactions();
@@ -136,7 +139,7 @@ impl Course {
     }
 
     /// Observes the state as a frame. The caller does this once at the start of a run that is not resumed.
-    pub fn frame(&mut self, pool: &Pool, witness: &mut impl Witness) -> Result<(), Failure> {
+    pub fn frame(&mut self, pool: &Pool, stop: &AtomicBool, witness: &mut impl Witness) -> Result<(), Failure> {
         let started = Instant::now();
         self.engine.write_state(&mut self.positions);
         let record = &mut self.record;
@@ -144,18 +147,30 @@ impl Course {
         record.balance.see(&self.engine.report().energy, self.engine.work_done());
         record.rounding = record.rounding.max(self.engine.rounding());
         record.penetration = self.engine.penetration().map(|now| now.max(record.penetration.unwrap_or(0.0)));
-        if self.audit {
-            record.audited += 1;
-            let found = (self.engine.crossings(&Stopwatch::new(pool)) as u64, self.steps / self.timing.steps_per_frame);
-            if record.crossings.is_none_or(|worst| found.0 > worst.0) {
-                record.crossings = Some(found);
-            }
-        }
+        record.awaits_audit = self.audit;
+        self.audit(pool, stop);
         self.frames += 1;
         witness.frame(self)?;
         self.engine.set_impulses(&[]);
         self.output += started.elapsed();
         Ok(())
+    }
+
+    /// Audits the last frame, if that is still to be done. After an interrupt it still is.
+    fn audit(&mut self, pool: &Pool, stop: &AtomicBool) {
+        if !self.record.awaits_audit {
+            return;
+        }
+        let count = self.engine.crossings(&Stopwatch::new(pool).until(stop)) as u64;
+        if stop.load(Ordering::Relaxed) {
+            return;
+        }
+        let record = &mut self.record;
+        record.awaits_audit = false;
+        record.audited += 1;
+        if record.crossings.is_none_or(|(worst, _)| count > worst) {
+            record.crossings = Some((count, self.steps / self.timing.steps_per_frame));
+        }
     }
 
     /// Whether the cloth came to rest in the frame that ends now; `None` if the run does not end there.
@@ -176,6 +191,7 @@ impl Course {
     /// Steps until the end, a state at rest that ends the run, a divergence or an interrupt.
     pub fn advance(&mut self, pool: &Pool, stop: &AtomicBool, witness: &mut impl Witness) -> Result<Ending, Failure> {
         let stopwatch = Stopwatch::new(pool).until(stop);
+        self.audit(pool, stop);
         while self.steps < total_steps(&self.timing) && self.is_at_rest() != Some(true) {
             if stop.load(Ordering::Relaxed) {
                 return Ok(Ending::Interrupted);
@@ -199,11 +215,11 @@ impl Course {
                 return Ok(Ending::Diverged(divergence));
             }
             if frame_ends {
-                self.frame(pool, witness)?;
+                self.frame(pool, stop, witness)?;
             }
             witness.step(self)?;
         }
-        Ok(Ending::Complete)
+        Ok(if self.record.awaits_audit { Ending::Interrupted } else { Ending::Complete })
     }
 
     /// Whether the cloth flew apart in the step just taken.
@@ -213,5 +229,50 @@ impl Course {
             advice: None,
             is_instability: false,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{self, Snapshot};
+    use crate::scene_file;
+
+    /// A run of the start of `fold` that audits its frames, from the start or from a checkpoint.
+    fn begin(audit: bool, resumed: Option<(Resumed, &Snapshot)>) -> Course {
+        let scene = scene_file::load("fold", &["duration=0.1".into()]).unwrap();
+        let (mut engine, timing) = engine::build(&scene, Precision::F32).unwrap();
+        let resumed = resumed.map(|(resumed, snapshot)| {
+            assert!(engine.restore(snapshot));
+            resumed
+        });
+        Course::begin(engine, timing, Precision::F32, [audit, false], Start::default(), resumed)
+    }
+
+    #[test]
+    fn an_interrupted_audit_is_made_up_for_or_leaves_a_gap() {
+        let pool = Pool::new(Some(1)).unwrap();
+        let [go, stop] = [false, true].map(AtomicBool::new);
+        for interrupts_the_last_frame in [false, true] {
+            let mut course = begin(true, None);
+            if interrupts_the_last_frame {
+                course.frame(&pool, &go, &mut ()).unwrap();
+                course.advance(&pool, &go, &mut ()).unwrap();
+                // As if there was no audit of the last frame yet.
+                course.record.audited -= 1;
+                course.frames -= 1;
+            }
+            course.frame(&pool, &stop, &mut ()).unwrap();
+            assert_eq!(course.record().audited, course.frames - 1, "an interrupted audit counts");
+            assert!(matches!(course.advance(&pool, &stop, &mut ()), Ok(Ending::Interrupted)));
+            let snapshot = course.engine.snapshot();
+            for audit in [true, false] {
+                let record = Record::decode(course.record().encode());
+                let resumed = Resumed { chain: course.chain, record, impulses: Vec::new() };
+                let mut course = begin(audit, Some((resumed, &snapshot)));
+                assert!(matches!(course.advance(&pool, &go, &mut ()), Ok(Ending::Complete)));
+                assert_eq!(course.record().audited == course.frames, audit, "frames that the resumed run audits");
+            }
+        }
     }
 }

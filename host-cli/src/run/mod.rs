@@ -1,11 +1,9 @@
 //! `muslin run`: simulates a scene from its first to its last frame, and writes its files.
 
-pub mod balance;
 mod conclusion;
 pub mod course;
 mod files;
 mod manifest;
-mod masses;
 #[cfg(test)]
 mod power_loss;
 mod remedy;
@@ -14,17 +12,17 @@ pub mod start;
 mod step_plot;
 mod time_series;
 mod verdict;
+mod words;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
-use muslin_core::scene::SceneDesc;
+use muslin_core::scene::{SceneDesc, Timing};
 
 use crate::args::{Backend, Precision, PreviewKind, RunArguments};
-use crate::checkpoint::{self, Checkpoint};
+use crate::checkpoint::{self, Checkpoint, Resumed};
 use crate::device::StepDetector;
 use crate::engine::{self, Engine};
 use crate::export::{Exporter, Format};
@@ -67,16 +65,23 @@ struct Files<'a> {
     bar: ProgressBar,
 }
 
-/// Runs a scene.
-pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    run_watched(arguments, interrupt::watch)
+/// A run before its first step. It has no files yet.
+struct Prepared {
+    scene: SceneFile,
+    scene_crc: u32,
+    pool: Pool,
+    engine: Box<dyn Engine>,
+    timing: Timing,
+    resumed: Option<Resumed>,
 }
 
-/// Runs a scene. `watch` is called when the scene is built: until then, an interrupt ends the process at once.
-fn run_watched(
-    arguments: &RunArguments,
-    watch: impl FnOnce() -> Result<Arc<AtomicBool>, Failure>,
-) -> Result<(), Failure> {
+/// Runs a scene.
+pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
+    run_until(arguments, &*interrupt::watch()?)
+}
+
+/// Loads and builds the scene, and reads the checkpoint.
+fn prepare(arguments: &RunArguments) -> Result<Prepared, Failure> {
     if arguments.export.len() > 1 && arguments.export.contains(&Format::None) {
         return Err(Failure::Usage("--export: none excludes all other formats".into()));
     }
@@ -98,10 +103,19 @@ fn run_watched(
                 .into(),
         ));
     }
-    let stop = &*watch()?;
+    Ok(Prepared { scene, scene_crc, pool, engine, timing, resumed })
+}
+
+/// Runs a scene to its end or until an interrupt.
+fn run_until(arguments: &RunArguments, stop: &AtomicBool) -> Result<(), Failure> {
+    let own = arguments.clone();
+    let Some(prepared) = interrupt::until(stop, move || prepare(&own))? else {
+        return Err(Failure::Interrupted("interrupted while the scene was built; nothing is written".into()));
+    };
+    let Prepared { scene, scene_crc, pool, mut engine, timing, resumed } = prepared?;
     let folder = Folder::take(out(arguments, &scene)?)?;
     let stopwatch = Stopwatch::new(&pool).until(stop);
-    let mut warnings = start::warnings(engine.as_ref(), &scene, &timing, arguments.precision, &stopwatch);
+    let mut warnings = start::warnings(engine.as_ref(), &scene, arguments.precision, &stopwatch);
     let start = match resumed {
         Some(_) => Start::default(),
         None => untangle(engine.as_mut(), arguments, &pool, stop, &mut warnings)?,
@@ -117,7 +131,7 @@ fn run_watched(
     course.warnings = warnings;
     pool.install(|| {
         if !is_resumed {
-            course.frame(&pool, &mut files)?;
+            course.frame(&pool, stop, &mut files)?;
         }
         let started = Instant::now();
         let ending = course.advance(&pool, stop, &mut files);

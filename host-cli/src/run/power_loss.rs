@@ -7,12 +7,12 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::Parser;
 use tempfile::TempDir;
 
-use super::{CHECKPOINT, run_watched};
+use super::{CHECKPOINT, run_until};
 use crate::args::{Arguments, Command, RunArguments};
 use crate::disk::journal::{Disk, Event, Files, record};
 
@@ -53,7 +53,7 @@ impl Place {
         }
         let Command::Run(arguments) = Arguments::parse_from(line).command else { unreachable!() };
         let arguments: &RunArguments = &arguments;
-        run_watched(arguments, || Ok(Arc::default())).map_err(|failure| failure.to_string())
+        run_until(arguments, &AtomicBool::new(false)).map_err(|failure| failure.to_string())
     }
 
     /// The files in a folder.

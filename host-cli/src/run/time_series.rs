@@ -7,9 +7,10 @@ use std::io::{self, BufRead, BufReader, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use muslin_core::work_done::WorkDone;
 
 use super::course::Course;
-use crate::engine::{Engine, WorkDone};
+use crate::engine::Engine;
 use crate::export::whole::{Partial, WriteError};
 use crate::warning::Warning;
 
@@ -85,14 +86,15 @@ fn header(engine: &dyn Engine) -> String {
 fn row(course: &Course) -> String {
     let Course { engine, timing, steps, .. } = course;
     let (report, balance) = (engine.report(), course.record().balance);
-    let WorkDone { outside, inside, .. } = balance.work;
+    let WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, .. } = balance.work;
+    let works = [pins, colliders, wind, gravity, separation, contacts, damping];
     let frame = steps / timing.steps_per_frame;
     let mut row = frame.to_string();
     let mut add = |value: f64| {
         // Writing to a string does not fail. Zero has no sign.
         let _ = write!(row, ",{:?}", value + 0.0);
     };
-    [report.time].iter().chain(&report.energy).chain(&outside).chain(&inside).for_each(|&value| add(value));
+    [report.time].iter().chain(&report.energy).chain(&works).for_each(|&value| add(value));
     add(balance.by_method(&report.energy));
     report.momentum.iter().chain(&engine.angular_momentum()).for_each(|&value| add(value));
     add(report.stretch[0]);

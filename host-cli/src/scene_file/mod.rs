@@ -8,6 +8,7 @@ pub use change::Change;
 
 use std::io;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use muslin_core::scene::{BUILT_IN, ColliderMotionDesc, Content, Resource, SceneDesc};
 use toml::{Table, Value};
@@ -28,7 +29,7 @@ pub struct SceneFile {
     /// The scene as TOML, overrides included.
     pub text: String,
     /// Contents of the files, by the names that the scene gives them.
-    pub resources: Vec<Resource>,
+    pub resources: Arc<[Resource]>,
 }
 
 impl SceneFile {
@@ -105,6 +106,7 @@ pub fn commented(given: &str, scene: &SceneFile) -> Result<String, Failure> {
 }
 
 /// A scene as its file has it, before any change.
+#[derive(Clone)]
 pub struct Source {
     label: String,
     desc: SceneDesc,
@@ -146,7 +148,7 @@ impl Source {
         let (desc, text) = self.describe(changes)?;
         let resources =
             load_resources(&desc, &self.directory).map_err(|why| Failure::Usage(format!("{}: {why}", self.label)))?;
-        Ok(SceneFile { desc, text, resources })
+        Ok(SceneFile { desc, text, resources: resources.into() })
     }
 }
 
@@ -154,7 +156,7 @@ impl Source {
 pub fn from_text(label: &str, text: String) -> Result<SceneFile, Failure> {
     let failed = |error: toml::de::Error| Failure::Tool(format!("{label}: {}", explain(&error)));
     let desc: SceneDesc = toml::from_str(&text).map_err(failed)?;
-    Ok(SceneFile { desc, text, resources: Vec::new() })
+    Ok(SceneFile { desc, text, resources: Arc::default() })
 }
 
 /// Reads a scene: label for messages, text, and the directory to which file names in it are relative.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::engine::Engine;
-use crate::record::extent;
+use muslin_core::diagnostics::extent;
 
 use super::trajectory::Trajectory;
 

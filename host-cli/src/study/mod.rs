@@ -34,8 +34,9 @@ use std::time::{Duration, Instant};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use crate::args::{Cost, StudyArguments};
+use crate::args::{Cost, Precision, StudyArguments};
 use crate::bench::cpu_name;
+use crate::engine::{self, Engine};
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::interrupt;
@@ -101,14 +102,18 @@ impl<'a> Study<'a> {
     }
 
     fn begin(name: &'static str, arguments: &'a StudyArguments) -> Result<Self, Failure> {
-        let scene = scene_file::asked(&arguments.of)?;
+        // The handler is installed before anything is written that an interrupt would leave behind.
+        let stop = interrupt::watch()?;
+        let of = arguments.of.clone();
+        let Some(scene) = interrupt::until(&stop, move || scene_file::asked(&of))? else {
+            return Err(Failure::Interrupted("interrupted while the scene was loaded; nothing is written".into()));
+        };
+        let scene = scene?;
         if scene.desc.duration <= 0.0 {
             return Err(Failure::Usage("a study needs a duration above 0".into()));
         }
         let out = scene_file::folder(&arguments.of, &scene)?;
         let pool = Pool::new(Some(1)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
-        // The handler is installed before anything is written that an interrupt would leave behind.
-        let stop = interrupt::watch()?;
         let folder = Folder::take(out)?;
         let template = "{elapsed_precise} of {len} s {wide_bar} {msg}";
         let bar = progress::bar(arguments.budget.ceil() as u64, template, arguments.quiet);
@@ -125,6 +130,19 @@ impl<'a> Study<'a> {
             spent: AtomicU64::new(0),
             finished: Mutex::default(),
         })
+    }
+
+    /// Builds the engine of a scene of this study; `None` after an interrupt.
+    fn build(&self, scene: &SceneFile, precision: Precision) -> Result<Option<Box<dyn Engine>>, Failure> {
+        let scene = scene.clone();
+        let built = interrupt::until(&self.stop, move || engine::build(&scene, precision))?;
+        let wrong = |why| Failure::Usage(format!("{}: {why}", self.arguments.of.scene));
+        built.transpose().map(|built| built.map(|(engine, _)| engine)).map_err(wrong)
+    }
+
+    /// The engine of a scene of this study. An interrupt ends the study.
+    pub fn engine(&self, scene: &SceneFile, precision: Precision) -> Result<Box<dyn Engine>, Failure> {
+        self.build(scene, precision)?.ok_or_else(|| self.suspend(None))
     }
 
     /// Whether the user has interrupted the study. No run is made then, as if the budget were used up.

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::args::Precision;
 use crate::checkpoint;
-use crate::engine::{self, Engine, Halt, Report, flown_apart};
+use crate::engine::{Engine, Halt, Report, flown_apart};
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
@@ -190,9 +190,8 @@ fn take_off(
     limits: Limits,
     samples: Samples,
 ) -> Result<Trajectory, Failure> {
-    let (mut engine, _) = engine::build(scene, precision)
-        .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
     let mut flight = Trajectory::new();
+    let Some(mut engine) = study.build(scene, precision)? else { return Ok(flight) };
     let first_stretch = engine.largest_stretch();
     for _ in 0..SAMPLES {
         let see = || sample(study, engine.as_mut(), steps, limits, first_stretch, samples, &mut flight);

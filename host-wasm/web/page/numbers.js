@@ -2,6 +2,21 @@
 
 import { length } from "./error.js";
 
+/** The warnings in words, by their code. */
+const WARNINGS = {
+  step: "the step does not divide a frame",
+  duration: "the duration is no whole number of frames",
+  thickness: "the contact thickness does not suit the edges",
+  masses: "the step is too long for single precision",
+  unstable: "the step is too long for the method",
+  energy: "energy appeared from nowhere",
+  stretch: "an edge was stretched by more than 30 %",
+  unconverged: "solves ended above their tolerance",
+  rounding: "the cloth is too far away for single precision",
+  overlap: "energy came from overlapping surfaces",
+  method: "the method took most of the energy",
+  exceeding: "the error of a step was too large",
+};
 const PARTS = [["predict", "forces, solver"], ["broadPhase", "broad phase"], ["narrowPhase", "narrow phase"], ["response", "response"]];
 
 export class Numbers {
@@ -43,6 +58,7 @@ export class Numbers {
       ["energy", `${joules.toPrecision(4)} J`],
       ["contacts per step", (contacts / steps).toFixed(0)],
       ...PARTS.filter(([part]) => part === "predict" || times[part] > 0).map(([part, name]) => [name, `${(times[part] / steps).toFixed(2)} ms per step`]),
+      ...cloth.warnings().map(({ code, doubtful }) => [doubtful ? "doubtful" : "warning", WARNINGS[code]]),
     ];
     this.#list.replaceChildren(
       ...rows.flatMap(([name, text]) => [["dt", name], ["dd", text]].map(([tag, text]) => {

@@ -11,7 +11,7 @@ mod write;
 use muslin_core::integrate::Method;
 
 use crate::args::{ChooseArguments, Precision};
-use crate::engine::{self, Engine};
+use crate::engine::Engine;
 use crate::failure::Failure;
 use crate::units::{apart, length, time};
 
@@ -34,8 +34,7 @@ fn run(study: &Study<'_>, arguments: &ChooseArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.write {
         write::allow(study, path)?;
     }
-    let (engine, _) = engine::build(&study.scene, Precision::F32)
-        .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.of.scene)))?;
+    let engine = study.engine(&study.scene, Precision::F32)?;
     let size = distance::diagonal(engine.as_ref());
     if arguments.tolerance >= size {
         return Err(Failure::Usage(format!(

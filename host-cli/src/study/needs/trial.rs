@@ -6,7 +6,6 @@ use std::time::Duration;
 use muslin_core::scene::SceneDesc;
 
 use crate::args::Precision;
-use crate::engine;
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::study::Study;
@@ -43,8 +42,7 @@ pub struct Baseline {
 impl Baseline {
     /// Runs the unchanged scene, also finer.
     pub fn fly(study: &Study<'_>) -> Result<Self, Failure> {
-        let (engine, _) = engine::build(&study.scene, Precision::F32)
-            .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
+        let engine = study.engine(&study.scene, Precision::F32)?;
         let desc = &study.scene.desc;
         let variant = own_variant(study);
         let by_finer = format!("by {}", variant.shorter_steps_in_words());

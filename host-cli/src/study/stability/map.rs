@@ -5,7 +5,6 @@ use muslin_core::integrate::stability::Mode;
 use muslin_core::scene::IntegratorDesc;
 
 use crate::args::Precision;
-use crate::engine;
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::study::Study;
@@ -92,8 +91,7 @@ pub fn grounds(study: &Study<'_>) -> Result<Vec<Ground>, Failure> {
 fn ground(study: &Study<'_>, stiffness: f64, damping: f64) -> Result<Ground, Failure> {
     study.say(&format!("stiffness x {stiffness}, damping x {damping}: its fastest mode"));
     let scene = study.scene.scaled(&STIFFNESS, stiffness)?.scaled(&DAMPING, damping)?;
-    let (engine, _) = engine::build(&scene, Precision::F64)
-        .map_err(|why| Failure::Usage(format!("{}: {why}", study.arguments.of.scene)))?;
+    let engine = study.engine(&scene, Precision::F64)?;
     let modes = engine.fastest_modes(STEADY, ITERATIONS, &study.stopwatch());
     if study.is_interrupted() {
         return Err(study.suspend(None));

@@ -13,6 +13,7 @@ use crate::limits;
 use crate::scene_file::{self, Change, Source};
 
 /// The contents of the file.
+#[derive(Clone)]
 pub struct Sweep {
     /// Name of the file in messages.
     pub label: String,

@@ -11,7 +11,7 @@ use super::file::Sweep;
 const MOST_RUNS: usize = 1_000_000;
 
 /// One run of a sweep.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Point {
     /// Index among all runs, from 0.
     pub index: usize,

@@ -10,6 +10,7 @@ use toml::Value;
 
 use crate::engine::{self, Engine};
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::pool::Pool;
 use crate::run::course::{Course, Ending};
 use crate::run::start;
@@ -40,7 +41,9 @@ pub fn build(sweep: &Sweep, task: &Task) -> Result<(SceneFile, Box<dyn Engine>, 
 
 /// Runs a scene until its end or until it diverges, and returns its line.
 pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<String, Failure> {
-    let (scene, mut engine, timing) = build(sweep, task)?;
+    let (of, own) = (sweep.clone(), task.clone());
+    let built = interrupt::until(stop, move || build(&of, &own))?.ok_or_else(|| interrupted(task))?;
+    let (scene, mut engine, timing) = built?;
     if task.point.key(&scene) != task.key {
         return Err(Failure::Tool(format!(
             "{}: a file that the scene names has changed since the sweep began; start the same command again",
@@ -49,14 +52,14 @@ pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<
     }
     let summary = pool.install(|| {
         let stopwatch = Stopwatch::new(pool).until(stop);
-        let mut warnings = start::warnings(engine.as_ref(), &scene, &timing, task.point.precision, &stopwatch);
+        let mut warnings = start::warnings(engine.as_ref(), &scene, task.point.precision, &stopwatch);
         let Some((start, warning)) = start::untangle(engine.as_mut(), false, pool, stop) else {
             return Err(interrupted(task));
         };
         let mut course = Course::begin(engine, timing, task.point.precision, [false; 2], start, None);
         warnings.extend(warning);
         course.warnings = warnings;
-        course.frame(pool, &mut ())?;
+        course.frame(pool, stop, &mut ())?;
         let started = Instant::now();
         match course.advance(pool, stop, &mut ())? {
             Ending::Interrupted => Err(interrupted(task)),

@@ -20,23 +20,41 @@ use grid::Point;
 use ledger::{Ledger, Runs};
 
 /// A run and the key of its line.
+#[derive(Clone)]
 struct Task {
     point: Point,
     key: String,
 }
 
-/// Runs a sweep or a shard of it.
-pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
+/// A sweep before its first run, and the lines that its file has.
+struct Prepared {
+    sweep: Sweep,
+    tasks: Vec<Task>,
+    done: Runs,
+}
+
+/// Reads the sweep and builds all scenes whose runs are left, so that an error appears immediately and not hours later.
+fn prepare(arguments: &SweepArguments) -> Result<Prepared, Failure> {
     let sweep = Sweep::read(&arguments.sweep)?;
     let tasks = plan(&sweep, arguments)?;
-    let out = out(arguments);
-    let done = ledger::peek(&out)?;
+    let done = ledger::peek(&out(arguments))?;
+    let mut left = tasks.iter().filter(|task| !done.contains_key(&task.key));
+    left.try_for_each(|task| line::build(&sweep, task).map(drop))?;
+    Ok(Prepared { sweep, tasks, done })
+}
+
+/// Runs a sweep or a shard of it.
+pub fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
+    let stop = interrupt::watch()?;
+    let own = arguments.clone();
+    let Some(prepared) = interrupt::until(&stop, move || prepare(&own))? else {
+        return Err(Failure::Interrupted("interrupted while the scenes were built; nothing is written".into()));
+    };
+    let Prepared { sweep, tasks, done } = prepared?;
     let left = || tasks.iter().filter(|task| !done.contains_key(&task.key));
-    // All scenes are built before the first run, so that an error appears immediately and not hours later.
-    left().try_for_each(|task| line::build(&sweep, task).map(drop))?;
+    let out = out(arguments);
     let pool =
         Pool::new(Some(arguments.threads)).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
-    let stop = interrupt::watch()?;
     let mut ledger = Ledger::open(&out)?;
     let before = tasks.len() - left().count();
     if before > 0 && !arguments.quiet {

@@ -53,7 +53,7 @@ fn theory(method: Method, mode: Mode) -> Result<f64, Miss> {
 
 fn fastest_mode(lab: &Lab, springs: [f64; 3]) -> (f64, Vec<DVec3>) {
     let built = Net::lattice(SIDE, springs, 0.0).build();
-    Tangent::of(&built, 1.0, 0.0, Jacobian::Exact).fastest_mode(1e-12, 100_000, lab)
+    Tangent::of(&built, 1.0, 0.0, Jacobian::Exact, lab).fastest_mode(1e-12, 100_000, lab)
 }
 
 /// All checks.

@@ -76,7 +76,8 @@ fn residual(lab: &Lab) -> Result<f64, Miss> {
     let (f, before) = (lab::forces(&start, sim.positions()), DVec3::from(sim.momentum()));
     lab.steps(&mut sim, 1)?;
     let mut product = vec![DVec3::ZERO; v0.len()];
-    Tangent::of(&start, h * h, h, Jacobian::Projected).multiply(1.0, sim.velocities(), &mut product);
+    let mut tangent = Tangent::of(&start, h * h, h, Jacobian::Projected, lab);
+    tangent.multiply(1.0, sim.velocities(), &mut product, lab);
     let masses = &start.particles.masses;
     let left: DVec3 = (0..v0.len()).map(|i| v0[i] * masses[i] + f[i] * h - product[i]).sum();
     Ok((DVec3::from(sim.momentum()) - before + left).length() / size(&sim))

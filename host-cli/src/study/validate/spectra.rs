@@ -41,5 +41,5 @@ fn largest(lab: &Lab, material: &str, cells: u32) -> Result<f64, Miss> {
          density = 0.2\n{material}"
     );
     let built = lab::columns(&text, &[])?;
-    Ok(Tangent::of(&built, 1.0, 0.0, Jacobian::Projected).fastest_mode(1e-12, 100_000, lab).0)
+    Ok(Tangent::of(&built, 1.0, 0.0, Jacobian::Projected, lab).fastest_mode(1e-12, 100_000, lab).0)
 }

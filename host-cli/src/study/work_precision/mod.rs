@@ -11,7 +11,6 @@ mod winners;
 use muslin_core::integrate::Method;
 
 use crate::args::{ChartArguments, Precision};
-use crate::engine;
 use crate::failure::Failure;
 
 use super::Study;
@@ -32,8 +31,7 @@ pub fn chart(arguments: &ChartArguments) -> Result<(), Failure> {
 }
 
 fn run(study: &Study<'_>, arguments: &ChartArguments) -> Result<(), Failure> {
-    let (engine, _) = engine::build(&study.scene, Precision::F64)
-        .map_err(|why| Failure::Usage(format!("{}: {why}", arguments.study.of.scene)))?;
+    let engine = study.engine(&study.scene, Precision::F64)?;
     let masses = engine.masses();
     let diagonal = distance::diagonal(engine.as_ref());
     let rule = Rule::of(study.scene.desc.contact.is_some(), diagonal);

@@ -1,6 +1,6 @@
 //! The balance of energy over the frames of a run. Energy that neither was there nor was given from outside comes from errors.
 
-use crate::engine::WorkDone;
+use crate::work_done::WorkDone;
 
 /// The balance over the frames so far, J.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,14 +47,13 @@ impl Balance {
     pub fn see(&mut self, energy: &[f64; 6], work: WorkDone) {
         let [kinetic, stretch, shear, bend, seam, gravity] = *energy;
         let active = kinetic + stretch + shear + bend + seam;
-        let without_work = active + gravity - work.outside.iter().sum::<f64>();
+        let without_work = active + gravity - work.from_outside();
         self.start.get_or_insert(active + gravity);
-        let [_, _, _, changes, separation] = work.outside;
-        let gravity = gravity - changes;
+        let gravity = gravity - work.gravity;
         self.work = work;
         self.least = self.least.min(without_work);
         self.appeared = self.appeared.max(without_work - self.least);
-        let with_separation = without_work + separation;
+        let with_separation = without_work + work.separation;
         self.least_with_separation = self.least_with_separation.min(with_separation);
         self.appeared_with_separation = self.appeared_with_separation.max(with_separation - self.least_with_separation);
         self.active = self.active.max(active);
@@ -67,19 +66,19 @@ impl Balance {
     }
 
     /// The energy that the method added up to a state with these energies, or took if it is negative. It is complete if the work
-    /// of contacts and damping is [measured](WorkDone::inside), or if there is neither.
+    /// of contacts and damping is [measured](crate::reactions), or if there is neither.
     pub fn by_method(&self, energy: &[f64; 6]) -> f64 {
         let now = energy.iter().sum::<f64>();
-        let WorkDone { outside, inside, .. } = self.work;
-        now - self.start.unwrap_or(now) - outside.iter().chain(&inside).sum::<f64>()
+        let work = self.work;
+        now - self.start.unwrap_or(now) - (work.from_outside() + work.contacts + work.damping)
     }
 
     /// Encodes the balance as words.
     pub fn encode(&self) -> [u64; WORDS] {
-        let WorkDone { outside: [a, b, c, d, e], exchanged, inside: [f, g] } = self.work;
+        let WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged } = self.work;
         let [low, high] = self.gravity;
         let all = [
-            [a, b, c, d, e, exchanged, f, g],
+            [pins, colliders, wind, gravity, separation, contacts, damping, exchanged],
             [
                 self.start.unwrap_or(0.0),
                 self.least,
@@ -99,10 +98,11 @@ impl Balance {
     /// Decodes a balance.
     pub fn decode(words: [u64; WORDS]) -> Self {
         let [has_start, words @ ..] = words;
-        let [a, b, c, d, e, exchanged, f, g, rest @ ..] = words.map(f64::from_bits);
+        let [pins, colliders, wind, gravity, separation, contacts, damping, exchanged, rest @ ..] =
+            words.map(f64::from_bits);
         let [start, least, appeared, least_with_separation, appeared_with_separation, active, low, high] = rest;
         Self {
-            work: WorkDone { outside: [a, b, c, d, e], exchanged, inside: [f, g] },
+            work: WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged },
             start: (has_start != 0).then_some(start),
             least,
             appeared,
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     fn work(pins: f64, separation: f64) -> WorkDone {
-        WorkDone { outside: [pins, 0.0, 0.0, 0.0, separation], exchanged: pins, inside: [0.0; 2] }
+        WorkDone { pins, separation, exchanged: pins, ..WorkDone::default() }
     }
 
     #[test]
@@ -145,8 +145,7 @@ mod tests {
         let mut balance = Balance::default();
         balance.see(&[0.0, 0.0, 0.0, 0.0, 0.0, 5.0], work(0.0, 0.0));
         // At a height where gravity turns round, it gives 10 J of potential energy, of which 1 J becomes motion.
-        balance
-            .see(&[1.0, 0.0, 0.0, 0.0, 0.0, -6.0], WorkDone { outside: [0.0, 0.0, 0.0, -10.0, 0.0], ..work(0.0, 0.0) });
+        balance.see(&[1.0, 0.0, 0.0, 0.0, 0.0, -6.0], WorkDone { gravity: -10.0, ..WorkDone::default() });
         assert_eq!((balance.appeared, balance.moved()), (0.0, 1.0));
         // 3 J appear.
         balance.see(&[4.0, 0.0, 0.0, 0.0, 0.0, 4.0], work(0.0, 0.0));
