@@ -23,7 +23,8 @@ pub struct Scratch<'a> {
     /// Change of the velocities in the step, inside implicit methods in a stage, m/s.
     pub velocity_changes: &'a mut [Vec3],
 
-    /// RK4, implicit methods, and where [work](crate::work_done) is measured: positions inside the step, m.
+    /// RK4, implicit methods, and where [work](crate::work_done) is measured: positions inside the step, m. RK4 needs no
+    /// rounding errors.
     pub stage_positions: PositionsMut<'a>,
     /// RK4, and where work is measured: velocities inside the step, m/s.
     pub stage_velocities: &'a mut [Vec3],
@@ -169,7 +170,7 @@ mod owned {
                 displacements: column(true),
                 velocity_changes: column(true),
                 stage_positions: column(rk4 || implicit),
-                low_stage_positions: column(rk4 || implicit),
+                low_stage_positions: column(implicit),
                 stage_velocities: column(rk4),
                 previous_displacements: column(history),
                 previous_velocity_changes: column(history),

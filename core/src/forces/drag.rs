@@ -16,7 +16,15 @@ pub struct Drag<'a> {
 }
 
 impl ForceTerm for Drag<'_> {
-    fn add_forces(&self, _: &[Real], _: Positions<'_>, v: &[Vec3], _: &mut [Vec3], f: &mut [Vec3], dispatch: &impl Dispatch) {
+    fn add_forces(
+        &self,
+        _: &[Real],
+        _: Positions<'_>,
+        v: &[Vec3],
+        _: &mut [Vec3],
+        f: &mut [Vec3],
+        dispatch: &impl Dispatch,
+    ) {
         dispatch.run(f, |start, part| {
             for (i, f) in (start..).zip(part) {
                 *f -= v[i] * self.coefficients[i];

@@ -165,7 +165,15 @@ fn add_four(sum: &mut [Lanes; 3], d: [Lanes; 3], rest: Lanes, stiffness: Lanes) 
 }
 
 impl ForceTerm for Springs<'_> {
-    fn add_forces(&self, _: &[Real], x: Positions<'_>, v: &[Vec3], _: &mut [Vec3], f: &mut [Vec3], dispatch: &impl Dispatch) {
+    fn add_forces(
+        &self,
+        _: &[Real],
+        x: Positions<'_>,
+        v: &[Vec3],
+        _: &mut [Vec3],
+        f: &mut [Vec3],
+        dispatch: &impl Dispatch,
+    ) {
         dispatch.run(f, |start, part| {
             for (vertex, f) in (start..).zip(part.iter_mut()) {
                 *f += elastic_sum(self, x, vertex);

@@ -106,7 +106,13 @@ fn write_residual<D: Dispatch>(
             *v = if is_middle { dx[i] / c.step } else { v1[i] };
         }
     });
-    c.after(if is_middle { 0.5 } else { 1.0 }).forces(s.stage_positions.view(), s.products, s.elements, s.forces, statistics);
+    c.after(if is_middle { 0.5 } else { 1.0 }).forces(
+        s.stage_positions.view(),
+        s.products,
+        s.elements,
+        s.forces,
+        statistics,
+    );
     let last = s.last_step.filter(|_| extrapolates);
     let (length, v, dvp) = (c.stage_length(last), &*s.products, &*s.previous_velocity_changes);
     match last.map(|last| bdf2::extrapolation(c.step, last)) {

@@ -327,7 +327,15 @@ fn dissipation<D: Dispatch>(
     let conservative = c.model.conservative();
     s.products.fill(Vec3::ZERO);
     statistics.force_evaluations += 1;
-    forces::evaluate(&conservative, c.masses, s.stage_positions.view(), s.products, s.elements, s.direction, c.dispatch);
+    forces::evaluate(
+        &conservative,
+        c.masses,
+        s.stage_positions.view(),
+        s.products,
+        s.elements,
+        s.direction,
+        c.dispatch,
+    );
     for (p, (&v, &y)) in s.products.iter_mut().zip(s.next_velocities.iter().zip(&*s.solution)) {
         *p = v + y;
     }

@@ -41,7 +41,13 @@ pub fn advance<D: Dispatch>(
         });
         let fraction = Sum::from(fraction);
         c.pins.impose(c.time_after(fraction), JumpSide::Before, s.stage_positions.rounded, s.stage_velocities);
-        c.after(fraction).forces((&*s.stage_positions.rounded).into(), s.stage_velocities, s.elements, s.forces, statistics);
+        c.after(fraction).forces(
+            (&*s.stage_positions.rounded).into(),
+            s.stage_velocities,
+            s.elements,
+            s.forces,
+            statistics,
+        );
         let (f, vs, part) = (&*s.forces, &*s.stage_velocities, weight * sixth);
         c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
             for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
