@@ -48,7 +48,7 @@ both_precisions! {
     use glam::DVec3;
     use muslin::integrate::pins::{AT_REST, Key, Motion, PinColumns, Pins};
     use muslin::integrate::{StepInput, Method, Scheme, IntegratorStatistics};
-    use muslin::particles::{ParticleColumns, Particles};
+    use muslin::particles::{ParticleColumns, Particles, PositionsMut};
     use muslin::response::ContactStatistics;
     use muslin::real::{Mat3, Real, Sum, Vec3, vec3};
     use muslin::scene::BuiltScene;
@@ -177,16 +177,16 @@ both_precisions! {
             masses: &masses,
             inverse_masses: &inverse_masses,
         };
-        let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 12], [Block::default(); BLOCKS]);
+        let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 13], [Block::default(); BLOCKS]);
         let (mut inverse_diagonal, mut partials) = ([Mat3::ZERO; VERTICES], [[0.0; 2]; 1]);
-        let [forces, next_positions, next_velocities, displacements, velocity_changes, stage_positions, solution, residual, gradient, direction, products, preconditioned] =
+        let [forces, next_positions, next_velocities, displacements, velocity_changes, rounded, low, solution, residual, gradient, direction, products, preconditioned] =
             &mut work_columns;
         let mut assembly_map = AssemblyMap::default();
         assembly_map[Term::StretchSpring as usize] = &targets;
         let mut scratch = Scratch {
             forces,
             next_positions,
-            stage_positions,
+            stage_positions: PositionsMut { rounded, low },
             next_velocities,
             displacements,
             velocity_changes,

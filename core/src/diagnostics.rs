@@ -5,11 +5,12 @@ use glam::DVec3;
 
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Energy, Model};
+use crate::particles::Positions;
 use crate::real::{Real, Sum, Vec3, dot_sum, sqrt, to_f64};
 use crate::stage::Term;
 
 /// All energies of a state, J.
-pub fn energy(model: &Model<'_>, masses: &[Real], x: &[Vec3], v: &[Vec3]) -> Energy {
+pub fn energy(model: &Model<'_>, masses: &[Real], x: Positions<'_>, v: &[Vec3]) -> Energy {
     let kinetic = masses.iter().zip(v).map(|(&m, &v)| 0.5 * Sum::from(m) * dot_sum(v, v)).sum();
     Energy { kinetic, ..forces::energy(model, masses, x) }
 }
@@ -90,7 +91,7 @@ pub fn hardest_term(
     let mut hardest: Option<(Term, Real)> = None;
     for term in Term::ALL {
         let Some(alone) = model.only(term) else { continue };
-        forces::evaluate(&alone, masses, x, v, scratch, f, dispatch);
+        forces::evaluate(&alone, masses, x.into(), v, scratch, f, dispatch);
         let pull = f[particle as usize];
         // Compare components and not squares, because squares overflow first.
         let size = if pull.is_finite() { pull.abs().max_element() } else { Real::INFINITY };

@@ -1,10 +1,95 @@
 //! Particle columns: one array per attribute.
 //!
-//! A position is the sum of a rounded position and its rounding error [Dekker 1971]. All kernels compute with the rounded one,
-//! and each step adds to both. So the motions of many steps add up, even where a step moves a particle by less than the last
-//! digit of its position. Velocities are sums likewise.
+//! A position is the sum of a rounded position and its rounding error [Dekker 1971]. Each step adds to both. So the motions of
+//! many steps add up, even where a step moves a particle by less than the last digit of its position. Velocities are sums
+//! likewise.
+//!
+//! Forces of implicit steps, and energies, see the rounding errors of positions. In a long step stiff cloth would feel the last
+//! digit of a position as strain, and this strain would move it in directions in which it is soft. Explicit steps are too
+//! short for that, and would cost a tenth more; they, Jacobians, velocities and contact use the rounded values.
 
-use crate::real::{Real, Vec3};
+use glam::DVec3;
+
+use crate::dispatch::Dispatch;
+use crate::real::{Real, SEES_ROUNDING, Vec3, rounding_error, to_f64};
+
+/// Positions with their rounding errors, borrowed.
+#[derive(Clone, Copy, Debug)]
+pub struct Positions<'a> {
+    /// Positions, rounded, m.
+    pub rounded: &'a [Vec3],
+    /// Their rounding errors, m; empty: they count as zero.
+    pub low: &'a [Vec3],
+}
+
+impl<'a> From<&'a Particles<'_>> for Positions<'a> {
+    fn from(particles: &'a Particles<'_>) -> Self {
+        Self { rounded: particles.positions, low: particles.low_positions }
+    }
+}
+
+impl<'a, T: AsRef<[Vec3]> + ?Sized> From<&'a T> for Positions<'a> {
+    fn from(rounded: &'a T) -> Self {
+        Self { rounded: rounded.as_ref(), low: &[] }
+    }
+}
+
+impl Positions<'_> {
+    /// The vector from one particle to another, m. It is as exact as its own digits, not as those of the positions: stiff cloth
+    /// feels their last digit as strain.
+    #[inline(always)]
+    pub fn between(&self, from: u32, to: u32) -> Vec3 {
+        let (from, to) = (from as usize, to as usize);
+        let rounded = self.rounded[to] - self.rounded[from];
+        if SEES_ROUNDING && !self.low.is_empty() { rounded + (self.low[to] - self.low[from]) } else { rounded }
+    }
+
+    /// The position of a particle in doubles, m.
+    #[inline]
+    pub fn place(&self, particle: usize) -> DVec3 {
+        let low = self.low.get(particle).map_or(DVec3::ZERO, |&low| to_f64(low).into());
+        DVec3::from(to_f64(self.rounded[particle])) + low
+    }
+
+    /// The positions of some particles relative to the first, m.
+    #[inline(always)]
+    pub fn relative<const K: usize>(&self, particles: &[u32; K]) -> [Vec3; K] {
+        let x = particles.map(|i| self.rounded[i as usize]);
+        let from_first = |k: usize| if k == 0 { Vec3::ZERO } else { x[k] - x[0] };
+        if !SEES_ROUNDING || self.low.is_empty() {
+            return core::array::from_fn(from_first);
+        }
+        let low = particles.map(|i| self.low[i as usize]);
+        core::array::from_fn(|k| if k == 0 { Vec3::ZERO } else { from_first(k) + (low[k] - low[0]) })
+    }
+}
+
+/// [`Positions`] that a step writes.
+#[derive(Debug, Default)]
+pub struct PositionsMut<'a> {
+    /// Positions, rounded, m.
+    pub rounded: &'a mut [Vec3],
+    /// Their rounding errors, m.
+    pub low: &'a mut [Vec3],
+}
+
+impl PositionsMut<'_> {
+    /// To read them.
+    pub fn view(&self) -> Positions<'_> {
+        Positions { rounded: self.rounded, low: self.low }
+    }
+
+    /// Writes the sums of positions and displacements, m.
+    pub fn write(&mut self, positions: &[Vec3], moved: impl Fn(usize) -> Vec3 + Sync, dispatch: &impl Dispatch) {
+        dispatch.run((&mut *self.rounded, &mut *self.low), |start, (rounded, low)| {
+            for (i, (rounded, low)) in (start..).zip(rounded.iter_mut().zip(low)) {
+                let moved = moved(i);
+                *rounded = positions[i] + moved;
+                *low = rounding_error(positions[i], moved, *rounded);
+            }
+        });
+    }
+}
 
 /// The state of the cloth's particles and their masses, borrowed.
 #[derive(Debug)]
@@ -52,6 +137,11 @@ impl ParticleColumns {
         let zero = alloc::vec![Vec3::ZERO; positions.len()];
         let (low_positions, low_velocities) = (zero.clone(), zero.clone());
         Self { positions, velocities: zero, low_positions, low_velocities, masses, inverse_masses }
+    }
+
+    /// The positions with their rounding errors.
+    pub fn exact_positions(&self) -> Positions<'_> {
+        Positions { rounded: &self.positions, low: &self.low_positions }
     }
 
     /// The borrowed view that a step takes.

@@ -66,7 +66,7 @@ impl Reactions<'_> {
                 let all = change * Sum::from(c.masses[vertex]) - force * step;
                 let mut own = DVec3::ZERO;
                 held(axes).for_each(|axis| own[axis] = all[axis]);
-                sum.add(s.stage_positions[vertex], own);
+                sum.add(s.stage_positions.rounded[vertex], own);
             }
         }
     }

@@ -65,6 +65,9 @@ pub type SumLanes = wide::f64x4;
 /// A length below this fraction of its rest size counts as zero: it has no direction and gives no force.
 pub const DEGENERATE: Real = 1e-6;
 
+/// Whether forces see the rounding errors of positions. In double these are too small to strain any cloth.
+pub const SEES_ROUNDING: bool = size_of::<Real>() == 4;
+
 /// The name of the precision in scenes and summaries.
 pub const NAME: &str = if size_of::<Real>() == 4 { "f32" } else { "f64" };
 

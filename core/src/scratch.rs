@@ -4,6 +4,7 @@
 use crate::forces::matrix::{AssemblyMap, BlockMatrix};
 use crate::integrate::coarse::{CoarseFactor, Patches};
 use crate::integrate::columns::Sums;
+use crate::particles::PositionsMut;
 use crate::real::{Mat3, Real, Vec3};
 
 /// Work columns, borrowed. They have one entry per vertex unless stated otherwise.
@@ -22,8 +23,9 @@ pub struct Scratch<'a> {
     /// Change of the velocities in the step, inside implicit methods in a stage, m/s.
     pub velocity_changes: &'a mut [Vec3],
 
-    /// RK4, implicit methods, and where [work](crate::work_done) is measured: positions inside the step, m.
-    pub stage_positions: &'a mut [Vec3],
+    /// RK4, implicit methods, and where [work](crate::work_done) is measured: positions inside the step, m. RK4 needs no
+    /// rounding errors.
+    pub stage_positions: PositionsMut<'a>,
     /// RK4, and where work is measured: velocities inside the step, m/s.
     pub stage_velocities: &'a mut [Vec3],
 
@@ -31,8 +33,8 @@ pub struct Scratch<'a> {
     pub previous_displacements: &'a mut [Vec3],
     /// BDF2, and implicit midpoint with a largest error: change of the velocities in the last step, m/s.
     pub previous_velocity_changes: &'a mut [Vec3],
-    /// BDF2: extrapolated positions that the stage starts from, m.
-    pub base_positions: &'a mut [Vec3],
+    /// BDF2: from the positions to the extrapolated ones that the stage starts from, m.
+    pub base_offsets: &'a mut [Vec3],
     /// BDF2: extrapolated velocities that the stage starts from, m/s.
     pub base_velocities: &'a mut [Vec3],
     /// The length of the last step if this one continues it, s. [`step::take`](crate::step::take) sets it.
@@ -78,7 +80,7 @@ mod owned {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    use super::{BlockMatrix, CoarseFactor, Mat3, Real, Scratch, Vec3};
+    use super::{BlockMatrix, CoarseFactor, Mat3, PositionsMut, Real, Scratch, Vec3};
     use crate::forces::matrix::Block;
     use crate::forces::sparsity::SparsityPattern;
     use crate::integrate::coarse::{Dense, MODES};
@@ -100,10 +102,11 @@ mod owned {
         displacements: Vec<Vec3>,
         velocity_changes: Vec<Vec3>,
         stage_positions: Vec<Vec3>,
+        low_stage_positions: Vec<Vec3>,
         stage_velocities: Vec<Vec3>,
         pub(crate) previous_displacements: Vec<Vec3>,
         pub(crate) previous_velocity_changes: Vec<Vec3>,
-        base_positions: Vec<Vec3>,
+        base_offsets: Vec<Vec3>,
         base_velocities: Vec<Vec3>,
         pattern: SparsityPattern,
         blocks: Vec<Block>,
@@ -167,10 +170,11 @@ mod owned {
                 displacements: column(true),
                 velocity_changes: column(true),
                 stage_positions: column(rk4 || implicit),
+                low_stage_positions: column(implicit),
                 stage_velocities: column(rk4),
                 previous_displacements: column(history),
                 previous_velocity_changes: column(history),
-                base_positions: column(bdf2),
+                base_offsets: column(bdf2),
                 base_velocities: column(bdf2),
                 blocks: vec![Block::default(); pattern.columns.len()],
                 pattern,
@@ -196,7 +200,7 @@ mod owned {
 
         /// Adds the columns of a stage, if the method has none.
         pub(crate) fn add_stage(&mut self) {
-            for column in [&mut self.stage_positions, &mut self.stage_velocities] {
+            for column in [&mut self.stage_positions, &mut self.low_stage_positions, &mut self.stage_velocities] {
                 column.resize(self.forces.len(), Vec3::ZERO);
             }
         }
@@ -225,10 +229,11 @@ mod owned {
                 &self.displacements,
                 &self.velocity_changes,
                 &self.stage_positions,
+                &self.low_stage_positions,
                 &self.stage_velocities,
                 &self.previous_displacements,
                 &self.previous_velocity_changes,
-                &self.base_positions,
+                &self.base_offsets,
                 &self.base_velocities,
                 &self.solution,
                 &self.residual,
@@ -262,11 +267,14 @@ mod owned {
                 next_velocities: &mut self.next_velocities,
                 displacements: &mut self.displacements,
                 velocity_changes: &mut self.velocity_changes,
-                stage_positions: &mut self.stage_positions,
+                stage_positions: PositionsMut {
+                    rounded: &mut self.stage_positions,
+                    low: &mut self.low_stage_positions,
+                },
                 stage_velocities: &mut self.stage_velocities,
                 previous_displacements: &mut self.previous_displacements,
                 previous_velocity_changes: &mut self.previous_velocity_changes,
-                base_positions: &mut self.base_positions,
+                base_offsets: &mut self.base_offsets,
                 base_velocities: &mut self.base_velocities,
                 last_step: None,
                 assembly_map: self.pattern.assembly_map(),

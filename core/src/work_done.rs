@@ -139,17 +139,17 @@ fn pins_move<D>(c: &StepInput<'_, D>) -> bool {
 
 /// Writes the state in the middle of the step to the columns of the stage.
 fn write_middle<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) {
-    let (x, dx) = (&*from.positions, &*s.displacements);
-    c.dispatch.run((&mut *s.stage_positions, &mut *s.stage_velocities), |start, (middle, v)| {
-        for (i, (middle, v)) in (start..).zip(middle.iter_mut().zip(v)) {
-            *middle = x[i] + dx[i] * 0.5;
+    let (low, dx) = (&*from.low_positions, &*s.displacements);
+    s.stage_positions.write(from.positions, |i| low[i] + dx[i] * 0.5, c.dispatch);
+    c.dispatch.run(&mut *s.stage_velocities, |start, part| {
+        for (i, v) in (start..).zip(part) {
             *v = dx[i] / c.step;
         }
     });
 }
 
 fn evaluate<D: Dispatch>(c: &StepInput<'_, D>, model: &Model<'_>, s: &mut Scratch<'_>) {
-    forces::evaluate(model, c.masses, s.stage_positions, s.stage_velocities, s.elements, s.forces, c.dispatch);
+    forces::evaluate(model, c.masses, s.stage_positions.view(), s.stage_velocities, s.elements, s.forces, c.dispatch);
 }
 
 /// The work of forces along displacements.
@@ -162,7 +162,7 @@ fn along(forces: &[Vec3], displacements: &[Vec3]) -> Sum {
 fn by_change<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) -> Sum {
     let model = Model { gravity: c.model.gravity, loads: c.model.loads, ..Model::default() };
     evaluate(c, &model, s);
-    let potential = |time, x: &[Vec3]| forces::energy(&model.at(time), c.masses, x).gravity;
+    let potential = |time, x: &[Vec3]| forces::energy(&model.at(time), c.masses, x.into()).gravity;
     potential(c.time_after(1.0), s.next_positions) - potential(c.time, from.positions)
         + along(s.forces, s.displacements)
 }

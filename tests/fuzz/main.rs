@@ -22,9 +22,8 @@ use judge::{Case, Finding, judge};
 /// Share of the good runs that may be warned of.
 const MOST_FALSE_ALARMS: f64 = 0.02;
 
-/// Known false alarms among the first 200 seeds: those that lose less than the bound by which `masses` warns. One ends above the
-/// tolerance of its solver.
-const KNOWN: [u64; 7] = [33, 58, 84, 97, 119, 168, 200];
+/// Known false alarms among the first 200 seeds: those that lose less than the bound by which `masses` warns.
+const KNOWN: [u64; 7] = [33, 58, 97, 119, 125, 168, 200];
 
 /// Up to so many scenes are printed.
 const FEW: u64 = 10;

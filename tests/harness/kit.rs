@@ -85,7 +85,7 @@ macro_rules! kit {
                 }
                 fn force(&self, i: usize, x: &[Vec3; 2], v: &[Vec3; 2]) -> [Vec3; 2] {
                     let mut f = [Vec3::ZERO; 2];
-                    self.0[i].1.view().add_forces(&[], x, v, &mut [], &mut f, &Serial);
+                    self.0[i].1.view().add_forces(&[], x.into(), v, &mut [], &mut f, &Serial);
                     f
                 }
                 fn energy(&self, i: usize, x: &[Vec3; 2]) -> Energy {
@@ -229,14 +229,14 @@ macro_rules! kit {
             pub fn forces(model: &Model<'_>, masses: &[Real], x: &[DVec3], v: &[DVec3]) -> Vec<DVec3> {
                 let column = |v: &[DVec3]| -> Vec<Vec3> { v.iter().map(|v| vec3(v.to_array())).collect() };
                 let (mut scratch, mut f) = (vec![Vec3::ZERO; model.force_scratch()], vec![Vec3::ZERO; x.len()]);
-                forces::evaluate(model, masses, &column(x), &column(v), &mut scratch, &mut f, &Serial);
+                forces::evaluate(model, masses, (&column(x)).into(), &column(v), &mut scratch, &mut f, &Serial);
                 f.iter().map(|&f| to_f64(f).into()).collect()
             }
 
             /// A model's energies, J.
             pub fn energies(model: &Model<'_>, masses: &[Real], x: &[DVec3]) -> Energy {
                 let x: Vec<Vec3> = x.iter().map(|x| vec3(x.to_array())).collect();
-                forces::energy(model, masses, &x)
+                forces::energy(model, masses, (&x).into())
             }
 
             /// The assembled `-(position Kx + velocity Kv)` of the terms of `model`, by rows, determined from

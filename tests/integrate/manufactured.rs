@@ -227,7 +227,7 @@ fn error(built: &BuiltScene, model: &Model<'_>, nodal: &impl Fn(f64) -> Vec<DVec
     let (rest, particles) = (&built.particles.positions, &built.particles);
     let slope = |t: f64, x: &[DVec3], v: &[DVec3]| -> (Vec<DVec3>, Vec<DVec3>) {
         let (mut f, mut scratch) = (vec![DVec3::ZERO; rest.len()], vec![DVec3::ZERO; model.force_scratch()]);
-        forces::evaluate(model, &particles.masses, x, v, &mut scratch, &mut f, &Serial);
+        forces::evaluate(model, &particles.masses, x.into(), v, &mut scratch, &mut f, &Serial);
         let a = f.iter().zip(nodal(t)).zip(&particles.inverse_masses).map(|((&f, n), &w)| f * w + n);
         (v.to_vec(), a.collect())
     };

@@ -74,7 +74,7 @@ fn stage(built: &BuiltScene, sim: &Simulation) -> Vec<DVec3> {
 fn objective(built: &BuiltScene, sim: &Simulation) -> f64 {
     let particles = &built.particles;
     let change: Vec<_> = stage(built, sim).iter().zip(&particles.velocities).map(|(v, v0)| *v - *v0).collect();
-    diagnostics::energy(&sim.model(), &particles.masses, sim.positions(), &change).total()
+    diagnostics::energy(&sim.model(), &particles.masses, sim.positions().into(), &change).total()
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::matrix::{BlockMatrix, add};
 use super::term::ForceTerm;
 use super::{Energy, Jacobian, TangentScale, Term};
 use crate::dispatch::Dispatch;
+use crate::particles::Positions;
 use crate::real::{Real, Vec3, scaled_identity};
 use crate::traffic::{TrafficSizes, VECTOR};
 
@@ -15,7 +16,15 @@ pub struct Drag<'a> {
 }
 
 impl ForceTerm for Drag<'_> {
-    fn add_forces(&self, _: &[Real], _: &[Vec3], v: &[Vec3], _: &mut [Vec3], f: &mut [Vec3], dispatch: &impl Dispatch) {
+    fn add_forces(
+        &self,
+        _: &[Real],
+        _: Positions<'_>,
+        v: &[Vec3],
+        _: &mut [Vec3],
+        f: &mut [Vec3],
+        dispatch: &impl Dispatch,
+    ) {
         dispatch.run(f, |start, part| {
             for (i, f) in (start..).zip(part) {
                 *f -= v[i] * self.coefficients[i];
@@ -23,7 +32,7 @@ impl ForceTerm for Drag<'_> {
         });
     }
 
-    fn energy(&self, _: Term, _: &[Real], _: &[Vec3]) -> Energy {
+    fn energy(&self, _: Term, _: &[Real], _: Positions<'_>) -> Energy {
         Energy::default()
     }
 

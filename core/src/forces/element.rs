@@ -9,11 +9,12 @@ use super::term::ForceTerm;
 use super::{Energy, Jacobian, TangentScale, Term};
 use crate::dispatch::Dispatch;
 use crate::mesh::Incidence;
+use crate::particles::Positions;
 use crate::real::{Mat3, Real, Vec3};
 use crate::traffic::{SCALAR, TrafficSizes, VECTOR};
 
 /// A force term over elements with `K` corners. `x` and `v` are the positions and velocities of the
-/// corners. Every force is affine in `v`.
+/// corners, and only differences of positions count. Every force is affine in `v`.
 pub trait Element<const K: usize>: Sync {
     /// The packed form of one element's projected Jacobian.
     type Tangent: Pod + Send + Sync;
@@ -65,7 +66,7 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
     fn add_forces(
         &self,
         _: &[Real],
-        x: &[Vec3],
+        x: Positions<'_>,
         v: &[Vec3],
         scratch: &mut [Vec3],
         f: &mut [Vec3],
@@ -75,7 +76,7 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
         let (slots, _) = scratch[..vertices.len() * K].as_chunks_mut::<K>();
         dispatch.run(slots, |start, part| {
             for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
-                *slot = self.force(element, &corners(ids, x), &corners(ids, v));
+                *slot = self.force(element, &x.relative(ids), &corners(ids, v));
             }
         });
         let (forces, incidence) = (&*scratch, self.incidence());
@@ -88,12 +89,12 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
         });
     }
 
-    fn energy(&self, _: Term, _: &[Real], x: &[Vec3]) -> Energy {
+    fn energy(&self, _: Term, _: &[Real], x: Positions<'_>) -> Energy {
         if !E::CONSERVATIVE {
             return Energy::default();
         }
         let each = self.vertices().iter().enumerate();
-        each.fold(Energy::default(), |sum, (element, ids)| sum + Element::energy(self, element, &corners(ids, x)))
+        each.fold(Energy::default(), |sum, (element, ids)| sum + Element::energy(self, element, &x.relative(ids)))
     }
 
     /// A Jacobian that is not symmetric is always projected.

@@ -1,10 +1,13 @@
 //! Gravity, f = m g. It may change with time.
 
+use glam::DVec3;
+
 use super::term::ForceTerm;
 use super::{Energy, Term};
 use crate::dispatch::Dispatch;
 use crate::keys::{Key, Moment};
-use crate::real::{Real, Sum, Vec3, dot_sum, vec3};
+use crate::particles::Positions;
+use crate::real::{Real, Sum, Vec3, to_f64, vec3};
 use crate::traffic::SCALAR;
 
 /// Gravity.
@@ -31,7 +34,7 @@ impl ForceTerm for Gravity<'_> {
     fn add_forces(
         &self,
         masses: &[Real],
-        _: &[Vec3],
+        _: Positions<'_>,
         _: &[Vec3],
         _: &mut [Vec3],
         f: &mut [Vec3],
@@ -46,8 +49,9 @@ impl ForceTerm for Gravity<'_> {
     }
 
     /// The potential energy, zero at the origin.
-    fn energy(&self, _: Term, masses: &[Real], x: &[Vec3]) -> Energy {
-        let gravity = -masses.iter().zip(x).map(|(&m, &x)| dot_sum(self.acceleration * m, x)).sum::<Sum>();
+    fn energy(&self, _: Term, masses: &[Real], x: Positions<'_>) -> Energy {
+        let weight = |mass: Real| DVec3::from(to_f64(self.acceleration * mass));
+        let gravity = -masses.iter().enumerate().map(|(i, &mass)| weight(mass).dot(x.place(i))).sum::<Sum>();
         Energy { gravity, ..Energy::default() }
     }
 

@@ -6,7 +6,8 @@ use super::term::ForceTerm;
 use super::{Energy, Term};
 use crate::dispatch::Dispatch;
 use crate::keys::{Key, Moment};
-use crate::real::{Real, Sum, Vec3, to_f64, vec3};
+use crate::particles::Positions;
+use crate::real::{Real, Sum, Vec3, vec3};
 use crate::traffic::VECTOR;
 
 /// Loads on some vertices.
@@ -71,16 +72,16 @@ impl<'a> Loads<'a> {
 }
 
 impl ForceTerm for Loads<'_> {
-    fn add_forces(&self, _: &[Real], _: &[Vec3], _: &[Vec3], _: &mut [Vec3], f: &mut [Vec3], _: &impl Dispatch) {
+    fn add_forces(&self, _: &[Real], _: Positions<'_>, _: &[Vec3], _: &mut [Vec3], f: &mut [Vec3], _: &impl Dispatch) {
         for (vertex, force) in self.forces() {
             f[vertex] += force;
         }
     }
 
     /// The potential energy, zero at the start. It counts as that of gravity.
-    fn energy(&self, _: Term, _: &[Real], x: &[Vec3]) -> Energy {
+    fn energy(&self, _: Term, _: &[Real], x: Positions<'_>) -> Energy {
         let of_group = |group: &LoadGroup| {
-            let now: DVec3 = self.of(group).map(|(vertex, part)| DVec3::from(to_f64(x[vertex])) * part).sum();
+            let now: DVec3 = self.of(group).map(|(vertex, part)| x.place(vertex) * part).sum();
             self.force(group).dot(group.start - now)
         };
         Energy { gravity: self.groups.iter().map(of_group).sum(), ..Energy::default() }

@@ -24,6 +24,7 @@ pub(crate) use model::for_each_term;
 pub use model::{Model, Term};
 
 use crate::dispatch::Dispatch;
+use crate::particles::Positions;
 use crate::real::{Real, Sum, Vec3};
 use crate::stage::Stage;
 use matrix::{AssemblyMap, BlockMatrix};
@@ -91,7 +92,7 @@ impl core::ops::Add for Energy {
 pub fn evaluate(
     model: &Model<'_>,
     masses: &[Real],
-    x: &[Vec3],
+    x: Positions<'_>,
     v: &[Vec3],
     scratch: &mut [Vec3],
     f: &mut [Vec3],
@@ -118,7 +119,7 @@ pub fn strain_rate(model: &Model<'_>, v: &[Vec3]) -> Real {
 }
 
 /// The potential energies, J. `kinetic` stays zero.
-pub fn energy(model: &Model<'_>, masses: &[Real], x: &[Vec3]) -> Energy {
+pub fn energy(model: &Model<'_>, masses: &[Real], x: Positions<'_>) -> Energy {
     let mut sum = Energy::default();
     for_each_term!(model, |name, term| sum = sum + term.energy(name, masses, x));
     sum

@@ -8,7 +8,8 @@ use super::matrix::{BlockMatrix, NOT_STORED, add};
 use super::term::ForceTerm;
 use super::{Energy, Jacobian, TangentScale, Term};
 use crate::dispatch::Dispatch;
-use crate::real::{DEGENERATE, Lanes, Mat3, Real, Sum, Vec3, outer, scaled_identity, sqrt};
+use crate::particles::Positions;
+use crate::real::{DEGENERATE, Lanes, Mat3, Real, SEES_ROUNDING, Sum, Vec3, outer, scaled_identity, sqrt};
 use crate::traffic::{TrafficSizes, VECTOR};
 
 /// Springs as seen from each vertex (CSR).
@@ -111,21 +112,35 @@ fn direction(d: Vec3, rest: Real) -> Option<(Vec3, Real)> {
 
 /// The elastic force of all springs on a vertex, N: [`elastic_force`] for four springs at a time.
 #[inline(always)]
-fn elastic_sum(springs: &Springs<'_>, x: &[Vec3], vertex: usize) -> Vec3 {
-    let (range, near) = (springs.range(vertex), x[vertex]);
+fn elastic_sum(springs: &Springs<'_>, x: Positions<'_>, vertex: usize) -> Vec3 {
+    let range = springs.range(vertex);
     let (others, _) = springs.others[range.clone()].as_chunks::<4>();
     let (rest, _) = springs.rest[range.clone()].as_chunks::<4>();
     let (stiffness, _) = springs.stiffness[range.clone()].as_chunks::<4>();
     let mut sum = [Lanes::ZERO; 3];
     for ((others, rest), stiffness) in others.iter().zip(rest).zip(stiffness) {
-        add_four(&mut sum, lanes_towards(x, *others, near), Lanes::new(*rest), Lanes::new(*stiffness));
+        add_four(&mut sum, towards_four(x, vertex, *others), Lanes::new(*rest), Lanes::new(*stiffness));
     }
     let [sum_x, sum_y, sum_z] = sum.map(|lanes| lanes.to_array().iter().sum());
     let mut sum = Vec3::new(sum_x, sum_y, sum_z);
     for at in range.start + 4 * others.len()..range.end {
-        sum += elastic_force(x[springs.others[at] as usize] - near, springs.rest[at], springs.stiffness[at]);
+        let d = x.between(vertex as u32, springs.others[at]);
+        sum += elastic_force(d, springs.rest[at], springs.stiffness[at]);
     }
     sum
+}
+
+/// [`Positions::between`] a vertex and four others.
+#[inline(always)]
+fn towards_four(x: Positions<'_>, vertex: usize, others: [u32; 4]) -> [Lanes; 3] {
+    let mut d = lanes_towards(x.rounded, others, x.rounded[vertex]);
+    if SEES_ROUNDING && !x.low.is_empty() {
+        let low = lanes_towards(x.low, others, x.low[vertex]);
+        for (d, low) in d.iter_mut().zip(low) {
+            *d += low;
+        }
+    }
+    d
 }
 
 /// The vectors to four vertices by axis, one vertex in each lane. Written out: arrays of vectors would go through memory.
@@ -150,7 +165,15 @@ fn add_four(sum: &mut [Lanes; 3], d: [Lanes; 3], rest: Lanes, stiffness: Lanes) 
 }
 
 impl ForceTerm for Springs<'_> {
-    fn add_forces(&self, _: &[Real], x: &[Vec3], v: &[Vec3], _: &mut [Vec3], f: &mut [Vec3], dispatch: &impl Dispatch) {
+    fn add_forces(
+        &self,
+        _: &[Real],
+        x: Positions<'_>,
+        v: &[Vec3],
+        _: &mut [Vec3],
+        f: &mut [Vec3],
+        dispatch: &impl Dispatch,
+    ) {
         dispatch.run(f, |start, part| {
             for (vertex, f) in (start..).zip(part.iter_mut()) {
                 *f += elastic_sum(self, x, vertex);
@@ -159,19 +182,21 @@ impl ForceTerm for Springs<'_> {
                 for (vertex, f) in (start..).zip(part) {
                     for at in self.range(vertex) {
                         let other = self.others[at] as usize;
-                        *f += damping_force(x[other] - x[vertex], v[other] - v[vertex], &self.spring(at));
+                        let d = x.between(vertex as u32, self.others[at]);
+                        *f += damping_force(d, v[other] - v[vertex], &self.spring(at));
                     }
                 }
             }
         });
     }
 
-    fn energy(&self, name: Term, _: &[Real], x: &[Vec3]) -> Energy {
+    fn energy(&self, name: Term, _: &[Real], x: Positions<'_>) -> Energy {
         let at_vertex = |vertex: usize| -> Sum {
-            self.range(vertex).map(|at| energy(x[self.others[at] as usize] - x[vertex], &self.spring(at))).sum()
+            let towards = |at: usize| x.between(vertex as u32, self.others[at]);
+            self.range(vertex).map(|at| energy(towards(at), &self.spring(at))).sum()
         };
         // The sum has every spring twice, once per end.
-        let stored = 0.5 * (0..x.len()).map(at_vertex).sum::<Sum>();
+        let stored = 0.5 * (0..x.rounded.len()).map(at_vertex).sum::<Sum>();
         if name == Term::BendSpring {
             Energy { bend: stored, ..Energy::default() }
         } else {

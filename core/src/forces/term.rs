@@ -4,6 +4,7 @@
 use super::matrix::BlockMatrix;
 use super::{Energy, Jacobian, TangentScale, Term};
 use crate::dispatch::Dispatch;
+use crate::particles::Positions;
 use crate::real::{Real, Vec3};
 use crate::traffic::TrafficSizes;
 
@@ -13,7 +14,7 @@ pub trait ForceTerm {
     fn add_forces(
         &self,
         masses: &[Real],
-        x: &[Vec3],
+        x: Positions<'_>,
         v: &[Vec3],
         scratch: &mut [Vec3],
         f: &mut [Vec3],
@@ -21,7 +22,7 @@ pub trait ForceTerm {
     );
 
     /// The stored energy, J. `name` is the name under which the model has the term.
-    fn energy(&self, name: Term, masses: &[Real], x: &[Vec3]) -> Energy;
+    fn energy(&self, name: Term, masses: &[Real], x: Positions<'_>) -> Energy;
 
     /// Adds `-(position Kx + velocity Kv)` to `matrix`. `slots` is the place of each of the
     /// [blocks](Self::blocks) in its row, `scratch` has [`Self::tangent_scratch`] scalars. A term without a

@@ -48,7 +48,8 @@ pub fn correct<D: Dispatch>(
         }
         return Some(solve_change(c, from, (contacts, lines), rough(c), s, statistics));
     }
-    let stage = ImplicitStage { length, positions: from.positions, velocities: from.velocities };
+    let stage =
+        ImplicitStage { length, positions: from.positions, offsets: from.low_positions, velocities: from.velocities };
     for linearization in 1..=MOST_LINEARIZATIONS {
         let goal = c.goal(rough(c) * newton::weight_factor(c, length, s));
         let target = conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), goal, s, statistics);

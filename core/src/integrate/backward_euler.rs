@@ -15,7 +15,12 @@ pub fn advance<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let stage = ImplicitStage { length: c.step, positions: from.positions, velocities: from.velocities };
+    let stage = ImplicitStage {
+        length: c.step,
+        positions: from.positions,
+        offsets: from.low_positions,
+        velocities: from.velocities,
+    };
     s.next_velocities.copy_from_slice(from.velocities);
     c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.next_velocities);
     newton::solve(c, &stage, s, statistics);

@@ -43,18 +43,17 @@ pub fn advance<D: Dispatch>(
         return implicit_midpoint::advance(c, from, s, statistics);
     };
     let (g, part) = (stage_length(c.step, last), extrapolation(c.step, last));
-    let (x, v) = (&*from.positions, &*from.velocities);
+    let (low, v) = (&*from.low_positions, &*from.velocities);
     let (dxp, dvp) = (&*s.previous_displacements, &*s.previous_velocity_changes);
-    c.dispatch.run((&mut *s.base_positions, &mut *s.base_velocities), |start, (xh, vh)| {
-        for (i, (xh, vh)) in (start..).zip(xh.iter_mut().zip(vh)) {
-            *xh = x[i] + dxp[i] * part;
+    c.dispatch.run((&mut *s.base_offsets, &mut *s.base_velocities), |start, (offset, vh)| {
+        for (i, (offset, vh)) in (start..).zip(offset.iter_mut().zip(vh)) {
+            *offset = low[i] + dxp[i] * part;
             *vh = v[i] + dvp[i] * part;
         }
     });
-    let (base_positions, base_velocities) =
-        (core::mem::take(&mut s.base_positions), core::mem::take(&mut s.base_velocities));
-    let stage = ImplicitStage { length: g, positions: base_positions, velocities: base_velocities };
-    s.next_velocities.copy_from_slice(base_velocities);
+    let (offsets, velocities) = (core::mem::take(&mut s.base_offsets), core::mem::take(&mut s.base_velocities));
+    let stage = ImplicitStage { length: g, positions: from.positions, offsets, velocities };
+    s.next_velocities.copy_from_slice(velocities);
     c.pins.prescribe(c.time_after(1.0), from, |i| dxp[i] * part, g, s.next_velocities);
     newton::solve(c, &stage, s, statistics);
     let (dxp, dvp, v1) = (&*s.previous_displacements, &*s.previous_velocity_changes, &*s.next_velocities);
@@ -64,5 +63,5 @@ pub fn advance<D: Dispatch>(
             *dv += dvp[i] * part;
         }
     });
-    (s.base_positions, s.base_velocities) = (base_positions, base_velocities);
+    (s.base_offsets, s.base_velocities) = (offsets, velocities);
 }

@@ -16,7 +16,12 @@ pub fn advance<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let stage = ImplicitStage { length: 0.5 * c.step, positions: from.positions, velocities: from.velocities };
+    let stage = ImplicitStage {
+        length: 0.5 * c.step,
+        positions: from.positions,
+        offsets: from.low_positions,
+        velocities: from.velocities,
+    };
     s.next_velocities.copy_from_slice(from.velocities);
     // The mean velocity that moves a pin to its prescribed position at the end of the step.
     c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.next_velocities);

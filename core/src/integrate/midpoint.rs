@@ -18,7 +18,7 @@ pub fn advance<D: Dispatch>(
 ) {
     let (h, half, w) = (c.step, 0.5 * c.step, c.inverse_masses);
     let (x, v) = (&*from.positions, &*from.velocities);
-    c.forces(x, v, s.elements, s.forces, statistics);
+    c.forces(x.into(), v, s.elements, s.forces, statistics);
     let f = &*s.forces;
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (xm, vm)| {
         for (i, (xm, vm)) in (start..).zip(xm.iter_mut().zip(vm)) {
@@ -27,7 +27,7 @@ pub fn advance<D: Dispatch>(
         }
     });
     c.pins.impose(c.time_after(0.5), JumpSide::Before, s.next_positions, s.next_velocities);
-    c.after(0.5).forces(s.next_positions, s.next_velocities, s.elements, s.forces, statistics);
+    c.after(0.5).forces((&*s.next_positions).into(), s.next_velocities, s.elements, s.forces, statistics);
     let (vm, f) = (&*s.next_velocities, &*s.forces);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {

@@ -27,7 +27,7 @@ pub use crate::forces::Jacobian;
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Model};
 use crate::keys::Moment;
-use crate::particles::Particles;
+use crate::particles::{Particles, Positions};
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
 use conjugate_gradient::Goal;
@@ -268,7 +268,7 @@ impl<D: Dispatch> StepInput<'_, D> {
     /// Writes the forces at the state (`x`, `v`) to `f` and counts the evaluation.
     pub fn forces(
         &self,
-        x: &[Vec3],
+        x: Positions<'_>,
         v: &[Vec3],
         scratch: &mut [Vec3],
         f: &mut [Vec3],

@@ -24,6 +24,7 @@ use super::{IntegratorStatistics, StepInput, Tolerance};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::forces::{self, TangentScale};
+use crate::particles::PositionsMut;
 use crate::real::{Real, Sum, Vec3, dot_sum};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
@@ -33,8 +34,10 @@ use crate::stage::Stage;
 pub struct ImplicitStage<'a> {
     /// g, s.
     pub length: Real,
-    /// xh, m.
+    /// x0, m.
     pub positions: &'a [Vec3],
+    /// xh - x0, m. x0 are rounded: it contains their rounding errors.
+    pub offsets: &'a [Vec3],
     /// vh, m/s.
     pub velocities: &'a [Vec3],
 }
@@ -86,8 +89,8 @@ fn linearized_step<D: Dispatch>(
         0.0
     };
     write_scaled(c, s.next_velocities, part, s.products);
-    write_positions(c, stage, s.products, s.stage_positions);
-    c.forces(s.stage_positions, s.products, s.elements, s.forces, statistics);
+    write_positions(c, stage, |i| s.products[i], &mut s.stage_positions);
+    c.forces(s.stage_positions.view(), s.products, s.elements, s.forces, statistics);
     write_matrix(c, stage, s);
     write_residual(c, stage, s);
     if part < 1.0 {
@@ -113,8 +116,8 @@ pub(crate) fn linearize<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    write_positions(c, stage, s.next_velocities, s.stage_positions);
-    c.forces(s.stage_positions, s.next_velocities, s.elements, s.forces, statistics);
+    write_positions(c, stage, |i| s.next_velocities[i], &mut s.stage_positions);
+    c.forces(s.stage_positions.view(), s.next_velocities, s.elements, s.forces, statistics);
     write_matrix(c, stage, s);
     write_residual(c, stage, s);
     c.pins.filter(s.residual);
@@ -137,8 +140,8 @@ fn newton_iterations<D: Dispatch>(
     let (mut target, mut rounding, mut previous): (Sum, Sum, Sum) = (0.0, 0.0, Sum::INFINITY);
     let mut is_exact = matches!(c.scheme.tolerance, Tolerance::Residual(_));
     for iteration in 0..c.scheme.newton {
-        write_positions(c, stage, s.next_velocities, s.stage_positions);
-        c.forces(s.stage_positions, s.next_velocities, s.elements, s.forces, statistics);
+        write_positions(c, stage, |i| s.next_velocities[i], &mut s.stage_positions);
+        c.forces(s.stage_positions.view(), s.next_velocities, s.elements, s.forces, statistics);
         write_residual(c, stage, s);
         c.pins.filter(s.residual);
         let norm = residual_norm(c, s.residual);
@@ -187,7 +190,7 @@ fn write_matrix<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s:
     let jacobian = c.scheme.jacobian;
     forces::write_tangents(
         &c.model,
-        s.stage_positions,
+        s.stage_positions.rounded,
         scale,
         jacobian,
         &s.assembly_map,
@@ -246,19 +249,20 @@ fn rounding_norm<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s
     let at_vertex = |vertex: usize| {
         let diagonal = matrix::to_mat3(&s.matrix.blocks[s.matrix.offsets[vertex] as usize]);
         let stiffness = diagonal.x_axis.x.max(diagonal.y_axis.y).max(diagonal.z_axis.z) / stage.length;
-        let error = Sum::from(stiffness * s.stage_positions[vertex].abs().max_element() * Real::EPSILON);
+        let error = Sum::from(stiffness * s.stage_positions.rounded[vertex].abs().max_element() * Real::EPSILON);
         error * error * Sum::from(c.inverse_masses[vertex])
     };
     libm::sqrt((0..c.masses.len()).map(at_vertex).sum())
 }
 
-/// `out = xh + g v`.
-fn write_positions<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, v: &[Vec3], out: &mut [Vec3]) {
-    c.dispatch.run(out, |start, part| {
-        for (i, x) in (start..).zip(part) {
-            *x = stage.positions[i] + v[i] * stage.length;
-        }
-    });
+/// `out = xh + g v`. `v` is the velocity of a vertex, m/s.
+fn write_positions<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    stage: &ImplicitStage<'_>,
+    v: impl Fn(usize) -> Vec3 + Sync,
+    out: &mut PositionsMut<'_>,
+) {
+    out.write(stage.positions, |i| stage.offsets[i] + v(i) * stage.length, c.dispatch);
 }
 
 /// `out = from * scale`.
@@ -266,21 +270,6 @@ fn write_scaled<D: Dispatch>(c: &StepInput<'_, D>, from: &[Vec3], scale: Real, o
     c.dispatch.run(out, |start, part| {
         for (to, &from) in part.iter_mut().zip(&from[start..]) {
             *to = from * scale;
-        }
-    });
-}
-
-/// `stage_positions = xh + g (v + scale y)`.
-fn write_stage_positions<D: Dispatch>(
-    c: &StepInput<'_, D>,
-    stage: &ImplicitStage<'_>,
-    scale: Real,
-    s: &mut Scratch<'_>,
-) {
-    let (v, y) = (&*s.next_velocities, &*s.solution);
-    c.dispatch.run(&mut *s.stage_positions, |start, part| {
-        for (i, x) in (start..).zip(part) {
-            *x = stage.positions[i] + (v[i] + y[i] * scale) * stage.length;
         }
     });
 }
@@ -300,7 +289,8 @@ fn search<D: Dispatch>(
     let rounding = 8.0 * Sum::from(Real::EPSILON) * start.abs();
     let mut scale = 1.0;
     for _ in 0..MOST_HALVINGS {
-        write_stage_positions(c, stage, scale, s);
+        let (v, y) = (&*s.next_velocities, &*s.solution);
+        write_positions(c, stage, |i| v[i] + y[i] * scale, &mut s.stage_positions);
         let t = Sum::from(scale);
         let dissipated = Sum::from(stage.length) * t * (linear + 0.5 * t * quadratic);
         let change = objective(c, scale, s) - start + dissipated;
@@ -321,7 +311,7 @@ fn objective<D: Dispatch>(c: &StepInput<'_, D>, scale: Real, s: &Scratch<'_>) ->
             0.5 * Sum::from(m) * dot_sum(d, d)
         })
         .sum();
-    inertia + forces::energy(&c.model, c.masses, s.stage_positions).total()
+    inertia + forces::energy(&c.model, c.masses, s.stage_positions.view()).total()
 }
 
 /// Slope and curvature of the frozen dissipation R along `s.solution`. The gradient of R is minus the non-conservative
@@ -337,11 +327,19 @@ fn dissipation<D: Dispatch>(
     let conservative = c.model.conservative();
     s.products.fill(Vec3::ZERO);
     statistics.force_evaluations += 1;
-    forces::evaluate(&conservative, c.masses, s.stage_positions, s.products, s.elements, s.direction, c.dispatch);
+    forces::evaluate(
+        &conservative,
+        c.masses,
+        s.stage_positions.view(),
+        s.products,
+        s.elements,
+        s.direction,
+        c.dispatch,
+    );
     for (p, (&v, &y)) in s.products.iter_mut().zip(s.next_velocities.iter().zip(&*s.solution)) {
         *p = v + y;
     }
-    c.forces(s.stage_positions, s.products, s.elements, s.preconditioned, statistics);
+    c.forces(s.stage_positions.view(), s.products, s.elements, s.preconditioned, statistics);
     let difference = |a: &[Vec3], b: &[Vec3]| -> Sum {
         a.iter().zip(b).zip(&*s.solution).map(|((&a, &b), &y)| dot_sum(a - b, y)).sum()
     };

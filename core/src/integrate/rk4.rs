@@ -21,7 +21,7 @@ pub fn advance<D: Dispatch>(
 ) {
     let (sixth, w) = (c.step / 6.0, c.inverse_masses);
     let (x, v) = (&*from.positions, &*from.velocities);
-    c.forces(x, v, s.elements, s.forces, statistics);
+    c.forces(x.into(), v, s.elements, s.forces, statistics);
     let f = &*s.forces;
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
@@ -31,7 +31,7 @@ pub fn advance<D: Dispatch>(
     });
     for (stage, (fraction, weight)) in STAGES.into_iter().enumerate() {
         let (h, f) = (fraction * c.step, &*s.forces);
-        c.dispatch.run((&mut *s.stage_positions, &mut *s.stage_velocities), |start, (xs, vs)| {
+        c.dispatch.run((&mut *s.stage_positions.rounded, &mut *s.stage_velocities), |start, (xs, vs)| {
             for (i, (xs, vs)) in (start..).zip(xs.iter_mut().zip(vs)) {
                 // The slope of the previous stage: its velocity here, its forces in `f`.
                 let slope = if stage == 0 { v[i] } else { *vs };
@@ -40,8 +40,14 @@ pub fn advance<D: Dispatch>(
             }
         });
         let fraction = Sum::from(fraction);
-        c.pins.impose(c.time_after(fraction), JumpSide::Before, s.stage_positions, s.stage_velocities);
-        c.after(fraction).forces(s.stage_positions, s.stage_velocities, s.elements, s.forces, statistics);
+        c.pins.impose(c.time_after(fraction), JumpSide::Before, s.stage_positions.rounded, s.stage_velocities);
+        c.after(fraction).forces(
+            (&*s.stage_positions.rounded).into(),
+            s.stage_velocities,
+            s.elements,
+            s.forces,
+            statistics,
+        );
         let (f, vs, part) = (&*s.forces, &*s.stage_velocities, weight * sixth);
         c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
             for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {

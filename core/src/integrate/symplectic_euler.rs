@@ -13,7 +13,7 @@ pub fn advance<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    c.forces(from.positions, from.velocities, s.elements, s.forces, statistics);
+    c.forces((&*from.positions).into(), from.velocities, s.elements, s.forces, statistics);
     let (h, v, f, w) = (c.step, &*from.velocities, &*s.forces, c.inverse_masses);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {

@@ -347,9 +347,8 @@ impl Simulation {
 
     /// Positions in the world, m.
     pub fn places_in_world(&self) -> impl Iterator<Item = [Sum; 3]> {
-        let ParticleColumns { positions, low_positions, .. } = &self.built.particles;
-        let place = |(&high, &low)| self.built.origin + DVec3::from(to_f64(high)) + DVec3::from(to_f64(low));
-        positions.iter().zip(low_positions).map(move |parts| place(parts).into())
+        let positions = self.built.particles.exact_positions();
+        (0..positions.rounded.len()).map(move |i| (self.built.origin + positions.place(i)).into())
     }
 
     /// Current positions of the vertices of the colliders in the world, m.
@@ -435,8 +434,9 @@ impl Simulation {
 
     /// Current energies, J.
     pub fn energy(&self) -> Energy {
-        let masses = &self.built.particles.masses;
-        let mut energy = diagnostics::energy(&self.model(), masses, self.positions(), self.velocities());
+        let particles = &self.built.particles;
+        let positions = particles.exact_positions();
+        let mut energy = diagnostics::energy(&self.model(), &particles.masses, positions, self.velocities());
         energy.gravity -= self.lift();
         energy
     }

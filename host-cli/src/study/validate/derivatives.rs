@@ -86,7 +86,7 @@ fn off(got: &[f64], want: &[f64]) -> f64 {
 fn force(term: &str) -> Result<f64, Miss> {
     let built = sheet(term)?;
     let (model, masses) = (built.model.view(), &built.particles.masses);
-    let energy = |x: &[DVec3]| vec![-forces::energy(&model, masses, x).total()];
+    let energy = |x: &[DVec3]| vec![-forces::energy(&model, masses, x.into()).total()];
     let coordinates = 0..3 * masses.len();
     let want: Vec<_> = coordinates.map(|c| slopes(|by| energy(&moved(&built, c, by)))[0]).collect();
     Ok(off(&forces_at(&built, &built.particles.positions), &want))

@@ -125,7 +125,7 @@ pub fn simulation(text: &str, resources: &[Resource]) -> Result<Simulation, Miss
 pub fn forces(built: &BuiltScene, x: &[DVec3]) -> Vec<DVec3> {
     let (model, still) = (built.model.view(), vec![DVec3::ZERO; x.len()]);
     let (mut scratch, mut f) = (vec![DVec3::ZERO; model.force_scratch()], still.clone());
-    forces::evaluate(&model, &built.particles.masses, x, &still, &mut scratch, &mut f, &Serial);
+    forces::evaluate(&model, &built.particles.masses, x.into(), &still, &mut scratch, &mut f, &Serial);
     f
 }
 

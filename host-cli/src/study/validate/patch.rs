@@ -75,7 +75,7 @@ fn energy(sheet: &str) -> Result<f64, Miss> {
     let off = (0..MAPS).map(map).map(|[warp, weft]| {
         let (along, across) = (warp.length() - 1.0, weft.length() - 1.0);
         let psi = 0.5 * (WARP * along * along + WEFT * across * across + SHEAR * warp.dot(weft).powi(2));
-        let stored = forces::energy(&built.model.view(), masses, &mapped(&built, [warp, weft])).total();
+        let stored = forces::energy(&built.model.view(), masses, (&mapped(&built, [warp, weft])).into()).total();
         (stored / (area * psi) - 1.0).abs()
     });
     Ok(off.fold(0.0, f64::max))
