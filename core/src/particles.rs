@@ -79,11 +79,18 @@ impl PositionsMut<'_> {
         Positions { rounded: self.rounded, low: self.low }
     }
 
-    /// Writes the sums of positions and displacements, m.
-    pub fn write(&mut self, positions: &[Vec3], moved: impl Fn(usize) -> Vec3 + Sync, dispatch: &impl Dispatch) {
+    /// Writes `positions + (offsets + moves * part)`, m.
+    #[inline(never)]
+    pub fn write(
+        &mut self,
+        positions: &[Vec3],
+        offsets: &[Vec3],
+        (moves, part): (&[Vec3], Real),
+        dispatch: &impl Dispatch,
+    ) {
         dispatch.run((&mut *self.rounded, &mut *self.low), |start, (rounded, low)| {
             for (i, (rounded, low)) in (start..).zip(rounded.iter_mut().zip(low)) {
-                let moved = moved(i);
+                let moved = offsets[i] + moves[i] * part;
                 *rounded = positions[i] + moved;
                 *low = rounding_error(positions[i], moved, *rounded);
             }
@@ -129,6 +136,7 @@ pub struct ParticleColumns {
 #[cfg(feature = "alloc")]
 impl ParticleColumns {
     /// Particles at rest, of positions, m, masses, kg, and inverse masses, 1/kg.
+    #[cfg_attr(small, optimize(size))]
     pub fn at_rest(
         positions: alloc::vec::Vec<Vec3>,
         masses: alloc::vec::Vec<Real>,

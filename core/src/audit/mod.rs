@@ -60,6 +60,7 @@ pub fn new_crossing(surface: &Surface<'_>, before: &[Vec3], after: &[Vec3], room
 
 /// All edges of faces that may cross a triangle, in two parts: the edges of the cloth and the passive edges.
 #[inline(never)]
+#[cfg_attr(small, optimize(size))]
 fn questions<'a>(surface: &Surface<'_>, positions: &[Vec3], room: &'a mut Room<'_>) -> [Question<'a>; 2] {
     let (mut cloth, mut total) = (0, 0);
     for (slot, triangle) in room.boxes.iter_mut().zip(faces(surface)) {
@@ -160,6 +161,7 @@ mod owned {
 
     impl RoomColumns {
         /// Allocates the columns for a surface.
+        #[cfg_attr(small, optimize(size))]
         pub fn build(surface: &Surface<'_>) -> Self {
             let (triangles, edges) = (surface.triangles.len(), surface.edges.len());
             Self {

@@ -62,6 +62,12 @@ fn corners<const K: usize>(ids: &[u32; K], column: &[Vec3]) -> [Vec3; K] {
     ids.map(|i| column[i as usize])
 }
 
+/// Not inlined for size: it would be there twice, for positions with and without rounding errors.
+#[cfg_attr(small, inline(never))]
+fn energy_at<E: Element<K>, const K: usize>(term: &E, element: usize, ids: &[u32; K], x: Positions<'_>) -> Energy {
+    term.energy(element, &x.relative(ids))
+}
+
 impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm for E {
     fn add_forces(
         &self,
@@ -94,7 +100,7 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
             return Energy::default();
         }
         let each = self.vertices().iter().enumerate();
-        each.fold(Energy::default(), |sum, (element, ids)| sum + Element::energy(self, element, &x.relative(ids)))
+        each.fold(Energy::default(), |sum, (element, ids)| sum + energy_at(self, element, ids, x))
     }
 
     /// A Jacobian that is not symmetric is always projected.

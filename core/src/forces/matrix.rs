@@ -23,6 +23,15 @@ pub struct BlockMatrix<'a> {
     pub blocks: &'a mut [Block],
 }
 
+impl BlockMatrix<'_> {
+    /// The columns of a row's blocks, stored or mirrored.
+    pub fn columns_of(&self, row: usize) -> impl Iterator<Item = u32> {
+        let range = |offsets: &[u32]| offsets[row] as usize..offsets[row + 1] as usize;
+        let mirrored = &self.mirrored[range(self.mirrored_offsets)];
+        self.columns[range(self.offsets)].iter().copied().chain(mirrored.iter().map(|mirrored| mirrored.column))
+    }
+}
+
 /// A 3x3 block by columns, each padded with one zero.
 pub type Block = [Lanes; 3];
 

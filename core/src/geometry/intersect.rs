@@ -26,6 +26,7 @@ type Point = [f64; 3];
 const SHADOWS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
 /// Whether an edge and a triangle share a point.
+#[cfg_attr(small, optimize(size))]
 pub fn edge_meets_triangle(edge: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
     let (edge, triangle) = (edge.map(to_f64), triangle.map(to_f64));
     let ([p, q], [a, b, c]) = (edge, triangle);

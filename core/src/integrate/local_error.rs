@@ -91,7 +91,7 @@ fn write_residual<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) -> Real {
-    let (low, v0) = (&*particles.low_positions, &*particles.velocities);
+    let v0 = &*particles.velocities;
     let (is_middle, extrapolates) = match c.scheme.method {
         Method::ImplicitMidpoint => (!corrected, false),
         Method::Bdf2 => (!corrected && s.last_step.is_none(), !corrected && s.last_step.is_some()),
@@ -99,20 +99,14 @@ fn write_residual<D: Dispatch>(
         Method::ExplicitEuler | Method::SymplecticEuler | Method::Midpoint | Method::Rk4 => (false, false),
     };
     let (v1, dx, dv) = (&*s.next_velocities, &*s.displacements, &*s.velocity_changes);
-    let moved = |i: usize| low[i] + if is_middle { dx[i] * 0.5 } else { dx[i] };
-    s.stage_positions.write(particles.positions, moved, c.dispatch);
+    let part = if is_middle { 0.5 } else { 1.0 };
+    s.stage_positions.write(particles.positions, particles.low_positions, (dx, part), c.dispatch);
     c.dispatch.run(&mut *s.products, |start, part| {
         for (i, v) in (start..).zip(part) {
             *v = if is_middle { dx[i] / c.step } else { v1[i] };
         }
     });
-    c.after(if is_middle { 0.5 } else { 1.0 }).forces(
-        s.stage_positions.view(),
-        s.products,
-        s.elements,
-        s.forces,
-        statistics,
-    );
+    c.after(part.into()).forces(s.stage_positions.view(), s.products, s.elements, s.forces, statistics);
     let last = s.last_step.filter(|_| extrapolates);
     let (length, v, dvp) = (c.stage_length(last), &*s.products, &*s.previous_velocity_changes);
     match last.map(|last| bdf2::extrapolation(c.step, last)) {

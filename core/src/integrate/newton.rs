@@ -25,7 +25,7 @@ use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::forces::{self, TangentScale};
 use crate::particles::PositionsMut;
-use crate::real::{Real, Sum, Vec3, dot_sum};
+use crate::real::{Real, SEES_ROUNDING, Sum, Vec3, dot_sum};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
@@ -52,6 +52,10 @@ const INNER_TOLERANCE: Real = 1e-3;
 
 /// Fraction of the predicted decrease that a line search requires [Armijo].
 const SUFFICIENT_DECREASE: Sum = 1e-4;
+
+/// Roundings from a difference of positions to a force: those of the strain, of the stress and of the sum over a vertex's
+/// elements.
+const ROUNDINGS: Real = 4.0;
 
 /// Number of step lengths that a line search tries, each half the previous one.
 const MOST_HALVINGS: u32 = 24;
@@ -89,7 +93,7 @@ fn linearized_step<D: Dispatch>(
         0.0
     };
     write_scaled(c, s.next_velocities, part, s.products);
-    write_positions(c, stage, |i| s.products[i], &mut s.stage_positions);
+    write_positions(c, stage, s.products, &mut s.stage_positions);
     c.forces(s.stage_positions.view(), s.products, s.elements, s.forces, statistics);
     write_matrix(c, stage, s);
     write_residual(c, stage, s);
@@ -116,7 +120,7 @@ pub(crate) fn linearize<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    write_positions(c, stage, |i| s.next_velocities[i], &mut s.stage_positions);
+    write_positions(c, stage, s.next_velocities, &mut s.stage_positions);
     c.forces(s.stage_positions.view(), s.next_velocities, s.elements, s.forces, statistics);
     write_matrix(c, stage, s);
     write_residual(c, stage, s);
@@ -140,7 +144,7 @@ fn newton_iterations<D: Dispatch>(
     let (mut target, mut rounding, mut previous): (Sum, Sum, Sum) = (0.0, 0.0, Sum::INFINITY);
     let mut is_exact = matches!(c.scheme.tolerance, Tolerance::Residual(_));
     for iteration in 0..c.scheme.newton {
-        write_positions(c, stage, |i| s.next_velocities[i], &mut s.stage_positions);
+        write_positions(c, stage, s.next_velocities, &mut s.stage_positions);
         c.forces(s.stage_positions.view(), s.next_velocities, s.elements, s.forces, statistics);
         write_residual(c, stage, s);
         c.pins.filter(s.residual);
@@ -244,25 +248,41 @@ fn residual_norm<D: Dispatch>(c: &StepInput<'_, D>, residual: &[Vec3]) -> Sum {
     libm::sqrt(residual.iter().zip(c.inverse_masses).map(|(&r, &w)| dot_sum(r, r) * Sum::from(w)).sum())
 }
 
-/// Bound on the part of the residual that is due to rounding of the positions, g K |x| epsilon.
+/// Bound on the part of the residual that is due to rounding, g K d epsilon. If forces see only rounded positions, d is the
+/// distance from the origin; else it is the longest edge plus the way in the stage,
+/// some [times](ROUNDINGS).
+#[cfg_attr(small, optimize(size))]
 fn rounding_norm<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &Scratch<'_>) -> Sum {
     let at_vertex = |vertex: usize| {
         let diagonal = matrix::to_mat3(&s.matrix.blocks[s.matrix.offsets[vertex] as usize]);
         let stiffness = diagonal.x_axis.x.max(diagonal.y_axis.y).max(diagonal.z_axis.z) / stage.length;
-        let error = Sum::from(stiffness * s.stage_positions.rounded[vertex].abs().max_element() * Real::EPSILON);
+        let rounded = if SEES_ROUNDING {
+            ROUNDINGS * (longest_edge(s, vertex) + stage.length * s.next_velocities[vertex].abs().max_element())
+        } else {
+            s.stage_positions.rounded[vertex].abs().max_element()
+        };
+        let error = Sum::from(stiffness * rounded * Real::EPSILON);
         error * error * Sum::from(c.inverse_masses[vertex])
     };
     libm::sqrt((0..c.masses.len()).map(at_vertex).sum())
 }
 
-/// `out = xh + g v`. `v` is the velocity of a vertex, m/s.
+/// The largest coordinate of a difference between a vertex and another one in its row of the matrix, m.
+#[cfg_attr(small, optimize(size))]
+fn longest_edge(s: &Scratch<'_>, vertex: usize) -> Real {
+    let x = &*s.stage_positions.rounded;
+    let apart = |other: u32| (x[other as usize] - x[vertex]).abs().max_element();
+    s.matrix.columns_of(vertex).map(apart).fold(0.0, Real::max)
+}
+
+/// `out = xh + g v`, m; `v` in m/s.
 fn write_positions<D: Dispatch>(
     c: &StepInput<'_, D>,
     stage: &ImplicitStage<'_>,
-    v: impl Fn(usize) -> Vec3 + Sync,
+    v: &[Vec3],
     out: &mut PositionsMut<'_>,
 ) {
-    out.write(stage.positions, |i| stage.offsets[i] + v(i) * stage.length, c.dispatch);
+    out.write(stage.positions, stage.offsets, (v, stage.length), c.dispatch);
 }
 
 /// `out = from * scale`.
@@ -289,8 +309,9 @@ fn search<D: Dispatch>(
     let rounding = 8.0 * Sum::from(Real::EPSILON) * start.abs();
     let mut scale = 1.0;
     for _ in 0..MOST_HALVINGS {
-        let (v, y) = (&*s.next_velocities, &*s.solution);
-        write_positions(c, stage, |i| v[i] + y[i] * scale, &mut s.stage_positions);
+        s.products.copy_from_slice(s.next_velocities);
+        add_scaled(c, s.solution, scale, s.products);
+        write_positions(c, stage, s.products, &mut s.stage_positions);
         let t = Sum::from(scale);
         let dissipated = Sum::from(stage.length) * t * (linear + 0.5 * t * quadratic);
         let change = objective(c, scale, s) - start + dissipated;

@@ -36,6 +36,7 @@ impl TriMesh {
     /// Checks everything that kernels rely on: indices are in range, numbers are finite, no triangle
     /// repeats a vertex, every vertex has a triangle but not too many, stitches are valid. Edges are
     /// checked when they are [built](super::edges::build), areas when the [rest shape](super::rest) is.
+    #[cfg_attr(small, optimize(size))]
     pub fn check(&self) -> Result<(), MeshError> {
         self.check_positions()?;
         if let Some(i) = self.uvs.iter().position(|p| p.iter().any(|x| !x.is_finite())) {

@@ -27,7 +27,7 @@ const CONTACT: Bytes = [7450, 11450];
 const COLLIDER: Bytes = [1000, 1400];
 
 /// Implicit methods: vectors, and the share of each term in the matrix. Terms share blocks, so the matrix has a limit.
-const IMPLICIT: Bytes = [185, 345];
+const IMPLICIT: Bytes = [200, 375];
 const STRETCH_SPRINGS_MATRIX: Bytes = [320, 510];
 const BEND_SPRINGS_MATRIX: Bytes = [240, 500];
 const MEMBRANE_MATRIX: Bytes = [555, 950];

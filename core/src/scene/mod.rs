@@ -16,6 +16,7 @@ mod motion;
 mod pins;
 mod place;
 mod resource;
+mod schedule;
 mod select;
 mod terms;
 mod tube;
@@ -54,7 +55,8 @@ pub struct SceneDesc {
     pub description: String,
     /// Simulated time, s.
     pub duration: f64,
-    /// The speed, m/s: a run ends after a frame in which no vertex was as fast. Absent: it lasts for the whole duration.
+    /// The speed, m/s: a run ends after a frame in which no vertex was as fast, once nothing [changes](Self::last_change) any
+    /// more. Absent: it lasts for the whole duration.
     pub until_rest: Option<f64>,
     /// Output frames per simulated second.
     #[cfg_attr(feature = "serde", serde(default = "defaults::frame_rate"))]
@@ -394,6 +396,8 @@ pub struct Timing {
     pub step: f64,
     /// The speed, m/s: the run ends after a frame in which no vertex was as fast.
     pub until_rest: Option<f64>,
+    /// Time before which it does not end at rest, s.
+    pub last_change: f64,
 }
 
 impl SceneDesc {
@@ -408,6 +412,7 @@ impl SceneDesc {
             steps_per_frame: steps_per_frame as u64,
             step: frame / steps_per_frame,
             until_rest: self.until_rest,
+            last_change: self.last_change(),
         }
     }
 }

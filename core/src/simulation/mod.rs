@@ -107,6 +107,7 @@ impl Simulation {
     ///
     /// The step is the longest that divides a frame into whole steps and is not longer than the step
     /// of the scene ([`SceneDesc::timing`]). With a largest error, it is divided into substeps whose error is smaller.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(desc: &SceneDesc, resources: &[Resource]) -> Result<Self, SceneError> {
         scene::reserve(desc, resources)?;
         let built = scene::build(desc, resources)?;
@@ -122,6 +123,7 @@ impl Simulation {
     }
 
     /// Makes a simulation of a scene that is already built. Pins start with their prescribed velocities.
+    #[cfg_attr(small, optimize(size))]
     #[cfg_attr(small, optimize(size))]
     pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
         built.pins.view().set_out(0.0, &mut built.particles.velocities);

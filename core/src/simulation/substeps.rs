@@ -125,6 +125,7 @@ impl Simulation {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn put_back(&mut self) {
         let kept = core::mem::take(&mut self.kept);
         let [positions, velocities, low_positions, low_velocities, previous @ ..] =

@@ -175,8 +175,11 @@ impl Course {
 
     /// Whether the cloth came to rest in the frame that ends now; `None` if the run does not end there.
     pub fn is_at_rest(&self) -> Option<bool> {
-        let whole = self.steps > 0 && self.steps.is_multiple_of(self.timing.steps_per_frame);
-        self.timing.until_rest.map(|speed| whole && self.record.fastest < speed)
+        let Timing { steps_per_frame, step, until_rest, last_change, .. } = self.timing;
+        let (frames, rest) = (self.steps / steps_per_frame, self.steps % steps_per_frame);
+        let frame = step * steps_per_frame as f64;
+        let ends_calm = frames > 0 && rest == 0 && (frames - 1) as f64 * frame >= last_change;
+        until_rest.map(|speed| ends_calm && self.record.fastest < speed)
     }
 
     /// Observes the speed of the step just taken.
