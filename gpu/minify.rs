@@ -1,7 +1,7 @@
 //! Makes the text of a shader short, for the page.
 
-/// The text without comments, indentation, empty lines and the spaces that separate nothing. WGSL has no strings, so two
-/// slashes always begin a comment.
+/// The text without comments, indentation, empty lines and the spaces that separate nothing. WGSL has no strings, so
+/// two slashes always begin a comment.
 pub fn minify(text: &str) -> String {
     let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default().trim());
     let mut small = String::new();

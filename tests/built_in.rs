@@ -57,7 +57,7 @@ scenes!(
     hanging 1.01,
     poncho 1.1 "slow",
     skirt 1.02,
-    stack 1.07 "slow",
+    stack 1.1 "slow",
     swing 1.02,
     tablecloth 1.06 "slow",
     twist 2.0 "slow"

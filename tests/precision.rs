@@ -173,8 +173,8 @@ fn forces_and_energies_of_a_scene_follow() {
     worst.check();
 }
 
-/// The same scene 30 m from the origin, where the last digit of a position strains its cells by 4e-5: forces and energies see
-/// the rounding errors of the positions, and are as exact as at the origin.
+/// The same scene 30 m from the origin, where the last digit of a position strains its cells by 4e-5: forces and
+/// energies see the rounding errors of the positions, and are as exact as at the origin.
 #[test]
 fn forces_and_energies_far_from_the_origin_follow() {
     let (single_scene, double_scene, rng) = (single::build(SCENE), double::build(SCENE), &mut Rng::new(117));
@@ -205,8 +205,8 @@ fn forces_and_energies_far_from_the_origin_follow() {
     worst.check();
 }
 
-/// A stiff sheet that flies 37 m without forces stays undeformed: its vertices keep the same velocity, to some of its digits.
-/// The last digit of its positions would excite vibrations of 0.3 to 100 mm/s.
+/// A stiff sheet that flies 37 m without forces stays undeformed: its vertices keep the same velocity, to some of its
+/// digits. The last digit of its positions would excite vibrations of 0.3 to 100 mm/s.
 #[test]
 fn stiff_cloth_does_not_feel_the_last_digit_of_its_positions() {
     let start = Vec3::new(30.0, 20.0, -10.0);

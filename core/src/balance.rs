@@ -1,4 +1,5 @@
-//! The balance of energy over the frames of a run. Energy that neither was there nor was given from outside comes from errors.
+//! The balance of energy over the frames of a run. Energy that neither was there nor was given from outside comes from
+//! errors.
 
 use crate::work_done::WorkDone;
 
@@ -19,8 +20,8 @@ pub struct Balance {
     pub appeared_with_separation: f64,
     /// Largest sum of the energies without gravity.
     active: f64,
-    /// Least and largest energy of gravity, without the work of gravity that changes: by how much the cloth fell, wherever
-    /// heights count from.
+    /// Least and largest energy of gravity, without the work of gravity that changes: by how much the cloth fell,
+    /// wherever heights count from.
     gravity: [f64; 2],
 }
 
@@ -65,8 +66,8 @@ impl Balance {
         self.active.max(self.gravity[1] - self.gravity[0]).max(self.work.exchanged)
     }
 
-    /// The energy that the method added up to a state with these energies, or took if it is negative. It is complete if the work
-    /// of contacts and damping is [measured](crate::reactions), or if there is neither.
+    /// The energy that the method added up to a state with these energies, or took if it is negative. It is complete if
+    /// the work of contacts and damping is [measured](crate::reactions), or if there is neither.
     pub fn by_method(&self, energy: &[f64; 6]) -> f64 {
         let now = energy.iter().sum::<f64>();
         let work = self.work;

@@ -25,7 +25,8 @@ pub struct ContactModel<'a> {
     pub colliders: Colliders<'a>,
     /// First vertex of each cloth and, last, of the colliders.
     pub firsts: &'a [u32],
-    /// Position of each cloth vertex before its cloth was placed, m. Neighbours on a sheet may be nearer than the thickness.
+    /// Position of each cloth vertex before its cloth was placed, m. Neighbours on a sheet may be nearer than the
+    /// thickness.
     pub material: &'a [Vec3],
     /// Radius around each vertex, m; not zero only for spheres and capsules.
     pub radii: &'a [Real],

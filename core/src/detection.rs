@@ -1,12 +1,13 @@
 //! Finds the pairs of features that may touch in a step: boxes, [candidates](crate::broad_phase), and their
 //! [distances](crate::narrow_phase::proximity) at the start of the step.
 //!
-//! [`search`] finds the pairs that may touch in a motion. If the cloth is slow, the motion may end anywhere in the boxes around
-//! it: what stops on the way needs no second search. If it is fast, these boxes would overlap many others. Then the motion
-//! must end near its predicted end, so that [neighbours that move together](crate::broad_phase::comoving) do not overlap.
+//! [`search`] finds the pairs that may touch in a motion. If the cloth is slow, the motion may end anywhere in the
+//! boxes around it: what stops on the way needs no second search. If it is fast, these boxes would overlap many others.
+//! Then the motion must end near its predicted end, so that [neighbours that move
+//! together](crate::broad_phase::comoving) do not overlap.
 //!
-//! An implicit step needs only the pairs that are near at its start before it is solved, and the others afterwards, around the
-//! motion of the solve. Near pairs are often among those that the last search
+//! An implicit step needs only the pairs that are near at its start before it is solved, and the others afterwards,
+//! around the motion of the solve. Near pairs are often among those that the last search
 //! [kept](crate::broad_phase::kept_pairs). In a [quiet](is_quiet) step no other pairs can touch.
 
 use crate::broad_phase::comoving::Motion;
@@ -31,8 +32,8 @@ const SKIN: Real = 0.05;
 /// How much wider than needed the boxes around the start are, relative to the thickness.
 const WIDER: Real = 0.01;
 
-/// Skin of the boxes in which a motion may end, relative to the thickness: how far the response may move vertices before
-/// the near pairs of the next step must be searched anew.
+/// Skin of the boxes in which a motion may end, relative to the thickness: how far the response may move vertices
+/// before the near pairs of the next step must be searched anew.
 const END_SKIN: Real = 0.15;
 
 /// The cloth is fast if its vertices move farther than this on average, relative to the mean edge.
@@ -47,7 +48,8 @@ const MOST_ROUNDED: Real = 0.1;
 /// Limit of candidates of each kind in a small scene.
 const MOST_PAIRS: usize = 1 << 17;
 
-/// Limit of candidates of each kind per vertex in a larger scene. Sheets that lie flat on themselves have a tenth of it.
+/// Limit of candidates of each kind per vertex in a larger scene. Sheets that lie flat on themselves have a tenth of
+/// it.
 const MOST_PAIRS_PER_VERTEX: usize = 1 << 10;
 
 /// Limit in the search for near pairs, which finds more pairs than it keeps, relative to the limit otherwise.
@@ -61,11 +63,11 @@ pub fn most_pairs(model: &ContactModel<'_>) -> usize {
 /// The purpose of a search.
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose {
-    /// The solve of an implicit step, which needs the pairs that are near at its start. Where the cloth is slow, all pairs that
-    /// may touch in the predicted motion are found, because that of the solve will hardly differ.
+    /// The solve of an implicit step, which needs the pairs that are near at its start. Where the cloth is slow, all
+    /// pairs that may touch in the predicted motion are found, because that of the solve will hardly differ.
     Solve,
-    /// The response, which needs all pairs that may touch in the motion. The more often the step was widened, the wider are
-    /// the boxes.
+    /// The response, which needs all pairs that may touch in the motion. The more often the step was widened, the wider
+    /// are the boxes.
     Response {
         /// How often.
         widened: u32,
@@ -162,8 +164,8 @@ pub fn place(
     (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);
 }
 
-/// Whether no vertex moves far in the step, and none is so far from the origin, or so large, that rounding could matter.
-/// Then the candidates can be limited to the pairs within [`REACH`] at its start, most of which
+/// Whether no vertex moves far in the step, and none is so far from the origin, or so large, that rounding could
+/// matter. Then the candidates can be limited to the pairs within [`REACH`] at its start, most of which
 /// [last](broad_phase::kept_pairs) from step to step.
 pub fn is_quiet(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
     let mut motion = contact.start.iter().zip(&*contact.predicted);
@@ -198,11 +200,12 @@ fn rounding(model: &ContactModel<'_>, positions: &[Vec3]) -> Real {
     2.0 * ROUNDING * largest
 }
 
-/// Writes the boxes of a search for near pairs: around the start, wider on each side by half of [`REACH`] and the radius.
+/// Writes the boxes of a search for near pairs: around the start, wider on each side by half of [`REACH`] and the
+/// radius.
 ///
-/// In a quiet step, pairs beyond reach cannot collide as long as no vertex leaves its box. Each of the two features moves by at
-/// most 0.51 thicknesses along each axis. That brings them nearer by 2 sqrt(3) 0.51 < 1.77 thicknesses, less than reach
-/// without the distance at which they collide and the reserve for rounding.
+/// In a quiet step, pairs beyond reach cannot collide as long as no vertex leaves its box. Each of the two features
+/// moves by at most 0.51 thicknesses along each axis. That brings them nearer by 2 sqrt(3) 0.51 < 1.77 thicknesses,
+/// less than reach without the distance at which they collide and the reserve for rounding.
 #[cfg_attr(small, optimize(size))]
 pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) {
     *contact.searched = Searched::Near;
@@ -213,8 +216,9 @@ pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>
     contact.ends.copy_from_slice(contact.boxes);
 }
 
-/// Writes the boxes around the motion. It may end within boxes that are wider on each side by half the thickness, the radius
-/// and the `margin` within which the response may move vertices, m. Those of an earlier motion in the same step are kept.
+/// Writes the boxes around the motion. It may end within boxes that are wider on each side by half the thickness, the
+/// radius and the `margin` within which the response may move vertices, m. Those of an earlier motion in the same step
+/// are kept.
 #[cfg_attr(small, optimize(size))]
 pub fn sweep(model: &ContactModel<'_>, margin: Real, contact: &mut ContactScratch<'_>) {
     let rounding = motion(model, contact.start, contact.end, contact.ends).rounding;
@@ -270,16 +274,17 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
     narrow(model, contact, !lasts, dispatch)
 }
 
-/// Measures the candidates, if there is room for all. Of `new` ones, drops those that stay apart, and keeps the others for the
-/// next step. Slow cloth searches around its prediction in the next step, or finds less if that is quiet: it keeps none.
+/// Measures the candidates, if there is room for all. Of `new` ones, drops those that stay apart, and keeps the others
+/// for the next step. Slow cloth searches around its prediction in the next step, or finds less if that is quiet: it
+/// keeps none.
 fn narrow(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, new: bool, dispatch: &impl Dispatch) -> Counts {
     if !contact.has_room(*contact.counts) {
         return *contact.counts;
     }
     dispatch.enter(Stage::NarrowPhase);
     let (reach, is_near) = (REACH * model.thickness, *contact.searched == Searched::Near);
-    // Each of two features moves by at most the diagonal of the skin before a wide box is left. Distances up to here are
-    // measured, not bounded: whether a pair is within reach must not depend on the pairs that were kept.
+    // Each of two features moves by at most the diagonal of the skin before a wide box is left. Distances up to here
+    // are measured, not bounded: whether a pair is within reach must not depend on the pairs that were kept.
     let skin = if is_near { SKIN * model.thickness } else { 0.0 };
     let far = 2.0 * (START * model.thickness + sqrt(3.0) * skin);
     if new {
@@ -312,11 +317,11 @@ fn lasts(contact: &ContactScratch<'_>) -> bool {
     *contact.searched == Searched::Near && contact.kept.cover(contact.boxes)
 }
 
-/// Drops the candidates that stay farther apart than `far` while each vertex moves to its end box, m. If `far` is twice the
-/// half width of the boxes around the start, they are not near at either end. They do not collide either. The bound assumes
-/// that 1.01 thicknesses of the end box lie around a vertex, but the response leaves only 0.5. So a vertex may end farther
-/// from the middle of its box, by 0.51 thicknesses along each axis. That brings two features nearer by 2 sqrt(3) 0.51 < 1.77
-/// thicknesses, and `far` is 2.02.
+/// Drops the candidates that stay farther apart than `far` while each vertex moves to its end box, m. If `far` is twice
+/// the half width of the boxes around the start, they are not near at either end. They do not collide either. The bound
+/// assumes that 1.01 thicknesses of the end box lie around a vertex, but the response leaves only 0.5. So a vertex may
+/// end farther from the middle of its box, by 0.51 thicknesses along each axis. That brings two features nearer by 2
+/// sqrt(3) 0.51 < 1.77 thicknesses, and `far` is 2.02.
 fn drop_apart(model: &ContactModel<'_>, far: Real, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) {
     let motion = motion(model, contact.start, contact.end, contact.ends);
     let counts = *contact.counts;

@@ -60,9 +60,9 @@ pub trait Dispatch: Sync {
     /// `start` is the index of the part's first slot in `out`.
     fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K);
 
-    /// Finds the candidates of [`ContactScratch::boxes`] as [`detection::detect`](crate::detection::detect) does, but elsewhere,
-    /// for example on a GPU that answers later. The caller drops those that stay apart, and measures the others. `None`: the
-    /// caller must call [`detection::detect`](crate::detection::detect).
+    /// Finds the candidates of [`ContactScratch::boxes`] as [`detection::detect`](crate::detection::detect) does, but
+    /// elsewhere, for example on a GPU that answers later. The caller drops those that stay apart, and measures the
+    /// others. `None`: the caller must call [`detection::detect`](crate::detection::detect).
     #[inline]
     fn detect(&self, _: &ContactModel<'_>, _: &mut ContactScratch<'_>) -> impl Future<Output = Option<Counts>> {
         ready(None)

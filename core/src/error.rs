@@ -115,7 +115,7 @@ pub enum SelectError {
     /// It gives no way to select, or more than one.
     OneWay,
     /// It names a corner, a ring or a vertex that does not exist.
-    OutOfRange { index: u32 },
+    OutOfRange { kind: &'static str, index: u32, last: u32 },
     /// It names a ring, but the cloth is not a disc.
     NoDisc,
     /// A total should be shared by length, but no edge joins two selected vertices.
@@ -135,7 +135,9 @@ impl fmt::Display for SelectError {
             Self::OneWay => {
                 write!(f, "give exactly one of corners, vertices, box, nearest, edge, ring, border, line or plane")
             }
-            Self::OutOfRange { index } => write!(f, "there is no corner, ring or vertex {index}"),
+            Self::OutOfRange { kind, index, last } => {
+                write!(f, "there is no {kind} {index}: the last one is {last}")
+            }
             Self::NoDisc => write!(f, "only a disc has rings; select by border, line or plane instead"),
             Self::NoEdge => write!(f, "share = \"length\" needs edges between the selected vertices"),
             Self::BadNumbers => {
@@ -183,8 +185,8 @@ pub enum SceneError {
     VectorKeys { key: &'static str },
     /// A number that must be less than 1 is not.
     NotBelowOne { key: &'static str, value: f64 },
-    /// An edge is so far from the first cloth, or from the world's origin, that its ends are rounded to a large part of its
-    /// length.
+    /// An edge is so far from the first cloth, or from the world's origin, that its ends are rounded to a large part of
+    /// its length.
     TooFar { a: u32, b: u32 },
     /// A seam has no stitches.
     EmptySeam { cloth: u32, seam: u32 },
@@ -210,6 +212,8 @@ pub enum SceneError {
     MotionKeys { cloth: u32, pin: u32 },
     /// The axis of a pin's rotation has no direction, or the rotation has a number that is not valid.
     MotionTurn { cloth: u32, pin: u32 },
+    /// A pin ends before it begins, or its end is not finite, s.
+    PinEnds { cloth: u32, pin: u32, from: f64, until: f64 },
     /// The static coefficient of friction is below the kinetic one.
     StaticBelowKinetic { at_rest: f64, kinetic: f64 },
     /// The scene has a collider but no contact section.
@@ -310,6 +314,10 @@ impl fmt::Display for SceneError {
             }
             Self::MotionTurn { cloth, pin } => {
                 write!(f, "cloth {cloth}, pin {pin}: motion.turn needs an axis with a direction and a finite rate")
+            }
+            Self::PinEnds { cloth, pin, from, until } => {
+                let [from, until] = [from, until].map(Number);
+                write!(f, "cloth {cloth}, pin {pin}: until = {until} must be finite and after from = {from}")
             }
             Self::StaticBelowKinetic { at_rest, kinetic } => {
                 write!(f, "friction: static = {} is below kinetic = {}", Number(at_rest), Number(kinetic))

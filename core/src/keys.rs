@@ -1,5 +1,5 @@
-//! Vectors over time, by keys: linear between two keys, constant before the first and after the last. They are computed in
-//! double in both precisions.
+//! Vectors over time, by keys: linear between two keys, constant before the first and after the last. They are computed
+//! in double in both precisions.
 
 use glam::DVec3;
 
@@ -67,9 +67,9 @@ impl From<Sum> for Moment {
 }
 
 impl Moment {
-    /// The vector that a method takes at this time. If keys lie within the step, the mean over the step differs from the mean
-    /// of its two ends; this difference is added at all times of the step. So a gust that is shorter than the step gives its
-    /// impulse, and where the vector is linear over the step, every method keeps its order.
+    /// The vector that a method takes at this time. If keys lie within the step, the mean over the step differs from
+    /// the mean of its two ends; this difference is added at all times of the step. So a gust that is shorter than the
+    /// step gives its impulse, and where the vector is linear over the step, every method keeps its order.
     pub fn value(&self, keys: &[Key]) -> DVec3 {
         let at = |time| interpolate(keys, time, JumpSide::After).0;
         let [start, end] = self.step;

@@ -1,5 +1,5 @@
-//! Four vectors at a time, one in each lane. Each lane has the bits that `Vec3` would give, also with NaN and with zeros of
-//! either sign. The minima and maxima of `wide` are not used for them, because they depend on the machine.
+//! Four vectors at a time, one in each lane. Each lane has the bits that `Vec3` would give, also with NaN and with
+//! zeros of either sign. The minima and maxima of `wide` are not used for them, because they depend on the machine.
 
 use core::ops::{Add, Mul, Sub};
 

@@ -22,16 +22,16 @@
 //!    motion.
 //! 10. [`step`]: the only module that knows the order; it works in [`scratch`] columns sized once. [`refusal`]: why a
 //!     step fails.
-//! 11. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash; [`work_done`]: work of pins,
-//!     colliders and wind; [`balance`]: energy that this work does not explain; [`reactions`]: impulses of pins and colliders;
-//!     [`audit`]: an exact test for intersections; [`untangle`]: removes the intersections of a start
-//!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods; [`warning`]: settings that do not
-//!     suit a scene, and signs that a result is wrong.
+//! 11. [`diagnostics`]: energies, momentum, stretch, the first non-finite value, the state hash; [`work_done`]: work of
+//!     pins, colliders and wind; [`balance`]: energy that this work does not explain; [`reactions`]: impulses of pins
+//!     and colliders; [`audit`]: an exact test for intersections; [`untangle`]: removes the intersections of a start
+//!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods; [`warning`]: settings that do
+//!     not suit a scene, and signs that a result is wrong.
 //! 12. [`simulation`]: all of it owned, for hosts that allocate.
 //!
 //! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time),
-//! [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over time), [`error`], [`stage`] (names of the stages, for hosts that measure time)
-//! and [`traffic`] (bytes that each stage streams).
+//! [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over time), [`error`], [`stage`] (names of the
+//! stages, for hosts that measure time) and [`traffic`] (bytes that each stage streams).
 //!
 //! The crate is `no_std`. With the feature `alloc` (default) it builds scenes and owns columns;
 //! without it, kernels and the step work on borrowed columns. `muslin-core` is f32,

@@ -1,12 +1,13 @@
 //! Particle columns: one array per attribute.
 //!
-//! A position is the sum of a rounded position and its rounding error [Dekker 1971]. Each step adds to both. So the motions of
-//! many steps add up, even where a step moves a particle by less than the last digit of its position. Velocities are sums
-//! likewise.
+//! A position is the sum of a rounded position and its rounding error [Dekker 1971]. Each step adds to both. So the
+//! motions of many steps add up, even where a step moves a particle by less than the last digit of its position.
+//! Velocities are sums likewise.
 //!
-//! Forces of implicit steps, and energies, see the rounding errors of positions. In a long step stiff cloth would feel the last
-//! digit of a position as strain, and this strain would move it in directions in which it is soft. Explicit steps are too
-//! short for that, and would cost a tenth more; they, Jacobians, velocities and contact use the rounded values.
+//! Forces of implicit steps, and energies, see the rounding errors of positions. In a long step stiff cloth would feel
+//! the last digit of a position as strain, and this strain would move it in directions in which it is soft. Explicit
+//! steps are too short for that, and would cost a tenth more; they, Jacobians, velocities and contact use the rounded
+//! values.
 
 use glam::DVec3;
 
@@ -35,8 +36,8 @@ impl<'a, T: AsRef<[Vec3]> + ?Sized> From<&'a T> for Positions<'a> {
 }
 
 impl Positions<'_> {
-    /// The vector from one particle to another, m. It is as exact as its own digits, not as those of the positions: stiff cloth
-    /// feels their last digit as strain.
+    /// The vector from one particle to another, m. It is as exact as its own digits, not as those of the positions:
+    /// stiff cloth feels their last digit as strain.
     #[inline(always)]
     pub fn between(&self, from: u32, to: u32) -> Vec3 {
         let (from, to) = (from as usize, to as usize);

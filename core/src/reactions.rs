@@ -1,8 +1,8 @@
-//! The impulses that pins and colliders give to the cloth, and the moments of these impulses. Divided by a time they are
-//! mean forces: the reactions.
+//! The impulses that pins and colliders give to the cloth, and the moments of these impulses. Divided by a time they
+//! are mean forces: the reactions.
 //!
-//! The impulse of a pin is the change of momentum along its held axes, less the impulses of the forces and the contacts. Forces
-//! are evaluated in the middle of the step, as for the [work](crate::work_done).
+//! The impulse of a pin is the change of momentum along its held axes, less the impulses of the forces and the
+//! contacts. Forces are evaluated in the middle of the step, as for the [work](crate::work_done).
 
 use core::ops::Range;
 

@@ -30,7 +30,8 @@ pub enum Cause {
         /// Whether the particle is pinned, so that contact cannot move it.
         pinned: bool,
     },
-    /// The estimated error is larger than the limit of the input ([`StepInput::limit`](crate::integrate::StepInput::limit)).
+    /// The estimated error is larger than the limit of the input
+    /// ([`StepInput::limit`](crate::integrate::StepInput::limit)).
     Inaccurate,
     /// The columns of contact lack room. The host must take the step again with more.
     Short {
@@ -65,8 +66,8 @@ pub struct Obstacle {
 impl Obstacle {
     pub(crate) const STOPPED: Self = Self { cause: Cause::Stopped, particle: 0 };
 
-    /// Two features collide. The obstacle is at a pinned particle of theirs if there is one, else at the first particle of
-    /// the cloth.
+    /// Two features collide. The obstacle is at a pinned particle of theirs if there is one, else at the first particle
+    /// of the cloth.
     pub(crate) fn between(model: &ContactModel<'_>, vertices: [u32; 4]) -> Self {
         let cloth = model.cloth();
         let mut particles = vertices.into_iter().filter(|&v| (v as usize) < cloth);

@@ -23,8 +23,8 @@ pub struct Scratch<'a> {
     /// Change of the velocities in the step, inside implicit methods in a stage, m/s.
     pub velocity_changes: &'a mut [Vec3],
 
-    /// RK4, implicit methods, and where [work](crate::work_done) is measured: positions inside the step, m. RK4 needs no
-    /// rounding errors.
+    /// RK4, implicit methods, and where [work](crate::work_done) is measured: positions inside the step, m. RK4 needs
+    /// no rounding errors.
     pub stage_positions: PositionsMut<'a>,
     /// RK4, and where work is measured: velocities inside the step, m/s.
     pub stage_velocities: &'a mut [Vec3],

@@ -1,10 +1,10 @@
 //! The order of a step: one driver over borrowed columns, for every host.
 //!
-//! predict (forces, integration) -> [`place`] -> couple (implicit methods only: near pairs, contacts and elasticity, impacts
-//! of the motion) -> [`search`](detection::search) (candidates and their distances, where the motion needs other ones) ->
-//! [`respond`](response::respond) (contacts, impacts) -> settle -> [`new_crossing`](audit::new_crossing), if surfaces
-//! [touch](Outcome::Touches) -> keep the forces of contacts,
-//! commit. Without contact a step consists of the first and the last phase.
+//! predict (forces, integration) -> [`place`] -> couple (implicit methods only: near pairs, contacts and elasticity,
+//! impacts of the motion) -> [`search`](detection::search) (candidates and their distances, where the motion needs
+//! other ones) -> [`respond`](response::respond) (contacts, impacts) -> settle ->
+//! [`new_crossing`](audit::new_crossing), if surfaces [touch](Outcome::Touches) -> keep the forces of contacts, commit.
+//! Without contact a step consists of the first and the last phase.
 //!
 //! Backward Euler without Newton's method predicts the motion without any force and leaves its one linear solve to the
 //! phase couple.
@@ -89,13 +89,14 @@ impl History {
     }
 }
 
-/// Takes one step and returns its [estimated error](local_error), m, if the input has a [limit](StepInput::limit) and the
-/// method an estimate. Pass the `history` that the last step left. Call
-/// [`Pins::set_out`](crate::integrate::pins::Pins::set_out) before the first step, to set the initial velocities of pins.
+/// Takes one step and returns its [estimated error](local_error), m, if the input has a [limit](StepInput::limit) and
+/// the method an estimate. Pass the `history` that the last step left. Call
+/// [`Pins::set_out`](crate::integrate::pins::Pins::set_out) before the first step, to set the initial velocities of
+/// pins.
 ///
-/// Some steps are taken by backward Euler instead of the method of `input`. BDF2 needs a step before that is at least half as
-/// long, without contact and without a jump of a pin's velocity in between. Implicit midpoint after contact would amplify the
-/// oscillation of stiff cloth that an impulse excites. After contact, the linear solve also
+/// Some steps are taken by backward Euler instead of the method of `input`. BDF2 needs a step before that is at least
+/// half as long, without contact and without a jump of a pin's velocity in between. Implicit midpoint after contact
+/// would amplify the oscillation of stiff cloth that an impulse excites. After contact, the linear solve also
 /// [extrapolates](StepInput::extrapolates) nothing.
 pub async fn take<D: Dispatch, R: ContactRoom>(
     input: &StepInput<'_, D>,
@@ -190,8 +191,8 @@ fn test_finite(scratch: &Scratch<'_>) -> Result<(), Obstacle> {
     }
 }
 
-/// The phases between prediction and commit. Searches again with wider boxes if the response leaves them. Returns whether
-/// any vertex was corrected.
+/// The phases between prediction and commit. Searches again with wider boxes if the response leaves them. Returns
+/// whether any vertex was corrected.
 async fn resolve<D: Dispatch, R: ContactRoom>(
     input: &StepInput<'_, D>,
     particles: &Particles<'_>,

@@ -15,8 +15,8 @@ pub enum Code {
     Duration,
     /// The thickness of contact, m, does not suit the edges; their mean length.
     Thickness,
-    /// Step^2 times stiffness over the mass of a vertex is so large that single precision loses masses; the largest ratio at
-    /// which it loses little.
+    /// Step^2 times stiffness over the mass of a vertex is so large that single precision loses masses; the largest
+    /// ratio at which it loses little.
     Masses,
     /// The step, s, is longer than the limit of the explicit method at the start; this limit.
     Unstable,
@@ -81,31 +81,32 @@ const THICKNESS: [f64; 2] = [1e-4, 1.0];
 /// Rounding of a number in single precision, relative to it.
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 
-/// Part of its size that the cloth may lose by the bound of [`masses`]. Of 31 scenes from seeds, nine tenths lost less than the
-/// bound, and half of them less than 3 % of it. At 0.01 no more wrong runs are found, and more good ones are warned of.
+/// Part of its size that the cloth may lose by the bound of [`masses`]. Of 31 scenes from seeds, nine tenths lost less
+/// than the bound, and half of them less than 3 % of it. At 0.01 no more wrong runs are found, and more good ones are
+/// warned of.
 const MOST_LOST: f64 = 0.02;
 
-/// Way of cloth that nothing moves, relative to its size: rounding of the stiffness moves it too. In 16 of 18 scenes from
-/// seeds, cloth at rest moved by less than this part of the bound.
+/// Way of cloth that nothing moves, relative to its size: rounding of the stiffness moves it too. In 16 of 18 scenes
+/// from seeds, cloth at rest moved by less than this part of the bound.
 const AT_REST: f64 = 1e-4;
 
 /// Ratio of edge length to rest length beyond which cloth is not stretched.
 const TOO_LONG: f64 = 1.3;
 
-/// Energy that may appear by errors, relative to the largest energy that moved. Built-in scenes stay below a tenth, their first
-/// tenth of a second below a third; where cloth flies apart it is nearly all of it.
+/// Energy that may appear by errors, relative to the largest energy that moved. Built-in scenes stay below a tenth,
+/// their first tenth of a second below a third; where cloth flies apart it is nearly all of it.
 const MOST_APPEARED: f64 = 0.5;
 
-/// Way, relative to the size of the cloth, on which the energy that appeared could have taken a vertex: if it is shorter, the
-/// energy did no harm.
+/// Way, relative to the size of the cloth, on which the energy that appeared could have taken a vertex: if it is
+/// shorter, the energy did no harm.
 const HARMLESS_WAY: f64 = 1e-3;
 
-/// Way on which this energy could have taken all vertices together: if it is longer, rounding is no excuse. A light and stiff
-/// sheet in f32, off by 1.5 % of its size, could have gone 4 %.
+/// Way on which this energy could have taken all vertices together: if it is longer, rounding is no excuse. A light and
+/// stiff sheet in f32, off by 1.5 % of its size, could have gone 4 %.
 const HARMFUL_WAY: f64 = 1e-2;
 
-/// Energy by rounding, relative to that of a cloth whose edges are all strained by the rounding of a position. Cloth at rest
-/// showed up to 11 times this energy.
+/// Energy by rounding, relative to that of a cloth whose edges are all strained by the rounding of a position. Cloth at
+/// rest showed up to 11 times this energy.
 const BY_ROUNDING: f64 = 16.0;
 
 /// Part of the steps whose solve may end above the tolerance; a single one may in any run.
@@ -125,8 +126,8 @@ pub struct Start {
     pub is_single: bool,
 }
 
-/// The warnings of settings that do not suit the scene. `modes` gives the fastest modes of the start state to about one per
-/// cent; it is called only where they matter.
+/// The warnings of settings that do not suit the scene. `modes` gives the fastest modes of the start state to about one
+/// per cent; it is called only where they matter.
 #[cfg_attr(small, optimize(size))]
 pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mode; 2]) -> [Option<Warning>; 4] {
     let (method, timing) = (scene.integrator.method, scene.timing());
@@ -156,12 +157,13 @@ pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mo
     ]
 }
 
-/// The warning that single precision loses masses beside the stiffness in steps of this length, s; `size` is that of the
-/// cloth, m.
+/// The warning that single precision loses masses beside the stiffness in steps of this length, s; `size` is that of
+/// the cloth, m.
 ///
 /// The matrix of an implicit step is `M + h^2 K`. Single precision rounds it by 2^-24 of its largest part, which is
-/// `h^2 lambda M`, where lambda is the largest eigenvalue of `M^-1 K`. So up to `2^-24 h^2 lambda` of the masses is lost, and
-/// as large a part of the way on which gravity or pins take the cloth. Cloth that goes no way loses little, however stiff it is.
+/// `h^2 lambda M`, where lambda is the largest eigenvalue of `M^-1 K`. So up to `2^-24 h^2 lambda` of the masses is
+/// lost, and as large a part of the way on which gravity or pins take the cloth. Cloth that goes no way loses little,
+/// however stiff it is.
 #[cfg_attr(small, optimize(size))]
 pub fn masses(modes: &[Mode; 2], scene: &SceneDesc, size: f64, step: f64) -> Option<Warning> {
     let way = (way(scene) / size).min(1.0) + AT_REST;
@@ -239,8 +241,8 @@ pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
 }
 
 impl Run<'_> {
-    /// Energy by moving overlapping surfaces apart. It is a reason for doubt if it is more than lifting the whole cloth by the
-    /// thickness takes.
+    /// Energy by moving overlapping surfaces apart. It is a reason for doubt if it is more than lifting the whole cloth
+    /// by the thickness takes.
     fn overlap(&self, scene: &SceneDesc) -> Option<Warning> {
         let (appeared, moved) = (self.balance.appeared_with_separation, self.balance.moved());
         let separation = self.balance.work.separation;
@@ -259,8 +261,8 @@ impl Run<'_> {
             .then(|| Warning::new(Code::Method, taken, moved))
     }
 
-    /// Whether an energy would take one vertex farther than [`HARMLESS_WAY`], and is either more than rounding gives or would
-    /// take all vertices farther than [`HARMFUL_WAY`], each from the start.
+    /// Whether an energy would take one vertex farther than [`HARMLESS_WAY`], and is either more than rounding gives or
+    /// would take all vertices farther than [`HARMFUL_WAY`], each from the start.
     fn is_harmful(&self, energy: f64, scene: &SceneDesc) -> bool {
         // Squares of the speed of sound in the cloth, m^2/s^2.
         let squares = scene.cloth.iter().filter_map(|cloth| {

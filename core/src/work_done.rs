@@ -1,13 +1,13 @@
-//! The work that is done on the cloth by pins, colliders and wind, by gravity and loads that change, and by the response
-//! where it moves overlapping surfaces apart. With it, a host can balance the energy of the cloth: a larger gain of energy
-//! comes from errors. With [reactions](crate::reactions), the work that contacts and damping take is measured too, and the
-//! rest of the balance is the error of the method.
+//! The work that is done on the cloth by pins, colliders and wind, by gravity and loads that change, and by the
+//! response where it moves overlapping surfaces apart. With it, a host can balance the energy of the cloth: a larger
+//! gain of energy comes from errors. With [reactions](crate::reactions), the work that contacts and damping take is
+//! measured too, and the rest of the balance is the error of the method.
 //!
-//! Where gravity or a load changes, the potential energy changes at a fixed position. This is work too: the whole change of
-//! the potential energy plus the work of the force along the displacement.
+//! Where gravity or a load changes, the potential energy changes at a fixed position. This is work too: the whole
+//! change of the potential energy plus the work of the force along the displacement.
 //!
-//! A force is evaluated in the middle of the step and multiplied by the displacement: this is exact to the second order for
-//! every method.
+//! A force is evaluated in the middle of the step and multiplied by the displacement: this is exact to the second order
+//! for every method.
 
 use glam::DVec3;
 
@@ -40,14 +40,14 @@ pub struct WorkDone {
     pub contacts: Sum,
     /// By damping and drag; negative. Measured with reactions.
     pub damping: Sum,
-    /// The amounts of the work of all steps by pins, colliders and wind: errors of the steps also change the forces of pins,
-    /// to and fro.
+    /// The amounts of the work of all steps by pins, colliders and wind: errors of the steps also change the forces of
+    /// pins, to and fro.
     pub exchanged: Sum,
 }
 
 impl WorkDone {
-    /// The work from outside: what pins, colliders and wind, gravity and loads that change, and the separation of surfaces
-    /// gave, J.
+    /// The work from outside: what pins, colliders and wind, gravity and loads that change, and the separation of
+    /// surfaces gave, J.
     pub fn from_outside(&self) -> Sum {
         self.pins + self.colliders + self.wind + self.gravity + self.separation
     }
@@ -75,8 +75,8 @@ pub struct Ledger<'a> {
     pub reactions: Option<Reactions<'a>>,
 }
 
-/// Adds the work, and the reactions, in the step to the candidate state in `s`. Overwrites the columns of the stage and of
-/// the forces.
+/// Adds the work, and the reactions, in the step to the candidate state in `s`. Overwrites the columns of the stage and
+/// of the forces.
 pub fn in_step<D: Dispatch>(
     c: &StepInput<'_, D>,
     from: &Particles<'_>,
@@ -193,8 +193,8 @@ fn add_contacts<D>(c: &StepInput<'_, D>, model: &ContactModel<'_>, contact: &Con
     }
 }
 
-/// The work of contacts on the relative motion of their features. An impulse changes the kinetic energy of a free vertex
-/// by its product with the mean of the velocities before and after.
+/// The work of contacts on the relative motion of their features. An impulse changes the kinetic energy of a free
+/// vertex by its product with the mean of the velocities before and after.
 fn by_contacts<D>(
     c: &StepInput<'_, D>,
     model: &ContactModel<'_>,

@@ -155,9 +155,9 @@ impl Detector {
         }
     }
 
-    /// Takes one box per vertex. Finds the candidates; for the other queries, also the distance of each at `start`, and for
-    /// `DetectionQuery::Times` when each collides on the way to `end`. Fails if the lengths of the slices
-    /// are not the number of vertices, or if the device fails.
+    /// Takes one box per vertex. Finds the candidates; for the other queries, also the distance of each at `start`, and
+    /// for `DetectionQuery::Times` when each collides on the way to `end`. Fails if the lengths of the slices are not
+    /// the number of vertices, or if the device fails.
     pub async fn detect(
         &mut self,
         gpu: &Gpu,

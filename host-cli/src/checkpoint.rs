@@ -1,8 +1,9 @@
 //! Checkpoints: the saved state of a run, which a later run continues bit for bit.
 //!
-//! Little-endian layout: magic, format, version of muslin after its length, precision, CRC of the scene, steps, whether contact changed the state, halvings of
-//! the substeps, length of the last one, hash chain, counters of work, counters of contact, record of the run, each column
-//! after its length, the impulses of the last frame likewise, and the CRC of all bytes before. The file is written completely or not at all.
+//! Little-endian layout: magic, format, version of muslin after its length, precision, CRC of the scene, steps, whether
+//! contact changed the state, halvings of the substeps, length of the last one, hash chain, counters of work, counters
+//! of contact, record of the run, each column after its length, the impulses of the last frame likewise, and the CRC of
+//! all bytes before. The file is written completely or not at all.
 
 use std::io::Write;
 use std::path::Path;

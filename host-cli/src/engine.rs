@@ -100,8 +100,8 @@ pub struct Snapshot {
     pub work: [u64; 11],
     /// Counters of contact, in the order of the core's `ContactStatistics`.
     pub contacts: [u64; 7],
-    /// Positions and velocities, their rounding errors, for BDF2 their changes in the last step, the forces of contacts, and
-    /// the positions of pins that begin or end at a time.
+    /// Positions and velocities, their rounding errors, for BDF2 their changes in the last step, the forces of
+    /// contacts, and the positions of pins that begin or end at a time.
     pub columns: [Vec<u8>; 8],
     /// Whether contact changed the state in the last step.
     pub after_contact: bool,
@@ -159,8 +159,8 @@ pub trait Engine: Send {
     fn dissipates(&self) -> bool;
     /// Measures the reactions too.
     fn measure_reactions(&mut self);
-    /// Impulses on the cloth since they were set, N s, and their moments about the [`origin`](Self::origin), N m s: of each
-    /// group of pins, then of each collider. Empty if they are not measured.
+    /// Impulses on the cloth since they were set, N s, and their moments about the [`origin`](Self::origin), N m s: of
+    /// each group of pins, then of each collider. Empty if they are not measured.
     fn impulses(&self) -> Vec<[f64; 6]>;
     /// Sets the impulses; zero beyond the given ones.
     fn set_impulses(&mut self, impulses: &[[f64; 6]]);

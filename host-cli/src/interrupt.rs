@@ -26,8 +26,8 @@ pub fn watch() -> Result<Arc<AtomicBool>, Failure> {
     Ok(stop)
 }
 
-/// Does work that looks for no interrupt itself, such as to build a scene. `None` after an interrupt: then the work is left
-/// behind and ends with the process, so it must change no file.
+/// Does work that looks for no interrupt itself, such as to build a scene. `None` after an interrupt: then the work is
+/// left behind and ends with the process, so it must change no file.
 pub fn until<T: Send + 'static>(
     stop: &AtomicBool,
     work: impl FnOnce() -> T + Send + 'static,

@@ -119,8 +119,8 @@ pub struct EnergyBalance {
     pub gravity: f64,
     /// Work of moving overlapping surfaces apart.
     pub separation: f64,
-    /// Energy that the method added from the start to the end, or took if it is negative; null if what contacts and damping took
-    /// is not known.
+    /// Energy that the method added from the start to the end, or took if it is negative; null if what contacts and
+    /// damping took is not known.
     pub method: Option<f64>,
     /// Largest growth of the energy without this work: it comes from errors.
     pub appeared: f64,

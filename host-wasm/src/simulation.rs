@@ -113,7 +113,8 @@ impl Simulation {
         let mut next = Cloth::new(&desc, &[]).map_err(error)?;
         let state = self.own.state();
         let steps = (self.own.time() / f64::from(next.step_length())).round() as u64;
-        // The previous state, the substeps and the contacts may belong to another method, step length or collider, so they are dropped.
+        // The previous state, the substeps and the contacts may belong to another method, step length or collider, so
+        // they are dropped.
         let state = State { steps, previous: [&[]; 2], last_step: 0.0, halvings: 0, multipliers: &[], ..state };
         if next.restore(&state, self.own.statistics(), self.own.contact_statistics()) {
             self.released.iter().for_each(|&vertex| _ = next.release(vertex));
@@ -276,8 +277,8 @@ impl Simulation {
         self.scene.duration
     }
 
-    /// The warnings of the run up to now. Each has a code, a value, the number that it is compared with, and whether it makes
-    /// the result doubtful.
+    /// The warnings of the run up to now. Each has a code, a value, the number that it is compared with, and whether it
+    /// makes the result doubtful.
     #[cfg_attr(small, optimize(size))]
     pub fn warnings(&self) -> Vec<JsValue> {
         let mut words = Vec::new();

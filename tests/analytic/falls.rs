@@ -56,8 +56,8 @@ fn free_fall_keeps_the_shape_and_the_closed_form() {
     }
 }
 
-/// A thrown sheet that turns: its centre of mass follows the parabola, its angular momentum stays, and it is a rigid motion at
-/// the start.
+/// A thrown sheet that turns: its centre of mass follows the parabola, its angular momentum stays, and it is a rigid
+/// motion at the start.
 #[test]
 fn a_thrown_sheet_follows_the_parabola() {
     let built = double::build(&format!(

@@ -33,8 +33,8 @@ fn run(text: &str, scheme: Scheme, step: f64, steps: u32) -> Simulation {
     sim
 }
 
-/// Within an interval of keys gravity is linear, so the velocity is a sum of an arithmetic series; methods of second order
-/// integrate it exactly, and RK4 the position too.
+/// Within an interval of keys gravity is linear, so the velocity is a sum of an arithmetic series; methods of second
+/// order integrate it exactly, and RK4 the position too.
 #[test]
 fn a_sheet_falls_under_gravity_that_grows() {
     const GROWTH: f64 = 40.0;

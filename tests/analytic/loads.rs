@@ -10,8 +10,8 @@ use muslin_core_f64::simulation::Simulation;
 
 const LENGTH: f64 = 0.2;
 
-/// Drop and reach of the tip of a clamped strip, divided by its free length. P is the load on the tip, P L^2 / D = `load`. The
-/// strip and its clamp are those of `cantilever`.
+/// Drop and reach of the tip of a clamped strip, divided by its free length. P is the load on the tip, P L^2 / D =
+/// `load`. The strip and its clamp are those of `cantilever`.
 fn tip(load: f64, cells: u32) -> [f64; 2] {
     let edge = LENGTH / (f64::from(cells) - 0.5);
     let (long, wide) = (edge * f64::from(cells), edge * 0.75f64.sqrt());
@@ -56,8 +56,8 @@ fn a_load_on_the_tip_bends_a_strip_into_the_elastica() {
     }
 }
 
-/// A load that is shared by length along an edge stretches a sheet uniformly, by force over width and stiffness. All of it
-/// reaches the pins.
+/// A load that is shared by length along an edge stretches a sheet uniformly, by force over width and stiffness. All of
+/// it reaches the pins.
 #[test]
 fn a_load_along_an_edge_stretches_evenly() {
     let built = kit::build(

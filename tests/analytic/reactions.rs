@@ -133,8 +133,8 @@ fn in_free_fall_nothing_reacts_and_the_balances_close() {
     }
 }
 
-/// Pins pull with the forces in the middle of the steps. A method of first order takes those at the start or the end of a
-/// step: half a step of a force that changes by up to twice the weight is left.
+/// Pins pull with the forces in the middle of the steps. A method of first order takes those at the start or the end of
+/// a step: half a step of a force that changes by up to twice the weight is left.
 #[test]
 fn the_balance_of_momentum_closes_for_a_sheet_that_swings() {
     for case @ (method, step, error) in cases() {

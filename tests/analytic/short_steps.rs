@@ -1,5 +1,5 @@
-//! Steps so short, or a cloth so far from the origin, that a step moves it by less than the last digit of its position. It falls,
-//! follows its pins and rests in single precision as in double.
+//! Steps so short, or a cloth so far from the origin, that a step moves it by less than the last digit of its position.
+//! It falls, follows its pins and rests in single precision as in double.
 
 use glam::DVec3;
 use harness::kit::{double, single};
@@ -38,7 +38,8 @@ fn fallen(method: Method, n: f64) -> f64 {
     }
 }
 
-/// The displacement and the velocity of the centre of a thrown sheet after so many steps, from the place and the velocity of the throw.
+/// The displacement and the velocity of the centre of a thrown sheet after so many steps, from the place and the
+/// velocity of the throw.
 fn thrown(text: &str, throw: DVec3, steps: u32) -> [DVec3; 2] {
     let mut sim = single::simulation(text, &[]);
     sim.state_mut().1.fill(throw.as_vec3());

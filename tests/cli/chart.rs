@@ -122,9 +122,9 @@ fn error_control_is_charted(chart: &Value) {
 
 const IMPLICIT: [&str; 3] = ["backward-euler", "implicit-midpoint", "bdf2"];
 
-/// The cheapest implicit runs are repeated with other solvers, and the errors of backward Euler, the scene's method, are
-/// separated: the error of the step falls by first order and that of the linearisation by a single
-/// Newton iteration faster.
+/// The cheapest implicit runs are repeated with other solvers, and the errors of backward Euler, the scene's method,
+/// are separated: the error of the step falls by first order and that of the linearisation by a single Newton iteration
+/// faster.
 #[test]
 fn the_solver_is_varied_and_errors_are_separated() {
     let place = Place::new();

@@ -50,7 +50,9 @@ fn choose(place: &Place, words: &str) -> Value {
         }
     }
     let is_chosen = |row: &Value| {
-        ["method", "precision", "step", "allowed_error", "terms"].iter().all(|k| row[k] == choice["chosen"][k])
+        ["method", "precision", "step", "allowed_error", "solver_tolerance", "terms"]
+            .iter()
+            .all(|k| row[k] == choice["chosen"][k])
     };
     let chosen =
         choice["considered"].as_array().unwrap().iter().find(|row| is_chosen(row) && row["verdict"] == "meets");

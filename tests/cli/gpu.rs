@@ -16,8 +16,8 @@ fn is_there(place: &Place) -> bool {
     any
 }
 
-/// Asserts that the report has the times of the detection stages, and `last` at its end. Does nothing if an adapter has no
-/// timestamps.
+/// Asserts that the report has the times of the detection stages, and `last` at its end. Does nothing if an adapter has
+/// no timestamps.
 fn assert_times(place: &Place, stages: &Value, last: &str) {
     let devices = place.muslin("devices --json").expect(0).json();
     if devices["adapters"].as_array().unwrap().iter().any(|adapter| adapter["timestamps"] == false) {

@@ -164,7 +164,8 @@ fn untangling_hears_an_interrupt() {
     assert!(place.files(".") == before && !place.path("out").exists());
 }
 
-/// A scene and a sweep with a mesh from a pipe that nobody writes to: without an interrupt, to load them takes for ever.
+/// A scene and a sweep with a mesh from a pipe that nobody writes to: without an interrupt, to load them takes for
+/// ever.
 fn endless(place: &Place) {
     assert!(Command::new("mkfifo").arg(place.path("endless.obj")).status().unwrap().success());
     let grid = "grid = { size = [0.3, 0.3], cells = [4, 4] }";

@@ -111,8 +111,8 @@ fn data_that_nobody_reads_are_a_failure() {
     assert!(["out/summary.json", "study/needs.json"].iter().all(|file| place.path(file).exists()));
 }
 
-/// Before `main`, the runtime of Rust opens `/dev/null` in place of a closed stdout, in the way in which Python and Node.js
-/// open it for a program without output: the two look alike.
+/// Before `main`, the runtime of Rust opens `/dev/null` in place of a closed stdout, in the way in which Python and
+/// Node.js open it for a program without output: the two look alike.
 #[test]
 #[cfg(unix)]
 fn a_closed_stdout_is_like_dev_null() {

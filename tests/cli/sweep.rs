@@ -180,6 +180,20 @@ fn a_changed_scene_is_run_anew() {
     is_run("the precision changed");
 }
 
+/// A step just beyond the limit of stability: energy appears, and the run ends before it diverges.
+#[test]
+fn doubtful_runs_are_counted() {
+    let place = Place::new();
+    let unstable = "integrator.method = \"symplectic-euler\"\nintegrator.step = 1e-6\nintegrator.error = 0\n\
+                    gravity = [0, 0, 0]\ncloth.rotation = [37, 20, 10]\ncloth.position = [0.37, 7.1, 3.3]\n";
+    let sweep_file = format!(
+        "scene = \"tiny.toml\"\nduration = 0.05\n[set]\n{unstable}[grid]\ncloth.stretch.stiffness = [1e5, 1e7]\n"
+    );
+    place.write("s.toml", sweep_file);
+    let outcome = sweep(&place, "s.toml").expect(0);
+    assert!(outcome.stderr.contains("2 runs, 0 of them diverged, 1 doubtful"), "{}", outcome.stderr);
+}
+
 #[test]
 fn divergence_is_a_result() {
     let place = Place::new();

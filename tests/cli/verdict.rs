@@ -67,7 +67,8 @@ fn a_lifted_sheet_has_the_energy_of_its_pins() {
     }
 }
 
-/// A light strip with a load on its tip bends fast, and one linear solve in each step does not follow the turning triangles.
+/// A light strip with a load on its tip bends fast, and one linear solve in each step does not follow the turning
+/// triangles.
 #[test]
 fn doubt_names_what_helps_and_spares_the_equilibrium() {
     let place = Place::new();

@@ -21,12 +21,12 @@ const OFF: f64 = 1e-2;
 /// Change of the start state, relative to the size of the cloth.
 const NUDGE: f64 = 1e-7;
 
-/// Change of the end state by this change of the start, relative to the size of the cloth, beyond which a scene is chaotic:
-/// it amplifies ten thousand times.
+/// Change of the end state by this change of the start, relative to the size of the cloth, beyond which a scene is
+/// chaotic: it amplifies ten thousand times.
 const CHAOTIC: f64 = 1e-3;
 
-/// How much farther than by one such change f32 may end from f64 in a chaotic scene, because it rounds in every step. Where
-/// stiffness does not drown the masses, it ended less than a hundred times as far.
+/// How much farther than by one such change f32 may end from f64 in a chaotic scene, because it rounds in every step.
+/// Where stiffness does not drown the masses, it ended less than a hundred times as far.
 const EXPLAINED: f64 = 100.0;
 
 /// Codes of the warnings that a result may be wrong.

@@ -1,9 +1,10 @@
-//! Scenes from seeds, in f32 beside f64: a result that single precision makes wrong is called so, and a good one is not.
+//! Scenes from seeds, in f32 beside f64: a result that single precision makes wrong is called so, and a good one is
+//! not.
 //!
-//! f32 is off where a vertex ends more than 1 % of the cloth's size from its place in f64. Then the verdict must be other than
-//! ok, or a warning must say that the result may be wrong. Of the runs that are not off, and that f64 does not warn of, fewer
-//! than 2 % may be warned of. A scene whose f32 is off is not judged if it amplifies a change of the start of 1e-7 of the size
-//! to 0.1 %, and f32 is off by less than a hundred times this.
+//! f32 is off where a vertex ends more than 1 % of the cloth's size from its place in f64. Then the verdict must be
+//! other than ok, or a warning must say that the result may be wrong. Of the runs that are not off, and that f64 does
+//! not warn of, fewer than 2 % may be warned of. A scene whose f32 is off is not judged if it amplifies a change of the
+//! start of 1e-7 of the size to 0.1 %, and f32 is off by less than a hundred times this.
 //!
 //! 5,000 seeds, or those of `MUSLIN_SEEDS=FROM..TO`:
 //! `cargo test -p muslin-cli --test fuzz -- --ignored --nocapture long_form`.
@@ -22,8 +23,8 @@ use judge::{Case, Finding, judge};
 /// Share of the good runs that may be warned of.
 const MOST_FALSE_ALARMS: f64 = 0.02;
 
-/// Known false alarms among the first 200 seeds: those that lose less than the bound by which `masses` warns, and 38, a cloth at
-/// rest whose solves end at the rounding of its forces.
+/// Known false alarms among the first 200 seeds: those that lose less than the bound by which `masses` warns, and 38, a
+/// cloth at rest whose solves end at the rounding of its forces.
 const KNOWN: [u64; 8] = [33, 38, 58, 97, 119, 125, 168, 200];
 
 /// Up to so many scenes are printed.

@@ -106,8 +106,9 @@ fn sheet(rng: &mut Rng, gravity: [f64; 3], wind: &Wind, pinned: &str) -> Sheet {
     Sheet { size, cells, density, stiffness, edge: size / f64::from(cells[0]) }
 }
 
-/// Length of a step, s, and the section. Steps of explicit methods are mostly near their limit of stability. With contact,
-/// explicit steps are at most as long, and implicit ones at most thirty times as long: cloth that explodes takes minutes.
+/// Length of a step, s, and the section. Steps of explicit methods are mostly near their limit of stability. With
+/// contact, explicit steps are at most as long, and implicit ones at most thirty times as long: cloth that explodes
+/// takes minutes.
 fn integrator(rng: &mut Rng, method: &str, sheet: &Sheet, has_contact: bool) -> (f64, String) {
     let is_implicit = METHODS[4..].contains(&method);
     let limit = sheet.limit();

@@ -31,8 +31,8 @@ pub fn drum(sides: u32) -> Mesh {
     drum
 }
 
-/// A ribbon over the drum; its lighter end hangs on the left and has the length `light_end`, m. Its rows of vertices are
-/// about `spacing` apart, m.
+/// A ribbon over the drum; its lighter end hangs on the left and has the length `light_end`, m. Its rows of vertices
+/// are about `spacing` apart, m.
 pub fn belt(light_end: f64, spacing: f64) -> Mesh {
     const ACROSS: usize = 4;
     let radius = DRUM + THICKNESS + 1e-5;
@@ -99,8 +99,8 @@ pub fn slips(friction: f64, light_end: f64, seconds: f64) -> f64 {
     const STEP: f64 = 1e-4;
     let (mut way, mut speed) = (0.0, 0.0);
     for _ in 0..(seconds / STEP).round() as usize {
-        // The pull of the heavy end less the tension that holds it. It is linear in the acceleration as long as the belt
-        // presses everywhere.
+        // The pull of the heavy end less the tension that holds it. It is linear in the acceleration as long as the
+        // belt presses everywhere.
         let pull = |acceleration: f64| {
             (HEAVY_END + way) * (GRAVITY - acceleration)
                 - tension_behind(friction, light_end - way, speed, acceleration)
@@ -190,8 +190,8 @@ pub fn loaded(friction: f64, stiffness: f64, loads: [f64; 2], step: f64) -> Stri
     )
 }
 
-/// The scene of a belt of both ends of 0.5 m, without weight, over a drum. Pins strain its ends in 20 ms and then draw it
-/// toward its heavy end with a `speed`, m/s.
+/// The scene of a belt of both ends of 0.5 m, without weight, over a drum. Pins strain its ends in 20 ms and then draw
+/// it toward its heavy end with a `speed`, m/s.
 pub fn drawn(friction: f64, stiffness: f64, speed: f64, drum: &str) -> String {
     let rows = belt(HEAVY_END, 0.0068).positions.len() as u32;
     let (strained, until) = (-20.0 / stiffness * HEAVY_END, 1.0);

@@ -39,8 +39,8 @@ const SWING: &str = r#"
     pin = [{ select = { edge = "left" } }]
 "#;
 
-/// The built-in scenes with moving cloth and implicit methods, and how long each runs, s. In `ball`, `fold`, `funnel`, `poncho`
-/// and `tablecloth`, cloth lands.
+/// The built-in scenes with moving cloth and implicit methods, and how long each runs, s. In `ball`, `fold`, `funnel`,
+/// `poncho` and `tablecloth`, cloth lands.
 const SCENES: [(&str, f64); 12] = [
     ("ball", 0.6),
     ("cantilever", 0.6),
@@ -263,8 +263,8 @@ both_precisions! {
         })
     }
 
-    /// Takes substeps by error control, each by the simulation with steps of its length. A substep that is accepted is seen
-    /// with the state before it, the number of the step and its level.
+    /// Takes substeps by error control, each by the simulation with steps of its length. A substep that is accepted is
+    /// seen with the state before it, the number of the step and its level.
     fn drive(built: &BuiltScene, scheme: Scheme, seconds: f64, mut see: impl FnMut(&Owned, u64, usize, &Simulation)) {
         let most = scheme.error.expect("a largest error");
         let mut sims = levels(built, Scheme { error: Some(1e9), ..scheme }, 1);
@@ -329,7 +329,8 @@ both_precisions! {
     }
 }
 
-/// How many substeps of a scene have an estimate within a factor of three of the error, and how many substeps there are.
+/// How many substeps of a scene have an estimate within a factor of three of the error, and how many substeps there
+/// are.
 fn near(name: &str, seconds: f64) -> [usize; 2] {
     let mut ratios = single::ratios(name, seconds);
     if name == "swing" {

@@ -220,14 +220,11 @@ const PINS: &[Case] = &[
     ("corners = [0]", "ring = 1, border = true", ONE_SELECTION),
     ("corners = [0]", "", ONE_SELECTION),
     ("corners = [0]", "corners = [0], vertices = [1]", ONE_SELECTION),
-    ("corners = [0]", "corners = [4]", "cloth 0, pin 0: there is no corner, ring or vertex 4"),
-    ("corners = [0]", "vertices = [0, 99]", "cloth 0, pin 0: there is no corner, ring or vertex 99"),
+    ("corners = [0]", "corners = [4]", "cloth 0, pin 0: there is no corner 4: the last one is 3"),
+    ("corners = [0]", "vertices = [0, 99]", "cloth 0, pin 0: there is no vertex 99: the last one is 13"),
     ("axes = \"xyz\"", "from = -1.0", "cloth.pin.from = -1: must not be negative, and must be finite"),
-    (
-        "axes = \"xyz\"",
-        "from = 2.0, until = 2.0",
-        "cloth.pin.until - cloth.pin.from = 0: must be greater than zero and finite",
-    ),
+    ("axes = \"xyz\"", "from = 2.0, until = 2.0", "cloth 0, pin 0: until = 2 must be finite and after from = 2"),
+    ("axes = \"xyz\"", "until = nan", "cloth 0, pin 0: until = NaN must be finite and after from = 0"),
     ("axes = \"xyz\"", "axes = \"xw\"", AXES),
     ("axes = \"xyz\"", "axes = \"xx\"", AXES),
     ("axes = \"xyz\"", "axes = \"\"", AXES),
@@ -249,7 +246,7 @@ const GROUPS: &[Case] = &[
         "cloth 0, start 0: selects no vertex; the cloth lies between [-1.0, 1.0, -0.5] and [1.0, 1.0, 0.5] m",
     ),
     ("velocity = [0.0, 0.0, 0.2]", "velocity = [0.0, 0.0, inf]", "cloth.start.velocity: must be a finite number"),
-    ("vertices = [4]", "vertices = [99]", "cloth 0, mass 0: there is no corner, ring or vertex 99"),
+    ("vertices = [4]", "vertices = [99]", "cloth 0, mass 0: there is no vertex 99: the last one is 13"),
     ("mass = 0.5", "mass = 0.0", "cloth.mass.mass = 0: must be greater than zero and finite"),
     ("mass = 0.5", "density = -0.3", "cloth.mass.density = -0.3: must be greater than zero and finite"),
     ("mass = 0.5", "density = 0.3, mass = 0.1", "cloth 0, mass 0: give exactly one of mass and density"),
@@ -324,7 +321,7 @@ const fn has_a_case(error: &SceneError) -> bool {
         | MissingMesh { .. }
         | TooFewCells { .. }
         | TooLarge { .. } => true,
-        Selection { .. } | PinAxes { .. } | MotionKeys { .. } | MotionTurn { .. } => true,
+        Selection { .. } | PinAxes { .. } | MotionKeys { .. } | MotionTurn { .. } | PinEnds { .. } => true,
         StaticBelowKinetic { .. }
         | ShapeNeeds { .. }
         | NotOfShape { .. }

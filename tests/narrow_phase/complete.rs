@@ -1,6 +1,6 @@
-//! No pair is missing from the candidates that collides or is near at either end of a step. Compared with all pairs whose
-//! boxes around the motion overlap: in steps of cloth that moves fast, with vertices that end anywhere in their boxes, and in
-//! every search of the built-in scenes, most of which find their pairs among those that were kept.
+//! No pair is missing from the candidates that collides or is near at either end of a step. Compared with all pairs
+//! whose boxes around the motion overlap: in steps of cloth that moves fast, with vertices that end anywhere in their
+//! boxes, and in every search of the built-in scenes, most of which find their pairs among those that were kept.
 //!
 //! Run: `cargo test -p muslin-tests --test narrow_phase complete`; all steps of the built-in scenes:
 //! `cargo test -p muslin-tests --test narrow_phase -- --ignored --nocapture long_form_of_built_in`.
@@ -78,8 +78,8 @@ harness::both_precisions! {
         }
     }
 
-    /// The pairs that must not be missing if the vertices move from `start` to `end`: those that collide, and those that
-    /// are near at the start or, if it is `checked`, at the end.
+    /// The pairs that must not be missing if the vertices move from `start` to `end`: those that collide, and those
+    /// that are near at the start or, if it is `checked`, at the end.
     fn needed<P: Pairing>(
         model: &ContactModel<'_>,
         pairs: &[[u32; 2]],
@@ -245,8 +245,8 @@ harness::both_precisions! {
         }
     }
 
-    /// Runs a built-in scene for so many seconds at most, and checks every search. Returns the numbers of searches, of those
-    /// that needed no new pairs, and of pairs that are near or collide.
+    /// Runs a built-in scene for so many seconds at most, and checks every search. Returns the numbers of searches, of
+    /// those that needed no new pairs, and of pairs that are near or collide.
     fn built_in(name: &str, seconds: f64) -> [usize; 3] {
         let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("a built-in scene").1;
         // This driver does not divide steps.

@@ -91,8 +91,8 @@ both_precisions! {
         }
     }
 
-    /// Prints how far belts of several stiffnesses slip in 0.2 s, by step, and the friction with which a belt that does not
-    /// stretch slips as far: the table of the manual.
+    /// Prints how far belts of several stiffnesses slip in 0.2 s, by step, and the friction with which a belt that does
+    /// not stretch slips as far: the table of the manual.
     #[test]
     #[ignore = "slow"]
     fn long_form_of_belts_by_stiffness_and_step() {

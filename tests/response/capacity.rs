@@ -151,8 +151,8 @@ both_precisions! {
         Simulation::from_columns(kit::build(FALLING), scheme, 0.005)
     }
 
-    /// Drives steps of the falling sheet with columns for so many candidates and constraints. Calls `see` after each step,
-    /// until one fails.
+    /// Drives steps of the falling sheet with columns for so many candidates and constraints. Calls `see` after each
+    /// step, until one fails.
     fn drive(
         method: Method,
         [pairs, constraints]: [usize; 2],
@@ -193,7 +193,8 @@ both_precisions! {
         Ok(())
     }
 
-    /// Contact ends the history of BDF2, and is followed by a step of backward Euler: the driver knows it, not the host.
+    /// Contact ends the history of BDF2, and is followed by a step of backward Euler: the driver knows it, not the
+    /// host.
     #[test]
     fn a_host_without_a_heap_takes_the_same_steps() {
         for method in [Method::BackwardEuler, Method::ImplicitMidpoint, Method::Bdf2] {

@@ -68,8 +68,8 @@ both_precisions! {
         assert!((drift / expected - 1.0).abs() < 0.02, "{drift} m/s after 0.1 s, by Coulomb {expected}");
     }
 
-    /// Tensions of both ends of a belt over a drum, N, and the moment about the drum's axis, N m, over the last part of a
-    /// scene.
+    /// Tensions of both ends of a belt over a drum, N, and the moment about the drum's axis, N m, over the last part of
+    /// a scene.
     fn tensions(scene: &str, ends: [f64; 2]) -> [f64; 3] {
         let mut sim = kit::simulation(scene, &[kit::resource("belt", belt(ends[0], 0.0068))]);
         sim.measure_work(WorkDone::default());

@@ -43,8 +43,8 @@ fn patches_save_most_iterations() {
     }
 }
 
-/// From 16,000 vertices on, large patches are cut into small ones. Without these, the larger sheet needs 1.8 times as many
-/// iterations as the smaller one.
+/// From 16,000 vertices on, large patches are cut into small ones. Without these, the larger sheet needs 1.8 times as
+/// many iterations as the smaller one.
 #[test]
 fn a_large_sheet_needs_no_more_iterations() {
     let of = |cells| {

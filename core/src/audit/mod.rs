@@ -191,7 +191,8 @@ mod owned {
         counts.into_iter().map(|count| count as usize).sum()
     }
 
-    /// The crossings, `[edge, triangle]`, in ascending order. Some are missing if the dispatch [stops](Dispatch::stopped).
+    /// The crossings, `[edge, triangle]`, in ascending order. Some are missing if the dispatch
+    /// [stops](Dispatch::stopped).
     pub fn crossings(surface: &Surface<'_>, positions: &[Vec3], dispatch: &impl Dispatch) -> Vec<[u32; 2]> {
         let found = of_groups(surface, positions, dispatch, |found: &mut Vec<_>, crossing| found.push(crossing));
         let mut found = found.concat();

@@ -34,8 +34,8 @@ impl MovingBox {
     /// The box that surrounds nothing.
     pub const EMPTY: Self = Self { start: Aabb::EMPTY, end: Aabb::EMPTY, displacement: Vec3::ZERO };
 
-    /// Whether two triangles may touch: whether their boxes around the motion overlap in the frame that moves by the mean of
-    /// their displacements.
+    /// Whether two triangles may touch: whether their boxes around the motion overlap in the frame that moves by the
+    /// mean of their displacements.
     #[inline]
     pub fn overlaps(&self, other: &Self) -> bool {
         let frame = (self.displacement + other.displacement) * 0.5;

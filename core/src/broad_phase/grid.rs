@@ -41,9 +41,9 @@ pub struct Grid<'a> {
     pub spare: &'a mut [Entry],
 }
 
-/// Writes the candidates of a surface and returns their numbers. `boxes` has one box per vertex, which the caller
-/// has swept and inflated as needed. Given a `motion`, pairs of triangles that share it and stay [apart](super::comoving) are
-/// left out. Nothing is reallocated: a count above its capacity is the capacity that was needed.
+/// Writes the candidates of a surface and returns their numbers. `boxes` has one box per vertex, which the caller has
+/// swept and inflated as needed. Given a `motion`, pairs of triangles that share it and stay [apart](super::comoving)
+/// are left out. Nothing is reallocated: a count above its capacity is the capacity that was needed.
 pub fn candidates(
     boxes: &[Aabb],
     surface: &Surface<'_>,

@@ -1,5 +1,5 @@
-//! Pairs that last over many steps in which little moves [Verlet 1967]: all pairs that are near, or that come near as long
-//! as no box of a vertex leaves a box that is a skin wider.
+//! Pairs that last over many steps in which little moves [Verlet 1967]: all pairs that are near, or that come near as
+//! long as no box of a vertex leaves a box that is a skin wider.
 
 use super::{Candidates, Counts};
 use crate::geometry::aabb::Aabb;
@@ -81,7 +81,8 @@ impl KeptPairColumns {
         }
     }
 
-    /// Makes room for the pairs if they lacked some and there is memory. No pairs are kept then, until they are put again.
+    /// Makes room for the pairs if they lacked some and there is memory. No pairs are kept then, until they are put
+    /// again.
     pub fn grow(&mut self) {
         let Some(Counts { vertex_triangle, edge_edge }) = self.counts else { return };
         for (pairs, needed) in [(&mut self.vertex_triangle, vertex_triangle), (&mut self.edge_edge, edge_edge)] {

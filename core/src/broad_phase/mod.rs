@@ -5,11 +5,10 @@
 //! sewn together, and have overlapping boxes. Every method returns exactly this set.
 //!
 //! The [`grid`] computes the candidates from the boxes; its steps are the modules below, in order. Where much moves,
-//! [`comoving`] leaves out pairs of triangles that move together. Where little moves, [`kept_pairs`] spares the grid for many
-//! steps.
-//! [`reference_cell`] and [`brute_force`] compute the same set by simpler rules, and the tests compare the grid
-//! with them. A box that has a NaN, or a low corner above its high corner, overlaps nothing, and neither does any
-//! feature with a vertex that has such a box.
+//! [`comoving`] leaves out pairs of triangles that move together. Where little moves, [`kept_pairs`] spares the grid
+//! for many steps. [`reference_cell`] and [`brute_force`] compute the same set by simpler rules, and the tests compare
+//! the grid with them. A box that has a NaN, or a low corner above its high corner, overlaps nothing, and neither does
+//! any feature with a vertex that has such a box.
 
 pub mod bounds;
 pub mod levels;

@@ -143,7 +143,8 @@ fn towards_four(x: Positions<'_>, vertex: usize, others: [u32; 4]) -> [Lanes; 3]
     d
 }
 
-/// The vectors to four vertices by axis, one vertex in each lane. Written out: arrays of vectors would go through memory.
+/// The vectors to four vertices by axis, one vertex in each lane. Written out: arrays of vectors would go through
+/// memory.
 #[inline(always)]
 fn lanes_towards(x: &[Vec3], [a, b, c, d]: [u32; 4], near: Vec3) -> [Lanes; 3] {
     let (a, b, c, d) = (x[a as usize], x[b as usize], x[c as usize], x[d as usize]);

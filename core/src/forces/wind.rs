@@ -1,6 +1,6 @@
-//! Wind on triangles: f = A (cn (w . n) n + ct (w - (w . n) n)), where w is the velocity of the wind
-//! relative to the triangle. The force is linear in w. A third of it acts on each corner. A is the area of the triangle, counted
-//! once: cn and ct are those of both sides together.
+//! Wind on triangles: f = A (cn (w . n) n + ct (w - (w . n) n)), where w is the velocity of the wind relative to the
+//! triangle. The force is linear in w. A third of it acts on each corner. A is the area of the triangle, counted once:
+//! cn and ct are those of both sides together.
 
 use super::element::{Element, ElementTerm};
 use super::{Energy, TangentScale};

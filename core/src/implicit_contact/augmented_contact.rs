@@ -15,8 +15,8 @@ use crate::forces::matrix::{self, BlockMatrix};
 use crate::integrate::convex_term::{ConvexTerm, Curvature, Update};
 use crate::real::{Lanes, Mat3, Real, Sum, Vec3, dot_sum, outer, scaled_identity, sqrt};
 
-/// Stiffness of a contact relative to that of the cloth at its vertices. A larger value needs more iterations; a smaller
-/// value leaves more of a sudden contact to the response.
+/// Stiffness of a contact relative to that of the cloth at its vertices. A larger value needs more iterations; a
+/// smaller value leaves more of a sudden contact to the response.
 pub const STIFFNESS: Real = 0.3;
 
 /// Factor of the stiffness of a contact that an update of its multiplier finds violated, or pushing apart.
@@ -70,8 +70,8 @@ pub struct AugmentedContact {
     pub change: Vec3,
 }
 
-/// A contact along a search direction g: what the derivative of its potential is made of. With the velocity u + a g, its
-/// normal impulse is that of `along - a s change_along`, and the square of the one across is quadratic in a.
+/// A contact along a search direction g: what the derivative of its potential is made of. With the velocity u + a g,
+/// its normal impulse is that of `along - a s change_along`, and the square of the one across is quadratic in a.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactLine {
     along: Real,
@@ -148,8 +148,8 @@ struct Trial {
 }
 
 impl AugmentedContact {
-    /// Sets the stiffness, and the bound of friction from the multiplier. A contact that pushes without one sticks until
-    /// the first update.
+    /// Sets the stiffness, and the bound of friction from the multiplier. A contact that pushes without one sticks
+    /// until the first update.
     ///
     /// The stiffness suffices to remove the normal multiplier within the slack. A softer contact that carries a heavy
     /// sheet throws a light one far away before it lets go.
@@ -212,9 +212,9 @@ impl AugmentedContact {
         (!(never_pushes && self.bound == 0.0)).then_some(line)
     }
 
-    /// Makes the impulse the multiplier. A contact that is violated pushes harder afterwards, one that pushes apart pushes
-    /// less [Hestenes 1969]. If it does so by more than its slack, it also becomes stiffer: the multiplier of a landing is
-    /// so large that updates with the stiffness of the cloth would need a hundred steps to remove it.
+    /// Makes the impulse the multiplier. A contact that is violated pushes harder afterwards, one that pushes apart
+    /// pushes less [Hestenes 1969]. If it does so by more than its slack, it also becomes stiffer: the multiplier of a
+    /// landing is so large that updates with the stiffness of the cloth would need a hundred steps to remove it.
     pub fn update_multiplier(&mut self) {
         let violation = self.least_velocity - self.normal.dot(self.velocity);
         let is_off = violation > self.slack || violation < -self.slack && self.normal_impulse() > 0.0;
@@ -241,7 +241,8 @@ impl AugmentedContact {
         self.impulse = self.impulse_at(self.velocity);
     }
 
-    /// The matrix from relative velocity to impulse that the preconditioner assumes; `None` if the contact does not push.
+    /// The matrix from relative velocity to impulse that the preconditioner assumes; `None` if the contact does not
+    /// push.
     #[inline(never)]
     pub fn matrix(&self) -> Option<Mat3> {
         let Trial { along, across } = self.trial(self.velocity);

@@ -1,5 +1,5 @@
-//! The exchange of contacts between the response and the solve of an implicit step. The solve gets the constraints, with the
-//! impulses of the step before. The response gets the impulses that the solve found.
+//! The exchange of contacts between the response and the solve of an implicit step. The solve gets the constraints,
+//! with the impulses of the step before. The response gets the impulses that the solve found.
 
 use core::ops::Range;
 
@@ -22,8 +22,8 @@ const VIOLATION: Real = 0.3;
 const SMALL: Real = 0.1;
 
 /// Adds the constraints whose vertices can move to the contacts of the solve, with their displacements in place of
-/// velocities. If a pair has several constraints, the first one gets its multiplier. `step` is the length of the step, s;
-/// `thickness` in m.
+/// velocities. If a pair has several constraints, the first one gets its multiplier. `step` is the length of the step,
+/// s; `thickness` in m.
 pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real, thickness: Real) {
     let multipliers = &scratch.multipliers[..scratch.lengths.multipliers];
     let known = Known::sort(&scratch.constraints[..constraints.end], scratch.order);
@@ -52,8 +52,8 @@ pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>,
     scratch.lengths.contacts = given;
 }
 
-/// Adds the impulses of the constraints to a column over the vertices of the cloth, kg m/s. `step` is the length of the step,
-/// s.
+/// Adds the impulses of the constraints to a column over the vertices of the cloth, kg m/s. `step` is the length of the
+/// step, s.
 pub fn add_impulses(scratch: &ContactScratch<'_>, step: Real, out: &mut [Vec3]) {
     for constraint in &scratch.constraints[..scratch.lengths.constraints] {
         let impulse = (constraint.contact.normal * constraint.normal_impulse + constraint.friction_impulse) / step;

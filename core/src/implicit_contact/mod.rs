@@ -71,8 +71,8 @@ pub fn correct<D: Dispatch>(
     None
 }
 
-/// Completes the solve that [`correct`] stopped at `target`, with more contacts: those from `known` on. If there are any,
-/// the impulses of the others become their multipliers.
+/// Completes the solve that [`correct`] stopped at `target`, with more contacts: those from `known` on. If there are
+/// any, the impulses of the others become their multipliers.
 pub fn resume<D: Dispatch>(
     c: &StepInput<'_, D>,
     from: &Particles<'_>,

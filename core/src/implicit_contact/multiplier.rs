@@ -22,8 +22,8 @@ pub fn force(multipliers: &[Multiplier], vertices: [u32; 4]) -> Vec3 {
     found.map_or(Vec3::ZERO, |k| multipliers[k].force)
 }
 
-/// Writes the forces of the constraints that push, sorted by their vertices; constraints of the same features are summed.
-/// Returns how many there are. `order` and `out` have room for all constraints.
+/// Writes the forces of the constraints that push, sorted by their vertices; constraints of the same features are
+/// summed. Returns how many there are. `order` and `out` have room for all constraints.
 pub fn write(constraints: &[Constraint], step: Real, order: &mut [u32], out: &mut [Multiplier]) -> usize {
     let mut pushing = 0;
     for (index, constraint) in (0..).zip(constraints) {

@@ -1,7 +1,7 @@
-//! BDF2, M (v1 - vh) = g f(x1, v1), x1 = xh + g v1 with g = h (1 + w) / (1 + 2 w), xh = x0 + (x0 - x-1) w^2 / (1 + 2 w) and
-//! vh likewise, where w is the length h of the step relative to the last one [Hairer 1993, III.5]. For equal steps g = 2h/3
-//! and xh = (4 x0 - x-1)/3 [Choi 2002]. It is a backward Euler stage from an extrapolated state. Second order, dissipative,
-//! stable for w up to 1 + sqrt(2). A step without history uses implicit midpoint.
+//! BDF2, M (v1 - vh) = g f(x1, v1), x1 = xh + g v1 with g = h (1 + w) / (1 + 2 w), xh = x0 + (x0 - x-1) w^2 / (1 + 2 w)
+//! and vh likewise, where w is the length h of the step relative to the last one [Hairer 1993, III.5]. For equal steps
+//! g = 2h/3 and xh = (4 x0 - x-1)/3 [Choi 2002]. It is a backward Euler stage from an extrapolated state. Second order,
+//! dissipative, stable for w up to 1 + sqrt(2). A step without history uses implicit midpoint.
 
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput, implicit_midpoint};

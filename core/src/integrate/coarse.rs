@@ -1,9 +1,9 @@
-//! The coarse level of the two-level preconditioner `D^-1 + P (P^T A P)^-1 P^T`: the sheet is cut
-//! into patches that each move affinely, and the small system of their motions is solved exactly
-//! [Nicolaides 1987; with richer patches, Tamstorf 2015]. D^-1 alone spreads a change by one vertex
-//! per iteration; the coarse level spreads it across the whole sheet in one iteration. A large sheet has one more level: small
-//! patches bridge the gap between single vertices and large patches. The small system holds the motions of both, without
-//! the coupling between them: so each level is one more term of the sum.
+//! The coarse level of the two-level preconditioner `D^-1 + P (P^T A P)^-1 P^T`: the sheet is cut into patches that
+//! each move affinely, and the small system of their motions is solved exactly [Nicolaides 1987; with richer patches,
+//! Tamstorf 2015]. D^-1 alone spreads a change by one vertex per iteration; the coarse level spreads it across the
+//! whole sheet in one iteration. A large sheet has one more level: small patches bridge the gap between single vertices
+//! and large patches. The small system holds the motions of both, without the coupling between them: so each level is
+//! one more term of the sum.
 //!
 //! The small matrix is stored as the envelope of its lower triangle. Its values are double in both
 //! precisions, because the stiffness inside a patch cancels when they are summed. Solves use the factor rounded to the

@@ -24,8 +24,8 @@ impl Split for Parts<'_> {
     }
 }
 
-/// Calls the kernel for each part of a column, with the range of its vertices, and adds up the results. `partials` has one
-/// entry per part.
+/// Calls the kernel for each part of a column, with the range of its vertices, and adds up the results. `partials` has
+/// one entry per part.
 pub fn sum_parts(
     column: &mut [Vec3],
     partials: &mut [Sums],

@@ -1,5 +1,5 @@
-//! Preconditioned conjugate gradients on the pre-filtered system `(S A S + I - S) y = S b` [Tamstorf 2015], A = M + S'; the
-//! filter S removes the held axes.
+//! Preconditioned conjugate gradients on the pre-filtered system `(S A S + I - S) y = S b` [Tamstorf 2015], A = M + S';
+//! the filter S removes the held axes.
 //!
 //! With a [`ConvexTerm`] C, which contacts give, the function
 //!
@@ -10,7 +10,8 @@
 //! 2006, ch. 5.2] with an exact line search: contacts that open, close, stick or slip on the way need no solve of their
 //! own. Without contacts these are linear conjugate gradients.
 //!
-//! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on a limit of iterations or updates.
+//! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on a limit of iterations
+//! or updates.
 
 use super::coarse::{self, CoarseFactor, Patches};
 use super::columns::{Sums, dot, sum_parts};
@@ -93,8 +94,8 @@ fn is_positive_definite(block: &Mat3) -> bool {
     block.x_axis.x > 0.0 && minor > 0.0 && block.determinant() > 0.0
 }
 
-/// Iterations after which the bounds of friction are updated, at the latest. If the solve takes long, the update waits for
-/// this part of its iterations: normal impulses and bounds that chase each other need time to settle.
+/// Iterations after which the bounds of friction are updated, at the latest. If the solve takes long, the update waits
+/// for this part of its iterations: normal impulses and bounds that chase each other need time to settle.
 const UPDATE_AFTER: u32 = 8;
 const UPDATE_PART: u32 = 8;
 
@@ -102,12 +103,12 @@ const UPDATE_PART: u32 = 8;
 const UPDATE_BELOW: Sum = 0.01;
 
 /// Updates of the bounds in a solve that also update the multipliers. More of them need more iterations. Without them a
-/// landing stretches cloth twice as much: what is left of its violation is corrected by the response, which moves single
-/// vertices, and its multiplier throws the cloth back in the next step.
+/// landing stretches cloth twice as much: what is left of its violation is corrected by the response, which moves
+/// single vertices, and its multiplier throws the cloth back in the next step.
 const MULTIPLIER_UPDATES: u32 = 4;
 
-/// Updates of a solve that has converged, after which its bounds are no longer changed. A solve that they leave above its
-/// tolerance is counted as unconverged.
+/// Updates of a solve that has converged, after which its bounds are no longer changed. A solve that they leave above
+/// its tolerance is counted as unconverged.
 const MOST_LAST_UPDATES: u32 = 8;
 
 /// Squared residual that the last update of the bounds may leave, relative to that at which the solve stops.
@@ -119,8 +120,8 @@ const SEARCHED: Sum = 0.01;
 /// Limit of evaluations in a line search.
 const MOST_EVALUATIONS: u32 = 12;
 
-/// Relative residual that a solve within a velocity reaches at least. In short steps from rest the whole solution can be
-/// less than the velocity: without this the cloth would hover.
+/// Relative residual that a solve within a velocity reaches at least. In short steps from rest the whole solution can
+/// be less than the velocity: without this the cloth would hover.
 const ROUGHLY: Sum = 0.1;
 
 /// The columns of a solve.

@@ -2,9 +2,9 @@
 //! state, in the root mean square over the vertices.
 //!
 //! It has two parts. The truncation error is the first term that the method neglects [Hairer 1993, III.2, III.5], from
-//! differences of the velocities. The defect is the residual of the nonlinear equations of the step, with the impulses of
-//! contacts, through a few iterations of conjugate gradients. It is about the displacement by one more iteration of Newton's
-//! method, so it contains the errors of the linearisation, of the solver and of the response.
+//! differences of the velocities. The defect is the residual of the nonlinear equations of the step, with the impulses
+//! of contacts, through a few iterations of conjugate gradients. It is about the displacement by one more iteration of
+//! Newton's method, so it contains the errors of the linearisation, of the solver and of the response.
 
 use super::columns::{dot, sum_parts};
 use super::conjugate_gradient::{self, Goal};
@@ -16,12 +16,12 @@ use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3, sqrt};
 use crate::scratch::Scratch;
 
-/// Iterations of conjugate gradients. The preconditioner alone underestimates the waves between the size of an element and
-/// that of a patch: the whole error by a factor of four on hanging cloth that swings.
+/// Iterations of conjugate gradients. The preconditioner alone underestimates the waves between the size of an element
+/// and that of a patch: the whole error by a factor of four on hanging cloth that swings.
 const ITERATIONS: u32 = 4;
 
-/// Estimates the error of the candidate state in `s`, m; `None` for an explicit method. `corrected` says whether contact
-/// corrected the state. `add_impulses` adds the impulses of contacts to a column over the vertices, kg m/s.
+/// Estimates the error of the candidate state in `s`, m; `None` for an explicit method. `corrected` says whether
+/// contact corrected the state. `add_impulses` adds the impulses of contacts to a column over the vertices, kg m/s.
 pub fn estimate<D: Dispatch>(
     c: &StepInput<'_, D>,
     particles: &Particles<'_>,
@@ -65,8 +65,8 @@ fn truncation<D: Dispatch>(c: &StepInput<'_, D>, corrected: bool, s: &mut Scratc
     root_mean_square(sum, s.velocity_changes.len())
 }
 
-/// Factors, s, whose products with the change of the velocities in this step and in the last one add up to the truncation
-/// error. `last` is the length of the last step if this one continues it.
+/// Factors, s, whose products with the change of the velocities in this step and in the last one add up to the
+/// truncation error. `last` is the length of the last step if this one continues it.
 fn coefficients(method: Method, step: Real, last: Option<Real>) -> [Real; 2] {
     // The third derivative of the positions, from two differences of the velocities, times step^3 and a constant.
     let third = |constant: Real, last: Real| {
@@ -81,9 +81,9 @@ fn coefficients(method: Method, step: Real, last: Option<Real>) -> [Real; 2] {
     }
 }
 
-/// Writes the residual of the equations that the step solved to `s.residual`: of the stage of its method, after contact of
-/// backward Euler, because the response changes the end of the step. Returns by how much a change of the stage's velocities
-/// changes the positions at the end of the step, s.
+/// Writes the residual of the equations that the step solved to `s.residual`: of the stage of its method, after contact
+/// of backward Euler, because the response changes the end of the step. Returns by how much a change of the stage's
+/// velocities changes the positions at the end of the step, s.
 fn write_residual<D: Dispatch>(
     c: &StepInput<'_, D>,
     particles: &Particles<'_>,

@@ -1,8 +1,8 @@
 //! Time integration: computes the candidate positions and velocities at the end of a step.
 //!
-//! Every method writes the changes of the state to [`Scratch`], and does not change the state. The step
-//! decides whether the candidate becomes the state. Changes are kept apart from the state so that short steps round them as
-//! little as long ones.
+//! Every method writes the changes of the state to [`Scratch`], and does not change the state. The step decides whether
+//! the candidate becomes the state. Changes are kept apart from the state so that short steps round them as little as
+//! long ones.
 
 pub mod backward_euler;
 pub mod bdf2;
@@ -114,8 +114,8 @@ pub struct Scheme {
 }
 
 impl Scheme {
-    /// One linear solve a step, to a relative residual, by block Jacobi and the projected Jacobian; all steps have the same
-    /// length.
+    /// One linear solve a step, to a relative residual, by block Jacobi and the projected Jacobian; all steps have the
+    /// same length.
     pub const fn fixed(method: Method, residual: Real) -> Self {
         Self {
             method,
@@ -133,23 +133,23 @@ impl Scheme {
 pub enum Tolerance {
     /// At a relative residual.
     Residual(Real),
-    /// Linear solves stop where the rest of the solution changes the velocities by less, m/s, in the root mean square, and
-    /// is at most a tenth of the solution. Newton's method stops after such a change, at the relative residual
+    /// Linear solves stop where the rest of the solution changes the velocities by less, m/s, in the root mean square,
+    /// and is at most a tenth of the solution. Newton's method stops after such a change, at the relative residual
     /// `OTHER_RESIDUAL`.
     Velocity(Real),
 }
 
-/// Relative residual where a residual is needed but the tolerance is a velocity: in Newton's method, and in the solve that
-/// adds contacts to a solution.
+/// Relative residual where a residual is needed but the tolerance is a velocity: in Newton's method, and in the solve
+/// that adds contacts to a solution.
 const OTHER_RESIDUAL: Real = 1e-3;
 
 /// The step, s, in whose error the part of the solves is a fifth.
 const LONG_STEP: Real = 1.0 / 60.0;
 
 impl Tolerance {
-    /// Where the solves of a step stop by default, for a step whose error may be this large, m. Their part of the error of
-    /// a step of 1/60 s is a fifth. In shorter steps the velocities stay as exact: an error of the velocities that grows
-    /// with the number of steps would cost the methods an order.
+    /// Where the solves of a step stop by default, for a step whose error may be this large, m. Their part of the error
+    /// of a step of 1/60 s is a fifth. In shorter steps the velocities stay as exact: an error of the velocities that
+    /// grows with the number of steps would cost the methods an order.
     pub fn within(error: Real) -> Self {
         Self::Velocity(0.2 * error / LONG_STEP)
     }
@@ -193,8 +193,8 @@ pub struct IntegratorStatistics {
 /// Input of every method: the forces, pins and masses of the particles, and the time step.
 #[derive(Clone, Copy)]
 pub struct StepInput<'a, D> {
-    /// The forces. [`step::take`](crate::step::take) sets them to those at the time of the stage of an implicit method, or
-    /// of the first stage of an explicit one.
+    /// The forces. [`step::take`](crate::step::take) sets them to those at the time of the stage of an implicit method,
+    /// or of the first stage of an explicit one.
     pub model: Model<'a>,
     /// The pinned vertices.
     pub pins: &'a Pins<'a>,
@@ -211,18 +211,19 @@ pub struct StepInput<'a, D> {
     /// Whether the single linear solve may linearise the forces at positions extrapolated by the velocities.
     /// [`step::take`](crate::step::take) clears it after contact, which changes the velocities abruptly.
     pub extrapolates: bool,
-    /// Largest [estimated error](local_error) with which the step is committed, m. Infinite: the error is only estimated.
-    /// `None`: it is not estimated.
+    /// Largest [estimated error](local_error) with which the step is committed, m. Infinite: the error is only
+    /// estimated. `None`: it is not estimated.
     pub limit: Option<Real>,
-    /// Whether contacts are solved after the candidate state is written ([`implicit_contact`](crate::implicit_contact)).
+    /// Whether contacts are solved after the candidate state is written
+    /// ([`implicit_contact`](crate::implicit_contact)).
     pub has_contact: bool,
     /// Runs the kernels.
     pub dispatch: &'a D,
 }
 
 impl<D: Dispatch> StepInput<'_, D> {
-    /// Whether the linear solve of the step is left to the one with contacts: by backward Euler without Newton's method.
-    /// The other implicit methods need the motion without contacts, and correct it.
+    /// Whether the linear solve of the step is left to the one with contacts: by backward Euler without Newton's
+    /// method. The other implicit methods need the motion without contacts, and correct it.
     pub fn defers_solve(&self) -> bool {
         self.has_contact && self.scheme.method == Method::BackwardEuler && self.scheme.newton <= 1
     }

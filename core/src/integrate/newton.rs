@@ -53,8 +53,8 @@ const INNER_TOLERANCE: Real = 1e-3;
 /// Fraction of the predicted decrease that a line search requires [Armijo].
 const SUFFICIENT_DECREASE: Sum = 1e-4;
 
-/// Roundings from a difference of positions to a force: those of the strain, of the stress and of the sum over a vertex's
-/// elements.
+/// Roundings from a difference of positions to a force: those of the strain, of the stress and of the sum over a
+/// vertex's elements.
 const ROUNDINGS: Real = 4.0;
 
 /// Number of step lengths that a line search tries, each half the previous one.
@@ -112,8 +112,8 @@ fn linearized_step<D: Dispatch>(
     add_solution(c, stage, 1.0, s);
 }
 
-/// Linearises the forces at `s.next_velocities`, which differ from vh by `s.velocity_changes`, and writes the matrix and the
-/// residual there.
+/// Linearises the forces at `s.next_velocities`, which differ from vh by `s.velocity_changes`, and writes the matrix
+/// and the residual there.
 pub(crate) fn linearize<D: Dispatch>(
     c: &StepInput<'_, D>,
     stage: &ImplicitStage<'_>,
@@ -248,9 +248,8 @@ fn residual_norm<D: Dispatch>(c: &StepInput<'_, D>, residual: &[Vec3]) -> Sum {
     libm::sqrt(residual.iter().zip(c.inverse_masses).map(|(&r, &w)| dot_sum(r, r) * Sum::from(w)).sum())
 }
 
-/// Bound on the part of the residual that is due to rounding, g K d epsilon. If forces see only rounded positions, d is the
-/// distance from the origin; else it is the longest edge plus the way in the stage,
-/// some [times](ROUNDINGS).
+/// Bound on the part of the residual that is due to rounding, g K d epsilon. If forces see only rounded positions, d is
+/// the distance from the origin; else it is the longest edge plus the way in the stage, some [times](ROUNDINGS).
 #[cfg_attr(small, optimize(size))]
 fn rounding_norm<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &Scratch<'_>) -> Sum {
     let at_vertex = |vertex: usize| {

@@ -2,8 +2,8 @@
 //! its longest side. The patches are then numbered outward from one end, so that the small matrix
 //! has a narrow envelope.
 //!
-//! A large sheet is cut twice: into as many patches as the small matrix allows, and each of these again. Small patches are
-//! coupled within their large patch only, so that their part of the matrix stays cheap.
+//! A large sheet is cut twice: into as many patches as the small matrix allows, and each of these again. Small patches
+//! are coupled within their large patch only, so that their part of the matrix stays cheap.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -54,8 +54,8 @@ impl PatchColumns {
         built
     }
 
-    /// Cuts parts of the vertices into patches of at most `size`, and returns them. Given labels, only patches of vertices with
-    /// the same label are coupled.
+    /// Cuts parts of the vertices into patches of at most `size`, and returns them. Given labels, only patches of
+    /// vertices with the same label are coupled.
     #[cfg_attr(small, optimize(size))]
     fn add_level(
         &mut self,
@@ -114,8 +114,8 @@ impl PatchColumns {
         self.held.len() + size_of_val(&self.labels[..]) + size_of_val(&self.coordinates[..]) + 8 * self.offsets.len()
     }
 
-    /// Writes coordinates along the patch's longest direction and across it, scaled to about -1 to 1. Those of the level
-    /// begin at `start`.
+    /// Writes coordinates along the patch's longest direction and across it, scaled to about -1 to 1. Those of the
+    /// level begin at `start`.
     fn set_coordinates(&mut self, material: &[DVec3], patch: &[u32], start: usize) {
         let centre = patch.iter().map(|&v| material[v as usize]).sum::<DVec3>() / patch.len() as f64;
         let farthest = |project: &dyn Fn(DVec3) -> DVec3| {

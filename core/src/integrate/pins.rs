@@ -111,8 +111,8 @@ impl Pins<'_> {
         }
     }
 
-    /// Sets the held axes of `v` so that a motion from the state `from` ends in the prescribed positions at `time`: first by
-    /// an `offset` of each vertex, m, then with the velocity `v` for the time `length`, s.
+    /// Sets the held axes of `v` so that a motion from the state `from` ends in the prescribed positions at `time`:
+    /// first by an `offset` of each vertex, m, then with the velocity `v` for the time `length`, s.
     pub fn prescribe(
         &self,
         time: Sum,
@@ -212,8 +212,8 @@ impl PinColumns {
         }
     }
 
-    /// Sets the held axes to those just after `time`, s. A pin that begins holds its vertex where it is. Returns whether any
-    /// axes changed.
+    /// Sets the held axes to those just after `time`, s. A pin that begins holds its vertex where it is. Returns
+    /// whether any axes changed.
     pub fn change(&mut self, time: Sum, positions: &[Vec3]) -> bool {
         let mut any = false;
         for (pin, hold) in self.holds.iter().enumerate() {
@@ -232,8 +232,8 @@ impl PinColumns {
         any
     }
 
-    /// Sets the held axes to those just after `time`, s, and takes over the `anchors` of pins that begin late, if there are as
-    /// many as [`Self::holds`].
+    /// Sets the held axes to those just after `time`, s, and takes over the `anchors` of pins that begin late, if there
+    /// are as many as [`Self::holds`].
     pub fn restore(&mut self, time: Sum, anchors: &[Vec3]) {
         for (pin, hold) in self.holds.iter().enumerate() {
             self.axes[pin] = hold.axes_after(time);

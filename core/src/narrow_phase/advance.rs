@@ -33,8 +33,8 @@ const TARGET: Real = 0.9;
 /// Sums of squares below this have lost digits to underflow.
 pub const LEAST_SQUARED: Real = Real::MIN_POSITIVE / Real::EPSILON;
 
-/// The time in [0, 1] at which two features come within `separation + tolerance`, m. The first feature consists of
-/// the first `first` of the four vertices: 1, a vertex and a triangle, or 2, two edges; `apart` returns the vector between
+/// The time in [0, 1] at which two features come within `separation + tolerance`, m. The first feature consists of the
+/// first `first` of the four vertices: 1, a vertex and a triangle, or 2, two edges; `apart` returns the vector between
 /// the nearest points.
 ///
 /// `None` means that the features stay farther apart than `separation`. A time is never late: until then, the

@@ -73,8 +73,8 @@ fn stay_apart(
 }
 
 /// Upper bounds of the distances by which the features of four candidates approach each other, m. They include the
-/// rounding error of two displacements, which is less than 2 sqrt(3) u times the largest, so they are valid even if both
-/// features share a large motion.
+/// rounding error of two displacements, which is less than 2 sqrt(3) u times the largest, so they are valid even if
+/// both features share a large motion.
 #[inline(always)]
 fn farthest(first: usize, displacements: &[Vec3x4; 4]) -> Lanes {
     let largest = displacements.iter().fold(Vec3x4::default(), |most, x| most.max(x.abs())).max_element();

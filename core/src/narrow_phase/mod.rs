@@ -177,7 +177,8 @@ pub fn gather<T: Copy>([a, b, c, d]: [u32; 4], column: &[T]) -> [T; 4] {
     [column[a as usize], column[b as usize], column[c as usize], column[d as usize]]
 }
 
-/// The vertices of four candidates, by their place in a candidate. If there are fewer than four, the last one is repeated.
+/// The vertices of four candidates, by their place in a candidate. If there are fewer than four, the last one is
+/// repeated.
 #[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline(always))]
 fn vertices_x4<P: Pairing>(surface: &Surface<'_>, candidates: &[[u32; 2]]) -> [[u32; 4]; 4] {

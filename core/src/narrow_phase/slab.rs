@@ -1,6 +1,6 @@
-//! Lower bounds of the distance between the features of each candidate during a motion. The slab between two features is
-//! perpendicular to the line between their centres. Most candidates are neighbours on the same cloth, whose boxes overlap
-//! although they are far apart; a slab separates them.
+//! Lower bounds of the distance between the features of each candidate during a motion. The slab between two features
+//! is perpendicular to the line between their centres. Most candidates are neighbours on the same cloth, whose boxes
+//! overlap although they are far apart; a slab separates them.
 //!
 //! Its thickness is a minimum of linear functions of time, so it is least at one end of the motion.
 
@@ -12,8 +12,8 @@ use crate::dispatch::Dispatch;
 use crate::lanes::{Vec3x4, greater, min};
 use crate::real::{Lanes, Real};
 
-/// Writes the bound of each candidate less the radii, m. The motion ends in the middle of the end boxes. Their width above
-/// the margin and the radius counts as uncertainty of the end.
+/// Writes the bound of each candidate less the radii, m. The motion ends in the middle of the end boxes. Their width
+/// above the margin and the radius counts as uncertainty of the end.
 pub fn bounds<P: Pairing>(
     candidates: &[[u32; 2]],
     surface: &Surface<'_>,

@@ -21,7 +21,8 @@ pub enum TimeOfImpact {
     Touching,
 }
 
-/// A [`TimeOfImpact`] as one number: a fraction of the step, or a number above 1 if the features have no time of impact.
+/// A [`TimeOfImpact`] as one number: a fraction of the step, or a number above 1 if the features have no time of
+/// impact.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct StoredTime(Real);

@@ -1,6 +1,6 @@
-//! The constraint of a contact: n . sum W d >= target - gap for the displacements d of a step, with an impulse along n that
-//! only pushes, and friction across n. Constraints are solved one after the other (projected Gauss-Seidel) in a fixed order,
-//! so that the bits do not depend on the number of threads [Bridson 2002, Harmon 2008].
+//! The constraint of a contact: n . sum W d >= target - gap for the displacements d of a step, with an impulse along n
+//! that only pushes, and friction across n. Constraints are solved one after the other (projected Gauss-Seidel) in a
+//! fixed order, so that the bits do not depend on the number of threads [Bridson 2002, Harmon 2008].
 
 use super::friction::FrictionCoefficients;
 use crate::narrow_phase::Contact;
@@ -28,8 +28,8 @@ pub struct Constraint {
 }
 
 impl Constraint {
-    /// A constraint with zero impulses, of surfaces that do not turn. It is not solved if a vertex would have to move more
-    /// than `lever_ratio` times as far as the contact.
+    /// A constraint with zero impulses, of surfaces that do not turn. It is not solved if a vertex would have to move
+    /// more than `lever_ratio` times as far as the contact.
     #[cfg_attr(small, inline(never))]
     pub fn new(
         contact: Contact,
@@ -65,8 +65,8 @@ pub fn sort_by_vertices(constraints: &[Constraint], order: &mut [u32]) {
     order.sort_unstable_by_key(|&index| (constraints[index as usize].contact.vertices, index));
 }
 
-/// The inverse mass along the normal. It is 0 if a vertex would have to move more than `lever_ratio` times as far as the
-/// contact, as beside a pin.
+/// The inverse mass along the normal. It is 0 if a vertex would have to move more than `lever_ratio` times as far as
+/// the contact, as beside a pin.
 fn movable_inverse_mass(contact: &Contact, inverse_masses: &[Vec3], lever_ratio: Real) -> Real {
     let total = inverse_mass(contact, contact.normal, inverse_masses);
     let gives = |(&v, weight): (&u32, Real)| (contact.normal * inverse_masses[v as usize] * weight).length_squared();
@@ -96,7 +96,8 @@ pub fn apply_impulse(contact: &Contact, impulse: Vec3, inverse_masses: &[Vec3], 
     }
 }
 
-/// Solves one constraint with friction for the present displacements. Returns its violation, m, and whether a vertex moved.
+/// Solves one constraint with friction for the present displacements. Returns its violation, m, and whether a vertex
+/// moved.
 pub fn solve(constraint: &mut Constraint, inverse_masses: &[Vec3], displacements: &mut [Vec3]) -> (Real, bool) {
     let Constraint { contact, inverse_mass: along, .. } = *constraint;
     if along <= 0.0 {

@@ -1,6 +1,6 @@
-//! The last resort. Vertices that still collide move as their obstacle does, or do not move. If that does not suffice, no
-//! vertex of the cloth moves. Such steps lose motion, and are counted. Axes held by pins and axes of colliders move as
-//! prescribed; they are the obstacle to the same axes of other vertices.
+//! The last resort. Vertices that still collide move as their obstacle does, or do not move. If that does not suffice,
+//! no vertex of the cloth moves. Such steps lose motion, and are counted. Axes held by pins and axes of colliders move
+//! as prescribed; they are the obstacle to the same axes of other vertices.
 
 use super::work::{Motion, Work};
 use crate::contact::ContactModel;

@@ -1,5 +1,5 @@
-//! Impacts: pairs that collide during a step. Each gives a constraint at the place and along the direction of the impact:
-//! the pair must end no nearer than it began, or no nearer than the thickness. Inelastic [Bridson 2002].
+//! Impacts: pairs that collide during a step. Each gives a constraint at the place and along the direction of the
+//! impact: the pair must end no nearer than it began, or no nearer than the thickness. Inelastic [Bridson 2002].
 
 use super::constraint;
 use super::repulsion::{self, least_at_rest};
@@ -21,8 +21,9 @@ pub const MOST_LEVER_RATIO: Real = 100.0;
 /// Distance at which two features collide, relative to the thickness.
 pub const SEPARATION: Real = 0.1;
 
-/// Adds a constraint for each pair that collides, and for each vertex that collides with a plane. Only pairs with a vertex of
-/// the [tested](Motion::tested) round count. Returns the number of constraints; if there is no room for them, as an error.
+/// Adds a constraint for each pair that collides, and for each vertex that collides with a plane. Only pairs with a
+/// vertex of the [tested](Motion::tested) round count. Returns the number of constraints; if there is no room for them,
+/// as an error.
 pub(crate) fn find<D: Dispatch>(
     model: &ContactModel<'_>,
     [vertex_triangle, edge_edge]: &mut [&mut Pairs<'_>; 2],

@@ -1,5 +1,5 @@
-//! Impact zones: all constraints that are connected through vertices that can move are solved together [Harmon 2008, Tang
-//! 2018]. The projection is inelastic and, unlike that of a rigid zone, leaves sliding free.
+//! Impact zones: all constraints that are connected through vertices that can move are solved together [Harmon 2008,
+//! Tang 2018]. The projection is inelastic and, unlike that of a rigid zone, leaves sliding free.
 
 use super::constraint::Constraint;
 use super::work::{Work, relax};

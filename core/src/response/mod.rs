@@ -11,8 +11,8 @@
 //!    Unlike in rigid zones, sliding stays free [Harmon 2008].
 //! 5. [`hold`]: as a last resort, vertices of pairs that still collide do not move.
 //!
-//! If a pair still collides, the step is rejected and taken in halves. Some pairs are so near that rounding hides whether
-//! they collide. Then the end of the step is [tested exactly](crate::audit::new_crossing).
+//! If a pair still collides, the step is rejected and taken in halves. Some pairs are so near that rounding hides
+//! whether they collide. Then the end of the step is [tested exactly](crate::audit::new_crossing).
 
 pub mod constraint;
 pub mod friction;
@@ -34,8 +34,8 @@ use work::{List, Motion, Work};
 /// A pass changes displacements and marks the vertices that it moves.
 type Pass = fn(&mut Work<'_>);
 
-/// The passes in their order, each with the rounds in which it runs. After each round, a search finds the impacts that are
-/// left.
+/// The passes in their order, each with the rounds in which it runs. After each round, a search finds the impacts that
+/// are left.
 const PASSES: [(Range<u32>, Pass); 6] = [
     (1..2, repulsion::repel),
     (1..2, repulsion::separate),
@@ -55,10 +55,11 @@ const HOLD_ROUNDS: u32 = PASSES[PASSES.len() - 1].0.end - 1;
 pub enum Outcome {
     /// No pair collides.
     Free,
-    /// No pair collides within rounding errors. Some pairs touch: only [an exact test](crate::audit::new_crossing) of the end
-    /// tells whether they pass through one another.
+    /// No pair collides within rounding errors. Some pairs touch: only [an exact test](crate::audit::new_crossing) of
+    /// the end tells whether they pass through one another.
     Touches,
-    /// A vertex was moved out of the box for which its candidates were found. The search must be repeated with wider boxes.
+    /// A vertex was moved out of the box for which its candidates were found. The search must be repeated with wider
+    /// boxes.
     LeavesBoxes,
     /// The vertices of two features that still collide: of features that nothing can move, if there are any.
     Collides([u32; 4]),
@@ -77,7 +78,8 @@ pub struct ContactStatistics {
     pub impacts: u64,
     /// Impact zones solved.
     pub zones: u64,
-    /// Pairs that touched at the start of a step. Only an exact test of its end tells whether they pass through one another.
+    /// Pairs that touched at the start of a step. Only an exact test of its end tells whether they pass through one
+    /// another.
     pub touching: u64,
     /// Steps that needed the last resort.
     pub failsafe: u64,
@@ -94,8 +96,8 @@ pub struct Settings {
     pub hold: bool,
 }
 
-/// Finds the pairs that are near at the start of the step and may push, for the solve of an implicit step. Pairs that the
-/// predicted motion leaves up to `margin` apart may push, m.
+/// Finds the pairs that are near at the start of the step and may push, for the solve of an implicit step. Pairs that
+/// the predicted motion leaves up to `margin` apart may push, m.
 pub fn find_contacts(
     model: &ContactModel<'_>,
     scratch: &mut ContactScratch<'_>,

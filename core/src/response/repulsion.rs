@@ -1,6 +1,6 @@
-//! Pairs that are near at the start of a step. A pair may come as near as the thickness; a pair that is nearer may come no
-//! nearer. A tenth of an overlap is removed in each step [Bridson 2002]. This changes positions and not velocities, so it
-//! adds no kinetic energy. The work that it does against the forces is [measured](crate::work_done).
+//! Pairs that are near at the start of a step. A pair may come as near as the thickness; a pair that is nearer may come
+//! no nearer. A tenth of an overlap is removed in each step [Bridson 2002]. This changes positions and not velocities,
+//! so it adds no kinetic energy. The work that it does against the forces is [measured](crate::work_done).
 
 use super::constraint::{self, Constraint};
 use super::roll::roll;
@@ -21,16 +21,16 @@ const REMOVED: Real = 0.1;
 /// Violation that is left, relative to the thickness.
 const LEFT: Real = 1e-3;
 
-/// Largest displacement of a vertex relative to that of the contact. Beside a pin, a larger one would throw the neighbouring
-/// vertices away. [Impacts](super::impact) ensure that nothing passes through.
+/// Largest displacement of a vertex relative to that of the contact. Beside a pin, a larger one would throw the
+/// neighbouring vertices away. [Impacts](super::impact) ensure that nothing passes through.
 pub const MOST_LEVER_RATIO: Real = 4.0;
 
 /// Largest distance of a near pair, relative to the thickness. Farther pairs may collide, but not along their present
 /// direction.
 pub const REACH: Real = 2.0;
 
-/// Adds a constraint for each near pair that overlaps or comes nearer than the thickness plus `margin`, m, if the surfaces are
-/// nearest there.
+/// Adds a constraint for each near pair that overlaps or comes nearer than the thickness plus `margin`, m, if the
+/// surfaces are nearest there.
 pub(crate) fn find(
     model: &ContactModel<'_>,
     vertex_triangle: &Pairs<'_>,
@@ -114,8 +114,8 @@ fn find_pairs(
     list.sort_from(start);
 }
 
-/// Adds a constraint for each vertex that ends nearer to a plane than `least`, which depends on the gap at its start. Only
-/// the vertices of the [tested](Motion::tested) round count.
+/// Adds a constraint for each vertex that ends nearer to a plane than `least`, which depends on the gap at its start.
+/// Only the vertices of the [tested](Motion::tested) round count.
 pub(crate) fn find_planes(
     model: &ContactModel<'_>,
     motion: &Motion<'_>,
@@ -151,8 +151,8 @@ pub(crate) fn least_gap(gap: Real, thickness: Real) -> Real {
     if gap > 0.0 { 0.1 * gap.min(thickness) } else { 1.1 * gap }
 }
 
-/// The constraint of a contact. Its coefficients of friction are those of its sliding in the predicted motion; the larger law
-/// of its vertices counts.
+/// The constraint of a contact. Its coefficients of friction are those of its sliding in the predicted motion; the
+/// larger law of its vertices counts.
 #[cfg_attr(small, inline(never))]
 pub(crate) fn constraint(
     model: &ContactModel<'_>,

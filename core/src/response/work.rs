@@ -97,8 +97,8 @@ impl Motion<'_> {
         if self.round == 1 { 0 } else { self.round }
     }
 
-    /// Writes the end positions, rounded, of the vertices moved in this round. Displacements are not rounded: in f32, with
-    /// short steps, the rounding errors are as large as the effect of friction.
+    /// Writes the end positions, rounded, of the vertices moved in this round. Displacements are not rounded: in f32,
+    /// with short steps, the rounding errors are as large as the effect of friction.
     pub fn round_ends(&mut self) {
         for (v, end) in self.end.iter_mut().enumerate() {
             if self.rounds[v] == self.round {
@@ -107,8 +107,8 @@ impl Motion<'_> {
         }
     }
 
-    /// Whether a vertex moved in this round has left its box, less the margin of the box. In the first round the implicit
-    /// solve may have moved any vertex.
+    /// Whether a vertex moved in this round has left its box, less the margin of the box. In the first round the
+    /// implicit solve may have moved any vertex.
     pub fn leaves_boxes(&self, ends: &[Aabb], model: &ContactModel<'_>) -> bool {
         self.end.iter().enumerate().any(|(v, &end)| {
             (self.round == 1 || self.rounds[v] == self.round) && !detection::may_end(model, ends, v, end)
@@ -117,8 +117,9 @@ impl Motion<'_> {
 }
 
 /// Solves constraints in their order until no constraint is violated by more than `tolerance`, m, or until the limit of
-/// sweeps. Constraints that the implicit solve leaves within the tolerance keep their friction. To stop the slip that the
-/// solve left, vertex by vertex, would disturb the balance with the elastic forces: cloth that friction holds would creep.
+/// sweeps. Constraints that the implicit solve leaves within the tolerance keep their friction. To stop the slip that
+/// the solve left, vertex by vertex, would disturb the balance with the elastic forces: cloth that friction holds would
+/// creep.
 pub(crate) fn relax(
     model: &ContactModel<'_>,
     constraints: &mut [Constraint],

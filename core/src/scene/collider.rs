@@ -158,7 +158,8 @@ impl Keys<'_> {
     }
 }
 
-/// Adds a collider. `law` is the index of its law of friction, `origin` the point from which the columns measure positions, m.
+/// Adds a collider. `law` is the index of its law of friction, `origin` the point from which the columns measure
+/// positions, m.
 pub(super) fn add(
     columns: &mut ColliderColumns,
     desc: &ColliderDesc,

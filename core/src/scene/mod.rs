@@ -55,8 +55,8 @@ pub struct SceneDesc {
     pub description: String,
     /// Simulated time, s.
     pub duration: f64,
-    /// The speed, m/s: a run ends after a frame in which no vertex was as fast, once nothing [changes](Self::last_change) any
-    /// more. Absent: it lasts for the whole duration.
+    /// The speed, m/s: a run ends after a frame in which no vertex was as fast, once nothing
+    /// [changes](Self::last_change) any more. Absent: it lasts for the whole duration.
     pub until_rest: Option<f64>,
     /// Output frames per simulated second.
     #[cfg_attr(feature = "serde", serde(default = "defaults::frame_rate"))]
@@ -261,8 +261,8 @@ pub struct SeamDesc {
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DragDesc {
-    /// Linear drag, N s/m^3: force against the velocity, per velocity and rest area. The area of a sheet counts once: the
-    /// coefficient is that of both sides together.
+    /// Linear drag, N s/m^3: force against the velocity, per velocity and rest area. The area of a sheet counts once:
+    /// the coefficient is that of both sides together.
     #[cfg_attr(feature = "serde", serde(default))]
     pub linear: f64,
     /// Wind on the triangles; absent: no wind.
@@ -295,8 +295,8 @@ pub struct IntegratorDesc {
     pub error: Option<f64>,
     /// Maximum number of Newton iterations per step, with line search; 1: one linear solve without it.
     pub newton: u32,
-    /// Relative residual at which conjugate gradients and Newton's method stop. Absent: 1e-4, or with a largest error as
-    /// small as it needs.
+    /// Relative residual at which conjugate gradients and Newton's method stop. Absent: 1e-4, or with a largest error
+    /// as small as it needs.
     pub tolerance: Option<f64>,
     /// Preconditioner of the conjugate gradients.
     pub preconditioner: Preconditioner,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::build::{Parts, Sheet};
-use super::check::{not_negative, positive};
+use super::check::not_negative;
 use super::motion::{MotionError, read_motion};
 use super::{PinDesc, select};
 use crate::error::SceneError;
@@ -36,9 +36,10 @@ impl Parts {
             None => AT_REST,
         };
         let from = not_negative("cloth.pin.from", pin.from)?;
-        let until = pin.until.map_or(Ok(f64::INFINITY), |until| {
-            positive("cloth.pin.until - cloth.pin.from", until - from).map(|_| until)
-        })?;
+        let until = pin.until.unwrap_or(f64::INFINITY);
+        if !(until > from && (until.is_finite() || pin.until.is_none())) {
+            return Err(SceneError::PinEnds { cloth, pin: number, from, until });
+        }
         let first = self.pins.vertices.len();
         for vertex in selected {
             self.pins.holds.push(Hold { axes, from, until });

@@ -10,8 +10,8 @@ use crate::error::{MeshError, SceneError};
 use crate::mesh::edges::Edge;
 use crate::real::Real;
 
-/// Least distance between two possible origins, relative to the size of the cloth. Up to half of it from the world's origin,
-/// that is the origin of the columns.
+/// Least distance between two possible origins, relative to the size of the cloth. Up to half of it from the world's
+/// origin, that is the origin of the columns.
 const NEAR: f64 = 16.0;
 
 /// Largest rounding of a position, relative to the length of an edge.
@@ -39,8 +39,8 @@ pub(super) fn place(sheet: &Sheet<'_>, index: u32, resources: &[Resource]) -> Re
     Ok(start.iter().map(|&p| turn * DVec3::from(p) + DVec3::from(sheet.desc.position)).collect())
 }
 
-/// The point from which the columns of a scene measure positions, m: the world's origin, or for a cloth that is far from it a
-/// round point near the cloth, because numbers far from zero have few digits after the point.
+/// The point from which the columns of a scene measure positions, m: the world's origin, or for a cloth that is far
+/// from it a round point near the cloth, because numbers far from zero have few digits after the point.
 pub(super) fn origin(placed: &[DVec3]) -> DVec3 {
     let (min, max) = placed.iter().fold((placed[0], placed[0]), |(min, max), &x| (min.min(x), max.max(x)));
     // A power of two, so that most coordinates of a near cloth lose no digit.

@@ -76,8 +76,8 @@ pub struct PlaneDesc {
 /// The part of a cloth that a selection belongs to: its cloth, its key and its number among those of this key.
 pub(super) type Part = (u32, &'static str, u32);
 
-/// The selected vertices in ascending order, counted from the first one of the sheet. `placed` are their positions after
-/// placement, m.
+/// The selected vertices in ascending order, counted from the first one of the sheet. `placed` are their positions
+/// after placement, m.
 #[cfg_attr(small, optimize(size))]
 pub(super) fn select(
     select: &SelectDesc,
@@ -113,7 +113,9 @@ fn find(select: &SelectDesc, sheet: &Sheet<'_>, placed: &[DVec3]) -> Result<Vec<
     }
     if let Some(vertices) = vertices {
         let missing = vertices.iter().find(|&&v| v as usize >= flat.len());
-        ways.push(missing.map_or_else(|| Ok(vertices.clone()), |&v| Err(SelectError::OutOfRange { index: v })));
+        let out_of_range =
+            |&index: &u32| SelectError::OutOfRange { kind: "vertex", index, last: flat.len() as u32 - 1 };
+        ways.push(missing.map_or_else(|| Ok(vertices.clone()), |index| Err(out_of_range(index))));
     }
     if let Some([min, max]) = inside {
         let within = |p: &DVec3| p.cmpge((*min).into()).all() && p.cmple((*max).into()).all();
@@ -130,7 +132,7 @@ fn find(select: &SelectDesc, sheet: &Sheet<'_>, placed: &[DVec3]) -> Result<Vec<
         let disc = sheet.desc.disc.as_ref().ok_or(SelectError::NoDisc);
         ways.push(disc.and_then(|disc| {
             if index > disc.rings {
-                Err(SelectError::OutOfRange { index })
+                Err(SelectError::OutOfRange { kind: "ring", index, last: disc.rings })
             } else {
                 Ok(disc::ring(disc, index).collect())
             }
@@ -171,7 +173,7 @@ fn by_corners(corners: &[u32], flat: &[[f64; 3]]) -> Result<Vec<u32>, SelectErro
         let towards = |bit: u32| if corner & bit == 0 { 1.0 } else { -1.0 };
         match corner {
             0..4 => Ok(least(flat.len(), |v| towards(1) * flat[v][0] + towards(2) * flat[v][2])),
-            _ => Err(SelectError::OutOfRange { index: corner }),
+            _ => Err(SelectError::OutOfRange { kind: "corner", index: corner, last: 3 }),
         }
     };
     Ok(corners.iter().map(corner).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())

@@ -20,8 +20,8 @@ pub enum VectorDesc {
 }
 
 impl VectorDesc {
-    /// Checks that there is a key, that all numbers are finite and that the times increase. `key` is the key in the scene that
-    /// errors name.
+    /// Checks that there is a key, that all numbers are finite and that the times increase. `key` is the key in the
+    /// scene that errors name.
     pub(super) fn check(&self, key: &'static str) -> Result<(), SceneError> {
         let keys = match self {
             Self::Constant(vector) => return finite(key, vector),

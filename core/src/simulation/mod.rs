@@ -65,7 +65,8 @@ pub struct Simulation {
     statistics: IntegratorStatistics,
 }
 
-/// A part of a step. A step is divided into halves if it cannot be made free of intersections or its error is too large.
+/// A part of a step. A step is divided into halves if it cannot be made free of intersections or its error is too
+/// large.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Substep {
     /// Start, as a fraction of the step, 0..1.
@@ -102,8 +103,8 @@ pub struct State<'a> {
 }
 
 impl Simulation {
-    /// Builds a scene. [`scene::build`] documents the errors; [`SceneError::Memory`] comes before anything of the size of
-    /// the scene is allocated.
+    /// Builds a scene. [`scene::build`] documents the errors; [`SceneError::Memory`] comes before anything of the size
+    /// of the scene is allocated.
     ///
     /// The step is the longest that divides a frame into whole steps and is not longer than the step
     /// of the scene ([`SceneDesc::timing`]). With a largest error, it is divided into substeps whose error is smaller.
@@ -156,8 +157,8 @@ impl Simulation {
     }
 
     /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that
-    /// fails does not change the state. Blocks while candidates are found elsewhere, for example on a GPU; that work must not need
-    /// this thread. [`await_step`](Self::await_step) does not block.
+    /// fails does not change the state. Blocks while candidates are found elsewhere, for example on a GPU; that work
+    /// must not need this thread. [`await_step`](Self::await_step) does not block.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         block_on(self.await_step(dispatch))
     }
@@ -308,8 +309,8 @@ impl Simulation {
         self.statistics
     }
 
-    /// The largest [estimated error](crate::integrate::local_error) of a substep of the last step, m, if the scheme has a
-    /// largest error.
+    /// The largest [estimated error](crate::integrate::local_error) of a substep of the last step, m, if the scheme has
+    /// a largest error.
     pub fn estimated_error(&self) -> Option<Real> {
         self.estimate
     }
@@ -341,8 +342,8 @@ impl Simulation {
         self.built.bytes() + self.scratch.bytes() + contact + self.kept.bytes() + reactions
     }
 
-    /// The point in the world from which all positions are measured, m. It is zero unless the first cloth starts far from
-    /// the world's origin.
+    /// The point in the world from which all positions are measured, m. It is zero unless the first cloth starts far
+    /// from the world's origin.
     pub fn origin(&self) -> [Sum; 3] {
         self.built.origin.into()
     }
@@ -398,18 +399,18 @@ impl Simulation {
         self.built.pins.view()
     }
 
-    /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. Allocates columns that the
-    /// method may not have. Each step in which pins move or overlapping surfaces are moved apart takes one more
-    /// evaluation of the forces.
+    /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. Allocates columns
+    /// that the method may not have. Each step in which pins move or overlapping surfaces are moved apart takes one
+    /// more evaluation of the forces.
     pub fn measure_work(&mut self, from: WorkDone) {
         // Steps measure the energy of gravity from the origin of positions.
         (self.measures_work, self.work_done) = (true, WorkDone { gravity: from.gravity + self.lift(), ..from });
         self.scratch.add_stage();
     }
 
-    /// Measures the [reactions](crate::reactions) of pins and colliders too, and the work of contacts and damping. Allocates
-    /// the columns; each step takes one or two more evaluations of the forces. Does nothing unless the work is
-    /// [measured](Self::measure_work).
+    /// Measures the [reactions](crate::reactions) of pins and colliders too, and the work of contacts and damping.
+    /// Allocates the columns; each step takes one or two more evaluations of the forces. Does nothing unless the work
+    /// is [measured](Self::measure_work).
     pub fn measure_reactions(&mut self) {
         let colliders = self.built.contact.as_ref().map_or(0, |contact| contact.colliders.bodies.len());
         let pins = vec![Impulse::default(); self.built.pin_groups.len()];
@@ -418,7 +419,8 @@ impl Simulation {
         self.reactions = Some(columns);
     }
 
-    /// The impulses of pins and colliders since the host last set them, if they are [measured](Self::measure_reactions).
+    /// The impulses of pins and colliders since the host last set them, if they are
+    /// [measured](Self::measure_reactions).
     pub fn reactions(&self) -> Option<&ReactionColumns> {
         self.reactions.as_ref()
     }

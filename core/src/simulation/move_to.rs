@@ -7,9 +7,9 @@ use crate::real::Sum;
 use crate::scene::BuiltScene;
 
 impl Simulation {
-    /// Moves a vertex, pinned or free, at constant velocity to `place`, in the world, m, within `seconds`, or at once for 0. It
-    /// stays pinned there. Returns false and changes nothing if the vertex does not exist, the place or the time
-    /// is not finite, or the time is negative.
+    /// Moves a vertex, pinned or free, at constant velocity to `place`, in the world, m, within `seconds`, or at once
+    /// for 0. It stays pinned there. Returns false and changes nothing if the vertex does not exist, the place or the
+    /// time is not finite, or the time is negative.
     pub fn move_to(&mut self, vertex: u32, place: [Sum; 3], seconds: Sum) -> bool {
         let Some(&from) = self.positions().get(vertex as usize) else { return false };
         let place = DVec3::from(place) - self.built.origin;

@@ -1,8 +1,9 @@
 //! Substeps: a step that fails, or whose error is too large, is divided into halves, and each half again if it fails.
 //!
-//! With a largest error ([`Scheme::error`](crate::integrate::Scheme::error)) the length of the substeps follows the estimated
-//! error: it is doubled where the error is below a quarter of the largest, because the error of backward Euler grows with the
-//! square of the length. The next step starts with the length of the last substep. Without a largest error, each step is first tried whole.
+//! With a largest error ([`Scheme::error`](crate::integrate::Scheme::error)) the length of the substeps follows the
+//! estimated error: it is doubled where the error is below a quarter of the largest, because the error of backward
+//! Euler grows with the square of the length. The next step starts with the length of the last substep. Without a
+//! largest error, each step is first tried whole.
 
 use alloc::vec::Vec;
 

@@ -18,9 +18,9 @@ const MOST_WIDENINGS: u32 = 6;
 const SEPARATIONS: u32 = 10;
 
 impl Simulation {
-    /// [Removes](untangle::untangle) the present intersections as far as pins allow it. Then separates pairs that are too near
-    /// for the response. Only positions change. Nothing changes in a scene without contact or without intersections.
-    /// If the dispatch [stops](Dispatch::stopped), the counts say nothing.
+    /// [Removes](untangle::untangle) the present intersections as far as pins allow it. Then separates pairs that are
+    /// too near for the response. Only positions change. Nothing changes in a scene without contact or without
+    /// intersections. If the dispatch [stops](Dispatch::stopped), the counts say nothing.
     pub fn untangle(&mut self, dispatch: &impl Dispatch) -> Untangled {
         let mut places = self.places();
         let Some(model) = &self.built.contact else { return Untangled::default() };
@@ -51,8 +51,8 @@ impl Simulation {
         untangled
     }
 
-    /// Lets the response separate pairs at rest that are nearer than the distance of an impact. Returns false if no pair is so
-    /// near, or if it cannot.
+    /// Lets the response separate pairs at rest that are nearer than the distance of an impact. Returns false if no
+    /// pair is so near, or if it cannot.
     fn separate_near(&mut self, dispatch: &impl Dispatch) -> bool {
         let (time, step) = (self.time(), self.step);
         let Self { built, contact, .. } = self;

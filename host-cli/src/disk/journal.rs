@@ -1,8 +1,8 @@
 //! A record of the changes in a folder, and the files that a loss of power after any of them may leave.
 //!
 //! The model allows all that T. Pillai et al. found in file systems (*All file systems are not created equal*, OSDI
-//! 2014), except that a rename is atomic. The data of a file are safe at its last sync. Each block that changed since is
-//! there in an old or a new version. Names are safe at the last sync of their folder. Of the changes since, any are
+//! 2014), except that a rename is atomic. The data of a file are safe at its last sync. Each block that changed since
+//! is there in an old or a new version. Names are safe at the last sync of their folder. Of the changes since, any are
 //! there, in any combination.
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -90,8 +90,8 @@ impl Partial {
         Ok(())
     }
 
-    /// Gives the file its final name; returns the path. The data reach the disk before the name does, and both are there
-    /// when this returns.
+    /// Gives the file its final name; returns the path. The data reach the disk before the name does, and both are
+    /// there when this returns.
     pub fn finish(mut self) -> Result<PathBuf, WriteError> {
         self.sync_data()?;
         let Partial { path, file } = self;

@@ -94,8 +94,9 @@ impl Preview {
         }
     }
 
-    /// Takes the next frame: the positions of all vertices of the cloth, in the world, and of the colliders, from `origin`,
-    /// metres. All is drawn from there: single precision would round a scene far from the world's origin. When there are too many snapshots, every second one is dropped, so that they span the whole run.
+    /// Takes the next frame: the positions of all vertices of the cloth, in the world, and of the colliders, from
+    /// `origin`, metres. All is drawn from there: single precision would round a scene far from the world's origin.
+    /// When there are too many snapshots, every second one is dropped, so that they span the whole run.
     pub fn frame(&mut self, positions: &[[f64; 3]], places: &[[f32; 3]], origin: [f64; 3]) {
         if self.frames.is_multiple_of(self.stride) {
             if self.snapshots.len() == self.most_frames {

@@ -1,8 +1,8 @@
 //! A run whose power is lost after any change on the disk goes on from its last checkpoint, and ends as the undisturbed
 //! run does.
 //!
-//! The changes of a run are recorded once. For each of them, and for several ways to lose data that were not synced, the
-//! test makes the folder that is left and resumes from the checkpoint in it.
+//! The changes of a run are recorded once. For each of them, and for several ways to lose data that were not synced,
+//! the test makes the folder that is left and resumes from the checkpoint in it.
 
 use std::collections::BTreeSet;
 use std::fs;

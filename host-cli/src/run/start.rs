@@ -51,7 +51,8 @@ fn loose_vertices(scene: &SceneFile) -> impl Iterator<Item = Warning> {
     })
 }
 
-/// Untangles the start state of a scene with contact. Also returns a warning, if there was something to untangle. `None` after an interrupt: then the state is not to be used.
+/// Untangles the start state of a scene with contact. Also returns a warning, if there was something to untangle.
+/// `None` after an interrupt: then the state is not to be used.
 pub fn untangle(
     engine: &mut dyn Engine,
     audit: bool,

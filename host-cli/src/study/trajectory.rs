@@ -135,8 +135,8 @@ pub enum Samples {
     WithPositions,
 }
 
-/// Runs a scene with `steps` steps from sample to sample, unless the outcome is known from an interrupted call. A run that
-/// is interrupted ends as one that runs out of time.
+/// Runs a scene with `steps` steps from sample to sample, unless the outcome is known from an interrupted call. A run
+/// that is interrupted ends as one that runs out of time.
 pub fn fly_scene(
     study: &Study<'_>,
     scene: &SceneFile,

@@ -28,7 +28,8 @@ pub struct Variant {
     pub looser: f64,
 }
 
-/// A step, s, and an allowed error, m, in words: `steps of 5.00 ms`, or `an error of 0.1 mm a step, the longest 16.67 ms`.
+/// A step, s, and an allowed error, m, in words: `steps of 5.00 ms`, or `an error of 0.1 mm a step, the longest 16.67
+/// ms`.
 pub fn in_words(step: f64, error: Option<f64>) -> String {
     match error {
         None => format!("steps of {}", time(step)),
@@ -93,7 +94,8 @@ impl Variant {
         }
     }
 
-    /// A variant whose steps are shorter for certain: with an allowed error, [`Variant::finer`] with half the longest step.
+    /// A variant whose steps are shorter for certain: with an allowed error, [`Variant::finer`] with half the longest
+    /// step.
     pub fn with_shorter_steps(self) -> Self {
         match self.error {
             None => self.finer(),
@@ -133,9 +135,9 @@ impl Variant {
         scene.desc.duration / (SAMPLES * self.steps) as f64
     }
 
-    /// The solver's tolerance; `None` for explicit methods, and with an allowed error, which the solver follows unless the
-    /// scene has both. For steps shorter than the scene's it is reduced by the order of the method, so that the solver
-    /// never dominates the error.
+    /// The solver's tolerance; `None` for explicit methods, and with an allowed error, which the solver follows unless
+    /// the scene has both. For steps shorter than the scene's it is reduced by the order of the method, so that the
+    /// solver never dominates the error.
     pub fn tolerance(&self, scene: &SceneFile) -> Option<f64> {
         let integrator = &scene.desc.integrator;
         if !self.method.is_implicit() {

@@ -144,8 +144,8 @@ fn shorten(output: &mut Output) -> Vec<(String, String)> {
     imports.chain(exports).collect()
 }
 
-/// Passes over the linked module. Together they save 8 kB of 252 kB gzipped; higher levels make it larger. Alignments are hints
-/// that engines ignore.
+/// Passes over the linked module. Together they save 8 kB of 252 kB gzipped; higher levels make it larger. Alignments
+/// are hints that engines ignore.
 const PASSES: [&str; 9] = [
     "-O1",
     "--rse",

@@ -12,8 +12,8 @@ use super::pilot::Pilot;
 use super::row::Row;
 use super::saving::Candidate;
 
-/// A choice that misses the tolerance in the check gets 1 / `FINER` more steps, or `SMALLER` times the allowed error. The
-/// choice is checked at most `ROUNDS` times.
+/// A choice that misses the tolerance in the check gets 1 / `FINER` more steps, or `SMALLER` times the allowed error.
+/// The choice is checked at most `ROUNDS` times.
 const ROUNDS: u64 = 4;
 const FINER: u64 = 16;
 const SMALLER: f64 = 0.8;

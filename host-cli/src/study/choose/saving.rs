@@ -98,8 +98,8 @@ fn attempt(
     Ok(if saves { (Candidate { scene, row }, true) } else { (found, false) })
 }
 
-/// The part of its time that the choice saves as the run at `place`, of another scene or variant: the median of pairs of
-/// runs. `None` if there was no time for a pair.
+/// The part of its time that the choice saves as the run at `place`, of another scene or variant: the median of pairs
+/// of runs. `None` if there was no time for a pair.
 fn saved(pilot: &mut Pilot<'_>, found: &Candidate, scene: &SceneFile, place: usize) -> Result<Option<f64>, Failure> {
     let variant = pilot.considered[place].variant;
     let pairs = if found.row.wall_s > LONG { 1 } else { pilot.study.repeats(PAIRS) };

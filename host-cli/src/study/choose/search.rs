@@ -33,8 +33,8 @@ const STALLED: f64 = 0.7;
 const AIM: f64 = 0.9;
 const NEAR: f64 = 0.8;
 
-/// To try a longer step, the number of steps is reduced by the fraction 1 / `FEWER`; to try a larger allowed error, it is
-/// multiplied by `LARGER`.
+/// To try a longer step, the number of steps is reduced by the fraction 1 / `FEWER`; to try a larger allowed error, it
+/// is multiplied by `LARGER`.
 const FEWER: u64 = 20;
 const LARGER: f64 = 1.5;
 

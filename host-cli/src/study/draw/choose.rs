@@ -78,8 +78,8 @@ impl Kind {
     }
 }
 
-/// The runs of one method with all terms in series of one precision and kind, from coarse to fine, and its crosses. Marks
-/// of double precision are larger.
+/// The runs of one method with all terms in series of one precision and kind, from coarse to fine, and its crosses.
+/// Marks of double precision are larger.
 fn method(rows: &[Row], (method, color, marker): (&str, &str, MarkerShape), crosses: &mut Crosses) -> Vec<Plot> {
     let of = |precision: &'static str, kind: Kind| {
         let is_in = |row: &&Row| (row.precision, Kind::of(row)) == (precision, kind);

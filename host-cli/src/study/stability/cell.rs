@@ -83,8 +83,8 @@ pub fn watched(duration: f64, step: f64, method: Method) -> u64 {
     if method.is_implicit() { whole(duration, step).min(IMPLICIT_STEPS) } else { EXPLICIT_STEPS }
 }
 
-/// Runs a subject from the start of a scene with `steps` steps of `step` seconds. With a largest `error`, m, these steps are
-/// divided where they need it.
+/// Runs a subject from the start of a scene with `steps` steps of `step` seconds. With a largest `error`, m, these
+/// steps are divided where they need it.
 pub fn fly(
     share: &Share<'_, '_>,
     subject: Subject,

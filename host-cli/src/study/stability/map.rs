@@ -129,15 +129,15 @@ fn steps(study: &Study<'_>, subject: Subject, grounds: &[Ground]) -> Vec<f64> {
     steps.map(|half| own * 2f64.powf(0.5 * f64::from(half) - 0.25)).collect()
 }
 
-/// The largest error of a step under error control, m: the scene's, or that of a scene without a step. `None` for explicit
-/// methods.
+/// The largest error of a step under error control, m: the scene's, or that of a scene without a step. `None` for
+/// explicit methods.
 fn error(study: &Study<'_>, method: Method) -> Option<f64> {
     let desc = IntegratorDesc { method, step: None, ..study.scene.desc.integrator.clone() };
     desc.error().filter(|_| method.is_implicit())
 }
 
-/// Runs every subject on some of all grounds, with all steps and then under error control within the longest of them. Each
-/// pair has its share of the time.
+/// Runs every subject on some of all grounds, with all steps and then under error control within the longest of them.
+/// Each pair has its share of the time.
 pub fn run(study: &Study<'_>, subjects: &[Subject], all: &[Ground], some: &[Ground]) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     let pairs: Vec<_> = some.iter().flat_map(|ground| subjects.iter().map(move |&subject| (ground, subject))).collect();

@@ -111,8 +111,12 @@ fn finish(arguments: &SweepArguments, out: &Path, tasks: &[Task], runs: &Runs) -
         return Ok(());
     }
     print_data(&table::lines(tasks, runs))?;
-    let lines = tasks.iter().filter_map(|task| runs.get(&task.key));
-    let diverged = lines.filter(|lines| lines.verdict == "diverged").count();
-    print_note(&format!("{}: {} runs, {diverged} of them diverged", out.display(), tasks.len()));
+    let with = |verdict: &str| {
+        let lines = tasks.iter().filter_map(|task| runs.get(&task.key));
+        lines.filter(|lines| lines.verdict == verdict).count()
+    };
+    let [diverged, doubtful] = ["diverged", "doubtful"].map(with);
+    let doubts = if doubtful > 0 { format!(", {doubtful} doubtful") } else { String::new() };
+    print_note(&format!("{}: {} runs, {diverged} of them diverged{doubts}", out.display(), tasks.len()));
     Ok(())
 }

@@ -1,5 +1,5 @@
-//! The error of the scene's method by cause: the step, the linear solver, and the linearisation, of which Newton's method
-//! leaves what its iterations do not remove.
+//! The error of the scene's method by cause: the step, the linear solver, and the linearisation, of which Newton's
+//! method leaves what its iterations do not remove.
 
 use muslin_core::integrate::Method;
 use serde::Serialize;
@@ -85,8 +85,8 @@ fn separate(
     }))
 }
 
-/// Runs a variant with a number of Newton iterations and a tolerance, by default the variant's own; `None` if the run fails
-/// or does not end in time.
+/// Runs a variant with a number of Newton iterations and a tolerance, by default the variant's own; `None` if the run
+/// fails or does not end in time.
 fn run(
     study: &Study<'_>,
     yardstick: &Yardstick<'_>,

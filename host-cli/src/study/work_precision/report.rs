@@ -269,7 +269,8 @@ impl Chart {
         line.trim_end().into()
     }
 
-    /// For each method with error control: allowed errors of a step that divide steps, and the errors that the runs reach.
+    /// For each method with error control: allowed errors of a step that divide steps, and the errors that the runs
+    /// reach.
     fn control_lines(&self) -> Vec<String> {
         let line = |method: &str| {
             let rows = self.rows.iter().filter(|row| row.method == method && row.precision == "f64");

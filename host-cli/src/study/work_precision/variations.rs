@@ -11,8 +11,8 @@ use super::report::Row;
 use super::weigh::{Yardstick, weigh_changed};
 use super::winners::front;
 
-/// Runs the implicit runs that no cheaper implicit run equals in error with each other solver, cheapest first, until the
-/// study has run for `end` seconds.
+/// Runs the implicit runs that no cheaper implicit run equals in error with each other solver, cheapest first, until
+/// the study has run for `end` seconds.
 pub fn of(study: &Study<'_>, yardstick: &Yardstick<'_>, rows: &[Row], end: f64) -> Result<Vec<Row>, Failure> {
     let mut varied = Vec::new();
     let implicit: Vec<_> = rows.iter().filter(|row| row.variant.method.is_implicit()).cloned().collect();
