@@ -38,6 +38,7 @@ pub enum MeshError {
 }
 
 impl fmt::Display for MeshError {
+    #[cfg_attr(small, optimize(size))]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Empty => write!(f, "the mesh has no triangles"),
@@ -125,6 +126,7 @@ pub enum SelectError {
 }
 
 impl fmt::Display for SelectError {
+    #[cfg_attr(small, optimize(size))]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Empty => write!(f, "selects no vertex"),
@@ -212,8 +214,8 @@ pub enum SceneError {
     MotionKeys { cloth: u32, pin: u32 },
     /// The axis of a pin's rotation has no direction, or the rotation has a number that is not valid.
     MotionTurn { cloth: u32, pin: u32 },
-    /// A pin ends before it begins, or its end is not finite, s.
-    PinEnds { cloth: u32, pin: u32, from: f64, until: f64 },
+    /// A pin ends before it begins, or its end is not finite.
+    PinEnds { cloth: u32, pin: u32 },
     /// The static coefficient of friction is below the kinetic one.
     StaticBelowKinetic { at_rest: f64, kinetic: f64 },
     /// The scene has a collider but no contact section.
@@ -238,6 +240,7 @@ pub enum SceneError {
 struct Number(f64);
 
 impl fmt::Display for Number {
+    #[cfg_attr(small, optimize(size))]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(value) = *self;
         match value.abs() {
@@ -254,6 +257,7 @@ impl From<(u32, MeshError)> for SceneError {
 }
 
 impl fmt::Display for SceneError {
+    #[cfg_attr(small, optimize(size))]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::NoCloth => write!(f, "the scene has no [[cloth]]"),
@@ -315,9 +319,8 @@ impl fmt::Display for SceneError {
             Self::MotionTurn { cloth, pin } => {
                 write!(f, "cloth {cloth}, pin {pin}: motion.turn needs an axis with a direction and a finite rate")
             }
-            Self::PinEnds { cloth, pin, from, until } => {
-                let [from, until] = [from, until].map(Number);
-                write!(f, "cloth {cloth}, pin {pin}: until = {until} must be finite and after from = {from}")
+            Self::PinEnds { cloth, pin } => {
+                write!(f, "cloth {cloth}, pin {pin}: until must be finite and after from")
             }
             Self::StaticBelowKinetic { at_rest, kinetic } => {
                 write!(f, "friction: static = {} is below kinetic = {}", Number(at_rest), Number(kinetic))

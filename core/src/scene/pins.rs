@@ -38,7 +38,7 @@ impl Parts {
         let from = not_negative("cloth.pin.from", pin.from)?;
         let until = pin.until.unwrap_or(f64::INFINITY);
         if !(until > from && (until.is_finite() || pin.until.is_none())) {
-            return Err(SceneError::PinEnds { cloth, pin: number, from, until });
+            return Err(SceneError::PinEnds { cloth, pin: number });
         }
         let first = self.pins.vertices.len();
         for vertex in selected {
