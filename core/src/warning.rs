@@ -6,7 +6,7 @@ use crate::balance::Balance;
 use crate::integrate::stability::{Mode, longest_step};
 use crate::scene::{SceneDesc, VectorDesc};
 
-/// What a warning is about: the meaning of its value, and what it is compared with.
+/// The subject of a warning: the meaning of its value, and of the number beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Code {
     /// The step of the scene, s, does not divide a frame; the step that is taken.
@@ -59,7 +59,7 @@ impl Code {
 /// A warning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Warning {
-    /// What it is about.
+    /// Its subject.
     pub code: Code,
     /// The number that is too large or too small.
     pub value: f64,

@@ -225,7 +225,7 @@ pub fn build(scene: &SceneFile, precision: Precision) -> Result<(Box<dyn Engine>
     if positions.as_flattened().iter().any(|&x| !(x as f32).is_finite()) {
         return Err("a start position is beyond single precision; check cloth.position, scale and size".into());
     }
-    Ok((engine, Timing { last_change: scene.desc.last_change(), ..scene.desc.timing() }))
+    Ok((engine, scene.desc.timing()))
 }
 
 macro_rules! engine {

@@ -66,7 +66,7 @@ export interface Summary {
 /** A warning, as `muslin run` gives it, of the run since the scene was last set. */
 export interface Warning {
   /**
-   * What it is about, and what `value` and `beside` are:
+   * The subject, and the meaning of `value` and `beside`:
    * - `step`: the step of the scene, which does not divide a frame, and the one that is taken, s
    * - `duration`: the duration of the scene, which is no whole number of frames, and the one that is meant, s
    * - `thickness`: the thickness of contact, which does not suit the edges, and their mean length, m

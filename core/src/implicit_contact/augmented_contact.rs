@@ -70,7 +70,7 @@ pub struct AugmentedContact {
     pub change: Vec3,
 }
 
-/// A contact along a search direction g: what the derivative of its potential is made of. With the velocity u + a g,
+/// A contact along a search direction g: the parts of the derivative of its potential. With the velocity u + a g,
 /// its normal impulse is that of `along - a s change_along`, and the square of the one across is quadratic in a.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactLine {

@@ -133,7 +133,7 @@ pub(crate) fn relax(
         let mut worst: Real = 0.0;
         for k in 0..count {
             let constraint = &mut constraints[chosen.map_or(k, |chosen| chosen[k] as usize)];
-            constraint.is_solved &= constraint.is_within(tolerance, motion.displacements);
+            constraint.is_solved = constraint.is_solved && constraint.is_within(tolerance, motion.displacements);
             let (violation, moved) = constraint::solve(constraint, model.inverse_masses, motion.displacements);
             worst = worst.max(violation.abs());
             if moved {

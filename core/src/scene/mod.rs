@@ -396,9 +396,6 @@ pub struct Timing {
     pub step: f64,
     /// The speed, m/s: the run ends after a frame in which no vertex was as fast.
     pub until_rest: Option<f64>,
-    /// Time before which it does not end at rest, s: 0, unless a host that ends at rest sets it to the [last
-    /// change](SceneDesc::last_change).
-    pub last_change: f64,
 }
 
 impl SceneDesc {
@@ -413,7 +410,6 @@ impl SceneDesc {
             steps_per_frame: steps_per_frame as u64,
             step: frame / steps_per_frame,
             until_rest: self.until_rest,
-            last_change: 0.0,
         }
     }
 }

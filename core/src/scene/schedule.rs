@@ -1,4 +1,4 @@
-//! What a scene changes after its start, and when.
+//! The changes that a scene schedules after its start.
 
 use super::collider::ColliderMotionDesc;
 use super::{MotionDesc, SceneDesc, VectorDesc};

@@ -113,8 +113,11 @@ fn find(select: &SelectDesc, sheet: &Sheet<'_>, placed: &[DVec3]) -> Result<Vec<
     }
     if let Some(vertices) = vertices {
         let missing = vertices.iter().find(|&&v| v as usize >= flat.len());
-        let out_of_range =
-            |&index: &u32| SelectError::OutOfRange { kind: "vertex", index, last: flat.len() as u32 - 1 };
+        let out_of_range = |&index: &u32| SelectError::OutOfRange {
+            kind: "vertex",
+            index,
+            last: (flat.len() as u32).saturating_sub(1),
+        };
         ways.push(missing.map_or_else(|| Ok(vertices.clone()), |index| Err(out_of_range(index))));
     }
     if let Some([min, max]) = inside {

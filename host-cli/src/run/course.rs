@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use muslin_core::diagnostics::extent;
-use muslin_core::scene::Timing;
+use muslin_core::scene::{SceneDesc, Timing};
 use muslin_core::stage::Stage;
 
 use crate::args::Precision;
@@ -59,6 +59,8 @@ pub struct Course {
     pub engine: Box<dyn Engine>,
     /// Numbers of frames and steps, and the length of a step.
     pub timing: Timing,
+    /// Time of the last change that the scene schedules, s: it does not end at rest before.
+    last_change: f64,
     /// Precision of the engine.
     pub precision: Precision,
     /// The hash chain over the first state and all steps.
@@ -87,12 +89,13 @@ impl Course {
     /// Begins a run at the start of the scene, or at a checkpoint. `measures` reactions and all work if asked to.
     pub fn begin(
         mut engine: Box<dyn Engine>,
-        timing: Timing,
+        scene: &SceneDesc,
         precision: Precision,
         [audit, measures]: [bool; 2],
         start: Start,
         resumed: Option<Resumed>,
     ) -> Self {
+        let timing = scene.timing();
         let steps = engine.report().steps;
         let chain = resumed.as_ref().map_or_else(|| engine.chain(None), |resumed| resumed.chain);
         let frames = if resumed.is_some() { steps / timing.steps_per_frame + 1 } else { 0 };
@@ -118,6 +121,7 @@ impl Course {
             warnings: Vec::new(),
             engine,
             timing,
+            last_change: scene.last_change(),
             precision,
             chain,
             steps,
@@ -175,10 +179,10 @@ impl Course {
 
     /// Whether the cloth came to rest in the frame that ends now; `None` if the run does not end there.
     pub fn is_at_rest(&self) -> Option<bool> {
-        let Timing { steps_per_frame, step, until_rest, last_change, .. } = self.timing;
+        let Timing { steps_per_frame, step, until_rest, .. } = self.timing;
         let (frames, rest) = (self.steps / steps_per_frame, self.steps % steps_per_frame);
         let frame = step * steps_per_frame as f64;
-        let ends_calm = frames > 0 && rest == 0 && (frames - 1) as f64 * frame >= last_change;
+        let ends_calm = frames > 0 && rest == 0 && (frames - 1) as f64 * frame >= self.last_change;
         until_rest.map(|speed| ends_calm && self.record.fastest < speed)
     }
 
@@ -244,12 +248,12 @@ mod tests {
     /// A run of the start of `fold` that audits its frames, from the start or from a checkpoint.
     fn begin(audit: bool, resumed: Option<(Resumed, &Snapshot)>) -> Course {
         let scene = scene_file::load("fold", &["duration=0.1".into()]).unwrap();
-        let (mut engine, timing) = engine::build(&scene, Precision::F32).unwrap();
+        let (mut engine, _) = engine::build(&scene, Precision::F32).unwrap();
         let resumed = resumed.map(|(resumed, snapshot)| {
             assert!(engine.restore(snapshot));
             resumed
         });
-        Course::begin(engine, timing, Precision::F32, [audit, false], Start::default(), resumed)
+        Course::begin(engine, &scene.desc, Precision::F32, [audit, false], Start::default(), resumed)
     }
 
     #[test]

@@ -19,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
-use muslin_core::scene::{SceneDesc, Timing};
+use muslin_core::scene::SceneDesc;
 
 use crate::args::{Backend, Precision, PreviewKind, RunArguments};
 use crate::checkpoint::{self, Checkpoint, Resumed};
@@ -71,7 +71,6 @@ struct Prepared {
     scene_crc: u32,
     pool: Pool,
     engine: Box<dyn Engine>,
-    timing: Timing,
     resumed: Option<Resumed>,
 }
 
@@ -103,7 +102,7 @@ fn prepare(arguments: &RunArguments) -> Result<Prepared, Failure> {
                 .into(),
         ));
     }
-    Ok(Prepared { scene, scene_crc, pool, engine, timing, resumed })
+    Ok(Prepared { scene, scene_crc, pool, engine, resumed })
 }
 
 /// Runs a scene to its end or until an interrupt.
@@ -112,7 +111,7 @@ fn run_until(arguments: &RunArguments, stop: &AtomicBool) -> Result<(), Failure>
     let Some(prepared) = interrupt::until(stop, move || prepare(&own))? else {
         return Err(Failure::Interrupted("interrupted while the scene was built; nothing is written".into()));
     };
-    let Prepared { scene, scene_crc, pool, mut engine, timing, resumed } = prepared?;
+    let Prepared { scene, scene_crc, pool, mut engine, resumed } = prepared?;
     let folder = Folder::take(out(arguments, &scene)?)?;
     let stopwatch = Stopwatch::new(&pool).until(stop);
     let mut warnings = start::warnings(engine.as_ref(), &scene, arguments.precision, &stopwatch);
@@ -121,7 +120,7 @@ fn run_until(arguments: &RunArguments, stop: &AtomicBool) -> Result<(), Failure>
         None => untangle(engine.as_mut(), arguments, &pool, stop, &mut warnings)?,
     };
     let (observed, is_resumed) = ([arguments.audit, arguments.series.is_some()], resumed.is_some());
-    let mut course = Course::begin(engine, timing, arguments.precision, observed, start, resumed);
+    let mut course = Course::begin(engine, &scene.desc, arguments.precision, observed, start, resumed);
     let mut files = Files::begin(arguments, folder, scene_crc, &course, is_resumed, &scene.desc)?;
     warnings.extend(manifest::missing(&files.exporter, &files.folder));
     warnings.extend(files.series.as_ref().and_then(TimeSeries::missing));

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use muslin_core::scene::Timing;
 use serde::Serialize;
 use toml::Value;
 
@@ -31,19 +30,19 @@ struct Line<'a> {
     summary: Summary,
 }
 
-/// The changed scene of a run, its engine and its timing.
-pub fn build(sweep: &Sweep, task: &Task) -> Result<(SceneFile, Box<dyn Engine>, Timing), Failure> {
+/// The changed scene of a run and its engine.
+pub fn build(sweep: &Sweep, task: &Task) -> Result<(SceneFile, Box<dyn Engine>), Failure> {
     let scene = sweep.scene.with(&task.point.changes)?;
     let built = engine::build(&scene, task.point.precision);
-    let (engine, timing) = built.map_err(|why| refused(sweep, &task.point, &why))?;
-    Ok((scene, engine, timing))
+    let (engine, _) = built.map_err(|why| refused(sweep, &task.point, &why))?;
+    Ok((scene, engine))
 }
 
 /// Runs a scene until its end or until it diverges, and returns its line.
 pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<String, Failure> {
     let (of, own) = (sweep.clone(), task.clone());
     let built = interrupt::until(stop, move || build(&of, &own))?.ok_or_else(|| interrupted(task))?;
-    let (scene, mut engine, timing) = built?;
+    let (scene, mut engine) = built?;
     if task.point.key(&scene) != task.key {
         return Err(Failure::Tool(format!(
             "{}: a file that the scene names has changed since the sweep began; start the same command again",
@@ -56,7 +55,7 @@ pub fn of(sweep: &Sweep, task: &Task, pool: &Pool, stop: &AtomicBool) -> Result<
         let Some((start, warning)) = start::untangle(engine.as_mut(), false, pool, stop) else {
             return Err(interrupted(task));
         };
-        let mut course = Course::begin(engine, timing, task.point.precision, [false; 2], start, None);
+        let mut course = Course::begin(engine, &scene.desc, task.point.precision, [false; 2], start, None);
         warnings.extend(warning);
         course.warnings = warnings;
         course.frame(pool, stop, &mut ())?;
