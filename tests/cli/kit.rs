@@ -199,9 +199,11 @@ impl Place {
     }
 }
 
-/// An SVG picture as the HTML page of its study embeds it: the study's name prefixes every id.
+/// The attributes and elements of an SVG picture as the HTML page of its study embeds them: the study's name prefixes
+/// every id.
 pub fn in_page(svg: &str, study: &str) -> String {
-    svg.trim().replace(" id=\"", &format!(" id=\"{study}-")).replace("url(#", &format!("url(#{study}-"))
+    let after_tag_name = svg.trim().strip_prefix("<svg ").expect("a picture");
+    after_tag_name.replace(" id=\"", &format!(" id=\"{study}-")).replace("url(#", &format!("url(#{study}-"))
 }
 
 /// The code blocks of a manual in a language.
