@@ -39,6 +39,21 @@ const SWING: &str = r#"
     pin = [{ select = { edge = "left" } }]
 "#;
 
+/// A stiff sheet of 4 cm in the air.
+const STIFF: &str = r#"
+    name = "stiff"
+    duration = 0.1
+    gravity = [0.0, -9.81, 0.0]
+    [[cloth]]
+    grid = { size = [0.04, 0.04], cells = [6, 6] }
+    rotation = [30.0, 20.0, 10.0]
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 1e5 }
+    shear = { stiffness = 3e4 }
+    bend = { model = "hinge", rigidity = 1e-3 }
+    [integrator]
+"#;
+
 /// The built-in scenes with moving cloth and implicit methods, and how long each runs, s. In `ball`, `fold`, `funnel`,
 /// `poncho` and `tablecloth`, cloth lands.
 const SCENES: [(&str, f64); 12] = [
@@ -67,7 +82,7 @@ const LEAST_PERCENT: usize = 85;
 const FINER: u32 = 8;
 
 both_precisions! {
-    use super::{ERROR, FINER, LANDING, SOFT, SWING};
+    use super::{ERROR, FINER, LANDING, SOFT, STIFF, SWING};
     use muslin::dispatch::Serial;
     use muslin::implicit_contact::multiplier::Multiplier;
     use muslin::integrate::{Method, Scheme, Tolerance};
@@ -250,6 +265,35 @@ both_precisions! {
             println!("{what}");
             assert!((loose / exact - 1.0).abs() < 0.02, "{what}");
         }
+    }
+
+    /// A solve may leave a tenth of the solution, in each step on the same side. That tenth contains no momentum.
+    #[test]
+    fn a_stiff_sheet_loses_nothing_of_its_fall() {
+        for method in ["backward-euler", "implicit-midpoint", "bdf2"] {
+            let mut sim = kit::simulation(&format!("{STIFF}method = \"{method}\"\nerror = 0.001\nstep = 1e-4"), &[]);
+            kit::run(&mut sim, 0.05, |_| ());
+            let mass: Real = sim.scene().particles.masses.iter().sum();
+            let part = -sim.momentum()[1] / f64::from(mass) / (9.81 * 0.05);
+            println!("{} {method}: {part} of the velocity", muslin::real::NAME);
+            assert!((part - 1.0).abs() < 1e-4, "{} {method}: {part} of the velocity", muslin::real::NAME);
+        }
+    }
+
+    /// The same for its rotation about a pinned edge.
+    #[test]
+    fn a_stiff_sheet_loses_nothing_of_its_swing() {
+        let kinetic = |integrator: &str, step: f64| {
+            let pin = "[[cloth.pin]]\nselect = { edge = \"left\" }\n";
+            let scene = STIFF.replace("[integrator]", &format!("{pin}[integrator]"));
+            let mut sim = kit::simulation(&format!("{scene}{integrator}\nstep = {step:?}"), &[]);
+            kit::run(&mut sim, 0.05, |_| ());
+            sim.energy().kinetic
+        };
+        let exact = kinetic("method = \"rk4\"", 1e-6);
+        let off = kinetic("method = \"implicit-midpoint\"\nerror = 0.001", 1e-4) / exact - 1.0;
+        println!("{}: kinetic energy off by {off}", muslin::real::NAME);
+        assert!(off.abs() < 0.01, "{}: kinetic energy off by {off}", muslin::real::NAME);
     }
 
     /// Lengths of substeps, each half of the one before.

@@ -156,7 +156,7 @@ pub(crate) enum Goal {
     Iterations(u32),
 }
 
-/// Writes y to `s.solution`; NaN if the residual is not finite. `A y0` is in `s.residual`; the solve leaves
+/// Writes y to `s.solution`; NaN if the residual is not finite. `A y0` is in `s.residual`; a solve with contacts leaves
 /// `A (y0 - y)` there. Returns the square of the preconditioned residual at which the solve stops.
 #[inline(never)]
 pub(crate) fn solve<D: Dispatch>(
@@ -196,6 +196,9 @@ pub(crate) fn solve<D: Dispatch>(
     loop {
         if rho <= target && term.is_zero() {
             statistics.negative_curvature += u64::from(rho < 0.0);
+            if matches!(goal, Goal::Within(_)) {
+                i.complete(c.dispatch);
+            }
             break;
         }
         if rho <= target {
@@ -360,6 +363,14 @@ impl<'a, 'b> Iterate<'a, 'b> {
             }
         });
         term.advance(length);
+    }
+
+    /// Adds the motions of the patches that the last residual asks for. So no momentum is left in a residual that is not
+    /// zero: step after step it would be lost on the same side. The residual is no longer that of the solution.
+    fn complete(&mut self, dispatch: &impl Dispatch) {
+        let Some((patches, factor)) = &self.preconditioner.coarse else { return };
+        dispatch.run(&mut *self.solution, |start, part| coarse::add_motions(patches, factor.motions, start, part));
+        self.system.pins.filter(self.solution);
     }
 
     /// Completes the residual and writes the next conjugate direction. Returns the squared norm of the residual.
