@@ -2,7 +2,7 @@
 //! are mean forces: the reactions.
 //!
 //! The impulse of a pin is the change of momentum along its held axes, less the impulses of the forces and the
-//! contacts. Forces are evaluated in the middle of the step, as for the [work](crate::work_done).
+//! contacts. The forces are those of the [work](crate::work_done).
 
 use core::ops::Range;
 
@@ -68,6 +68,14 @@ impl Reactions<'_> {
                 held(axes).for_each(|axis| own[axis] = all[axis]);
                 sum.add(s.stage_positions.rounded[vertex], own);
             }
+        }
+    }
+
+    /// Adds an impulse of one pin at a position, m.
+    pub fn add_pin(&mut self, pin: usize, at: Vec3, impulse: DVec3) {
+        let groups = self.groups.iter().zip(&mut *self.pins);
+        for (_, sum) in groups.filter(|(group, _)| group.pins.contains(&pin)) {
+            sum.add(at, impulse);
         }
     }
 

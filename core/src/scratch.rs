@@ -28,6 +28,8 @@ pub struct Scratch<'a> {
     pub stage_positions: PositionsMut<'a>,
     /// RK4, and where work is measured: velocities inside the step, m/s.
     pub stage_velocities: &'a mut [Vec3],
+    /// Implicit, and where work is measured: the [forces on pins](crate::integrate::pin_forces), one per pin, N.
+    pub pin_forces: &'a mut [Vec3],
 
     /// BDF2, and implicit midpoint with a largest error: change of the positions in the last step, m.
     pub previous_displacements: &'a mut [Vec3],
@@ -104,6 +106,7 @@ mod owned {
         stage_positions: Vec<Vec3>,
         low_stage_positions: Vec<Vec3>,
         stage_velocities: Vec<Vec3>,
+        pin_forces: Vec<Vec3>,
         pub(crate) previous_displacements: Vec<Vec3>,
         pub(crate) previous_velocity_changes: Vec<Vec3>,
         base_offsets: Vec<Vec3>,
@@ -173,6 +176,7 @@ mod owned {
                 stage_positions: column(rk4 || implicit),
                 low_stage_positions: column(implicit),
                 stage_velocities: column(rk4),
+                pin_forces: Vec::new(),
                 previous_displacements: column(history),
                 previous_velocity_changes: column(history),
                 base_offsets: column(bdf2),
@@ -199,8 +203,9 @@ mod owned {
             }
         }
 
-        /// Adds the columns of a stage, if the method has none.
-        pub(crate) fn add_stage(&mut self) {
+        /// Adds the columns in which work is measured: those of a stage, if the method has none, and those of pins.
+        pub(crate) fn add_work(&mut self, pins: usize) {
+            self.pin_forces.resize(if self.solution.is_empty() { 0 } else { pins }, Vec3::ZERO);
             for column in [&mut self.stage_positions, &mut self.low_stage_positions, &mut self.stage_velocities] {
                 column.resize(self.forces.len(), Vec3::ZERO);
             }
@@ -232,6 +237,7 @@ mod owned {
                 &self.stage_positions,
                 &self.low_stage_positions,
                 &self.stage_velocities,
+                &self.pin_forces,
                 &self.previous_displacements,
                 &self.previous_velocity_changes,
                 &self.base_offsets,
@@ -273,6 +279,7 @@ mod owned {
                     low: &mut self.low_stage_positions,
                 },
                 stage_velocities: &mut self.stage_velocities,
+                pin_forces: &mut self.pin_forces,
                 previous_displacements: &mut self.previous_displacements,
                 previous_velocity_changes: &mut self.previous_velocity_changes,
                 base_offsets: &mut self.base_offsets,

@@ -7,7 +7,7 @@
 //! change of the potential energy plus the work of the force along the displacement.
 //!
 //! A force is evaluated in the middle of the step and multiplied by the displacement: this is exact to the second order
-//! for every method.
+//! for every method. The forces on pins are those of the [equations](crate::integrate::pin_forces) of an implicit step.
 
 use glam::DVec3;
 
@@ -16,7 +16,8 @@ use crate::dispatch::Dispatch;
 use crate::forces::{self, Model, Term};
 use crate::implicit_contact::exchange;
 use crate::integrate::StepInput;
-use crate::integrate::pins::{AT_REST, held};
+use crate::integrate::pin_forces;
+use crate::integrate::pins::{AT_REST, JumpSide, Pins, held};
 use crate::particles::Particles;
 use crate::reactions::{Reactions, impulses};
 use crate::real::{Real, Sum, Vec3, dot_sum, to_f64};
@@ -104,13 +105,14 @@ pub fn in_step<D: Dispatch>(
     if needs_forces {
         evaluate(c, &c.model, s);
     }
-    if pins_move(c) {
-        done.pins += by_pins(c, from, s);
-    }
     if let Some(corrections) = separated {
         done.separation -= along(s.forces, corrections);
     }
     let of_all = if everything { along(s.forces, s.displacements) } else { 0.0 };
+    pin_forces::write(c, s);
+    if pins_move(c) {
+        done.pins += by_pins(c, from, s);
+    }
     if let Some(mut reactions) = reactions {
         if let Some((_, contact)) = contact {
             exchange::add_impulses(contact, c.step * c.step, s.forces);
@@ -131,6 +133,27 @@ pub fn in_step<D: Dispatch>(
         done.damping += of_all - done.wind - along(s.forces, s.displacements);
     }
     *sum += done;
+}
+
+/// Adds the impulses by which pins give their vertices the prescribed velocities just after `time`, and their work.
+#[cfg_attr(small, optimize(size))]
+pub fn by_taking_hold(pins: &Pins<'_>, time: Sum, particles: &Particles<'_>, ledger: Ledger<'_>) {
+    let Ledger { done, mut reactions } = ledger;
+    for (pin, (&vertex, &axes)) in pins.vertices.iter().zip(pins.axes).enumerate() {
+        let vertex = vertex as usize;
+        let (mass, v) = (Sum::from(particles.masses[vertex]), particles.velocities[vertex]);
+        let (_, target) = pins.target(pin, time, JumpSide::After);
+        let (mut impulse, mut work) = (DVec3::ZERO, 0.0);
+        for axis in held(axes) {
+            let [before, after] = [v, target].map(|v| Sum::from(v[axis]));
+            impulse[axis] = mass * (after - before);
+            work += 0.5 * mass * (after * after - before * before);
+        }
+        (done.pins, done.exchanged) = (done.pins + work, done.exchanged + work.abs());
+        if let Some(reactions) = &mut reactions {
+            reactions.add_pin(pin, particles.positions[vertex], impulse);
+        }
+    }
 }
 
 fn pins_move<D>(c: &StepInput<'_, D>) -> bool {

@@ -99,7 +99,7 @@ fn a_sheet_follows_a_rising_wind() {
     }
 }
 
-/// A load is ramped on a strip: on the ramp and after it, the pins hold as much.
+/// A load is ramped on a strip: on the ramp and after it, the pins hold as much as the load at the times of the stages.
 #[test]
 fn pins_hold_a_load_that_is_ramped() {
     let text = r#"
@@ -117,7 +117,8 @@ fn pins_hold_a_load_that_is_ramped() {
         sim.measure_work(WorkDone::default());
         sim.measure_reactions();
         let mut worst = Worst::new(format!("{}: reaction to a ramped load", method.name()), 1e-3);
-        for (until, load) in [(0.6, 0.0), (0.7, 1.5 * 0.55), (1.5, 0.0), (1.6, 1.5)] {
+        let later = if method == Method::ImplicitMidpoint { 0.0 } else { 0.005 };
+        for (until, load) in [(0.6, 0.0), (0.7, 1.5 * (0.55 + later)), (1.5, 0.0), (1.6, 1.5)] {
             sim.reactions_mut().expect("measured").pins.fill_with(Default::default);
             while sim.time() < until - 1e-9 {
                 sim.take_step().expect("finite");

@@ -241,3 +241,29 @@ fn a_pendulum_pulls_with_its_weight_and_what_bends_its_path() {
         }
     }
 }
+
+harness::both_precisions! {
+    use harness::stiff::{STIFF, SWINGING};
+    use glam::DVec3;
+
+    fn check(text: &str, seconds: f64, most: f64) {
+        let [pins, needed] = kit::impulses(text, seconds);
+        println!("{}: pins {pins:.5}, needed {needed:.5}", muslin::real::NAME);
+        let off = DVec3::distance(pins, needed) / needed.length();
+        assert!(off < most, "{}: the pins give {pins}, and the momentum needs {needed}", muslin::real::NAME);
+    }
+
+    /// Edges that turn are shorter between the ends of a step, so forces there are no measure of those in the step.
+    #[test]
+    fn pins_of_stiff_cloth_that_swings_give_its_momentum() {
+        for (method, newton) in [("backward-euler", 1), ("implicit-midpoint", 1), ("backward-euler", 20)] {
+            check(&format!("{SWINGING}[integrator]\nmethod = \"{method}\"\nnewton = {newton}"), 1.0, 1e-3);
+        }
+    }
+
+    #[test]
+    fn a_pin_that_takes_moving_vertices_stops_them_by_an_impulse() {
+        let pin = "pin = [{ select = { box = [[-9, -9, -9], [9, 9, 9]] }, from = 0.1 }]\n";
+        check(&format!("{STIFF}{pin}[integrator]\nstep = 0.001\nerror = 0.0\n"), 0.2, 2e-3);
+    }
+}

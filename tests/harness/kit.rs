@@ -47,6 +47,7 @@ macro_rules! kit {
             use $muslin::scene::{BuiltScene, Content, Resource, SceneDesc};
             use $muslin::scratch::{Scratch, ScratchColumns};
             use $muslin::simulation::Simulation;
+            use $muslin::work_done::WorkDone;
 
             use std::cell::Cell;
 
@@ -443,6 +444,19 @@ macro_rules! kit {
                     sim.take_step().unwrap_or_else(|diverged| panic!("{diverged}"));
                     see(sim);
                 }
+            }
+
+            /// The impulse of all pins in a time, s, and the one that the change of momentum asks for, kg m/s. Gravity is
+            /// 9.81 m/s^2.
+            pub fn impulses(text: &str, seconds: f64) -> [glam::DVec3; 2] {
+                let mut sim = simulation(text, &[]);
+                sim.measure_work(WorkDone::default());
+                sim.measure_reactions();
+                let before = glam::DVec3::from(sim.momentum());
+                run(&mut sim, seconds, |_| ());
+                let mass: f64 = sim.scene().particles.masses.iter().copied().map(f64::from).sum();
+                let pins = sim.reactions().expect("measured").pins.iter().map(|sum| sum.linear).sum();
+                [pins, glam::DVec3::from(sim.momentum()) - before + glam::DVec3::Y * (mass * 9.81 * seconds)]
             }
 
             /// A mesh as a resource with the name that the scene uses.

@@ -20,6 +20,7 @@ pub mod rng;
 pub mod soft;
 pub mod states;
 pub mod steps;
+pub mod stiff;
 pub mod threads;
 pub mod topology;
 pub mod torture;

@@ -2,6 +2,7 @@
 
 use harness::both_precisions;
 use harness::soft::SOFT;
+use harness::stiff::STIFF;
 
 /// A sheet falls on a ball and slides off it.
 const LANDING: &str = r#"
@@ -37,21 +38,6 @@ const SWING: &str = r#"
     shear = { stiffness = 50.0 }
     bend = { model = "hinge", rigidity = 1e-4, damping = 0.001 }
     pin = [{ select = { edge = "left" } }]
-"#;
-
-/// A stiff sheet of 4 cm in the air.
-const STIFF: &str = r#"
-    name = "stiff"
-    duration = 0.1
-    gravity = [0.0, -9.81, 0.0]
-    [[cloth]]
-    grid = { size = [0.04, 0.04], cells = [6, 6] }
-    rotation = [30.0, 20.0, 10.0]
-    density = 0.2
-    stretch = { model = "membrane", stiffness = 1e5 }
-    shear = { stiffness = 3e4 }
-    bend = { model = "hinge", rigidity = 1e-3 }
-    [integrator]
 "#;
 
 /// The built-in scenes with moving cloth and implicit methods, and how long each runs, s. In `ball`, `fold`, `funnel`,
@@ -271,10 +257,10 @@ both_precisions! {
     #[test]
     fn a_stiff_sheet_loses_nothing_of_its_fall() {
         for method in ["backward-euler", "implicit-midpoint", "bdf2"] {
-            let mut sim = kit::simulation(&format!("{STIFF}method = \"{method}\"\nerror = 0.001\nstep = 1e-4"), &[]);
+            let mut sim = kit::simulation(&format!("{STIFF}[integrator]\nmethod = \"{method}\"\nerror = 0.001\nstep = 1e-4"), &[]);
             kit::run(&mut sim, 0.05, |_| ());
-            let mass: Real = sim.scene().particles.masses.iter().sum();
-            let part = -sim.momentum()[1] / f64::from(mass) / (9.81 * 0.05);
+            let mass: f64 = sim.scene().particles.masses.iter().copied().map(Sum::from).sum();
+            let part = -sim.momentum()[1] / mass / (9.81 * 0.05);
             println!("{} {method}: {part} of the velocity", muslin::real::NAME);
             assert!((part - 1.0).abs() < 1e-4, "{} {method}: {part} of the velocity", muslin::real::NAME);
         }
@@ -284,9 +270,9 @@ both_precisions! {
     #[test]
     fn a_stiff_sheet_loses_nothing_of_its_swing() {
         let kinetic = |integrator: &str, step: f64| {
-            let pin = "[[cloth.pin]]\nselect = { edge = \"left\" }\n";
-            let scene = STIFF.replace("[integrator]", &format!("{pin}[integrator]"));
-            let mut sim = kit::simulation(&format!("{scene}{integrator}\nstep = {step:?}"), &[]);
+            let pin = "pin = [{ select = { edge = \"left\" } }]";
+            let text = format!("{STIFF}{pin}\n[integrator]\n{integrator}\nstep = {step:?}");
+            let mut sim = kit::simulation(&text, &[]);
             kit::run(&mut sim, 0.05, |_| ());
             sim.energy().kinetic
         };

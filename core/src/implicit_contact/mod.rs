@@ -12,7 +12,7 @@ use crate::dispatch::Dispatch;
 use crate::forces;
 use crate::integrate::conjugate_gradient::{self, Goal};
 use crate::integrate::newton::{self, ImplicitStage, MOST_STRAIN};
-use crate::integrate::{self, IntegratorStatistics, StepInput, Tolerance};
+use crate::integrate::{self, IntegratorStatistics, StepInput, Tolerance, pin_forces};
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
@@ -160,6 +160,8 @@ fn add_solution<D: Dispatch>(
     s: &mut Scratch<'_>,
 ) {
     c.dispatch.enter(Stage::Integrate);
+    let length = c.stage_length(s.last_step);
+    pin_forces::add_change(c, length, to_position / length, s);
     let y = &*s.solution;
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {

@@ -17,6 +17,7 @@ pub mod midpoint;
 pub mod newton;
 #[cfg(feature = "alloc")]
 pub mod patches;
+pub mod pin_forces;
 pub mod pins;
 pub mod rk4;
 pub mod stability;

@@ -20,7 +20,7 @@
 
 use super::conjugate_gradient::{self, Goal};
 use super::convex_term::NoTerm;
-use super::{IntegratorStatistics, StepInput, Tolerance};
+use super::{IntegratorStatistics, StepInput, Tolerance, pin_forces};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::forces::{self, TangentScale};
@@ -102,7 +102,7 @@ fn linearized_step<D: Dispatch>(
         matrix::multiply(&s.matrix, c.masses, 0.0, s.direction, s.products, c.dispatch);
         add_scaled(c, s.products, -1.0, s.residual);
     }
-    c.pins.filter(s.residual);
+    filter_residual(c, stage, s);
     statistics.newton_iterations += 1;
     if c.defers_solve() {
         return;
@@ -124,7 +124,7 @@ pub(crate) fn linearize<D: Dispatch>(
     c.forces(s.stage_positions.view(), s.next_velocities, s.elements, s.forces, statistics);
     write_matrix(c, stage, s);
     write_residual(c, stage, s);
-    c.pins.filter(s.residual);
+    filter_residual(c, stage, s);
     statistics.newton_iterations += 1;
 }
 
@@ -147,7 +147,7 @@ fn newton_iterations<D: Dispatch>(
         write_positions(c, stage, s.next_velocities, &mut s.stage_positions);
         c.forces(s.stage_positions.view(), s.next_velocities, s.elements, s.forces, statistics);
         write_residual(c, stage, s);
-        c.pins.filter(s.residual);
+        filter_residual(c, stage, s);
         let norm = residual_norm(c, s.residual);
         if iteration == 0 {
             target = Sum::from(c.scheme.tolerance.residual()) * norm.max(weight);
@@ -207,6 +207,12 @@ fn write_matrix<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s:
 fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &mut Scratch<'_>) {
     let changes = &*s.velocity_changes;
     residual(c, stage.length, |i| changes[i], s.forces, s.residual);
+}
+
+/// Removes the held axes from the residual, and notes their forces.
+fn filter_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &mut Scratch<'_>) {
+    pin_forces::note(c, stage.length, s);
+    c.pins.filter(s.residual);
 }
 
 /// `out = g f - M (v - vh)` of a stage of `length` g, kg m/s. `change` is v - vh of a vertex, m/s.
@@ -379,6 +385,7 @@ fn add_solution<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, sc
             *v = vh[i] + *change;
         }
     });
+    pin_forces::add_change(c, stage.length, scale, s);
 }
 
 fn add_scaled<D: Dispatch>(c: &StepInput<'_, D>, from: &[Vec3], scale: Real, to: &mut [Vec3]) {

@@ -405,7 +405,7 @@ impl Simulation {
     pub fn measure_work(&mut self, from: WorkDone) {
         // Steps measure the energy of gravity from the origin of positions.
         (self.measures_work, self.work_done) = (true, WorkDone { gravity: from.gravity + self.lift(), ..from });
-        self.scratch.add_stage();
+        self.scratch.add_work(self.built.pins.vertices.len());
     }
 
     /// Measures the [reactions](crate::reactions) of pins and colliders too, and the work of contacts and damping.

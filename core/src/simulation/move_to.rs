@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::Simulation;
 use crate::real::Sum;
 use crate::scene::BuiltScene;
+use crate::work_done::{self, Ledger};
 
 impl Simulation {
     /// Moves a vertex, pinned or free, at constant velocity to `place`, in the world, m, within `seconds`, or at once
@@ -21,7 +22,7 @@ impl Simulation {
         self.take_over_pins();
         // A two-step method cannot use the state from before the new motion.
         self.history.cut();
-        self.built.pins.view().set_out(now, &mut self.built.particles.velocities);
+        self.take_hold(now);
         true
     }
 
@@ -41,8 +42,19 @@ impl Simulation {
         if self.built.pins.change(now, &self.built.particles.positions) {
             self.take_over_pins();
             self.history.cut();
-            self.built.pins.view().set_out(now, &mut self.built.particles.velocities);
+            self.take_hold(now);
         }
+    }
+
+    /// Gives pinned vertices the velocities of their pins.
+    fn take_hold(&mut self, now: Sum) {
+        let BuiltScene { pins, particles, pin_groups: groups, .. } = &mut self.built;
+        let pins = &pins.view();
+        if self.measures_work {
+            let reactions = self.reactions.as_mut().map(|reactions| reactions.view(groups));
+            work_done::by_taking_hold(pins, now, &particles.view(), Ledger { done: &mut self.work_done, reactions });
+        }
+        pins.set_out(now, &mut particles.velocities);
     }
 
     /// Copies the held axes to contact and the preconditioner.

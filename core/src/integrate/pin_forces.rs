@@ -1,0 +1,38 @@
+//! The forces on pinned vertices in the equations of an implicit stage. They include the change of the forces by the
+//! solution of the linear system. Forces at any point between the ends of a step would differ from them: between
+//! these ends edges that turn are shorter, so stiff cloth would pull at its pins.
+
+use super::StepInput;
+use super::pins::held;
+use crate::dispatch::Dispatch;
+use crate::forces::matrix;
+use crate::real::{Real, Vec3};
+use crate::scratch::Scratch;
+
+/// Notes the forces in the residual of a stage of `length` g, before its held axes are removed:
+/// `residual = g f - M changes`.
+#[cfg_attr(small, optimize(size))]
+pub fn note<D>(c: &StepInput<'_, D>, length: Real, s: &mut Scratch<'_>) {
+    for (force, &vertex) in s.pin_forces.iter_mut().zip(c.pins.vertices) {
+        let vertex = vertex as usize;
+        *force = (s.residual[vertex] + s.velocity_changes[vertex] * c.masses[vertex]) / length;
+    }
+}
+
+/// Adds the change of the forces by a part of the solution, `-S' y / g`.
+#[cfg_attr(small, optimize(size))]
+pub fn add_change<D: Dispatch>(c: &StepInput<'_, D>, length: Real, part: Real, s: &mut Scratch<'_>) {
+    for (force, &vertex) in s.pin_forces.iter_mut().zip(c.pins.vertices) {
+        let mut product = [Vec3::ZERO];
+        matrix::multiply_rows(&s.matrix, c.masses, 0.0, s.solution, vertex as usize, &mut product);
+        *force -= product[0] * (part / length);
+    }
+}
+
+/// Writes the noted forces along the held axes to the column of forces.
+#[cfg_attr(small, optimize(size))]
+pub fn write<D>(c: &StepInput<'_, D>, s: &mut Scratch<'_>) {
+    for ((force, &vertex), &axes) in s.pin_forces.iter().zip(c.pins.vertices).zip(c.pins.axes) {
+        held(axes).for_each(|axis| s.forces[vertex as usize][axis] = force[axis]);
+    }
+}
