@@ -15,10 +15,8 @@ use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::forces::hinge::HingeColumns;
 use muslin_core_f64::forces::seam::SeamColumns;
 use muslin_core_f64::integrate::Method;
-use muslin_core_f64::integrate::stability::Mode;
 use muslin_core_f64::scene::{BUILT_IN, SceneDesc};
 use muslin_core_f64::simulation::Simulation;
-use muslin_core_f64::warning;
 
 /// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
 fn hinge() -> HingeColumns {
@@ -215,20 +213,6 @@ fn stiff_cloth_slides_a_little_too_slowly_under_error_control() {
     let part = sim.momentum()[0] / mass / (4.905 * 0.1);
     println!("the sheet reaches {part:.4} of its velocity");
     assert!(part < 0.99, "the sheet reaches {part} of its velocity");
-}
-
-/// Cloth that a spin, a start velocity, a load, wind or a collider moves counts as cloth that goes no way.
-#[test]
-fn the_warning_of_lost_masses_knows_gravity_and_pins_only() {
-    let warns = |text: &str| {
-        let scene: SceneDesc = toml::from_str(text).expect("the scene parses");
-        let modes = [Mode { stiffness: 1e13, damping: 0.0 }; 2];
-        warning::masses(&modes, &scene, 0.04, 0.01).is_some()
-    };
-    let floats = STIFF.replace("gravity = [0.0, -9.81, 0.0]", "");
-    let spins = format!("{floats}spin = {{ axis = [0, 1, 0], rate = 20.0 }}\n");
-    assert!(warns(STIFF) && !warns(&floats), "gravity moves the first sheet, and nothing the second");
-    assert!(!warns(&spins), "the warning knows of spins");
 }
 
 /// The force at the end of a step of BDF2 also acts on the later steps.

@@ -4,7 +4,7 @@
 
 use crate::balance::Balance;
 use crate::integrate::stability::{Mode, longest_step};
-use crate::scene::{SceneDesc, VectorDesc};
+use crate::scene::SceneDesc;
 
 /// The subject of a warning: the meaning of its value, and of the number beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,36 +160,17 @@ pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mo
 /// The warning that single precision loses masses beside the stiffness in steps of this length, s; `size` is that of
 /// the cloth, m.
 ///
-/// The matrix of an implicit step is `M + h^2 K`. Single precision rounds it by 2^-24 of its largest part, which is
-/// `h^2 lambda M`, where lambda is the largest eigenvalue of `M^-1 K`. So up to `2^-24 h^2 lambda` of the masses is
-/// lost, and as large a part of the way on which gravity or pins take the cloth. Cloth that goes no way loses little,
-/// however stiff it is.
+/// The matrix of an implicit step is `M + h^2 K + h D`. Single precision rounds it by 2^-24 of its largest part, which is
+/// `(h^2 lambda + h delta) M`, where lambda and delta are the largest eigenvalues of `M^-1 K` and `M^-1 D`. So up to 2^-24
+/// of this factor is lost of the masses, and as large a part of the [way](SceneDesc::way) of the cloth. Cloth that goes no
+/// way loses little, however stiff it is. Where the whole way may be lost, the result is doubtful.
 #[cfg_attr(small, optimize(size))]
 pub fn masses(modes: &[Mode; 2], scene: &SceneDesc, size: f64, step: f64) -> Option<Warning> {
-    let way = (way(scene) / size).min(1.0) + AT_REST;
-    let (ratio, most) = (step * step * modes[0].stiffness, MOST_LOST / (ROUNDING * way));
-    (ratio > most).then(|| Warning::new(Code::Masses, ratio, most))
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    libm::sqrt(v.iter().map(|x| x * x).sum())
-}
-
-/// The largest gravity of a scene, m/s^2.
-fn largest_gravity(scene: &SceneDesc) -> f64 {
-    match &scene.gravity {
-        None => 0.0,
-        Some(VectorDesc::Constant(gravity)) => length(*gravity),
-        Some(VectorDesc::Keys(keys)) => keys.iter().map(|&[_, x, y, z]| length([x, y, z])).fold(0.0, f64::max),
-    }
-}
-
-/// A bound on the way of cloth that follows gravity and its pins until the end, m.
-fn way(scene: &SceneDesc) -> f64 {
-    let fall = 0.5 * largest_gravity(scene) * scene.duration * scene.duration;
-    let pins = scene.cloth.iter().flat_map(|cloth| &cloth.pin).filter_map(|pin| pin.motion.as_ref());
-    let keys = pins.flat_map(|motion| &motion.keys);
-    fall + keys.map(|&[_, x, y, z]| length([x, y, z])).fold(0.0, f64::max)
+    let way = (scene.way(size) / size).min(1.0) + AT_REST;
+    let ratio = modes.iter().map(|mode| step * (step * mode.stiffness + mode.damping)).fold(0.0, f64::max);
+    let most = MOST_LOST / (ROUNDING * way);
+    (ratio > most)
+        .then(|| Warning { is_doubtful: ratio * ROUNDING * way > 1.0, ..Warning::new(Code::Masses, ratio, most) })
 }
 
 /// A run up to now.
@@ -249,7 +230,7 @@ impl Run<'_> {
         let is_much = separation.min(appeared) > MOST_APPEARED * moved;
         (is_much && self.is_harmful(separation, scene)).then(|| {
             let thickness = scene.contact.as_ref().map_or(0.0, |contact| contact.thickness);
-            let is_doubtful = separation > self.mass * largest_gravity(scene) * thickness;
+            let is_doubtful = separation > self.mass * scene.largest_gravity() * thickness;
             Warning { is_doubtful, ..Warning::new(Code::Overlap, separation, moved) }
         })
     }

@@ -44,7 +44,7 @@ pub fn scene(seed: u64) -> Scene {
     let pinned =
         rng.pick(&["", "", "corners = [0, 1]", "corners = [0, 1, 2, 3]", "edge = \"back\"", "edge = \"left\""]);
     let sheet = sheet(rng, gravity, &wind, pinned);
-    let (steps, per_frame) = (rng.pick(&[1, 2, 3, 6, 10]), rng.pick(&[1, 2, 5, 6]));
+    let (steps, per_frame) = (rng.pick(&[1, 2, 3, 6, 10, 30]), rng.pick(&[1, 2, 5, 6]));
     let is_calm = METHODS[4..].contains(&method) || sheet.limit() > 2e-6;
     let has_contact = rng.pick(&[false, false, true]) && is_calm;
     let (step, integrator) = integrator(rng, method, &sheet, has_contact);
@@ -63,7 +63,7 @@ pub fn scene(seed: u64) -> Scene {
     let duration = f64::from(steps * per_frame) * step;
     let text = format!(
         "duration = {duration:?}\nframe_rate = {:?}\n{}\n[[cloth]]\ngrid = {{ size = {:?}, cells = {:?}, pattern = {:?} }}\n\
-         position = {:?}\nrotation = {rotation:?}\ndensity = {:?}\n{}{}{wind}{contact}{integrator}",
+         position = {:?}\nrotation = {rotation:?}\ndensity = {:?}\n{}{}{}{wind}{contact}{integrator}",
         1.0 / (f64::from(per_frame) * step),
         if gravity == [0.0; 3] { String::new() } else { format!("gravity = {gravity:?}") },
         [sheet.size, sheet.edge * f64::from(sheet.cells[1])],
@@ -71,6 +71,7 @@ pub fn scene(seed: u64) -> Scene {
         rng.pick(&["equilateral", "diagonal", "alternating"]),
         position.to_array(),
         sheet.density,
+        driven(rng, &sheet, duration),
         material(rng, &sheet, step),
         pins(rng, &sheet, pinned, duration),
         wind = wind.text,
@@ -154,6 +155,37 @@ fn material(rng: &mut Rng, sheet: &Sheet, step: f64) -> String {
         _ => String::new(),
     };
     text
+}
+
+/// A spin, start velocities, a load or a mass that strain the cloth by some per cent at most. A load moves it by its
+/// size at most.
+fn driven(rng: &mut Rng, sheet: &Sheet, duration: f64) -> String {
+    let &Sheet { size, density, stiffness: k, .. } = sheet;
+    let wave = (k / density).sqrt();
+    let axis = rng.direction().to_array();
+    let along = |amount: f64| axis.map(|x| x * amount);
+    match rng.pick(&["", "", "", "spin", "velocity", "part", "load", "mass"]) {
+        "spin" => {
+            let rate = wave / size * rng.magnitude(1e-4, 0.1);
+            format!("spin = {{ axis = {axis:?}, rate = {rate:?} }}\n")
+        }
+        "velocity" => format!("velocity = {:?}\n", along(wave * rng.magnitude(1e-4, 0.02))),
+        "part" => {
+            let velocity = along(wave * rng.magnitude(1e-4, 0.02));
+            format!("start = [{{ select = {{ edge = \"right\" }}, velocity = {velocity:?} }}]\n")
+        }
+        "load" => {
+            let least = density * size * size * size / (duration * duration);
+            let force = along(least.min(0.02 * k * size) * rng.magnitude(1e-4, 1.0));
+            let share = rng.pick(&["length", "vertex"]);
+            format!("load = [{{ select = {{ edge = \"right\" }}, force = {force:?}, share = {share:?} }}]\n")
+        }
+        "mass" => {
+            let mass = density * size * size * rng.magnitude(1e-3, 10.0);
+            format!("mass = [{{ select = {{ edge = \"front\" }}, mass = {mass:?}, share = \"length\" }}]\n")
+        }
+        _ => String::new(),
+    }
 }
 
 /// Pins at rest, or so slow that the wave which they send out strains the cloth by some per cent at most.

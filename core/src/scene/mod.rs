@@ -21,6 +21,7 @@ mod select;
 mod terms;
 mod tube;
 mod vector;
+mod way;
 
 use alloc::string::String;
 use alloc::vec::Vec;
