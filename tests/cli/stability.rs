@@ -159,6 +159,40 @@ bend ="#,
     assert!(line.contains(" ms by ") && line.ends_with("holds"), "{text}");
 }
 
+/// Without damping explicit Euler gains energy with every step. The report must not show a limit as if shorter steps were
+/// stable.
+#[test]
+fn no_step_is_advised_where_every_step_gains_energy() {
+    let (place, map) = map("--methods explicit-euler,symplectic-euler");
+    assert_eq!(limit(&map, "explicit-euler", 1)["theory"], 0.0);
+    let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
+    assert!(text.contains("explicit-euler gains energy with every step, because nothing damps the cloth"), "{text}");
+    assert_eq!(text.matches("gains energy").count(), 1, "symplectic Euler has a limit: {text}");
+}
+
+/// A damped sheet swings and is pulled tight. Its motion across the tension is not damped, so explicit Euler gains energy
+/// there also below the limit that holds at the start, and the report advises no step.
+#[test]
+fn no_step_is_advised_if_none_that_was_tried_holds_to_the_end() {
+    let scene = r#"duration = 0.3
+gravity = [0.0, -9.81, 0.0]
+
+[[cloth]]
+grid = { size = [0.3, 0.3], cells = [8, 8] }
+density = 0.2
+stretch = { model = "membrane", stiffness = 2000.0, damping = 0.0005 }
+shear = { stiffness = 500.0 }
+bend = { model = "hinge", rigidity = 2e-5, damping = 0.001 }
+pin = [{ select = { corners = [0, 1] } }]
+"#;
+    let (place, map) = map_of(scene, "--methods explicit-euler");
+    let limit = limit(&map, "explicit-euler", 1);
+    assert!(limit["measured"].is_number() && limit["theory"].as_f64().unwrap() > 0.0, "{limit}");
+    assert!(limit["whole"]["verdict"] != "not run" && limit["whole"]["lasting"].is_null(), "{limit}");
+    let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
+    assert!(text.contains("explicit-euler: no step is advised"), "{text}");
+}
+
 #[test]
 fn what_the_budget_leaves_out_is_said() {
     let (place, map) = map("--budget 0");

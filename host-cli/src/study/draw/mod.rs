@@ -34,9 +34,17 @@ pub const LOOKS: [(&str, &str, MarkerShape); 7] = [
     ("bdf2", "#d55e00", MarkerShape::Star),
 ];
 
+/// Factor from the outermost marks to the ends of a logarithmic axis.
+const ROOM: f64 = 1.3;
+
 /// The smallest and the largest value.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, 0.0), |(low, high), value| (low.min(value), high.max(value)))
+}
+
+/// A range of a logarithmic axis with room for whole marks at its ends.
+fn room((low, high): (f64, f64)) -> (f64, f64) {
+    (low / ROOM, high * ROOM)
 }
 
 /// Puts the name of a method into the legend with its first marks only.
