@@ -4,7 +4,7 @@
 use serde_json::Value;
 use toml::Table;
 
-use crate::kit::{Place, PointCache, TINY, obj, soft_in_air};
+use crate::kit::{Place, PointCache, STIFF, TINY, obj, soft_in_air};
 
 /// A sheet of springs only: it has no term that could be left out.
 const SPRINGS: &str = r#"# Nothing but springs.
@@ -285,6 +285,22 @@ fn the_budget_that_a_refusal_calls_enough_is_enough() {
         budget = advised;
     }
     panic!("no budget was called enough, up to {budget} s");
+}
+
+/// The time of a run that fails is the cost of no result: the table says "diverged" and gives no number.
+#[test]
+fn a_run_that_diverges_has_no_time() {
+    let place = Place::new();
+    place.write("stiff.toml", STIFF);
+    let choice = choose(&place, "stiff.toml --cost counts --tolerance 10mm");
+    let failed = choice["considered"].as_array().unwrap().iter().filter(|row| row["verdict"] == "failed").count();
+    assert!(failed > 0, "{choice}");
+    let words = String::from_utf8(place.read("out/choose.txt")).unwrap();
+    let lines: Vec<_> = words.lines().filter_map(|line| line.split_once("  diverged: ")).collect();
+    assert_eq!(lines.len(), failed, "{words}");
+    for (figures, _) in lines {
+        assert!(matches!(figures.split_whitespace().rev().collect::<Vec<_>>()[..], ["-", "-", ..]), "{figures}");
+    }
 }
 
 #[test]

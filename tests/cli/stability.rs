@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use crate::kit::Place;
+use crate::kit::{Place, STIFF};
 
 /// A free sheet at rest: rounding starts its motion, and only a step above the limit makes the motion grow.
 const FREE: &str = r#"name = "free"
@@ -174,18 +174,7 @@ fn no_step_is_advised_where_every_step_gains_energy() {
 /// there also below the limit that holds at the start, and the report advises no step.
 #[test]
 fn no_step_is_advised_if_none_that_was_tried_holds_to_the_end() {
-    let scene = r#"duration = 0.3
-gravity = [0.0, -9.81, 0.0]
-
-[[cloth]]
-grid = { size = [0.3, 0.3], cells = [8, 8] }
-density = 0.2
-stretch = { model = "membrane", stiffness = 2000.0, damping = 0.0005 }
-shear = { stiffness = 500.0 }
-bend = { model = "hinge", rigidity = 2e-5, damping = 0.001 }
-pin = [{ select = { corners = [0, 1] } }]
-"#;
-    let (place, map) = map_of(scene, "--methods explicit-euler");
+    let (place, map) = map_of(STIFF, "--methods explicit-euler");
     let limit = limit(&map, "explicit-euler", 1);
     assert!(limit["measured"].is_number() && limit["theory"].as_f64().unwrap() > 0.0, "{limit}");
     assert!(limit["whole"]["verdict"] != "not run" && limit["whole"]["lasting"].is_null(), "{limit}");
