@@ -159,8 +159,8 @@ bend ="#,
     assert!(line.contains(" ms by ") && line.ends_with("holds"), "{text}");
 }
 
-/// Without damping explicit Euler gains energy with every step. The report must not show a limit as if shorter steps were
-/// stable.
+/// Without damping explicit Euler gains energy with every step. The report must not show a limit as if shorter steps
+/// were stable.
 #[test]
 fn no_step_is_advised_where_every_step_gains_energy() {
     let (place, map) = map("--methods explicit-euler,symplectic-euler");
@@ -170,8 +170,8 @@ fn no_step_is_advised_where_every_step_gains_energy() {
     assert_eq!(text.matches("gains energy").count(), 1, "symplectic Euler has a limit: {text}");
 }
 
-/// A damped sheet swings and is pulled tight. Its motion across the tension is not damped, so explicit Euler gains energy
-/// there also below the limit that holds at the start, and the report advises no step.
+/// A damped sheet swings and is pulled tight. Its motion across the tension is not damped, so explicit Euler gains
+/// energy there also below the limit that holds at the start, and the report advises no step.
 #[test]
 fn no_step_is_advised_if_none_that_was_tried_holds_to_the_end() {
     let (place, map) = map_of(STIFF, "--methods explicit-euler");

@@ -54,8 +54,8 @@ pub fn no_reference(study: &Study<'_>, tolerance: f64, size: f64, tried: &[Refer
     ))
 }
 
-/// The smallest budget in which the search for one of the references ends, in words. Every reference has its share of the
-/// budget that the ones before leave. Where no two runs can be compared, nobody knows how many more are needed.
+/// The smallest budget in which the search for one of the references ends, in words. Every reference has its share of
+/// the budget that the ones before leave. Where no two runs can be compared, nobody knows how many more are needed.
 fn budget(tried: &[Reference]) -> String {
     let least = |is_found: bool| {
         let cost = |(before, reference): (usize, &Reference)| {

@@ -22,8 +22,8 @@ const PANEL: [f64; 2] = [660.0, 440.0];
 /// Colour of the simplifications of the best method.
 const TRIED: &str = "#666666";
 
-/// Error against computing time. Runs that were given up are crosses above all errors, one row for each method. Runs that
-/// diverged are not drawn: their time is the cost of no result. Simplifications of the best method are numbered.
+/// Error against computing time. Runs that were given up are crosses above all errors, one row for each method. Runs
+/// that diverged are not drawn: their time is the cost of no result. Simplifications of the best method are numbered.
 pub fn choose(choice: &Choice) -> String {
     let rows = &choice.considered;
     let errors = range(rows.iter().filter_map(|row| row.error).chain([choice.tolerance]));
