@@ -62,6 +62,7 @@ fn a_soft_sheet_is_charted_by_every_method() {
         assert!(row["stable"] == true || row["error_rms"].is_null(), "{row}");
         assert!(row["error_rms"].as_f64().is_none_or(|error| error >= least.as_f64().unwrap()), "{row}");
         assert!(row["error_max"].as_f64() >= row["error_rms"].as_f64(), "{row}");
+        assert_eq!(row["stretch"].is_number(), row["stable"] == true, "a run that fails has no stretch: {row}");
     }
     let order = chart["reference"]["order"].as_f64().unwrap();
     assert!((order - 4.0).abs() < 0.1, "the reference converges by order {order}");

@@ -4,7 +4,7 @@
 use serde_json::Value;
 use toml::Table;
 
-use crate::kit::{Place, PointCache, TINY, obj, soft_in_air};
+use crate::kit::{Place, PointCache, STIFF, TINY, obj, soft_in_air};
 
 /// A sheet of springs only: it has no term that could be left out.
 const SPRINGS: &str = r#"# Nothing but springs.
@@ -102,6 +102,14 @@ fn the_scene_that_it_writes_is_within_the_tolerance() {
     place.write("soft.toml", soft_in_air(1e-6));
     let choice = choose(&place, "soft.toml --cost counts --tolerance 1mm --write chosen.toml");
     assert_eq!(choice["tolerance"], 1e-3);
+    let written = String::from_utf8(place.read("chosen.toml")).unwrap();
+    let terms = choice["chosen"]["terms"].as_array().unwrap();
+    assert!(!terms.is_empty(), "the scene has terms that need not be modelled: {choice}");
+    for term in terms {
+        let line = format!("# Changed, because it is faster within the tolerance: {}.\n", term.as_str().unwrap());
+        assert!(written.contains(&line), "{line:?} is not in {written}");
+    }
+    assert!(!written.contains("nothing is checked"), "the study ran to the scene's end: {written}");
     let precision = choice["chosen"]["precision"].as_str().unwrap();
     let (run, areas) = moments(&place, &format!("chosen.toml --set frame_rate=50 --precision {precision}"));
     let exact = "--set frame_rate=50 --precision f64 --set integrator.method=rk4 --set integrator.step=1e-4";
@@ -160,7 +168,9 @@ fn what_it_writes_is_the_scene_with_another_integrator() {
     assert_eq!(choice["chosen"]["terms"].as_array().unwrap().iter().find(is_term), None);
     let table = |text: &str| toml::from_str::<Table>(text).unwrap();
     let written = String::from_utf8(place.read("chosen.toml")).unwrap();
-    assert!(written.starts_with("# Chosen by muslin choose for the first 0.2 s.\n"), "{written}");
+    let head =
+        "# Chosen by muslin choose for the first 0.2 s, to within 1.0 mm.\n# From 0.2 s to its end at 0.3 s nothing is";
+    assert!(written.starts_with(head), "{written}");
     assert!(written.contains("\n# --set drag.linear=0\n"), "{written}");
     for comment in ["# Nothing but springs.\n", "duration = 0.3 # s\n", "# How it is run.\n", " # s\nnewton = 1\n"] {
         assert!(written.contains(comment), "{comment:?} is not in {written}");
@@ -250,6 +260,47 @@ fn a_tolerance_that_nothing_meets_is_refused_with_the_best_that_can_be_had() {
     }
     assert_eq!(refused.stdout, "");
     assert_eq!(place.files("."), ["tiny.toml"]);
+}
+
+/// A budget that is too small is refused because of the time, not because a step fails. The refusal names a larger
+/// budget, and one that it calls enough is not refused.
+#[test]
+fn the_budget_that_a_refusal_calls_enough_is_enough() {
+    let place = Place::new();
+    let (mut budget, mut is_enough) = (1e-4, false);
+    for _ in 0..8 {
+        let outcome = place.muslin(&format!("choose tiny.toml --cost counts --tolerance 0.5mm --budget {budget}"));
+        if is_enough {
+            outcome.expect(0);
+            return;
+        }
+        let refused = outcome.expect(3).stderr;
+        assert!(!refused.contains("fail"), "no step fails, but with {budget} s: {refused}");
+        let (_, advice) = refused.split_once("or a --budget of ").unwrap_or_else(|| panic!("{budget} s: {refused}"));
+        is_enough = advice.contains(", which is enough");
+        let (number, rest) = advice.split_once(' ').unwrap();
+        let unit = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6)].into_iter().find(|(name, _)| rest.starts_with(name));
+        let advised = unit.unwrap().1 * number.parse::<f64>().unwrap();
+        assert!(advised > budget, "{advised} is not more than {budget}: {refused}");
+        budget = advised;
+    }
+    panic!("no budget was called enough, up to {budget} s");
+}
+
+/// The time of a run that fails is the cost of no result: the table says "diverged" and gives no number.
+#[test]
+fn a_run_that_diverges_has_no_time() {
+    let place = Place::new();
+    place.write("stiff.toml", STIFF);
+    let choice = choose(&place, "stiff.toml --cost counts --tolerance 10mm");
+    let failed = choice["considered"].as_array().unwrap().iter().filter(|row| row["verdict"] == "failed").count();
+    assert!(failed > 0, "{choice}");
+    let words = String::from_utf8(place.read("out/choose.txt")).unwrap();
+    let lines: Vec<_> = words.lines().filter_map(|line| line.split_once("  diverged: ")).collect();
+    assert_eq!(lines.len(), failed, "{words}");
+    for (figures, _) in lines {
+        assert!(matches!(figures.split_whitespace().rev().collect::<Vec<_>>()[..], ["-", "-", ..]), "{figures}");
+    }
 }
 
 #[test]

@@ -61,6 +61,19 @@ pub fn soft_in_air(linear: f64) -> String {
     format!("{SOFT}\n[drag]\nlinear = {linear:?}\n")
 }
 
+/// A stiff sheet that swings from two corners.
+pub const STIFF: &str = r#"duration = 0.3
+gravity = [0.0, -9.81, 0.0]
+
+[[cloth]]
+grid = { size = [0.3, 0.3], cells = [8, 8] }
+density = 0.2
+stretch = { model = "membrane", stiffness = 2000.0, damping = 0.0005 }
+shear = { stiffness = 500.0 }
+bend = { model = "hinge", rigidity = 2e-5, damping = 0.001 }
+pin = [{ select = { corners = [0, 1] } }]
+"#;
+
 /// A command that runs longer counts as hung. The limit is long because machines may be slow and busy.
 const PATIENCE: Duration = Duration::from_secs(1800);
 

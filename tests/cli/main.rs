@@ -29,6 +29,7 @@ mod kit;
 mod limit;
 #[cfg(unix)]
 mod manual_commands;
+mod manual_scene;
 mod needs;
 mod options;
 mod outputs;

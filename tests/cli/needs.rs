@@ -297,6 +297,7 @@ fn numbers_words_and_picture_are_written() {
     let text = |file: &str| String::from_utf8(place.read(file)).unwrap();
     let (svg, words, page) = (text("out/needs.svg"), text("out/needs.txt"), text("out/study.html"));
     assert!(svg.starts_with("<svg") && page.contains(&in_page(&svg, "needs")), "the page shows the picture");
+    assert!(svg.contains(">change<") && svg.contains(">change by half"), "a long title would be cut off: {svg}");
     for row in rows {
         let run = row["run"].as_str().unwrap();
         assert!(svg.contains(&run.replace('\'', "&apos;")), "{run} is not in the picture");

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use crate::kit::Place;
+use crate::kit::{Place, STIFF};
 
 /// A free sheet at rest: rounding starts its motion, and only a step above the limit makes the motion grow.
 const FREE: &str = r#"name = "free"
@@ -157,6 +157,29 @@ bend ="#,
     let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
     let line = text.lines().find(|line| line.starts_with("symplectic-euler")).unwrap();
     assert!(line.contains(" ms by ") && line.ends_with("holds"), "{text}");
+}
+
+/// Without damping explicit Euler gains energy with every step. The report must not show a limit as if shorter steps
+/// were stable.
+#[test]
+fn no_step_is_advised_where_every_step_gains_energy() {
+    let (place, map) = map("--methods explicit-euler,symplectic-euler");
+    assert_eq!(limit(&map, "explicit-euler", 1)["theory"], 0.0);
+    let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
+    assert!(text.contains("explicit-euler gains energy with every step, because nothing damps the cloth"), "{text}");
+    assert_eq!(text.matches("gains energy").count(), 1, "symplectic Euler has a limit: {text}");
+}
+
+/// A damped sheet swings and is pulled tight. Its motion across the tension is not damped, so explicit Euler gains
+/// energy there also below the limit that holds at the start, and the report advises no step.
+#[test]
+fn no_step_is_advised_if_none_that_was_tried_holds_to_the_end() {
+    let (place, map) = map_of(STIFF, "--methods explicit-euler");
+    let limit = limit(&map, "explicit-euler", 1);
+    assert!(limit["measured"].is_number() && limit["theory"].as_f64().unwrap() > 0.0, "{limit}");
+    assert!(limit["whole"]["verdict"] != "not run" && limit["whole"]["lasting"].is_null(), "{limit}");
+    let text = String::from_utf8(place.read("out/free/stability.txt")).unwrap();
+    assert!(text.contains("explicit-euler: no step is advised"), "{text}");
 }
 
 #[test]

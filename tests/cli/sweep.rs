@@ -182,7 +182,7 @@ fn a_changed_scene_is_run_anew() {
 
 /// A step just beyond the limit of stability: energy appears, and the run ends before it diverges.
 #[test]
-fn doubtful_runs_are_counted() {
+fn doubtful_runs_are_counted_and_named() {
     let place = Place::new();
     let unstable = "integrator.method = \"symplectic-euler\"\nintegrator.step = 1e-6\nintegrator.error = 0\n\
                     gravity = [0, 0, 0]\ncloth.rotation = [37, 20, 10]\ncloth.position = [0.37, 7.1, 3.3]\n";
@@ -192,6 +192,8 @@ fn doubtful_runs_are_counted() {
     place.write("s.toml", sweep_file);
     let outcome = sweep(&place, "s.toml").expect(0);
     assert!(outcome.stderr.contains("2 runs, 0 of them diverged, 1 doubtful"), "{}", outcome.stderr);
+    let named: Vec<_> = outcome.stderr.lines().filter(|line| line.starts_with("doubtful: ")).collect();
+    assert!(matches!(named[..], [line] if line.contains("cloth.stretch.stiffness")), "{}", outcome.stderr);
 }
 
 #[test]
@@ -201,7 +203,9 @@ fn divergence_is_a_result() {
     place.write("s.toml", format!("scene = \"tiny.toml\"\n[set]\ncloth.stretch.stiffness = 1e5\n[grid]\n{methods}\n"));
     let outcome = sweep(&place, "s.toml").expect(0);
     assert!(outcome.stderr.contains("3 runs, 1 of them diverged"), "{}", outcome.stderr);
-    assert!(outcome.stdout.lines().nth(2).unwrap().contains("diverged"), "{}", outcome.stdout);
+    let row: Vec<_> = outcome.stdout.lines().nth(2).unwrap().split_whitespace().collect();
+    assert!(matches!(row[..], [.., "diverged", _, "-", "-"]), "neither time nor stretch are results: {row:?}");
+    assert!(outcome.stderr.lines().any(|line| line.starts_with("diverged: ")), "{}", outcome.stderr);
     let all = lines(&place, "out/s.jsonl");
     let verdicts: Vec<_> = all.iter().map(|line| line["verdict"].as_str().unwrap()).collect();
     assert_eq!(verdicts, ["ok", "diverged", "ok"]);

@@ -16,7 +16,7 @@ use crate::limits;
 const PANEL: [f64; 2] = [820.0, 320.0];
 /// Most points of a curve.
 const MOST: usize = 1500;
-/// Colours that colour-blind readers can distinguish [Wong 2011]; more curves begin anew with dashes.
+/// Colours that colour-blind readers can distinguish [Wong 2011]; more quantities begin anew with dashes.
 const COLORS: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999"];
 
 /// The columns of a series, by name.
@@ -43,22 +43,42 @@ impl<'a> Table<'a> {
     }
 
     /// Energies, the potential energy from its first value on, and works, except for those that are always zero.
-    fn energies(&self) -> Vec<(String, Vec<(f64, f64)>)> {
+    fn energies(&self) -> Vec<Curve> {
         let columns = self.names.iter().enumerate().filter(|(_, name)| name.ends_with("_J"));
-        let curve = |(column, name): (usize, &&str)| {
+        let curve = |(place, (column, name)): (usize, (usize, &&str))| {
             let first = if *name == "gravity_J" { self.rows.first().map_or(0.0, |row| row[column]) } else { 0.0 };
-            (name.trim_end_matches("_J").replace('_', " "), self.curve(|row| row[column] - first))
+            let points = self.curve(|row| row[column] - first);
+            Curve { place, name: name.trim_end_matches("_J").replace('_', " "), points }
         };
-        columns.map(curve).filter(|(_, points)| points.iter().any(|point| point.1 != 0.0)).collect()
+        columns.enumerate().map(curve).filter(|curve| curve.points.iter().any(|point| point.1 != 0.0)).collect()
     }
 
-    /// Sizes of the forces.
-    fn forces(&self) -> Vec<(String, Vec<(f64, f64)>)> {
-        let columns = self.names.iter().enumerate();
-        let first = columns.filter_map(|(column, name)| Some((column, name.strip_suffix("_force_x_N")?)));
+    /// Sizes of the forces. Those of colliders are dashed, so that they keep their looks where there are more pins.
+    fn forces(&self) -> Vec<Curve> {
         let size = |row: &[f64], column: usize| row[column..column + 3].iter().map(|x| x * x).sum::<f64>().sqrt();
-        first.map(|(column, name)| (name.replace('_', " "), self.curve(|row| size(row, column)))).collect()
+        let all = |kind: &str, from: usize| {
+            let names = self.names.iter().enumerate().filter(|(_, name)| name.starts_with(kind));
+            let first = names.filter_map(|(column, name)| Some((column, name.strip_suffix("_force_x_N")?)));
+            let curve = |(number, (column, name)): (usize, (usize, &str))| Curve {
+                place: from + number % COLORS.len(),
+                name: name.replace('_', " "),
+                points: self.curve(|row| size(row, column)),
+            };
+            first.enumerate().map(curve).collect::<Vec<_>>()
+        };
+        [all("pin_", 0), all("collider_", COLORS.len())].concat()
     }
+}
+
+/// A curve.
+#[derive(Clone)]
+struct Curve {
+    /// Its place among all quantities of its panel, drawn or not. It decides colour and line, so that a quantity looks
+    /// the same in all runs.
+    place: usize,
+    name: String,
+    /// Time, s, and value.
+    points: Vec<(f64, f64)>,
 }
 
 /// Draws a series as SVG; `None` without two frames.
@@ -71,7 +91,7 @@ pub fn draw(path: &Path, scene: &str) -> Result<Option<String>, Failure> {
 fn picture(text: &str, scene: &str) -> Option<String> {
     let table = Table::parse(text);
     let panels = [("energy and work, J", table.energies()), ("force on the cloth, N", table.forces())];
-    let panels = panels.into_iter().filter(|(_, curves)| curves.iter().any(|(_, points)| points.len() > 1));
+    let panels = panels.into_iter().filter(|(_, curves)| curves.iter().any(|curve| curve.points.len() > 1));
     let (layouts, plots): (Vec<_>, Vec<_>) = panels.map(|(label, curves)| panel(label, &curves)).unzip();
     if plots.is_empty() {
         return None;
@@ -84,13 +104,13 @@ fn picture(text: &str, scene: &str) -> Option<String> {
     Some(SvgBackend.render_scene(&figure.render()))
 }
 
-fn panel(label: &str, curves: &[(String, Vec<(f64, f64)>)]) -> (Layout, Vec<Plot>) {
-    let plot = |(k, (name, points)): (usize, &(String, Vec<_>))| {
-        let line = LinePlot::new().with_data(points.clone()).with_color(COLORS[k % COLORS.len()]);
+fn panel(label: &str, curves: &[Curve]) -> (Layout, Vec<Plot>) {
+    let plot = |Curve { place, name, points }: &Curve| {
+        let line = LinePlot::new().with_data(points.clone()).with_color(COLORS[place % COLORS.len()]);
         let line = line.with_stroke_width(1.4).with_legend(name.clone());
-        Plot::Line(if k < COLORS.len() { line } else { line.with_dashed() })
+        Plot::Line(if *place < COLORS.len() { line } else { line.with_dashed() })
     };
-    let plots: Vec<_> = curves.iter().enumerate().map(plot).collect();
+    let plots: Vec<_> = curves.iter().map(plot).collect();
     let layout = Layout::auto_from_plots(&plots).with_x_label("simulated time, s").with_y_label(label);
     (layout.with_legend_position(LegendPosition::OutsideRightTop), plots)
 }
@@ -109,7 +129,23 @@ mod tests {
         for (name, drawn) in [(">kinetic<", true), (">bend<", false), (">gravity<", true), (">pin 0 0<", true)] {
             assert_eq!(svg.contains(name), drawn, "{name} in {svg}");
         }
-        assert_eq!(Table::parse(&text).forces()[0].1, [(0.1, 5.0), (0.2, 5.0)]);
+        assert_eq!(Table::parse(&text).forces()[0].points, [(0.1, 5.0), (0.2, 5.0)]);
         assert_eq!(picture(&format!("{header}\n"), "ball"), None);
+    }
+
+    /// The looks of a quantity do not depend on which others a run has.
+    #[test]
+    fn a_quantity_has_its_own_colour() {
+        let places = |text: &str| {
+            let table = Table::parse(text);
+            let all = [table.energies(), table.forces()].concat();
+            all.into_iter().map(|curve| (curve.name, curve.place)).collect::<Vec<_>>()
+        };
+        let header = "frame,time_s,kinetic_J,bend_J,gravity_J";
+        let own = |curves: &[(&str, usize)]| curves.iter().map(|&(name, k)| (name.to_owned(), k)).collect::<Vec<_>>();
+        assert_eq!(places(&format!("{header}\n0,0,0,0,5\n1,0.1,1,0,4\n")), own(&[("kinetic", 0), ("gravity", 2)]));
+        let forces = "pin_0_0_force_x_N,y,z,collider_0_force_x_N,y,z";
+        let bent = format!("{header},{forces}\n0,0,0,0,5,,,,,,\n1,0.1,0,1,4,3,4,0,1,0,0\n");
+        assert_eq!(places(&bent), own(&[("bend", 1), ("gravity", 2), ("pin 0 0", 0), ("collider 0", 8)]));
     }
 }

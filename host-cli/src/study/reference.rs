@@ -132,21 +132,41 @@ impl Reference {
         self.runs.len() > 1
     }
 
-    /// The smallest budget that would allow two runs to compare, s, if some run shows the cost of a step.
-    pub fn least_budget(&self) -> Option<f64> {
-        let whole = match (self.runs.as_slice(), &self.cut) {
-            ([], Some((variant, run))) => run.wall * (SAMPLES * variant.steps) as f64 / run.report.steps.max(1) as f64,
-            ([(_, run)], _) => run.wall,
-            _ => return None,
-        };
-        // This run, and one with half the step for twice the cost.
-        Some(3.0 * whole / SHARE)
+    /// The cost of the last run that works, s, if it were complete; `None` if no run shows it.
+    fn last_cost(&self) -> Option<f64> {
+        match (self.runs.as_slice(), &self.cut) {
+            ([], Some((variant, run))) => {
+                Some(run.wall * (SAMPLES * variant.steps) as f64 / run.report.steps.max(1) as f64)
+            }
+            ([.., (_, run)], _) => Some(run.wall),
+            ([], None) => None,
+        }
     }
-}
 
-/// Finds a reference; `None` if fewer than two steps worked.
-pub fn find(study: &Study<'_>, rule: Rule, masses: &[f64]) -> Result<Option<Reference>, Failure> {
-    Ok(Some(refine(study, rule, masses)?).filter(Reference::is_found))
+    /// The smallest budget that would allow two runs to compare, s, if there are not two and some run shows the cost of
+    /// a step.
+    pub fn least_budget(&self) -> Option<f64> {
+        // This run, and one with half the step for twice the cost.
+        self.last_cost().filter(|_| !self.is_found()).map(|cost| 3.0 * cost / SHARE)
+    }
+
+    /// The cost of all runs until it is as exact as its rule requires, s, if each halving costs twice as much and
+    /// changes it as much less as the rule asks. `None` if the rule asks for no convergence, or the last halving shows
+    /// none.
+    pub fn whole_cost(&self) -> Option<f64> {
+        let fall = self.rule.fall.filter(|&fall| fall > 1.0)?;
+        if self.before.is_some_and(|before| before < fall * self.self_error) {
+            return None;
+        }
+        let halvings = match self.is_found() {
+            // Three runs are the fewest that show convergence.
+            false => 2,
+            true => ((self.self_error / self.rule.enough).ln() / fall.ln()).ceil().max(1.0) as i32,
+        };
+        let known: f64 = self.runs.iter().rev().skip(1).map(|(_, run)| run.wall).sum();
+        // A geometric series: the last run, and the next ones, each for twice the cost of the one before.
+        Some(known + self.last_cost()? * (2f64.powi(halvings + 1) - 1.0))
+    }
 }
 
 /// Halves the step until the error is small enough or the share of the budget is used up.

@@ -10,7 +10,7 @@ use crate::study::trajectory::{Ending, Limits, Trajectory, fly_of};
 use crate::study::variant::{SAMPLES, Variant};
 use crate::units::time;
 
-use super::no_reference;
+use super::refusal;
 use super::row::{Row, Verdict};
 
 /// A run is given up when it takes this many times as long as the cheapest run that meets the tolerance. The report
@@ -42,17 +42,15 @@ impl<'a> Pilot<'a> {
     /// Finds the reference; `size` is the diagonal of the cloth, m. An error means that no reference is exact
     /// enough.
     pub fn begin(study: &'a Study<'a>, masses: Vec<f64>, tolerance: f64, size: f64) -> Result<Self, Failure> {
-        let mut nearest: Option<Reference> = None;
+        let mut tried = Vec::new();
         for rule in Rule::within(study.scene.desc.contact.is_some(), tolerance) {
-            let Some(reference) = reference::find(study, rule, &masses)? else { continue };
-            if reference.is_enough() {
+            let reference = reference::refine(study, rule, &masses)?;
+            if reference.is_found() && reference.is_enough() {
                 return Ok(Self { study, tolerance, reference, masses, considered: Vec::new() });
             }
-            if nearest.as_ref().is_none_or(|nearest| reference.self_error < nearest.self_error) {
-                nearest = Some(reference);
-            }
+            tried.push(reference);
         }
-        Err(no_reference(study, tolerance, size, nearest.as_ref()))
+        Err(refusal::no_reference(study, tolerance, size, &tried))
     }
 
     /// Number of steps from sample to sample with the longest allowed step: a run takes at least one step per

@@ -287,20 +287,22 @@ pub fn is_cut(taken: f64, step: f64) -> bool {
 
 /// One line of the table.
 fn line(row: &Row, tolerance: f64) -> String {
-    let verdict = match row.verdict {
-        Verdict::Meets => "meets it",
-        Verdict::Misses => "misses it",
-        Verdict::Failed | Verdict::Dear => row.why.as_deref().unwrap_or_default(),
+    let why = || row.why.clone().unwrap_or_default();
+    // The time of a run that fails is the cost of no result.
+    let (verdict, wall) = match row.verdict {
+        Verdict::Meets => ("meets it".into(), time(row.wall_s)),
+        Verdict::Misses => ("misses it".into(), time(row.wall_s)),
+        Verdict::Failed => (format!("diverged: {}", why()), "-".into()),
+        Verdict::Dear => (why(), time(row.wall_s)),
     };
     let terms = if row.terms.is_empty() { String::new() } else { format!(", {}", row.terms.join(", ")) };
     let solver = row.solver_tolerance.map_or_else(String::new, |to| format!("{to:.0e}"));
     let told = |error| apart(error, tolerance)[0].clone();
     let error = row.error.map_or_else(|| "-".into(), told);
     format!(
-        "{:<18}{:<5}{:>15}{solver:>9}{error:>13}{:>11}  {verdict}{terms}",
+        "{:<18}{:<5}{:>15}{solver:>9}{error:>13}{wall:>11}  {verdict}{terms}",
         row.method,
         row.precision,
         row.stride(),
-        time(row.wall_s)
     )
 }

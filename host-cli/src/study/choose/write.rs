@@ -11,6 +11,7 @@ use crate::export::whole;
 use crate::failure::{Failure, print_note};
 use crate::scene_file::{self, SceneFile};
 use crate::study::Study;
+use crate::units::length;
 
 use super::report::is_cut;
 use super::saving::Candidate;
@@ -60,25 +61,41 @@ fn folder(path: &Path) -> PathBuf {
     folder.unwrap_or(Path::new(".")).into()
 }
 
-/// Writes the scene with its comments.
-pub fn write(study: &Study<'_>, found: &Candidate, path: &Path) -> Result<(), Failure> {
+/// Writes the scene with its comments; `tolerance`, m, stands at its top.
+pub fn write(study: &Study<'_>, tolerance: f64, found: &Candidate, path: &Path) -> Result<(), Failure> {
     let chosen = found.row.variant.chosen(&found.scene)?;
     // The study may have run a shorter duration than the scene has.
     let scene = chosen.changed(&[("duration", Some(Value::Float(own_duration(study)?)))])?;
     let text = scene_file::commented(&study.arguments.of.scene, &scene)?;
-    whole::write(target(path)?, |out| out.write_all((head(study) + &text).as_bytes()))?;
+    whole::write(target(path)?, |out| {
+        out.write_all((head(study, tolerance, found, scene.desc.duration) + &text).as_bytes())
+    })?;
     if !study.arguments.quiet {
         print_note(&note(&scene, found, path));
+        if scene.desc.duration > study.scene.desc.duration {
+            print_note(&beyond(study.scene.desc.duration, scene.desc.duration));
+        }
     }
     Ok(())
 }
 
-/// Comment at the top of the file: how the choice was made and which values `--set` changed.
-fn head(study: &Study<'_>) -> String {
-    let chosen = format!("Chosen by muslin choose for the first {} s.", study.scene.desc.duration);
-    let lines = [chosen, "The comments are those of the original scene.".into()];
+/// Comment at the top of the file: how the choice was made, which terms it leaves out or simplifies, and which values
+/// `--set` changed. `duration` is that of the written scene, s.
+fn head(study: &Study<'_>, tolerance: f64, found: &Candidate, duration: f64) -> String {
+    let studied = study.scene.desc.duration;
+    let chosen = format!("Chosen by muslin choose for the first {studied} s, to within {}.", length(tolerance));
+    let beyond = (duration > studied).then(|| beyond(studied, duration));
+    let terms =
+        found.row.terms.iter().map(|term| format!("Changed, because it is faster within the tolerance: {term}."));
     let sets = study.arguments.of.set.iter().map(|set| format!("--set {}", set.replace(['\n', '\r'], " ")));
-    lines.into_iter().chain(sets).map(|line| format!("# {line}\n")).collect()
+    let lines = [chosen].into_iter().chain(beyond).chain(terms);
+    let lines = lines.chain(["The comments are those of the original scene.".into()]).chain(sets);
+    lines.map(|line| format!("# {line}\n")).collect()
+}
+
+/// Words for a scene that goes on longer than it was studied, s.
+fn beyond(studied: f64, duration: f64) -> String {
+    format!("From {studied} s to its end at {duration} s nothing is checked: the error may grow, or the run diverge.")
 }
 
 /// The duration of the scene, s, without `--duration`.

@@ -10,8 +10,8 @@ use kuva::render::plots::Plot;
 use crate::study::work_precision::{Cause, Chart};
 use crate::units::round_length;
 
-use super::range;
 use super::work_precision::{BESIDE_LENGTHS, DRAWN};
+use super::{range, room};
 
 /// Name, colour and marker of each cause, and its error.
 type Look = (&'static str, &'static str, MarkerShape, fn(&Cause) -> f64);
@@ -34,14 +34,14 @@ pub fn panel(chart: &Chart) -> Option<(Vec<Plot>, Layout)> {
         plots.extend([Plot::Line(line), Plot::Scatter(marks.with_legend(name))]);
     }
     let errors = causes.steps.iter().flat_map(|cause| CAUSES.map(|(.., error)| unit * error(cause)));
-    let layout =
-        Layout::new(range(causes.steps.iter().map(|cause| cause.step)), range(errors.filter(|error| *error > 0.0)))
-            .with_log_scale()
-            .with_x_tick_format(TickFormat::Sci)
-            .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| round_length(drawn / DRAWN))))
-            .with_title("error by cause")
-            .with_x_label(format!("step of {}, s", causes.method))
-            .with_y_label(format!("RMS error of {}", chart.measure.name()))
-            .with_y_label_offset(BESIDE_LENGTHS, 0.0);
+    let steps = range(causes.steps.iter().map(|cause| cause.step));
+    let layout = Layout::new(room(steps), room(range(errors.filter(|error| *error > 0.0))))
+        .with_log_scale()
+        .with_x_tick_format(TickFormat::Sci)
+        .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| round_length(drawn / DRAWN))))
+        .with_title("error by cause")
+        .with_x_label(format!("step of {}, s", causes.method))
+        .with_y_label(format!("RMS error of {}", chart.measure.name()))
+        .with_y_label_offset(BESIDE_LENGTHS, 0.0);
     Some((plots, layout))
 }

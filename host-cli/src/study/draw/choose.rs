@@ -8,10 +8,10 @@ use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
-use crate::study::choose::{Choice, Row};
+use crate::study::choose::{Choice, Row, Verdict};
 
 use super::crosses::Crosses;
-use super::{LOOKS, named, range};
+use super::{LOOKS, named, range, room};
 
 /// Errors are drawn in micrometres: the library draws nothing below 1e-10.
 const DRAWN: f64 = 1e6;
@@ -22,12 +22,13 @@ const PANEL: [f64; 2] = [660.0, 440.0];
 /// Colour of the simplifications of the best method.
 const TRIED: &str = "#666666";
 
-/// Error against computing time. Runs that failed or were given up are crosses above all errors, one row for each
-/// method. Simplifications of the best method are numbered.
+/// Error against computing time. Runs that were given up are crosses above all errors, one row for each method. Runs
+/// that diverged are not drawn: their time is the cost of no result. Simplifications of the best method are numbered.
 pub fn choose(choice: &Choice) -> String {
     let rows = &choice.considered;
     let errors = range(rows.iter().filter_map(|row| row.error).chain([choice.tolerance]));
-    let times = range(rows.iter().map(|row| row.wall_s).chain([choice.predicted.wall_s]));
+    let timed = rows.iter().filter(|row| row.verdict != Verdict::Failed);
+    let times = range(timed.map(|row| row.wall_s).chain([choice.predicted.wall_s]));
     let allowed = LinePlot::new().with_data([times.0, times.1].map(|time| (time, DRAWN * choice.tolerance)));
     let mut plots = vec![Plot::Line(allowed.with_color("#888888").with_dashed().with_legend("tolerance"))];
     let mut crosses = Crosses::above(DRAWN * errors.1);
@@ -43,12 +44,12 @@ pub fn choose(choice: &Choice) -> String {
 
 fn layout(choice: &Choice, times: (f64, f64), low: f64, crosses: &Crosses) -> Layout {
     let ticks = crosses.ticks(|drawn| format!("{:.0e}", drawn / DRAWN));
-    Layout::new(times, (low, crosses.top()))
+    Layout::new(room(times), (room((low, low)).0, crosses.top()))
         .with_log_scale()
         .with_x_tick_format(TickFormat::Sci)
         .with_y_tick_format(ticks)
         .with_title(format!("{}: chosen {} {}", choice.scene, choice.chosen.method, choice.chosen.precision))
-        .with_x_label("computing time, s; crosses: failed or given up; dashed: loose solver; dotted: error control")
+        .with_x_label("computing time, s; crosses: given up; dashed: loose solver; dotted: error control")
         .with_y_label(format!("RMS error of {}, m", choice.measure.name()))
 }
 
@@ -101,7 +102,8 @@ fn method(rows: &[Row], (method, color, marker): (&str, &str, MarkerShape), cros
         let marks = ScatterPlot::new().with_data(data).with_color(color).with_marker(marker).with_size(size);
         plots.extend([Plot::Line(line.with_line_style(kind.style())), Plot::Scatter(named(marks, &mut name))]);
     }
-    let lost = rows.iter().filter(|row| row.method == method && row.terms.is_empty() && row.error.is_none());
+    let lost = rows.iter().filter(|row| row.method == method && row.terms.is_empty());
+    let lost = lost.filter(|row| row.verdict == Verdict::Dear);
     let lost = crosses.row(lost.map(|row| row.wall_s));
     if !lost.is_empty() {
         let marks = ScatterPlot::new().with_data(lost).with_color(color).with_marker(MarkerShape::Cross);
@@ -110,17 +112,18 @@ fn method(rows: &[Row], (method, color, marker): (&str, &str, MarkerShape), cros
     plots
 }
 
-/// The simplifications of the best method, numbered; those without an error are crosses.
+/// The simplifications of the best method, numbered; those that were given up are crosses.
 fn tried(rows: &[Row], crosses: &mut Crosses) -> Vec<Plot> {
     let tried = rows.iter().filter_map(|row| Some((row, row.terms.last()?)));
     let drawn = tried.enumerate().map(|(index, (row, term))| {
         let number = index + 1;
-        let (data, marker) = match row.error {
-            Some(error) => (vec![(row.wall_s, DRAWN * error)], MarkerShape::Circle),
-            None => (crosses.row([row.wall_s].into_iter()), MarkerShape::Cross),
+        let (data, marker, how) = match (row.error, row.verdict) {
+            (Some(error), _) => (vec![(row.wall_s, DRAWN * error)], MarkerShape::Circle, ""),
+            (None, Verdict::Failed) => (Vec::new(), MarkerShape::Cross, ": diverged"),
+            (None, _) => (crosses.row([row.wall_s].into_iter()), MarkerShape::Cross, ""),
         };
         let marks = ScatterPlot::new().with_data(data).with_color(TRIED).with_marker(marker).with_size(3.0);
-        Plot::Scatter(marks.with_labels([number.to_string()]).with_legend(format!("{number}: {term}")))
+        Plot::Scatter(marks.with_labels([number.to_string()]).with_legend(format!("{number}: {term}{how}")))
     });
     drawn.collect()
 }

@@ -10,7 +10,7 @@ use crate::study::work_precision::{Chart, Row};
 use crate::units::round_length;
 
 use super::work_precision::{BESIDE_LENGTHS, DRAWN};
-use super::{range, series};
+use super::{range, room, series};
 
 /// The label of a tick; those of odd powers of ten are empty, since there is no room for all.
 fn every_second_power(drawn: f64) -> String {
@@ -32,7 +32,7 @@ pub fn panel(chart: &Chart) -> Option<(Vec<Plot>, Layout)> {
     let equal = LinePlot::new().with_data(equal);
     let mut plots = vec![Plot::Line(equal.with_color("#888888").with_dashed().with_legend("reached = allowed"))];
     plots.extend(series::all(&chart.rows, at));
-    let layout = Layout::new(allowed, reached)
+    let layout = Layout::new(room(allowed), room(reached))
         .with_log_scale()
         .with_x_tick_format(TickFormat::Custom(Arc::new(every_second_power)))
         .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| round_length(drawn / DRAWN))))

@@ -21,6 +21,9 @@ const KINDS: [(VariantKind, &str, &str); 3] = [
     (VariantKind::Added, "added", "#009e73"),
 ];
 
+/// Colour of the change by a finer run.
+const FINER: &str = "#d55e00";
+
 /// Sizes, px: width of each panel, height above and below the bars, width of a bar, and distance of the bars.
 const WIDTHS: [f64; 2] = [480.0, 360.0];
 const MARGIN: f64 = 130.0;
@@ -94,6 +97,10 @@ fn changes(needs: &Needs) -> Vec<Plot> {
     plots.extend(marks(most.collect(), MarkerShape::Circle, "largest"));
     let failed = places(needs).filter(|(_, row)| row.verdict == Verdict::Diverged).map(|(at, _)| (to / 1.5, at));
     plots.extend(marks(failed.collect(), MarkerShape::Cross, "fails"));
+    if needs.step_error.is_some_and(|own| own.rms > 0.0) {
+        let line = LinePlot::new().with_data(Vec::<(f64, f64)>::new()).with_color(FINER).with_dashed();
+        plots.push(Plot::Line(line.with_legend(format!("change by {}", needs.finer))));
+    }
     plots
 }
 
@@ -104,17 +111,14 @@ fn layout(needs: &Needs, across: (f64, f64), title: &str, label: &str) -> Layout
 fn change_layout(needs: &Needs) -> Layout {
     let format = TickFormat::Custom(Arc::new(|mm| if mm < 0.01 { format!("{mm:.0e}") } else { format!("{mm}") }));
     let names = needs.rows.iter().rev().map(|row| row.run.clone());
-    let layout = layout(
-        needs,
-        span(needs),
-        &format!("change; dashed: by {}", needs.finer),
-        &format!("RMS change of {}, mm", needs.measure.name()),
-    )
-    .with_log_x()
-    .with_x_tick_format(format)
-    .with_y_categories(names.collect());
+    let layout = layout(needs, span(needs), "change", &format!("RMS change of {}, mm", needs.measure.name()))
+        .with_log_x()
+        .with_x_tick_format(format)
+        .with_y_categories(names.collect());
     match needs.step_error {
-        Some(own) if own.rms > 0.0 => layout.with_reference_line(ReferenceLine::vertical(1e3 * own.rms)),
+        Some(own) if own.rms > 0.0 => {
+            layout.with_reference_line(ReferenceLine::vertical(1e3 * own.rms).with_color(FINER))
+        }
         _ => layout,
     }
 }

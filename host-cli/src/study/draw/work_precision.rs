@@ -12,7 +12,7 @@ use crate::study::work_precision::{Chart, Row, front};
 use crate::units::round_length;
 
 use super::crosses::Crosses;
-use super::{LOOKS, causes, control, named, range, series, stretch};
+use super::{LOOKS, causes, control, named, range, room, series, stretch};
 
 /// Factor from the error to the drawn number: the library draws nothing below 1e-10.
 pub const DRAWN: f64 = 1e6;
@@ -112,7 +112,7 @@ fn has_nearest(chart: &Chart) -> bool {
 
 fn layout(chart: &Chart, panel: &Panel, low: f64, crosses: &Crosses) -> Layout {
     let shown = chart.rows.iter().filter(|row| row.stable || !panel.costs);
-    Layout::new(range(shown.map(panel.across)), (low, crosses.top()))
+    Layout::new(room(range(shown.map(panel.across))), (room((low, low)).0, crosses.top()))
         .with_log_scale()
         .with_x_tick_format(TickFormat::Sci)
         .with_y_tick_format(crosses.ticks(panel.format))

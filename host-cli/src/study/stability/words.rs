@@ -1,5 +1,7 @@
 //! The report of `muslin stability` as text.
 
+use muslin_core::integrate::Method;
+
 use crate::units::{significant, time, time_between};
 
 use super::cell::{EXPLICIT_STEPS, IMPLICIT_STEPS, Verdict};
@@ -45,6 +47,7 @@ impl Map {
         lines.push(String::new());
         lines.extend(self.limits.iter().filter_map(first_failure));
         lines.extend(self.limits.iter().filter_map(early));
+        lines.extend(self.limits.iter().filter_map(gains));
         lines.push(format!("of {asked} runs near a theoretical limit, {right} agree with it"));
         if self.missing() > 0 {
             lines.push(format!("{} runs are missing: the budget was used up", self.missing()));
@@ -132,6 +135,8 @@ fn limit_line(limit: &Limit) -> String {
     let measured = match (limit.measured, limit.ratio) {
         (Some(measured), Some(_)) => significant(measured, 4),
         _ if limit.runs == 0 => "not run".into(),
+        // "< 18 us" would read as if shorter steps were stable.
+        (None, _) => limit.failed.map_or_else(|| "-".into(), |failed| format!("fails by {}", significant(failed, 2))),
         (measured, _) => between(measured, limit.failed),
     };
     let ratio = limit.ratio.map_or_else(String::new, |ratio| format!("{ratio:.3}"));
@@ -180,4 +185,26 @@ fn early(limit: &Limit) -> Option<String> {
             limit.name
         )
     })
+}
+
+/// Remark on a method whose measured limit is no step to take: it gains energy with every step, in modes that nothing
+/// damps. At the start these are all modes of undamped cloth. Later they are the modes of damped cloth that stand
+/// across its tension: damping acts along the threads.
+fn gains(limit: &Limit) -> Option<String> {
+    let name = &limit.name;
+    let at_start = limit.runs > 0 && limit.theory == Some(0.0);
+    let fails = |whole: &Whole| whole.lasting.is_none() && matches!(whole.verdict, Verdict::Growth | Verdict::Diverged);
+    let is_unstable_undamped = [Method::ExplicitEuler, Method::Midpoint].map(Method::name).contains(&limit.method);
+    let later = is_unstable_undamped && limit.whole.as_ref().is_some_and(fails);
+    match (at_start, later) {
+        (true, _) => Some(format!(
+            "{name} gains energy with every step, because nothing damps the cloth: with the steps above it gains less \
+             than tenfold in 1000 steps, which is not stable; take symplectic-euler"
+        )),
+        (false, true) => Some(format!(
+            "{name}: no step is advised, because none that was tried holds to the end; damping does not act across \
+             the tension of the cloth, and {name} gains energy there with every step; take symplectic-euler"
+        )),
+        (false, false) => None,
+    }
 }

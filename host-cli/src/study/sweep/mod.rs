@@ -19,6 +19,9 @@ use file::Sweep;
 use grid::Point;
 use ledger::{Ledger, Runs};
 
+/// Most runs of one verdict that the summary names.
+const MOST_NAMED: usize = 8;
+
 /// A run and the key of its line.
 #[derive(Clone)]
 struct Task {
@@ -111,12 +114,17 @@ fn finish(arguments: &SweepArguments, out: &Path, tasks: &[Task], runs: &Runs) -
         return Ok(());
     }
     print_data(&table::lines(tasks, runs))?;
-    let with = |verdict: &str| {
-        let lines = tasks.iter().filter_map(|task| runs.get(&task.key));
-        lines.filter(|lines| lines.verdict == verdict).count()
+    let with = |verdict: &str| -> Vec<&Task> {
+        tasks.iter().filter(|task| runs.get(&task.key).is_some_and(|line| line.verdict == verdict)).collect()
     };
     let [diverged, doubtful] = ["diverged", "doubtful"].map(with);
-    let doubts = if doubtful > 0 { format!(", {doubtful} doubtful") } else { String::new() };
-    print_note(&format!("{}: {} runs, {diverged} of them diverged{doubts}", out.display(), tasks.len()));
+    let doubts = if doubtful.is_empty() { String::new() } else { format!(", {} doubtful", doubtful.len()) };
+    print_note(&format!("{}: {} runs, {} of them diverged{doubts}", out.display(), tasks.len(), diverged.len()));
+    for (verdict, tasks) in [("diverged", diverged), ("doubtful", doubtful)] {
+        tasks.iter().take(MOST_NAMED).for_each(|task| print_note(&format!("{verdict}: {}", task.point.name())));
+        if let Some(more) = tasks.len().checked_sub(MOST_NAMED).filter(|&more| more > 0) {
+            print_note(&format!("{verdict}: {more} more, which the table shows"));
+        }
+    }
     Ok(())
 }

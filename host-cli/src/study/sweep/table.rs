@@ -28,8 +28,10 @@ fn row(task: &Task, runs: &Runs) -> Option<Vec<String>> {
         Some(word) => word.into(),
         None => change.value.to_string(),
     });
-    let stretch = line.stretch.max_of_all_frames.map_or_else(|| "-".into(), percent);
-    let came_to = [line.verdict.clone(), line.steps.to_string(), time(line.wall_s), stretch];
+    // A run that diverged has no result: of it only the number of steps is told.
+    let result = |figure: Option<String>| figure.filter(|_| line.verdict != "diverged").unwrap_or_else(|| "-".into());
+    let [wall, stretch] = [Some(time(line.wall_s)), line.stretch.max_of_all_frames.map(percent)].map(result);
+    let came_to = [line.verdict.clone(), line.steps.to_string(), wall, stretch];
     let precision = task.point.precision.name().to_owned();
     Some([task.point.index.to_string()].into_iter().chain(values).chain([precision]).chain(came_to).collect())
 }

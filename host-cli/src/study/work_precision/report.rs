@@ -49,9 +49,9 @@ pub struct Row {
     /// The largest difference of the total energy from the reference's, over the reference's largest kinetic and
     /// elastic energy.
     pub energy_drift: Option<f64>,
-    /// The largest ratio of length to rest length of an edge at any sample.
-    pub stretch: f64,
-    /// The largest depth of a vertex inside a collider at any sample, m; `None` without colliders.
+    /// The largest ratio of length to rest length of an edge at any sample; `None` if the run failed.
+    pub stretch: Option<f64>,
+    /// The largest depth of a vertex inside a collider at any sample, m; `None` without colliders or if the run failed.
     pub penetration_m: Option<f64>,
     /// Median computing time of the steps, s.
     pub wall_s: f64,
@@ -353,7 +353,7 @@ impl Chart {
             let [outline, depth] = [row.error_rms.map(|error| error * self.diagonal_m), row.penetration_m];
             let [outline, depth] = [outline, depth].map(|metres| metres.map_or_else(|| "-".into(), length));
             let drift = row.energy_drift.map_or_else(|| "-".into(), |drift| format!("{:.2} %", 100.0 * drift));
-            let stretch = format!("{:.2} %", 100.0 * (row.stretch - 1.0));
+            let stretch = row.stretch.map_or_else(|| "-".into(), |ratio| format!("{:.2} %", 100.0 * (ratio - 1.0)));
             format!("{:<18} {:>10}   {outline:<11} {stretch:>9} {drift:>9}   {depth}", row.method, time(row.step))
         });
         [String::new(), head.into()].into_iter().chain(lines).collect()
