@@ -160,10 +160,10 @@ pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mo
 /// The warning that single precision loses masses beside the stiffness in steps of this length, s; `size` is that of
 /// the cloth, m.
 ///
-/// The matrix of an implicit step is `M + h^2 K + h D`. Single precision rounds it by 2^-24 of its largest part, which is
-/// `(h^2 lambda + h delta) M`, where lambda and delta are the largest eigenvalues of `M^-1 K` and `M^-1 D`. So up to 2^-24
-/// of this factor is lost of the masses, and as large a part of the [way](SceneDesc::way) of the cloth. Cloth that goes no
-/// way loses little, however stiff it is. Where the whole way may be lost, the result is doubtful.
+/// The matrix of an implicit step is `M + h^2 K + h D`. Single precision rounds it by 2^-24 of its largest part, which
+/// is `(h^2 lambda + h delta) M`, where lambda and delta are the largest eigenvalues of `M^-1 K` and `M^-1 D`. So up to
+/// 2^-24 of this factor is lost of the masses, and as large a part of the [way](SceneDesc::way) of the cloth. Cloth
+/// that goes no way loses little, however stiff it is. Where the whole way may be lost, the result is doubtful.
 #[cfg_attr(small, optimize(size))]
 pub fn masses(modes: &[Mode; 2], scene: &SceneDesc, size: f64, step: f64) -> Option<Warning> {
     let way = (scene.way(size) / size).min(1.0) + AT_REST;

@@ -147,8 +147,10 @@ pub trait Engine: Send {
     fn masses(&self) -> Vec<f64>;
     /// Triangles of all cloths.
     fn triangles(&self) -> &[[u32; 3]];
-    /// Pinned vertices.
+    /// Pinned vertices, also those whose pin does not hold now.
     fn pins(&self) -> &[u32];
+    /// The vertices that pins hold now.
+    fn held(&self) -> Vec<u32>;
     /// Counts from which costs are computed, up to now.
     fn counted(&self) -> Counted;
     /// Measures the work done on the cloth from now on; `from` is that up to now, as of [`work_done`](Self::work_done).
@@ -444,6 +446,12 @@ macro_rules! engine {
 
                 fn pins(&self) -> &[u32] {
                     &self.scene().pins.vertices
+                }
+
+                fn held(&self) -> Vec<u32> {
+                    let pins = &self.scene().pins;
+                    let all = pins.vertices.iter().zip(pins.axes.iter());
+                    all.filter(|(_, axes)| **axes != 0).map(|(vertex, _)| *vertex).collect()
                 }
 
                 fn counted(&self) -> Counted {

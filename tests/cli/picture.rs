@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::decode;
-use crate::kit::Place;
+use crate::kit::{Place, TINY};
 
 /// Lower limit on the number of pixels that must change between two pictures: more than noise.
 const LEAST_CHANGED: usize = 500;
@@ -25,6 +25,27 @@ fn the_gif_moves() {
     }
     let colours: HashSet<_> = frames[0].pixels.iter().collect();
     assert!(colours.len() > 20, "the cloth is not shaded: {} colours", colours.len());
+}
+
+/// Pixels as dark as a pin; neither cloth nor wall is.
+fn dark(pixels: &[[u8; 3]]) -> usize {
+    pixels.iter().filter(|pixel| pixel.iter().all(|&channel| channel < 60)).count()
+}
+
+/// A pin is drawn while it holds: not before its `from`, nor after its `until`.
+#[test]
+fn only_the_pins_that_hold_are_drawn() {
+    let place = Place::new();
+    let dots = |when: &str| -> Vec<bool> {
+        let pin = "select = { corners = [0, 1] }";
+        place.write("pins.toml", TINY.replace(pin, &format!("{pin}\n{when}")));
+        place.muslin("run pins.toml --out out --set gravity=[0,-1,0]").expect(0);
+        decode::gif(&place.read("out/preview.gif")).iter().map(|frame| dark(&frame.pixels) > 0).collect()
+    };
+    assert_eq!(dots(""), [true; 5]);
+    // Frames at 0, 0.05, 0.1, 0.15 and 0.2 s. Just before a step the pin holds as in the step before.
+    assert_eq!(dots("until = 0.07"), [true, true, false, false, false]);
+    assert_eq!(dots("from = 0.12"), [false, false, false, true, true]);
 }
 
 #[test]

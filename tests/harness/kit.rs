@@ -446,8 +446,8 @@ macro_rules! kit {
                 }
             }
 
-            /// The impulse of all pins in a time, s, and the one that the change of momentum asks for, kg m/s. Gravity is
-            /// 9.81 m/s^2.
+            /// The impulse of all pins in a time, s, and the one that the change of momentum asks for, kg m/s. Gravity
+            /// is 9.81 m/s^2.
             pub fn impulses(text: &str, seconds: f64) -> [glam::DVec3; 2] {
                 let mut sim = simulation(text, &[]);
                 sim.measure_work(WorkDone::default());

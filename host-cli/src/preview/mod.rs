@@ -57,12 +57,13 @@ struct Snapshot {
     cloth: Vec<Vec3>,
     /// Vertices of the colliders, m.
     places: Vec<[f32; 3]>,
+    /// Vertices that pins hold.
+    pins: Vec<u32>,
 }
 
 /// Collects snapshots of a run and draws them.
 pub struct Preview {
     triangles: Vec<[u32; 3]>,
-    pins: Vec<u32>,
     solids: Solids,
     frame_rate: f64,
     most_frames: usize,
@@ -73,18 +74,11 @@ pub struct Preview {
 }
 
 impl Preview {
-    /// A preview of cloth with these triangles and pinned vertices, and of these colliders, at `frame_rate` frames
-    /// per second. It stores at most `most_frames` snapshots, and at least two.
-    pub fn new(
-        triangles: &[[u32; 3]],
-        pins: &[u32],
-        solids: Vec<Solid>,
-        frame_rate: f64,
-        most_frames: usize,
-    ) -> Preview {
+    /// A preview of cloth with these triangles and of these colliders, at `frame_rate` frames per second. It stores at
+    /// most `most_frames` snapshots, and at least two.
+    pub fn new(triangles: &[[u32; 3]], solids: Vec<Solid>, frame_rate: f64, most_frames: usize) -> Preview {
         Preview {
             triangles: triangles.into(),
-            pins: pins.into(),
             solids: Solids::new(solids),
             frame_rate,
             most_frames: most_frames.max(2),
@@ -95,16 +89,17 @@ impl Preview {
     }
 
     /// Takes the next frame: the positions of all vertices of the cloth, in the world, and of the colliders, from
-    /// `origin`, metres. All is drawn from there: single precision would round a scene far from the world's origin.
-    /// When there are too many snapshots, every second one is dropped, so that they span the whole run.
-    pub fn frame(&mut self, positions: &[[f64; 3]], places: &[[f32; 3]], origin: [f64; 3]) {
+    /// `origin`, metres, and the vertices that pins hold. All is drawn from there: single precision would round a scene
+    /// far from the world's origin. When there are too many snapshots, every second one is dropped, so that they span
+    /// the whole run.
+    pub fn frame(&mut self, positions: &[[f64; 3]], places: &[[f32; 3]], pins: Vec<u32>, origin: [f64; 3]) {
         if self.frames.is_multiple_of(self.stride) {
             if self.snapshots.len() == self.most_frames {
                 self.thin_out();
             }
             if self.frames.is_multiple_of(self.stride) {
                 let cloth = positions.iter().map(|&x| (DVec3::from(x) - DVec3::from(origin)).as_vec3()).collect();
-                self.snapshots.push(Snapshot { cloth, places: places.into() });
+                self.snapshots.push(Snapshot { cloth, places: places.into(), pins });
             }
         }
         self.frames += 1;
@@ -163,10 +158,10 @@ impl Preview {
     fn draw(&self, view: &View, snapshots: &[usize]) -> Vec<Image> {
         let last = (self.snapshots.len() - 1).max(1) as f32;
         let draw = |&k: &usize| {
-            let Snapshot { cloth, places } = &self.snapshots[k];
+            let Snapshot { cloth, places, pins } = &self.snapshots[k];
             let solids = self.solids.points(places);
             let things = Things { cloth, triangles: &self.triangles, solids: &solids, others: &self.solids.triangles };
-            picture::draw(view, &things, &self.pins, k as f32 / last)
+            picture::draw(view, &things, pins, k as f32 / last)
         };
         snapshots.par_iter().map(draw).collect()
     }
@@ -223,8 +218,8 @@ mod tests {
     }
 
     fn preview(frames: usize) -> Preview {
-        let mut preview = Preview::new(&grid(), &[0, 11], Vec::new(), 30.0, 16);
-        (0..frames).for_each(|frame| preview.frame(&waves(frame), &[], [0.0; 3]));
+        let mut preview = Preview::new(&grid(), Vec::new(), 30.0, 16);
+        (0..frames).for_each(|frame| preview.frame(&waves(frame), &[], vec![0, 11], [0.0; 3]));
         preview
     }
 
@@ -305,8 +300,8 @@ mod tests {
         for bad in [f64::NAN, f64::INFINITY, 1e30, -3e38] {
             let mut frame = waves(3);
             frame[40] = [bad, 0.0, bad];
-            preview.frame(&frame, &[], [0.0; 3]);
-            preview.frame(&[[bad; 3]; SIDE * SIDE], &[], [0.0; 3]);
+            preview.frame(&frame, &[], Vec::new(), [0.0; 3]);
+            preview.frame(&[[bad; 3]; SIDE * SIDE], &[], vec![3], [0.0; 3]);
         }
         let left = fabric(&sheet(&preview));
         assert!(whole / 4 < left && left < whole, "{left} of {whole}");
@@ -315,11 +310,11 @@ mod tests {
 
     #[test]
     fn odd_input_does_no_harm() {
-        let mut preview = Preview::new(&[[0, 1, 7]], &[9], Vec::new(), f64::NAN, 0);
+        let mut preview = Preview::new(&[[0, 1, 7]], Vec::new(), f64::NAN, 0);
         assert!(matches!(preview.write_gif(Path::new("never.gif")), Err(PreviewError::Empty)));
-        preview.frame(&[], &[], [0.0; 3]);
-        preview.frame(&[[0.0; 3]; 2], &[], [0.0; 3]);
-        preview.frame(&[[1.0; 3]; 8], &[], [0.0; 3]);
+        preview.frame(&[], &[], vec![9], [0.0; 3]);
+        preview.frame(&[[0.0; 3]; 2], &[], vec![9], [0.0; 3]);
+        preview.frame(&[[1.0; 3]; 8], &[], vec![9], [0.0; 3]);
         for rate in [f64::NAN, 0.0, -1.0, f64::INFINITY, 1e-9] {
             preview.frame_rate = rate;
             assert!(!gif(&preview).is_empty());

@@ -210,11 +210,11 @@ impl<'a> Files<'a> {
             files.step_plot = desc.integrator.error().map(|most| StepPlot::new(most, engine.substeps()));
             engine.write_solids(&mut files.solids);
             let most = PREVIEW_MEMORY / (12 * (positions.len() + files.solids.len()));
-            let (triangles, pins, solids) = (engine.triangles(), engine.pins(), engine.solids());
-            let mut preview = Preview::new(triangles, pins, solids, frame_rate, most.clamp(6, PREVIEW_FRAMES));
+            let (triangles, solids) = (engine.triangles(), engine.solids());
+            let mut preview = Preview::new(triangles, solids, frame_rate, most.clamp(6, PREVIEW_FRAMES));
             // The preview of a resumed run begins here: earlier frames are in files, if they exist at all.
             if resumed {
-                preview.frame(positions, &files.solids, engine.origin());
+                preview.frame(positions, &files.solids, engine.held(), engine.origin());
             }
             files.preview = Some(preview);
         }
@@ -301,7 +301,7 @@ impl Witness for Files<'_> {
         self.series.as_mut().map_or(Ok(()), |series| series.frame(course))?;
         if let Some(preview) = &mut self.preview {
             course.engine.write_solids(&mut self.solids);
-            preview.frame(&course.positions, &self.solids, course.engine.origin());
+            preview.frame(&course.positions, &self.solids, course.engine.held(), course.engine.origin());
         }
         Ok(())
     }
