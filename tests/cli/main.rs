@@ -29,6 +29,7 @@ mod kit;
 mod limit;
 #[cfg(unix)]
 mod manual_commands;
+mod memory;
 mod needs;
 mod options;
 mod outputs;

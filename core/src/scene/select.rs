@@ -41,12 +41,20 @@ pub struct SelectDesc {
     /// A ring of a disc, counted from the innermost, which is 0.
     pub ring: Option<u32>,
     /// All vertices at the border of the mesh.
-    #[cfg_attr(feature = "serde", serde(default))]
+    #[cfg_attr(feature = "serde", serde(default, deserialize_with = "only_true"))]
     pub border: bool,
     /// Vertices near a straight line after placement.
     pub line: Option<LineDesc>,
     /// Vertices near a plane after placement.
     pub plane: Option<PlaneDesc>,
+}
+
+/// Reads `true`. Without the border nothing would be selected.
+#[cfg(feature = "serde")]
+fn only_true<'de, D: serde::Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
+    let is_true = serde::Deserialize::deserialize(from)?;
+    let why = "border = false selects nothing: write border = true, or another selection";
+    if is_true { Ok(true) } else { Err(serde::de::Error::custom(why)) }
 }
 
 /// The surroundings of the straight line between two points.
