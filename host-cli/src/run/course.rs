@@ -304,4 +304,14 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn an_interrupt_ends_the_measurement_of_modes() {
+        let pool = Pool::new(Some(1)).unwrap();
+        let [go, stop] = [false, true].map(AtomicBool::new);
+        let mut course = begin(false, None);
+        assert!(matches!(course.advance(&pool, &go, &mut ()), Ok(Ending::Complete)));
+        // No step is left that could hear it.
+        assert!(matches!(course.advance(&pool, &stop, &mut ()), Ok(Ending::Interrupted)));
+    }
 }
