@@ -22,7 +22,7 @@ use crate::warning::Warning;
 const ITERATIONS: u32 = 100;
 
 /// Memory that the fastest modes take, bytes per vertex in single and in double precision: two matrices, and what their
-/// build takes beside them.
+/// build takes beside them. Up to 3000 were measured in single precision.
 const MODES: [u64; 2] = [4000, 6500];
 
 /// Memory that the fastest modes of so many vertices take, bytes.
@@ -45,7 +45,7 @@ pub(super) fn fastest_modes(
 pub(super) fn unchecked(vertices: usize, precision: Precision) -> Warning {
     let text = format!(
         "it was not checked whether the steps are too long for the stiffness: this needs about {} MB of memory, more \
-         than there is{}",
+         than is left{}",
         memory_of_modes(vertices, precision).div_ceil(1_000_000),
         limits::memory_in_words()
     );
