@@ -132,7 +132,7 @@ fn pins() {
     refuses(PIN, "corners = [4]", &["cloth 0, pin 0", "4"]);
     refuses(PIN, "vertices = [3, 27]", &["cloth 0, pin 0", "27"]);
     refuses(PIN, "corners = [0], edge = \"left\"", &["exactly one of corners"]);
-    refuses(PIN, "border = false", &["border = false selects nothing: write border = true, or another selection"]);
+    refuses(PIN, "border = false", &["border = false selects nothing; write border = true, or another selection"]);
     refuses(&format!("{{ {PIN} }}"), "{}", &["exactly one of corners"]);
     refuses(&format!("{{ {PIN} }}"), &format!("{{ {PIN} }}\naxes = \"w\""), &["axes must be a combination"]);
 }

@@ -40,21 +40,12 @@ pub struct SelectDesc {
     pub edge: Option<SheetSide>,
     /// A ring of a disc, counted from the innermost, which is 0.
     pub ring: Option<u32>,
-    /// All vertices at the border of the mesh.
-    #[cfg_attr(feature = "serde", serde(default, deserialize_with = "only_true"))]
-    pub border: bool,
+    /// If it is true, all vertices at the border of the mesh.
+    pub border: Option<bool>,
     /// Vertices near a straight line after placement.
     pub line: Option<LineDesc>,
     /// Vertices near a plane after placement.
     pub plane: Option<PlaneDesc>,
-}
-
-/// Reads `true`. Without the border nothing would be selected.
-#[cfg(feature = "serde")]
-fn only_true<'de, D: serde::Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
-    let is_true = serde::Deserialize::deserialize(from)?;
-    let why = "border = false selects nothing: write border = true, or another selection";
-    if is_true { Ok(true) } else { Err(serde::de::Error::custom(why)) }
 }
 
 /// The surroundings of the straight line between two points.
@@ -149,7 +140,7 @@ fn find(select: &SelectDesc, sheet: &Sheet<'_>, placed: &[DVec3]) -> Result<Vec<
             }
         }));
     }
-    if *border {
+    if *border == Some(true) {
         let edges = sheet.edges.iter().filter(|edge| edge.triangles[1] == NONE);
         ways.push(Ok(edges.flat_map(|edge| edge.ends).collect()));
     }
@@ -169,6 +160,7 @@ fn find(select: &SelectDesc, sheet: &Sheet<'_>, placed: &[DVec3]) -> Result<Vec<
     }
     match ways.pop() {
         Some(only) if ways.is_empty() => only,
+        None if border.is_some() => Err(SelectError::NoBorder),
         _ => Err(SelectError::OneWay),
     }
 }

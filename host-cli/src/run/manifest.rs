@@ -66,7 +66,7 @@ pub fn begin(folder: &Folder, run: &str, formats: &[Format], series: Option<&str
 fn replaced(folder: &Path, is_the_same: bool) -> Option<String> {
     let checkpoint = folder.join(CHECKPOINT);
     let is_interrupted = checkpoint.exists() && !folder.join(SUMMARY).exists();
-    let step = checkpoint::step(&checkpoint).filter(|_| is_interrupted)?;
+    let step = is_interrupted.then(|| checkpoint::step(&checkpoint)).flatten()?;
     let which = if is_the_same { "the interrupted run" } else { "an interrupted run of another scene or version" };
     let hint = match is_the_same {
         true => format!("; --resume {} would have gone on with it", checkpoint.display()),
