@@ -117,6 +117,8 @@ pub enum SelectError {
     OneWay,
     /// It names a corner, a ring or a vertex that does not exist.
     OutOfRange { kind: &'static str, index: u32, last: u32 },
+    /// Its only field says that it is not the border.
+    NoBorder,
     /// It names a ring, but the cloth is not a disc.
     NoDisc,
     /// A total should be shared by length, but no edge joins two selected vertices.
@@ -136,6 +138,9 @@ impl fmt::Display for SelectError {
             }
             Self::OneWay => {
                 write!(f, "give exactly one of corners, vertices, box, nearest, edge, ring, border, line or plane")
+            }
+            Self::NoBorder => {
+                write!(f, "border = false selects nothing; write border = true, or another selection")
             }
             Self::OutOfRange { kind, index, last } => {
                 write!(f, "there is no {kind} {index}: the last one is {last}")

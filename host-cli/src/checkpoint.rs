@@ -92,6 +92,11 @@ fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
     decode(&limits::read(path, limits::DATA)?)
 }
 
+/// The number of steps that the run of a checkpoint has taken; `None` if it cannot be read.
+pub fn step(path: &Path) -> Option<u64> {
+    read(path).ok().map(|found| found.snapshot.steps)
+}
+
 /// Restores the engine of a run of `total` steps from a checkpoint; returns the rest of the saved state. All
 /// errors are usage errors, as for any other input, and say what to do instead.
 pub fn resume(

@@ -260,14 +260,15 @@ macro_rules! engine {
                     scene.resources.iter().map(|(name, file)| (name.clone(), content(file))).collect();
                 let needed = memory(&desc, &resources).map_err(|error| error.to_string())?;
                 if !limits::has_memory(needed.bytes) {
-                    return Err(SceneError::from(needed).to_string());
+                    return Err(explain(&desc, needed.into()));
                 }
                 Simulation::new(&desc, &resources).map_err(|error| explain(&desc, error))
             }
 
-            /// The message of a scene error, with the name of the mesh file that it is about, if any.
+            /// The message of a scene error, with the name of the mesh file that it is about, or the limit on memory.
             fn explain(desc: &SceneDesc, error: SceneError) -> String {
                 let file = match error {
+                    SceneError::Memory { .. } => return format!("{error}{}", limits::memory_in_words()),
                     SceneError::Mesh { cloth, .. } => &desc.cloth[cloth as usize].mesh,
                     SceneError::ColliderMesh { collider, .. } => &desc.collider[collider as usize].file,
                     _ => &None,

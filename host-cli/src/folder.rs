@@ -31,6 +31,13 @@ impl Folder {
         }
         let failed = |cause| WriteError { path: path.join(LOCK), cause };
         let made = disk::create_folders(&path).map_err(failed)?;
+        // Through a link, the lock would make or lock a file elsewhere.
+        if fs::symlink_metadata(path.join(LOCK)).is_ok_and(|found| !found.is_file()) {
+            return Err(Failure::Tool(format!(
+                "{} is a link or no file; remove it, or give another folder by --out",
+                path.join(LOCK).display()
+            )));
+        }
         match lock(&path.join(LOCK)).map_err(failed)? {
             Some(lock) => Ok(Self { path, made, _lock: lock }),
             None => Err(Failure::Tool(format!(

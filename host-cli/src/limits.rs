@@ -3,6 +3,7 @@
 //! This module only refuses values that are too large; the core refuses invalid ones (NaN, negative).
 
 use std::fs::File;
+use std::hint::black_box;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
@@ -75,9 +76,17 @@ pub fn read_text(path: &Path) -> io::Result<String> {
     String::from_utf8(bytes).map_err(|_| io::Error::other("it is not text in UTF-8"))
 }
 
-/// Whether so many bytes are free on the machine, or in the container. The system itself may grant more than there is,
-/// and end the process later.
+/// Whether the process may have so many bytes, and they are free on the machine, or in the container. The system itself
+/// may grant more than there is, and end the process later.
 pub fn has_memory(needed: u64) -> bool {
+    let mut trial: Vec<u8> = Vec::new();
+    let is_granted = usize::try_from(needed).is_ok_and(|bytes| trial.try_reserve_exact(bytes).is_ok());
+    // Without this, the compiler may leave the reservation out.
+    black_box(trial);
+    is_granted && is_free(needed)
+}
+
+fn is_free(needed: u64) -> bool {
     // The question takes longer than to build a small scene.
     if needed < SMALL {
         return true;
@@ -90,4 +99,23 @@ pub fn has_memory(needed: u64) -> bool {
     let free = system.cgroup_limits().map_or(own, |limits| own.min(of_container(limits)));
     // 0: the system does not tell the free memory.
     free == 0 || needed <= free
+}
+
+/// The limit on the memory of the process, for a message about too little memory; empty if none is known.
+pub fn memory_in_words() -> String {
+    let by_container = System::new().ok().and_then(|mut system| {
+        system.refresh_memory();
+        let limit = system.cgroup_limits()?.total_memory;
+        (limit < system.total_memory()).then_some((limit, "its container"))
+    });
+    let limits = [address_space().map(|limit| (limit, "ulimit -v")), by_container];
+    let least = limits.into_iter().flatten().min();
+    least.map_or_else(String::new, |(bytes, by)| format!("; the process may have {} MB, by {by}", bytes / 1_000_000))
+}
+
+/// The limit on the address space of the process, bytes, where Linux tells it.
+fn address_space() -> Option<u64> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    limit.split_whitespace().next()?.parse().ok()
 }

@@ -49,8 +49,16 @@ pub fn time(seconds: f64) -> String {
     match seconds {
         s if s >= 1.0 => format!("{s:.2} s"),
         s if s >= 1e-3 => format!("{:.2} ms", 1e3 * s),
-        s => format!("{:.2} us", 1e6 * s),
+        s if s >= 1e-6 => format!("{:.2} us", 1e6 * s),
+        s if s >= 1e-9 => format!("{:.2} ns", 1e9 * s),
+        s if s > 0.0 => format!("{s:.1e} s"),
+        _ => "0 s".into(),
     }
+}
+
+/// A number without the rounding errors of its last digits: no time is known to twelve digits.
+pub fn without_noise(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
 }
 
 /// The unit that suits a time: how many of it make a second, and its name.
@@ -126,6 +134,15 @@ mod tests {
         ] {
             assert_eq!(apart(a, b), shown);
         }
+    }
+
+    #[test]
+    fn times_have_the_unit_that_suits_them() {
+        let cases = [(0.0, "0 s"), (2e-8, "20.00 ns"), (1e-300, "1.0e-300 s"), (2e-6, "2.00 us"), (1.5, "1.50 s")];
+        for (seconds, expected) in cases {
+            assert_eq!(time(seconds), expected);
+        }
+        assert_eq!([0.1 + 0.2, 3.0 * 0.1, 1.0 / 3.0, 0.0].map(without_noise), [0.3, 0.3, 0.333_333_333_333, 0.0]);
     }
 
     #[test]

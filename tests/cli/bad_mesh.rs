@@ -69,7 +69,7 @@ fn loose_vertices_of_a_collider() {
     let note = "floor.obj: 2 vertices belong to no triangle and touch nothing\n";
     let run = "run scene.toml --out out --preview none";
     assert!(place.muslin(run).expect(0).stderr.contains(note));
-    assert_eq!(place.muslin(&format!("{run} --quiet")).expect(0).stderr, "");
+    assert_eq!(place.muslin(&format!("{run} --quiet")).expect(0).stderr, note, "a warning, and nothing else");
 }
 
 /// A triangle as a binary STL.

@@ -55,6 +55,7 @@ fn overrides() {
     refuses("gravity=3", &["expected [x, y, z], or { keys = [[time, x, y, z], ..] }"]);
     refuses("gravity={key=[[0,0,0,0]]}", &["unknown field `key`", "did you mean `keys`?"]);
     refuses("gravity={keys=[[0,0,0]]}", &["array of length 4"]);
+    refuses("cloth.stretch={modl=\"spring\"}", &["unknown field `modl`", "did you mean `model`?"]);
     refuses("gravity=[0,0]", &["array of length 3"]);
     refuses("duration=\"x\"", &["expected a number"]);
     refuses("integrator=3", &["expected a section"]);
@@ -64,6 +65,14 @@ fn overrides() {
     refuses("contact.thicknes=0.01", &["`thicknes`", "did you mean `thickness`?"]);
     refuses("contact.friction=0.3", &["missing field `thickness`"]);
     // Of several overrides, the message names the one that is wrong.
+    for (set, hint) in [
+        ("density=0.3", "there is no key density; did you mean cloth.density?"),
+        ("stretch.stiffness=3", "did you mean cloth.stretch.stiffness?"),
+        ("cloth.rigidity=1e-5", "did you mean cloth.bend.rigidity?"),
+        ("thickness=0.01", "did you mean contact.thickness?"),
+    ] {
+        place.refuses(&format!("tiny.toml --set {set}"), &[&format!("--set {set}: "), hint]);
+    }
     place.refuses("tiny.toml --set integrator.step=0.02 --set nme=x --set duration=1", &["--set nme=x: ", "`name`"]);
 }
 

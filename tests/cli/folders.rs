@@ -43,6 +43,26 @@ fn a_folder_in_use_is_refused_until_the_process_is_dead() {
 }
 
 #[test]
+#[cfg(unix)]
+fn a_lock_that_is_a_link_is_refused() {
+    let place = Place::new();
+    fs::create_dir(place.path("out")).unwrap();
+    place.write("mine.txt", "mine");
+    for target in ["mine.txt", "nowhere.txt"] {
+        std::os::unix::fs::symlink(place.path(target), place.path("out/.muslin.lock")).unwrap();
+        for words in ["run tiny.toml --out out", "stability tiny.toml --out out"] {
+            let refused = place.muslin(words).expect(1);
+            assert!(
+                refused.stderr.contains("out/.muslin.lock is a link or no file; remove it"),
+                "{words}: {refused:?}"
+            );
+        }
+        assert_eq!((place.read("mine.txt"), place.path("nowhere.txt").exists()), (b"mine".into(), false), "{target}");
+        fs::remove_file(place.path("out/.muslin.lock")).unwrap();
+    }
+}
+
+#[test]
 fn an_output_folder_that_is_a_file() {
     let place = Place::new();
     place.write("out", "mine");
@@ -69,6 +89,14 @@ fn a_new_run_removes_the_files_of_the_old_one_and_no_others() {
     place.run("tiny.toml --export none");
     let mine = ["frames/frame_1.obj", "needs.txt", "notes.txt", "run.json", "summary.json", "vtp/cloth_00001.vtp.txt"];
     assert_eq!(place.files("out"), mine);
+
+    mine.iter()
+        .filter(|file| file.contains('/'))
+        .for_each(|file| fs::remove_file(place.path("out").join(file)).unwrap());
+    place.muslin(&format!("{ALL} --preview none")).expect(0);
+    place.run("tiny.toml");
+    let folders = ["frames", "vtp"].map(|folder| place.path("out").join(folder).exists());
+    assert_eq!(folders, [false; 2], "an empty folder is left");
 }
 
 #[test]
@@ -137,6 +165,27 @@ fn a_new_run_removes_the_checkpoint_of_the_old_one() {
     place.run("tiny.toml --set cloth.density=0.3");
     place.muslin("run tiny.toml --resume out/checkpoint.muslin").expect(2);
     assert_eq!(PointCache::parse(&place.read("out/cloth.pc2")).frames.len(), 5);
+}
+
+#[test]
+fn a_new_run_in_place_of_an_interrupted_one_is_told() {
+    let place = Place::new();
+    let resume = "--resume out/checkpoint.muslin would have gone on with it";
+    for (words, hints) in [("--quiet", true), ("--set cloth.density=0.3", false)] {
+        let mut first = endless(&place);
+        first.kill().unwrap();
+        first.wait().unwrap();
+        let told = place.muslin(&format!("run tiny.toml --out out --preview none {words}")).expect(0).stderr;
+        assert_eq!(
+            told.matches("an interrupted run").count() + told.matches("the interrupted run").count(),
+            1,
+            "{told}"
+        );
+        assert!(told.contains("at step ") && told.contains(resume) == hints, "{told}");
+    }
+    place.run("tiny.toml --checkpoint 12");
+    let told = place.muslin("run tiny.toml --out out --preview none").expect(0).stderr;
+    assert!(!told.contains("interrupted"), "the run before came to its end: {told}");
 }
 
 #[test]

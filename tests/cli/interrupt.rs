@@ -2,6 +2,7 @@
 #![cfg(unix)]
 
 use std::hash::{BuildHasher, RandomState};
+use std::io::{BufRead, BufReader};
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -145,6 +146,21 @@ fn interrupted_from_the_keyboard() {
 #[test]
 fn asked_to_terminate() {
     signalled(&place(), "-TERM", "out/frames/frame_00001.obj");
+}
+
+/// The signal comes once the picture is announced: 120 frames of it are to be drawn.
+#[test]
+fn interrupted_while_the_preview_is_drawn() {
+    let place = place();
+    let mut command = place.command("run sheet.toml --out out --duration 1.2 --set frame_rate=100");
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut notes = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(notes.any(|note| note.contains("drawing out/preview.gif")), "the run ended early");
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    assert_eq!(wait(&mut child, &command).code(), Some(130));
+    assert!(notes.any(|note| note.contains("interrupted while the preview was drawn")));
+    assert_eq!(place.files("out"), ["cloth.obj", "cloth.pc2", "run.json", "summary.json"]);
 }
 
 /// The signal usually arrives before the first step, while the first frame is being written.

@@ -30,6 +30,7 @@ mod limit;
 #[cfg(unix)]
 mod manual_commands;
 mod manual_scene;
+mod memory;
 mod needs;
 mod options;
 mod outputs;

@@ -79,7 +79,8 @@ fn says_when_time_does_not_divide_as_asked() {
     assert!(notes("--duration 0.12").contains("taking 3 frames, 0.1500 s"));
     assert!(!notes("--set integrator.step=0.0084").contains("taking"), "a hair less is not worth a note");
     assert!(!notes("").contains("taking"));
-    assert_eq!(notes("--quiet --duration 0.12"), "");
+    assert!(notes("--quiet --duration 0.12").contains("taking 3 frames"), "warnings are not for hushing");
+    assert_eq!(notes("--quiet"), "");
 }
 
 #[test]

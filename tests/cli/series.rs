@@ -200,3 +200,17 @@ fn a_series_has_a_plain_name() {
         place.refuses(&format!("tiny.toml --series {name}"), &["a name that ends with .csv, without folders"]);
     }
 }
+
+/// Ten frames in a second: three of them are 0.3 s, not 0.30000000000000004 s, and not 0.30000001192092896 s.
+#[test]
+fn times_have_no_rounding_noise() {
+    let place = Place::new();
+    let words = "tiny.toml --series all.csv --set frame_rate=10 --duration 0.7";
+    for precision in ["f32", "f64"] {
+        let summary = place.run(&format!("{words} --precision {precision}"));
+        let series = String::from_utf8(place.read("out/all.csv")).unwrap();
+        let times: Vec<_> = series.lines().skip(1).map(|row| row.split(',').nth(1).unwrap()).collect();
+        assert_eq!(times, ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"], "{precision}");
+        assert_eq!(summary["simulated_s"].to_string(), "0.7", "{precision}");
+    }
+}

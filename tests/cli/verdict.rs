@@ -92,7 +92,9 @@ step = 0.01
 error = 0
 "#,
     );
-    let once = run(&place, "strip.toml --precision f64", 3);
+    let outcome = place.muslin("run strip.toml --out out --preview none --json --precision f64").expect(3);
+    let once = outcome.json();
+    assert_eq!(outcome.stderr.matches("appeared from nowhere").count(), 1, "it is told once: {}", outcome.stderr);
     let doubt = once["doubt"].as_str().unwrap();
     assert!(doubt.contains("take integrator.newton = 20") && doubt.contains("an equilibrium"), "{doubt}");
     let newton = run(&place, "strip.toml --precision f64 --set integrator.newton=20", 0);

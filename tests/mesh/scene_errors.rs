@@ -216,7 +216,7 @@ const PINS: &[Case] = &[
         "cloth 0, pin 0: selects no vertex; the cloth lies between [-1.0, 1.0, -0.5] and [1.0, 1.0, 0.5] m",
     ),
     ("corners = [0]", "ring = 1", "cloth 0, pin 0: only a disc has rings; select by border, line or plane instead"),
-    ("corners = [0]", "border = false", ONE_SELECTION),
+    ("corners = [0]", "border = false", NO_BORDER),
     ("corners = [0]", "ring = 1, border = true", ONE_SELECTION),
     ("corners = [0]", "", ONE_SELECTION),
     ("corners = [0]", "corners = [0], vertices = [1]", ONE_SELECTION),
@@ -300,6 +300,7 @@ const COLLIDERS: &[Case] = &[
 
 const ONE_SELECTION: &str =
     "cloth 0, pin 0: give exactly one of corners, vertices, box, nearest, edge, ring, border, line or plane";
+const NO_BORDER: &str = "cloth 0, pin 0: border = false selects nothing; write border = true, or another selection";
 const SELECT_NUMBERS: &str = "cloth 0, pin 0: the numbers of select must be finite, within must not be negative, and a \
                               normal needs a direction";
 const AXES: &str = "cloth 0, pin 0: axes must be a combination of x, y and z, such as \"xz\"";

@@ -40,9 +40,8 @@ pub struct SelectDesc {
     pub edge: Option<SheetSide>,
     /// A ring of a disc, counted from the innermost, which is 0.
     pub ring: Option<u32>,
-    /// All vertices at the border of the mesh.
-    #[cfg_attr(feature = "serde", serde(default))]
-    pub border: bool,
+    /// If it is true, all vertices at the border of the mesh.
+    pub border: Option<bool>,
     /// Vertices near a straight line after placement.
     pub line: Option<LineDesc>,
     /// Vertices near a plane after placement.
@@ -141,7 +140,7 @@ fn find(select: &SelectDesc, sheet: &Sheet<'_>, placed: &[DVec3]) -> Result<Vec<
             }
         }));
     }
-    if *border {
+    if *border == Some(true) {
         let edges = sheet.edges.iter().filter(|edge| edge.triangles[1] == NONE);
         ways.push(Ok(edges.flat_map(|edge| edge.ends).collect()));
     }
@@ -161,6 +160,7 @@ fn find(select: &SelectDesc, sheet: &Sheet<'_>, placed: &[DVec3]) -> Result<Vec<
     }
     match ways.pop() {
         Some(only) if ways.is_empty() => only,
+        None if border.is_some() => Err(SelectError::NoBorder),
         _ => Err(SelectError::OneWay),
     }
 }

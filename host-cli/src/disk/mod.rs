@@ -68,3 +68,11 @@ pub fn remove(path: &Path) -> io::Result<()> {
     note(Event::Removed(path.into()));
     Ok(())
 }
+
+/// Removes a folder if it is empty.
+pub fn remove_folder(path: &Path) -> io::Result<()> {
+    fs::remove_dir(path)?;
+    #[cfg(test)]
+    note(Event::Removed(path.into()));
+    Ok(())
+}

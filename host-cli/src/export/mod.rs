@@ -53,6 +53,15 @@ impl Format {
         matches!(self, Format::Pc2 | Format::Usda | Format::Vtp)
     }
 
+    /// The folder of its frames inside the output folder, if it has one.
+    pub const fn folder(self) -> Option<&'static str> {
+        match self {
+            Format::Obj => Some(obj::FRAMES.folder),
+            Format::Vtp => Some(vtp::FRAMES.folder),
+            Format::Pc2 | Format::Usda | Format::None => None,
+        }
+    }
+
     /// The files of this format in a folder, complete or partial.
     pub fn files(self, dir: &Path) -> Vec<PathBuf> {
         let named = |names: &[&str]| {

@@ -12,7 +12,9 @@ mod shadow;
 mod solids;
 mod view;
 
+use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -49,6 +51,9 @@ pub enum PreviewError {
     /// There is nothing to show.
     #[error("there is no frame to make a picture of; simulate one step or more")]
     Empty,
+    /// The user interrupted the drawing.
+    #[error("interrupted while the picture was drawn")]
+    Interrupted,
 }
 
 /// Cloth and colliders at one instant.
@@ -115,33 +120,34 @@ impl Preview {
     }
 
     /// Writes an animation that loops and runs in real time.
-    pub fn write_gif(&self, path: &Path) -> Result<(), PreviewError> {
+    pub fn write_gif(&self, path: &Path, stop: &AtomicBool) -> Result<(), PreviewError> {
         let view = self.view()?;
         let shown = self.shown();
         let sample: Vec<usize> = spread(shown.len(), PALETTE_PICTURES).map(|k| shown[k]).collect();
-        let palette = Palette::of(&self.draw(&view, &sample));
+        let palette = Palette::of(&self.draw(&view, &sample, stop)?);
         let delays = self.delays(&shown);
-        whole::write(path.into(), |file| {
-            let mut animation = Animation::new(file, SIZE, &palette.colours)?;
-            for (batch, delays) in shown.chunks(BATCH).zip(delays.chunks(BATCH)) {
-                let pictures = self.draw(&view, batch);
-                let indexed: Vec<_> = pictures.par_iter().map(|picture| palette.indices(picture)).collect();
-                for (pixels, &delay) in indexed.into_iter().zip(delays) {
-                    animation.add(pixels, delay)?;
-                }
+        let failed = |cause| WriteError { path: path.into(), cause };
+        let mut bytes = Vec::new();
+        let mut animation = Animation::new(&mut bytes, SIZE, &palette.colours).map_err(failed)?;
+        for (batch, delays) in shown.chunks(BATCH).zip(delays.chunks(BATCH)) {
+            let pictures = self.draw(&view, batch, stop)?;
+            let indexed: Vec<_> = pictures.par_iter().map(|picture| palette.indices(picture)).collect();
+            for (pixels, &delay) in indexed.into_iter().zip(delays) {
+                animation.add(pixels, delay).map_err(failed)?;
             }
-            Ok(())
-        })?;
+        }
+        drop(animation);
+        whole::write(path.into(), |file| file.write_all(&bytes))?;
         Ok(())
     }
 
     /// Writes one picture of six instants over the run.
-    pub fn write_png(&self, path: &Path) -> Result<(), PreviewError> {
+    pub fn write_png(&self, path: &Path, stop: &AtomicBool) -> Result<(), PreviewError> {
         let view = self.view()?;
         let instants: Vec<usize> = spread(self.snapshots.len(), SHEET[0] * SHEET[1]).collect();
         let size = [0, 1].map(|k| SHEET[k] * (SIZE[k] + GAP) - GAP);
         let mut sheet = Image::filled(size, [255; 3]);
-        for (k, tile) in self.draw(&view, &instants).iter().enumerate() {
+        for (k, tile) in self.draw(&view, &instants, stop)?.iter().enumerate() {
             sheet.put(tile, [k % SHEET[0] * (SIZE[0] + GAP), k / SHEET[0] * (SIZE[1] + GAP)]);
         }
         whole::write(path.into(), |file| sheet.write_png(file))?;
@@ -155,13 +161,16 @@ impl Preview {
         Ok(View::around(cloth, &solids, self.solids.floor(&first.places), SIZE))
     }
 
-    fn draw(&self, view: &View, snapshots: &[usize]) -> Vec<Image> {
+    fn draw(&self, view: &View, snapshots: &[usize], stop: &AtomicBool) -> Result<Vec<Image>, PreviewError> {
         let last = (self.snapshots.len() - 1).max(1) as f32;
         let draw = |&k: &usize| {
+            if stop.load(Ordering::Relaxed) {
+                return Err(PreviewError::Interrupted);
+            }
             let Snapshot { cloth, places, pins } = &self.snapshots[k];
             let solids = self.solids.points(places);
             let things = Things { cloth, triangles: &self.triangles, solids: &solids, others: &self.solids.triangles };
-            picture::draw(view, &things, pins, k as f32 / last)
+            Ok(picture::draw(view, &things, pins, k as f32 / last))
         };
         snapshots.par_iter().map(draw).collect()
     }
@@ -199,6 +208,9 @@ mod tests {
 
     const SIDE: usize = 12;
 
+    /// No interrupt.
+    static GO: AtomicBool = AtomicBool::new(false);
+
     /// A grid of squares with `SIDE` vertices along each side, two triangles per square.
     fn grid() -> Vec<[u32; 3]> {
         let corner = |i: usize, j: usize| (j * SIDE + i) as u32;
@@ -226,7 +238,7 @@ mod tests {
     fn gif(preview: &Preview) -> Vec<Decoded> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.gif");
-        preview.write_gif(&path).unwrap();
+        preview.write_gif(&path, &GO).unwrap();
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
         decode::gif(&fs::read(path).unwrap())
     }
@@ -234,7 +246,7 @@ mod tests {
     fn sheet(preview: &Preview) -> Decoded {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sheet.png");
-        preview.write_png(&path).unwrap();
+        preview.write_png(&path, &GO).unwrap();
         decode::png(&fs::read(path).unwrap())
     }
 
@@ -311,7 +323,7 @@ mod tests {
     #[test]
     fn odd_input_does_no_harm() {
         let mut preview = Preview::new(&[[0, 1, 7]], Vec::new(), f64::NAN, 0);
-        assert!(matches!(preview.write_gif(Path::new("never.gif")), Err(PreviewError::Empty)));
+        assert!(matches!(preview.write_gif(Path::new("never.gif"), &GO), Err(PreviewError::Empty)));
         preview.frame(&[], &[], vec![9], [0.0; 3]);
         preview.frame(&[[0.0; 3]; 2], &[], vec![9], [0.0; 3]);
         preview.frame(&[[1.0; 3]; 8], &[], vec![9], [0.0; 3]);
@@ -325,7 +337,16 @@ mod tests {
     fn names_the_file_that_cannot_be_written() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("file"), "").unwrap();
-        let failed = preview(1).write_png(&folder.path().join("file/a.png"));
+        let failed = preview(1).write_png(&folder.path().join("file/a.png"), &GO);
         assert!(failed.unwrap_err().to_string().contains("a.png: "));
+    }
+
+    #[test]
+    fn an_interrupted_picture_leaves_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, stop) = (folder.path().join("a"), AtomicBool::new(true));
+        let drawn = [preview(3).write_gif(&path, &stop), preview(3).write_png(&path, &stop)];
+        assert!(drawn.iter().all(|drawn| matches!(drawn, Err(PreviewError::Interrupted))), "{drawn:?}");
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
     }
 }

@@ -7,12 +7,11 @@ use muslin_core::warning;
 
 use super::course::{Course, Ending};
 use super::remedy;
-use super::start::ITERATIONS;
+use super::start;
 use super::words::{self, Known};
-use crate::args::{Backend, Precision};
+use crate::args::Backend;
 use crate::pool::Pool;
 use crate::scene_file::SceneFile;
-use crate::stopwatch::Stopwatch;
 use crate::summary::{EnergyBalance, ErrorControl, StageMs, Stretch, Summary};
 use crate::warning::Warning;
 
@@ -91,7 +90,7 @@ impl Course {
                 let shortest_s = self.timing.step / 2f64.powi(halvings as i32);
                 ErrorControl { error_m, accepted, taken_back, exceeding, shortest_s }
             }),
-            simulated_s: report.time,
+            simulated_s: self.time(),
             at_rest: self.is_at_rest(),
             fastest_m_per_s: self.timing.until_rest.map(|_| record.fastest),
             wall_s: wall.as_secs_f64(),
@@ -120,20 +119,19 @@ impl Course {
             work: (&report).into(),
             state_hash: format!("fnv1a:{:016x}", self.chain),
         };
+        summary.warnings.extend(self.masses(scene, ending));
         summary.judge(&record, &scene.desc, pool);
-        summary.warnings.extend(self.masses(scene, ending, pool));
         summary
     }
 
     /// The warning that the steps of error control were so long, in the mean, that single precision lost masses.
-    fn masses(&self, scene: &SceneFile, ending: &Ending, pool: &Pool) -> Option<Warning> {
-        let is_controlled = self.engine.is_implicit() && scene.desc.integrator.error().is_some();
-        if !is_controlled || self.precision != Precision::F32 || !matches!(ending, Ending::Complete) {
+    fn masses(&self, scene: &SceneFile, ending: &Ending) -> Option<Warning> {
+        if !self.needs_modes || !matches!(ending, Ending::Complete) {
             return None;
         }
-        let modes = self.engine.fastest_modes(0.0, ITERATIONS, &Stopwatch::new(pool));
+        let Some(modes) = &self.modes else { return Some(start::unchecked(self.positions.len(), self.precision)) };
         let step = self.engine.report().time / self.engine.substeps().max(1) as f64;
         let size = self.record().size.into_iter().fold(0.0, f64::max);
-        warning::masses(&modes, &scene.desc, size, step).map(|one| words::of(&one, &scene.desc, Known::default()))
+        warning::masses(modes, &scene.desc, size, step).map(|one| words::of(&one, &scene.desc, Known::default()))
     }
 }

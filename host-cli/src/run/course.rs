@@ -4,9 +4,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use muslin_core::diagnostics::extent;
+use muslin_core::integrate::stability::Mode;
 use muslin_core::scene::{SceneDesc, Timing};
 use muslin_core::stage::Stage;
 
+use super::start::fastest_modes;
 use crate::args::Precision;
 use crate::checkpoint::Resumed;
 use crate::engine::{Divergence, Engine, Halt, flown_apart};
@@ -14,6 +16,7 @@ use crate::failure::Failure;
 use crate::pool::Pool;
 use crate::record::{Record, Start};
 use crate::stopwatch::Stopwatch;
+use crate::units::without_noise;
 use crate::warning::Warning;
 
 /// Steps of an explicit method between two checks of the edge lengths: a check takes nearly as long as a step.
@@ -73,6 +76,9 @@ pub struct Course {
     pub positions: Vec<[f64; 3]>,
     /// Observations of the frames up to now.
     record: Record,
+    /// Whether the warning on masses needs the fastest modes at the end, and these, once they are measured.
+    pub(super) needs_modes: bool,
+    pub(super) modes: Option<[Mode; 2]>,
     /// Warnings from before the first step.
     pub warnings: Vec<Warning>,
     /// Whether frames are tested for crossings.
@@ -111,6 +117,7 @@ impl Course {
         record.measures_reactions = measures;
         // Without an audit, a frame whose audit was interrupted is not tested.
         record.awaits_audit &= audit;
+        let needs_modes = precision == Precision::F32 && engine.is_implicit() && scene.integrator.error().is_some();
         engine.measure_work(record.balance.work);
         if measures {
             engine.measure_reactions();
@@ -118,6 +125,8 @@ impl Course {
         }
         Self {
             record,
+            needs_modes,
+            modes: None,
             warnings: Vec::new(),
             engine,
             timing,
@@ -133,6 +142,11 @@ impl Course {
             contact: [Duration::ZERO; 3],
             output: Duration::ZERO,
         }
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        without_noise(self.steps as f64 * self.timing.step)
     }
 
     /// Observations of the run up to now.
@@ -199,6 +213,14 @@ impl Course {
     pub fn advance(&mut self, pool: &Pool, stop: &AtomicBool, witness: &mut impl Witness) -> Result<Ending, Failure> {
         let stopwatch = Stopwatch::new(pool).until(stop);
         self.audit(pool, stop);
+        // Before the steps, because nothing may fail between their end and the files.
+        if self.needs_modes {
+            let watch = Stopwatch::new(pool).until(stop);
+            self.modes = fastest_modes(self.engine.as_ref(), self.positions.len(), self.precision, &watch);
+            if stop.load(Ordering::Relaxed) {
+                return Ok(Ending::Interrupted);
+            }
+        }
         while self.steps < total_steps(&self.timing) && self.is_at_rest() != Some(true) {
             if stop.load(Ordering::Relaxed) {
                 return Ok(Ending::Interrupted);
@@ -281,5 +303,15 @@ mod tests {
                 assert_eq!(course.record().audited == course.frames, audit, "frames that the resumed run audits");
             }
         }
+    }
+
+    #[test]
+    fn an_interrupt_ends_the_measurement_of_modes() {
+        let pool = Pool::new(Some(1)).unwrap();
+        let [go, stop] = [false, true].map(AtomicBool::new);
+        let mut course = begin(false, None);
+        assert!(matches!(course.advance(&pool, &go, &mut ()), Ok(Ending::Complete)));
+        // No step is left that could hear it.
+        assert!(matches!(course.advance(&pool, &stop, &mut ()), Ok(Ending::Interrupted)));
     }
 }

@@ -1,20 +1,22 @@
 //! The files of a run besides its frames: the preview and the summary.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use super::CHECKPOINT;
 use crate::args::{PreviewKind, RunArguments};
 use crate::export::whole::partial_name;
 use crate::failure::{Failure, print_note};
 use crate::folder::Folder;
-use crate::preview::Preview;
+use crate::preview::{Preview, PreviewError};
 use crate::summary::Summary;
 
-/// Draws and writes the requested preview.
+/// Draws and writes the requested preview; it is left out after an interrupt.
 pub fn write_preview(
     arguments: &RunArguments,
     preview: Option<&Preview>,
     out: &Path,
+    stop: &AtomicBool,
 ) -> Result<Option<PathBuf>, Failure> {
     let Some(preview) = preview else { return Ok(None) };
     let (kind, quiet) = (arguments.preview, arguments.quiet);
@@ -26,15 +28,18 @@ pub fn write_preview(
     if !quiet {
         print_note(&format!("drawing {}", path.display()));
     }
-    match kind {
-        PreviewKind::Gif => preview.write_gif(&path)?,
-        _ => preview.write_png(&path)?,
+    let drawn = match kind {
+        PreviewKind::Gif => preview.write_gif(&path, stop),
+        _ => preview.write_png(&path, stop),
+    };
+    match drawn {
+        Err(PreviewError::Interrupted) => Ok(None),
+        drawn => Ok(drawn.map(|()| Some(path))?),
     }
-    Ok(Some(path))
 }
 
 /// Name of the summary.
-const SUMMARY: &str = "summary.json";
+pub const SUMMARY: &str = "summary.json";
 
 /// Name of the plot of the substeps.
 pub const STEP_PLOT: &str = "steps.svg";

@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::files;
+use super::CHECKPOINT;
+use super::files::{self, SUMMARY};
 use crate::args::series_name;
+use crate::checkpoint;
 use crate::disk;
 use crate::export::whole::partial_name;
 use crate::export::{Exporter, Format};
-use crate::failure::Failure;
+use crate::failure::{Failure, print_note};
 use crate::folder::Folder;
 use crate::limits;
 use crate::warning::Warning;
@@ -39,17 +41,38 @@ impl Manifest {
 }
 
 /// Records that the files in a folder belong to `run` from now on. The files of an earlier run are removed, those with
-/// the names of its formats and of the other outputs of a run; other files stay.
+/// the names of its formats and of the other outputs of a run; other files stay. A note says that an interrupted run is
+/// among them.
 pub fn begin(folder: &Folder, run: &str, formats: &[Format], series: Option<&str>) -> Result<(), Failure> {
     let earlier = read(folder);
     write(folder, run, formats, series, earlier.as_ref())?;
     if let Some(earlier) = earlier {
+        if let Some(note) = replaced(folder.path(), earlier.run == run) {
+            print_note(&note);
+        }
         let frames = earlier.export.iter().flat_map(|format| format.files(folder.path()));
         // A file that cannot be removed stays, until the run replaces it.
         let others = files::besides_frames(folder.path()).chain(earlier.series(folder.path()));
         frames.chain(others).for_each(|path| drop(disk::remove(&path)));
+        // A folder with files of others is not empty, and stays.
+        let folders = earlier.export.iter().filter_map(|format| format.folder());
+        folders.for_each(|name| drop(disk::remove_folder(&folder.path().join(name))));
     }
     Ok(())
+}
+
+/// The note that a new run takes the place of an interrupted one; `None` if the run in the folder came to its end, or
+/// has no checkpoint that can be read.
+fn replaced(folder: &Path, is_the_same: bool) -> Option<String> {
+    let checkpoint = folder.join(CHECKPOINT);
+    let is_interrupted = checkpoint.exists() && !folder.join(SUMMARY).exists();
+    let step = is_interrupted.then(|| checkpoint::step(&checkpoint)).flatten()?;
+    let which = if is_the_same { "the interrupted run" } else { "an interrupted run of another scene or version" };
+    let hint = match is_the_same {
+        true => format!("; --resume {} would have gone on with it", checkpoint.display()),
+        false => String::new(),
+    };
+    Some(format!("{}: {which}, at step {step}, is removed, and the scene begins anew{hint}", folder.display()))
 }
 
 /// Checks that a resumed run may continue the files in a folder: they are its own, or there are no frames.

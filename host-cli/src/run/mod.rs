@@ -124,9 +124,7 @@ fn run_until(arguments: &RunArguments, stop: &AtomicBool) -> Result<(), Failure>
     let mut files = Files::begin(arguments, folder, scene_crc, &course, is_resumed, &scene.desc)?;
     warnings.extend(manifest::missing(&files.exporter, &files.folder));
     warnings.extend(files.series.as_ref().and_then(TimeSeries::missing));
-    if !arguments.quiet {
-        warnings.iter().for_each(Warning::print);
-    }
+    warnings.iter().for_each(Warning::print);
     course.warnings = warnings;
     pool.install(|| {
         if !is_resumed {
@@ -135,7 +133,7 @@ fn run_until(arguments: &RunArguments, stop: &AtomicBool) -> Result<(), Failure>
         let started = Instant::now();
         let ending = course.advance(&pool, stop, &mut files);
         files.bar.finish_and_clear();
-        files.finish(&course, &scene, &ending?, &pool, started.elapsed())
+        files.finish(&course, &scene, &ending?, &pool, started.elapsed(), stop)
     })
 }
 
@@ -247,6 +245,7 @@ impl<'a> Files<'a> {
         ending: &Ending,
         pool: &Pool,
         wall: Duration,
+        stop: &AtomicBool,
     ) -> Result<(), Failure> {
         if let Ending::Interrupted = ending {
             let path = self.write_checkpoint(course)?;
@@ -259,8 +258,9 @@ impl<'a> Files<'a> {
         }
         let mut summary = course.summary(scene, ending, pool, wall);
         summary.warnings.extend(self.exporter.rounded(course.engine.mean_edge()));
-        // Those from before the first step are printed already.
-        summary.warnings[course.warnings.len()..].iter().for_each(Warning::print);
+        // Those from before the first step are printed already, and the doubt is the last message.
+        let new = summary.warnings[course.warnings.len()..].iter();
+        new.filter(|warning| summary.doubt.as_ref() != Some(&warning.text)).for_each(Warning::print);
         summary.divergence = summary.divergence.map(|what| format!("{what}. The frames before it are kept"));
         let intersecting = course.intersecting(scene);
         let Self { arguments, folder, exporter, series, preview, step_plot, .. } = self;
@@ -273,7 +273,9 @@ impl<'a> Files<'a> {
             }
             written.push(path);
         }
-        written.extend(write_preview(arguments, preview.as_ref(), folder.path())?);
+        let picture = write_preview(arguments, preview.as_ref(), folder.path(), stop)?;
+        let lacks_picture = preview.is_some() && picture.is_none();
+        written.extend(picture);
         let plot = step_plot.and_then(|plot| plot.draw(&scene.desc.name));
         written.extend(plot.map(|plot| write_plot(STEP_PLOT, &plot, &folder)).transpose()?);
         written.push(write_summary(&summary, &folder)?);
@@ -290,6 +292,9 @@ impl<'a> Files<'a> {
             (Some(message), _, _) => Err(Failure::Diverged(message)),
             (None, Some(message), _) => Err(Failure::Intersecting(message)),
             (None, None, Some(doubt)) => Err(Failure::Doubtful(format!("doubtful: {doubt}"))),
+            (None, None, None) if lacks_picture => Err(Failure::Interrupted(
+                "interrupted while the preview was drawn; the run is complete, and only this picture is missing".into(),
+            )),
             (None, None, None) => Ok(()),
         }
     }

@@ -3,12 +3,14 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use muslin_core::diagnostics::extent;
+use muslin_core::integrate::stability::Mode;
 use muslin_core::scene::Content;
 use muslin_core::warning;
 
 use super::words::{self, Known};
 use crate::args::Precision;
-use crate::engine::{Engine, Untangled};
+use crate::engine::Engine;
+use crate::limits;
 use crate::mesh_io;
 use crate::pool::Pool;
 use crate::record;
@@ -16,11 +18,39 @@ use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;
 use crate::warning::Warning;
 
-/// Displacement by untangling beyond which the note asks the user to look at the start state, m.
-const FAR: f64 = 0.05;
-
 /// Iterations that give the frequency of the fastest mode to about one per cent. They cost less than the steps.
-pub(super) const ITERATIONS: u32 = 100;
+const ITERATIONS: u32 = 100;
+
+/// Memory that the fastest modes take, bytes per vertex in single and in double precision: two matrices, and what their
+/// build takes beside them. Up to 3000 were measured in single precision.
+const MODES: [u64; 2] = [4000, 6500];
+
+/// Memory that the fastest modes of so many vertices take, bytes.
+fn memory_of_modes(vertices: usize, precision: Precision) -> u64 {
+    vertices as u64 * MODES[usize::from(precision == Precision::F64)]
+}
+
+/// The fastest modes of the current state; `None` if there is no memory for their matrices.
+pub(super) fn fastest_modes(
+    engine: &dyn Engine,
+    vertices: usize,
+    precision: Precision,
+    stopwatch: &Stopwatch<'_>,
+) -> Option<[Mode; 2]> {
+    let has_memory = limits::has_memory(memory_of_modes(vertices, precision));
+    has_memory.then(|| engine.fastest_modes(0.0, ITERATIONS, stopwatch))
+}
+
+/// The warning that the fastest modes of so many vertices are not known.
+pub(super) fn unchecked(vertices: usize, precision: Precision) -> Warning {
+    let text = format!(
+        "it was not checked whether the steps are too long for the stiffness: this needs about {} MB of memory, more \
+         than is left{}",
+        memory_of_modes(vertices, precision).div_ceil(1_000_000),
+        limits::memory_in_words()
+    );
+    Warning::new("unchecked", text)
+}
 
 /// The warnings of settings that do not suit the scene.
 pub fn warnings(
@@ -31,12 +61,20 @@ pub fn warnings(
 ) -> Vec<Warning> {
     let mut positions = Vec::new();
     engine.write_state(&mut positions);
+    let vertices = positions.len();
     let size = extent(positions.into_iter()).into_iter().fold(0.0, f64::max);
     let start = warning::Start { mean_edge: engine.mean_edge(), size, is_single: precision == Precision::F32 };
-    let modes = || engine.fastest_modes(0.0, ITERATIONS, stopwatch);
+    let mut not_checked = None;
+    let modes = || {
+        fastest_modes(engine, vertices, precision, stopwatch).unwrap_or_else(|| {
+            not_checked = Some(unchecked(vertices, precision));
+            // No warning is about a mode at rest.
+            [Mode { stiffness: 0.0, damping: 0.0 }; 2]
+        })
+    };
     let of_settings = warning::of_settings(&scene.desc, &start, modes).into_iter().flatten();
     let in_words = |one| words::of(&one, &scene.desc, Known::default());
-    loose_vertices(scene).chain(of_settings.map(in_words)).collect()
+    loose_vertices(scene).chain(of_settings.map(in_words)).chain(not_checked).collect()
 }
 
 /// Vertices of a collider's mesh that belong to no triangle. Cloth with such vertices is refused.
@@ -66,27 +104,8 @@ pub fn untangle(
         return None;
     }
     let Some(found) = found else { return Some((record::Start { crossings: audited, untangled: None }, None)) };
-    let warning = (found.before > 0 || found.inside[0] > 0).then(|| Warning::new("untangled", words(&found)));
+    let warning =
+        (found.before > 0 || found.inside[0] > 0).then(|| Warning::new("untangled", words::untangled(&found)));
     let crossings = audited.unwrap_or(found.before as u64);
     Some((record::Start { crossings: Some(crossings), untangled: Some((found.before - found.after) as u64) }, warning))
-}
-
-fn words(found: &Untangled) -> String {
-    let Untangled { before, after, inside, rounds, moved } = *found;
-    let what = match (before, inside[0]) {
-        (0, inside) => format!("{inside} vertices inside colliders"),
-        (before, _) => format!("{before} crossings"),
-    };
-    let left = match (after, inside[1]) {
-        (0, 0) => format!("untangled in {rounds} round{}", if rounds == 1 { "" } else { "s" }),
-        (0, inside) => format!("{inside} vertices left inside (fixed by pins or colliders)"),
-        (after, _) => format!("{after} left (fixed by pins or colliders)"),
-    };
-    let moved_far = moved > FAR;
-    let moved = match rounds {
-        0 => "nothing was moved".into(),
-        _ => format!("vertices moved by up to {:.1} mm", 1e3 * moved),
-    };
-    let advice = if moved_far { "; look at frame 0, and separate the surfaces yourself if it is wrong" } else { "" };
-    format!("{what} at the start: {left}, {moved}{advice}")
 }

@@ -94,7 +94,7 @@ fn row(course: &Course) -> String {
         // Writing to a string does not fail. Zero has no sign.
         let _ = write!(row, ",{:?}", value + 0.0);
     };
-    [report.time].iter().chain(&report.energy).chain(&works).for_each(|&value| add(value));
+    [course.time()].iter().chain(&report.energy).chain(&works).for_each(|&value| add(value));
     add(balance.by_method(&report.energy));
     report.momentum.iter().chain(&engine.angular_momentum()).for_each(|&value| add(value));
     add(report.stretch[0]);

@@ -38,15 +38,14 @@ impl Summary {
             is_at_rest: self.at_rest == Some(true),
             has_appeared: found.iter().any(|one| one.code == Code::Energy),
         };
-        let in_words = |one| words::of(one, scene, known);
-        let doubt = found.iter().find(|one| one.is_doubtful).map(|one| in_words(one).text);
+        self.warnings.extend(found.iter().map(|one| words::of(one, scene, known)));
+        let doubt = self.warnings.iter().find(|one| one.is_doubtful).map(|one| one.text.clone());
         (self.verdict, self.doubt) = match (reached_the_end, audited, doubt) {
             (false, _, _) => ("diverged", None),
             (true, true, _) => ("intersecting", None),
             (true, false, Some(doubt)) => ("doubtful", Some(doubt)),
             (true, false, None) => ("ok", None),
         };
-        self.warnings.extend(found.iter().map(in_words));
         self.warnings.extend(self.audit_gap());
         self.warnings.extend(pool.detector().map(StepDetector::warnings).unwrap_or_default());
     }

@@ -5,12 +5,16 @@ use muslin_core::scene::{SceneDesc, StretchModel};
 use muslin_core::warning::{self, Code};
 
 use super::remedy;
+use crate::engine::Untangled;
 use crate::summary::percent;
-use crate::units::time;
+use crate::units::{time, without_noise};
 use crate::warning::Warning;
 
 /// Part of the longest stable step at the start that is recommended as safe: stretched cloth is stiffer.
 const MARGIN: f64 = 0.8;
+
+/// Displacement by untangling beyond which the note asks the user to look at the start state, m.
+const FAR: f64 = 0.05;
 
 /// What else is known of a run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,12 +27,13 @@ pub struct Known {
 
 /// A warning in words.
 pub fn of(warning: &warning::Warning, scene: &SceneDesc, known: Known) -> Warning {
-    let warning::Warning { code, value, beside, .. } = *warning;
+    let warning::Warning { code, value, beside, is_doubtful } = *warning;
     let percent_of_moved = 1e2 * value / beside;
     let text = match code {
         Code::Step => step(scene, value, beside),
         Code::Duration => {
             let frames = scene.timing().frames;
+            let value = without_noise(value);
             format!("duration {value} s is not a whole number of frames: taking {frames} frames, {beside:.4} s")
         }
         Code::Thickness => thickness(value, beside),
@@ -70,7 +75,7 @@ pub fn of(warning: &warning::Warning, scene: &SceneDesc, known: Known) -> Warnin
             (1e3 * scene.integrator.error().unwrap_or(0.0)) as f32
         ),
     };
-    Warning::new(code.name(), text)
+    Warning { is_doubtful, ..Warning::new(code.name(), text) }
 }
 
 /// A step that was changed to divide a frame.
@@ -142,4 +147,25 @@ fn stretched(scene: &SceneDesc, most: f64, has_appeared: bool) -> String {
         ),
     };
     format!("an edge became {} longer than at rest, more than cloth does: {cause}", percent(most))
+}
+
+/// The result of untangling a start state.
+pub fn untangled(found: &Untangled) -> String {
+    let Untangled { before, after, inside, rounds, moved } = *found;
+    let what = match (before, inside[0]) {
+        (0, inside) => format!("{inside} vertices inside colliders"),
+        (before, _) => format!("{before} crossings"),
+    };
+    let left = match (after, inside[1]) {
+        (0, 0) => format!("untangled in {rounds} round{}", if rounds == 1 { "" } else { "s" }),
+        (0, inside) => format!("{inside} vertices left inside (fixed by pins or colliders)"),
+        (after, _) => format!("{after} left (fixed by pins or colliders)"),
+    };
+    let moved_far = moved > FAR;
+    let moved = match rounds {
+        0 => "nothing was moved".into(),
+        _ => format!("vertices moved by up to {:.1} mm", 1e3 * moved),
+    };
+    let advice = if moved_far { "; look at frame 0, and separate the surfaces yourself if it is wrong" } else { "" };
+    format!("{what} at the start: {left}, {moved}{advice}")
 }

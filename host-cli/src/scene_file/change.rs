@@ -1,6 +1,8 @@
 //! Overrides: new values for the keys of a scene.
 
-use muslin_core::scene::SceneDesc;
+use std::collections::BTreeSet;
+
+use muslin_core::scene::{BUILT_IN, SceneDesc};
 use toml::{Table, Value};
 
 use crate::failure::Failure;
@@ -35,18 +37,50 @@ impl Change {
 /// be a valid scene: a new section may need several overrides.
 pub fn apply(table: Table, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
     let mut scene = Value::Table(table);
+    let known = known_keys(&scene);
     let mut first_failure = None;
     for change in changes {
         let failed = |why: String| Failure::Usage(format!("{}: {why}", change.asked));
         set(&mut scene, &change.key.split('.').collect::<Vec<_>>(), &change.value).map_err(failed)?;
         if let Err(error) = scene.clone().try_into::<SceneDesc>() {
-            first_failure.get_or_insert(failed(explain(&error)));
+            first_failure
+                .get_or_insert_with(|| failed(elsewhere(change, &error, &known).unwrap_or_else(|| explain(&error))));
         }
     }
     let desc = scene.clone().try_into();
     let desc = desc.map_err(|error| first_failure.unwrap_or_else(|| Failure::Usage(explain(&error))))?;
     let text = toml::to_string(&scene).map_err(|error| Failure::Usage(error.to_string()))?;
     Ok((desc, text))
+}
+
+/// The keys of a scene and of the built-in ones, without indices.
+fn known_keys(scene: &Value) -> BTreeSet<String> {
+    let mut keys = BTreeSet::new();
+    let built_in = BUILT_IN.iter().filter_map(|(_, text)| toml::from_str(text).ok());
+    built_in.chain([scene.clone()]).for_each(|scene: Value| add_keys(&scene, "", &mut keys));
+    keys
+}
+
+fn add_keys(value: &Value, section: &str, keys: &mut BTreeSet<String>) {
+    match value {
+        Value::Table(table) => table.iter().for_each(|(key, value)| {
+            let key = if section.is_empty() { key.clone() } else { format!("{section}.{key}") };
+            add_keys(value, &key, keys);
+            keys.insert(key);
+        }),
+        Value::Array(items) => items.iter().for_each(|item| add_keys(item, section, keys)),
+        _ => {}
+    }
+}
+
+/// The message for a key that stands in another section; `None` if the error is not about the key, or no known key ends
+/// like it.
+fn elsewhere(change: &Change, error: &toml::de::Error, known: &BTreeSet<String>) -> Option<String> {
+    let unknown = error.message().strip_prefix("unknown field `")?.split('`').next()?;
+    let last = change.key.split('.').find(|part| *part == unknown).and(change.key.rsplit('.').next())?;
+    let ending = |end: &str| known.iter().filter(|key| key.ends_with(&format!(".{end}"))).cloned().collect::<Vec<_>>();
+    let keys = [&change.key, last].map(ending).into_iter().find(|keys| !keys.is_empty())?;
+    Some(format!("there is no key {}; did you mean {}?", change.key, keys.join(" or ")))
 }
 
 /// Parses a TOML value. Any other text becomes a string, so that `integrator.method=rk4` needs no quotes.

@@ -1,0 +1,71 @@
+//! Little memory: a scene that does not fit is refused before any work, and no result is lost.
+#![cfg(target_os = "linux")]
+
+use std::process::Command;
+
+use crate::kit::{Outcome, Place, TINY};
+
+const GRID: &str = "grid = { size = [0.3, 0.3], cells = [4, 4] }";
+const PIN: &str = "corners = [0, 1]";
+
+/// Runs `muslin` with an address space of so many KiB.
+fn within(place: &Place, kibibytes: u64, words: &str) -> Outcome {
+    let program = place.command(words);
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("ulimit -v {kibibytes} && exec \"$0\" \"$@\"")]).arg(program.get_program());
+    // Each thread may reserve address space of its own.
+    command.args(program.get_args()).env("MALLOC_ARENA_MAX", "1").current_dir(place.path("."));
+    place.finish(command)
+}
+
+/// Sheets that would need more memory than the process may have end with an error that says how much they need.
+#[test]
+fn more_than_there_is_memory_for() {
+    let place = Place::new();
+    let sphere = "[contact]\nthickness = 0.001\n[[collider]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0.1\n";
+    place.write("touching.toml", format!("{TINY}\n{sphere}"));
+    let mesh = |mesh: &str| TINY.replace(GRID, mesh);
+    place.write(
+        "tube.toml",
+        mesh("tube = { radius = 0.2, height = 0.6, cells = [5000, 5000] }").replace(PIN, "vertices = [0]"),
+    );
+    place.write("disc.toml", mesh("disc = { radius = 0.5, rings = 3000 }").replace(PIN, "vertices = [0]"));
+    let cases = [
+        ("run tiny.toml --out out --set cloth.grid.cells=[5000,5000]", "25012501 vertices"),
+        ("run tiny.toml --out out --set cloth.grid.cells=[16000,16000]", "256040001 vertices"),
+        ("run touching.toml --out out --set cloth.grid.cells=[1200,1200]", "1443001 vertices"),
+        ("run tube.toml --out out --precision f64", "25005000 vertices"),
+        ("run disc.toml --out out", "vertices"),
+        ("needs tiny.toml --out out --set cloth.grid.cells=[5000,5000]", "25012501 vertices"),
+        ("stability tiny.toml --out out --set cloth.grid.cells=[5000,5000]", "25012501 vertices"),
+    ];
+    for (words, vertices) in cases {
+        let refused = within(&place, 4_000_000, words).expect(2);
+        let named = ["needs about", "MB of memory", "coarser mesh", "the process may have 4096 MB, by ulimit -v"];
+        for part in named.into_iter().chain([vertices]) {
+            assert!(refused.stderr.contains(part), "{words}: {part:?} is not in {}", refused.stderr);
+        }
+        assert!(!place.path("out").exists(), "{words} has written");
+    }
+}
+
+/// From a limit at which the scene is refused up to one at which there is memory for everything.
+#[test]
+fn a_check_without_memory_costs_no_result() {
+    let place = Place::new();
+    let grid = "--set cloth.grid.cells=[150,150] --duration 0 --threads 1 --preview none --export none";
+    for words in ["", "--set integrator.error=0", "--set integrator.method=symplectic-euler"] {
+        let mut without = 0;
+        for limit in (100_000..=300_000).step_by(10_000) {
+            let outcome = within(&place, limit, &format!("run tiny.toml --out out {grid} --json {words}"));
+            if outcome.code == Some(2) {
+                assert!(outcome.stderr.contains("needs about"), "{words} in {limit} KiB: {outcome:?}");
+                continue;
+            }
+            let summary = outcome.expect(0).json();
+            let codes = summary["warnings"].as_array().unwrap().iter();
+            without += codes.filter(|warning| warning["code"] == "unchecked").count();
+        }
+        assert!(without > 0, "{words}: there was memory at every limit");
+    }
+}
