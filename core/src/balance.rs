@@ -14,10 +14,6 @@ pub struct Balance {
     least: f64,
     /// Largest growth of this difference from its least value.
     pub appeared: f64,
-    /// The same with the energy by moving overlapping surfaces apart.
-    least_with_separation: f64,
-    /// Its largest growth: what errors and overlaps gave together, less what contact took again.
-    pub appeared_with_separation: f64,
     /// Largest sum of the energies without gravity.
     active: f64,
     /// Least and largest energy of gravity, without the work of gravity that changes: by how much the cloth fell,
@@ -26,7 +22,7 @@ pub struct Balance {
 }
 
 /// Number of words in an encoded balance.
-pub const WORDS: usize = 17;
+pub const WORDS: usize = 15;
 
 impl Default for Balance {
     fn default() -> Self {
@@ -35,8 +31,6 @@ impl Default for Balance {
             start: None,
             least: f64::INFINITY,
             appeared: 0.0,
-            least_with_separation: f64::INFINITY,
-            appeared_with_separation: 0.0,
             active: 0.0,
             gravity: [f64::INFINITY, f64::NEG_INFINITY],
         }
@@ -54,9 +48,6 @@ impl Balance {
         self.work = work;
         self.least = self.least.min(without_work);
         self.appeared = self.appeared.max(without_work - self.least);
-        let with_separation = without_work + work.separation;
-        self.least_with_separation = self.least_with_separation.min(with_separation);
-        self.appeared_with_separation = self.appeared_with_separation.max(with_separation - self.least_with_separation);
         self.active = self.active.max(active);
         self.gravity = [self.gravity[0].min(gravity), self.gravity[1].max(gravity)];
     }
@@ -78,21 +69,12 @@ impl Balance {
     pub fn encode(&self) -> [u64; WORDS] {
         let WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged } = self.work;
         let [low, high] = self.gravity;
-        let all = [
-            [pins, colliders, wind, gravity, separation, contacts, damping, exchanged],
-            [
-                self.start.unwrap_or(0.0),
-                self.least,
-                self.appeared,
-                self.least_with_separation,
-                self.appeared_with_separation,
-                self.active,
-                low,
-                high,
-            ],
+        let all: [&[f64]; 2] = [
+            &[pins, colliders, wind, gravity, separation, contacts, damping, exchanged],
+            &[self.start.unwrap_or(0.0), self.least, self.appeared, self.active, low, high],
         ];
         let mut words = [u64::from(self.start.is_some()); WORDS];
-        words[1..].iter_mut().zip(all.as_flattened()).for_each(|(word, value)| *word = value.to_bits());
+        words[1..].iter_mut().zip(all.into_iter().flatten()).for_each(|(word, value)| *word = value.to_bits());
         words
     }
 
@@ -101,14 +83,12 @@ impl Balance {
         let [has_start, words @ ..] = words;
         let [pins, colliders, wind, gravity, separation, contacts, damping, exchanged, rest @ ..] =
             words.map(f64::from_bits);
-        let [start, least, appeared, least_with_separation, appeared_with_separation, active, low, high] = rest;
+        let [start, least, appeared, active, low, high] = rest;
         Self {
             work: WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged },
             start: (has_start != 0).then_some(start),
             least,
             appeared,
-            least_with_separation,
-            appeared_with_separation,
             active,
             gravity: [low, high],
         }
@@ -137,7 +117,7 @@ mod tests {
         // 2 J appear, and are lost again.
         balance.see(&[4.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
         balance.see(&[1.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
-        assert_eq!((balance.appeared, balance.appeared_with_separation), (2.0, 3.0));
+        assert_eq!(balance.appeared, 2.0);
         assert_eq!(Balance::decode(balance.encode()), balance);
     }
 

@@ -227,11 +227,10 @@ pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
 
 impl Run<'_> {
     /// Energy by moving overlapping surfaces apart. It is a reason for doubt if it is more than lifting the whole cloth
-    /// by the thickness takes.
+    /// by the thickness takes: then surfaces overlap again and again, and friction acts as by chance.
     fn overlap(&self, scene: &SceneDesc) -> Option<Warning> {
-        let (appeared, moved) = (self.balance.appeared_with_separation, self.balance.moved());
-        let separation = self.balance.work.separation;
-        let is_much = separation.min(appeared) > MOST_APPEARED * moved;
+        let (separation, moved) = (self.balance.work.separation, self.balance.moved());
+        let is_much = separation > moved;
         (is_much && self.is_harmful(separation, scene)).then(|| {
             let thickness = scene.contact.as_ref().map_or(0.0, |contact| contact.thickness);
             let is_doubtful = separation > self.mass * scene.largest_gravity() * thickness;

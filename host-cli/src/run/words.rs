@@ -61,7 +61,8 @@ pub fn of(warning: &warning::Warning, scene: &SceneDesc, known: Known) -> Warnin
         ),
         Code::Overlap => format!(
             "moving overlapping surfaces apart gave {value:.2e} J, {percent_of_moved:.0} % of the largest energy that \
-             moved: let surfaces start farther apart than contact.thickness"
+             moved: where surfaces overlap again and again, friction acts as by chance; take a shorter \
+             integrator.step or a smaller integrator.error, or let surfaces start farther apart than contact.thickness"
         ),
         Code::Method => format!(
             "{} took {value:.2e} J, {percent_of_moved:.0} % of the largest energy that moved, and the scene has no \
