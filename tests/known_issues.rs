@@ -17,7 +17,6 @@ use muslin_core_f64::forces::seam::SeamColumns;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::scene::{BUILT_IN, SceneDesc};
 use muslin_core_f64::simulation::Simulation;
-use muslin_core_f64::work_done::WorkDone;
 
 /// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
 fn hinge() -> HingeColumns {
@@ -222,51 +221,4 @@ fn reactions_of_stiff_cloth_by_steps_of_bdf2_that_change_are_off() {
     let [pins, needed] = kit::impulses(&format!("{SWINGING}[integrator]\nmethod = \"bdf2\""), 1.0);
     println!("impulse of the pins {pins:.3}, needed {needed:.3}");
     assert!(pins.y > 1.01 * needed.y, "the pins give {pins}, and the momentum needs {needed}");
-}
-
-/// A belt that is drawn over a capsule by long steps. Vertices that are not nearest sink below the thickness where their
-/// neighbours are moved out of it: the belt stays rough, and friction acts as by chance.
-#[test]
-#[ignore = "slow"]
-fn a_belt_that_sank_into_the_thickness_may_stay_rough() {
-    // J, by moving overlapping surfaces apart.
-    let separation = |friction: f64| {
-        let text = format!(
-            r#"
-            name = "drawn"
-            duration = 3.0
-            gravity = [0.0, -9.81, 0.0]
-            [[cloth]]
-            grid = {{ size = [0.6, 0.03], cells = [60, 2] }}
-            position = [0.0, 0.1055, 0.0]
-            density = 0.1
-            stretch = {{ model = "membrane", stiffness = 3000.0, damping = 0.001 }}
-            shear = {{ stiffness = 1000.0 }}
-            bend = {{ model = "hinge", rigidity = 1e-5 }}
-            pin = [{{ select = {{ edge = "left" }}, motion = {{ keys = [[0, 0, 0, 0], [1, 0.19, -0.25, 0]] }} }}]
-            load = [{{ select = {{ edge = "right" }}, force = {{ keys = [[0, 0, -0.05, 0], [1, 0, -1, 0]] }} }}]
-            [[collider]]
-            shape = "capsule"
-            a = [0, 0, -0.2]
-            b = [0, 0, 0.2]
-            radius = 0.1
-            [contact]
-            thickness = 0.004
-            friction = {friction:?}
-            self = false
-            [drag]
-            linear = 0.2
-            "#
-        );
-        let mut sim = kit::simulation(&text, &[]);
-        sim.measure_work(WorkDone::default());
-        kit::run(&mut sim, 3.0, |_| ());
-        sim.work_done().separation
-    };
-    let rough = (0..8).map(|k| separation(0.28 + 0.005 * f64::from(k))).filter(|&work| {
-        println!("{work:.4} J");
-        work > 0.2
-    });
-    let rough = rough.count();
-    assert!(rough > 0, "no belt of 8 stays rough");
 }

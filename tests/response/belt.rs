@@ -7,8 +7,36 @@
 use harness::belt::{HEAVY_END, HELD, ROUND, belt, hanging, holding_end, loaded, slips};
 use harness::both_precisions;
 
+/// A belt whose one end is drawn down and whose other end is loaded.
+const DRAWN: &str = r#"
+    name = "drawn"
+    duration = 3.0
+    gravity = [0.0, -9.81, 0.0]
+    [[cloth]]
+    grid = { size = [0.6, 0.03], cells = [60, 2] }
+    position = [0.0, 0.1055, 0.0]
+    density = 0.1
+    stretch = { model = "membrane", stiffness = 3000.0, damping = 0.001 }
+    shear = { stiffness = 1000.0 }
+    bend = { model = "hinge", rigidity = 1e-5 }
+    pin = [{ select = { edge = "left" }, motion = { keys = [[0, 0, 0, 0], [1, 0.19, -0.25, 0]] } }]
+    load = [{ select = { edge = "right" }, force = { keys = [[0, 0, -0.05, 0], [1, 0, -1, 0]] } }]
+    [[collider]]
+    shape = "capsule"
+    a = [0, 0, -0.2]
+    b = [0, 0, 0.2]
+    radius = 0.1
+    [contact]
+    thickness = 0.004
+    friction = FRICTION
+    self = false
+    [drag]
+    linear = 0.2
+"#;
+
 both_precisions! {
-    use super::{HEAVY_END, HELD, ROUND, belt, hanging, holding_end, loaded, slips};
+    use super::{DRAWN, HEAVY_END, HELD, ROUND, belt, hanging, holding_end, loaded, slips};
+    use muslin::work_done::WorkDone;
 
     /// How far the heavy end goes down after the light end was let go, m.
     fn falls(light_end: f64, spacing: f64, friction: f64, stiffness: f64, integrator: &str, seconds: f64) -> f64 {
@@ -70,6 +98,23 @@ both_precisions! {
             let what = format!("{} a belt of {stiffness} N/m, h {step}", muslin::real::NAME);
             println!("{what}: creeps by {way:.1e} m in 1 s, bound 1e-5");
             assert!(way.abs() < 1e-5, "{what}: creeps by {way} m in 1 s, expected less than 1e-5");
+        }
+    }
+
+    /// A belt is drawn over a capsule by long steps and sinks into the thickness. If only the nearest vertices were held,
+    /// the others would sink where their neighbours are moved out: the belt would stay rough, without friction.
+    #[test]
+    #[ignore = "slow"]
+    fn a_belt_that_sank_into_the_thickness_is_lifted_out() {
+        for friction in (0..8).map(|k| 0.28 + 0.005 * f64::from(k)) {
+            let text = DRAWN.replace("FRICTION", &format!("{friction:?}"));
+            let mut sim = kit::simulation(&text, &[]);
+            sim.measure_work(WorkDone::default());
+            kit::run(&mut sim, 3.0, |_| ());
+            let separation = sim.work_done().separation;
+            let what = format!("{} friction {friction}: {separation:.4} J to move it out", muslin::real::NAME);
+            println!("{what}");
+            assert!(separation < 0.03, "{what}, where a belt that stays rough takes 0.3 J or more");
         }
     }
 

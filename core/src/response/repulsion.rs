@@ -18,6 +18,9 @@ const SWEEPS: u32 = 20;
 const SEPARATION_SWEEPS: u32 = 4;
 /// Part of an overlap that is removed in a step.
 const REMOVED: Real = 0.1;
+/// A pair nearer than this part of the thickness may come no nearer, even if the surfaces are nearest elsewhere: when
+/// they are moved apart there, it would sink to the next nearest pair.
+const SUNK: Real = 0.9;
 /// Violation that is left, relative to the thickness.
 const LEFT: Real = 1e-3;
 
@@ -30,7 +33,7 @@ pub const MOST_LEVER_RATIO: Real = 4.0;
 pub const REACH: Real = 2.0;
 
 /// Adds a constraint for each near pair that overlaps or comes nearer than the thickness plus `margin`, m, if the
-/// surfaces are nearest there.
+/// surfaces are nearest there or the pair sinks deeper.
 pub(crate) fn find(
     model: &ContactModel<'_>,
     vertex_triangle: &Pairs<'_>,
@@ -102,7 +105,8 @@ fn find_pairs(
         let Some(contact) = contact(kind, vertices, &x, &x, radius) else { continue };
         let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
         // Few pairs are a local minimum. To find the part that they can keep takes longer.
-        if !may_push(ends) || !is_local_minimum(kind, &model.surface, motion.start, &contact) {
+        let sinks = distance < SUNK * model.thickness && ends < contact.gap;
+        if !may_push(ends) || !sinks && !is_local_minimum(kind, &model.surface, motion.start, &contact) {
             continue;
         }
         let reach = least_at_rest(kind, model, vertices, model.thickness + margin);
