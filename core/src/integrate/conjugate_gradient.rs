@@ -367,6 +367,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
 
     /// Adds the motions of the patches that the last residual asks for. So no momentum is left in a residual that is
     /// not zero: step after step it would be lost on the same side. The residual is no longer that of the solution.
+    #[cfg_attr(small, inline(never))]
     fn complete(&mut self, dispatch: &impl Dispatch) {
         let Some((patches, factor)) = &self.preconditioner.coarse else { return };
         dispatch.run(&mut *self.solution, |start, part| coarse::add_motions(patches, factor.motions, start, part));

@@ -210,6 +210,7 @@ fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, 
 }
 
 /// Removes the held axes from the residual, and notes their forces.
+#[cfg_attr(small, optimize(size), inline(never))]
 fn filter_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &mut Scratch<'_>) {
     pin_forces::note(c, stage.length, s);
     c.pins.filter(s.residual);

@@ -11,7 +11,7 @@ use crate::scratch::Scratch;
 
 /// Notes the forces in the residual of a stage of `length` g, before its held axes are removed:
 /// `residual = g f - M changes`.
-#[cfg_attr(small, optimize(size))]
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn note<D>(c: &StepInput<'_, D>, length: Real, s: &mut Scratch<'_>) {
     for (force, &vertex) in s.pin_forces.iter_mut().zip(c.pins.vertices) {
         let vertex = vertex as usize;
@@ -20,7 +20,7 @@ pub fn note<D>(c: &StepInput<'_, D>, length: Real, s: &mut Scratch<'_>) {
 }
 
 /// Adds the change of the forces by a part of the solution, `-S' y / g`.
-#[cfg_attr(small, optimize(size))]
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn add_change<D: Dispatch>(c: &StepInput<'_, D>, length: Real, part: Real, s: &mut Scratch<'_>) {
     for (force, &vertex) in s.pin_forces.iter_mut().zip(c.pins.vertices) {
         let mut product = [Vec3::ZERO];
@@ -30,7 +30,7 @@ pub fn add_change<D: Dispatch>(c: &StepInput<'_, D>, length: Real, part: Real, s
 }
 
 /// Writes the noted forces along the held axes to the column of forces.
-#[cfg_attr(small, optimize(size))]
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn write<D>(c: &StepInput<'_, D>, s: &mut Scratch<'_>) {
     for ((force, &vertex), &axes) in s.pin_forces.iter().zip(c.pins.vertices).zip(c.pins.axes) {
         held(axes).for_each(|axis| s.forces[vertex as usize][axis] = force[axis]);

@@ -47,6 +47,7 @@ impl Simulation {
     }
 
     /// Gives pinned vertices the velocities of their pins.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn take_hold(&mut self, now: Sum) {
         let BuiltScene { pins, particles, pin_groups: groups, .. } = &mut self.built;
         let pins = &pins.view();
