@@ -54,8 +54,9 @@ pub struct Reactions<'a> {
 }
 
 impl Reactions<'_> {
-    /// Adds the impulses of the pins in the step to the candidate state in `s`. Its forces, with those of contacts, and
-    /// the positions of its stage are those in the middle of the step.
+    /// Adds the impulses of the pins in the step to the candidate state in `s`. Its forces contain those of contacts,
+    /// and along held axes those of the [equations](crate::integrate::pin_forces) of an implicit step. The positions of
+    /// its stage are those in the middle of the step.
     pub fn add_pins<D>(&mut self, c: &StepInput<'_, D>, s: &Scratch<'_>) {
         let step = Sum::from(c.step);
         for (group, sum) in self.groups.iter().zip(&mut *self.pins) {

@@ -109,6 +109,7 @@ pub fn in_step<D: Dispatch>(
         done.separation -= along(s.forces, corrections);
     }
     let of_all = if everything { along(s.forces, s.displacements) } else { 0.0 };
+    // From here on the forces along held axes are those of the equations of the step.
     pin_forces::write(c, s);
     if pins_move(c) {
         done.pins += by_pins(c, from, s);

@@ -37,7 +37,7 @@ impl Watch {
     pub fn begin(cloth: &mut Simulation, scene: &SceneDesc, clock: &Clock) -> Self {
         cloth.measure_work(WorkDone::default());
         let size = extent(cloth.places_in_world()).into_iter().fold(0.0, f64::max);
-        let start = Start { mean_edge: cloth.scene().mean_edge(), size, is_single: true };
+        let start = Start { mean_edge: cloth.scene().mean_edge(), size, mass: mass(cloth), is_single: true };
         let mut watch = Self {
             of_settings: warning::of_settings(scene, &start, || modes(cloth, clock)),
             steps_per_frame: scene.timing().steps_per_frame,
@@ -77,7 +77,7 @@ impl Watch {
                 balance: &balance,
                 energy: energy(cloth),
                 is_conservative: cloth.contact().is_none() && !cloth.model().dissipates(),
-                mass: cloth.scene().particles.masses.iter().map(|&mass| f64::from(mass)).sum(),
+                mass: mass(cloth),
                 vertices: cloth.positions().len(),
                 size: self.size,
                 time,
@@ -90,7 +90,7 @@ impl Watch {
         );
         let masses = scene.integrator.error().filter(|_| time > 0.0).and_then(|_| {
             let modes = self.modes.get_or_init(|| modes(cloth, clock));
-            warning::masses(modes, scene, self.size, time / work.committed.max(1) as f64)
+            warning::masses(modes, scene, self.size, mass(cloth), time / work.committed.max(1) as f64)
         });
         let mut all = Vec::new();
         all.extend(self.of_settings.into_iter().flatten());
@@ -107,4 +107,10 @@ fn modes(cloth: &Simulation, clock: &Clock) -> [Mode; 2] {
 fn energy(cloth: &Simulation) -> [f64; 6] {
     let e = cloth.energy();
     [e.kinetic, e.stretch, e.shear, e.bend, e.seam, e.gravity]
+}
+
+/// Total mass, kg.
+#[cfg_attr(small, optimize(size))]
+fn mass(cloth: &Simulation) -> f64 {
+    cloth.scene().particles.masses.iter().map(|&mass| f64::from(mass)).sum()
 }

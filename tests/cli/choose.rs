@@ -213,17 +213,18 @@ gravity = [0.0, -9.81, 0.0]
 
 [[cloth]]
 grid = { size = [0.5, 0.1], cells = [10, 2] }
+rotation = [0.0, 0.0, -90.0]
 density = 0.2
-stretch = { model = "membrane", stiffness = 1000.0, damping = 0.001 }
-shear = { stiffness = 200.0 }
-pin = [{ select = { edge = "left" } }]
+stretch = { model = "membrane", stiffness = 5000.0, damping = 0.001 }
+shear = { stiffness = 1000.0 }
+pin = [{ select = { edge = "left" }, motion = { keys = [[0.5, 0.0, 0.0, 0.0], [0.52, 0.1, 0.0, 0.0]] } }]
 "#;
 
 #[test]
 fn error_control_is_chosen_where_few_steps_must_be_short() {
     let place = Place::new();
     place.write("snap.toml", SNAP);
-    let choice = choose(&place, "snap.toml --cost counts --tolerance 10mm --write chosen.toml");
+    let choice = choose(&place, "snap.toml --cost counts --tolerance 5mm --write chosen.toml");
     let error = number(&choice["chosen"]["allowed_error"]);
     assert!(choice["chosen"]["solver_tolerance"].is_null(), "the solver follows the allowed error: {choice}");
     let words = String::from_utf8(place.read("out/choose.txt")).unwrap();

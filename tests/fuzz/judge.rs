@@ -47,6 +47,8 @@ pub enum Finding {
     BothDoubtful,
     /// f32 is off, and a small change of the start of f64 explains it: nothing can be judged.
     Chaotic,
+    /// f32 is off by less than the steps of f64 are, and nothing is said.
+    Coarse,
     /// The scene is refused, with a message.
     Refused,
 }
@@ -99,12 +101,19 @@ pub fn judge(seed: u64, folder: &Path) -> Case {
     }
     let finding = match (off <= OFF, warned, is_ill) {
         (false, true, _) => Finding::Caught,
+        (false, false, _) if is_coarse(&scene, &end, difference) => Finding::Coarse,
         (false, false, _) => Finding::Miss,
         (true, _, true) => Finding::BothDoubtful,
         (true, true, false) => Finding::FalseAlarm,
         (true, false, false) => Finding::Good,
     };
     case(finding, off, difference / motion, said)
+}
+
+/// Whether the steps are so long that f64 with half of them ends farther from itself than f32 does, m.
+fn is_coarse(scene: &Scene, end: &[DVec3], difference: f64) -> bool {
+    let finer = in_double(&scene.halved(), 0.0).1;
+    finer.is_none_or(|finer| largest(&finer, end) > difference)
 }
 
 /// Whether the scene amplifies a change of its start so much that it explains a difference of the end, m.

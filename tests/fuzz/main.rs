@@ -4,7 +4,8 @@
 //! f32 is off where a vertex ends more than 1 % of the cloth's size from its place in f64. Then the verdict must be
 //! other than ok, or a warning must say that the result may be wrong. Of the runs that are not off, and that f64 does
 //! not warn of, fewer than 2 % may be warned of. A scene whose f32 is off is not judged if it amplifies a change of the
-//! start of 1e-7 of the size to 0.1 %, and f32 is off by less than a hundred times this.
+//! start of 1e-7 of the size to 0.1 %, and f32 is off by less than a hundred times this. A run that is off by less than
+//! half the steps change f64 is counted apart (`Coarse`).
 //!
 //! 5,000 seeds, or those of `MUSLIN_SEEDS=FROM..TO`:
 //! `cargo test -p muslin-cli --test fuzz -- --ignored --nocapture long_form`.
@@ -25,7 +26,7 @@ const MOST_FALSE_ALARMS: f64 = 0.02;
 
 /// Known false alarms among the first 200 seeds: those that lose less than the bound by which `masses` warns, and 38
 /// and 184, cloths at rest whose solves end at the rounding of their forces.
-const KNOWN: [u64; 6] = [38, 69, 97, 119, 184, 200];
+const KNOWN: [u64; 5] = [38, 69, 97, 119, 184];
 
 /// Up to so many scenes are printed.
 const FEW: u64 = 10;

@@ -17,6 +17,21 @@ pub struct Scene {
     pub size: f64,
     /// Number of steps.
     pub steps: u32,
+    /// Length of a step, s.
+    step: f64,
+}
+
+impl Scene {
+    /// The scene with steps of half the length, and a quarter of their largest error.
+    pub fn halved(&self) -> Self {
+        let halve = |line: &str| match line.split_once(" = ") {
+            Some(("step", _)) => format!("step = {:?}", 0.5 * self.step),
+            Some(("error", error)) => format!("error = {:?}", 0.25 * error.parse::<f64>().expect("a number")),
+            _ => line.to_owned(),
+        };
+        let lines: Vec<_> = self.text.lines().map(halve).collect();
+        Self { text: lines.join("\n"), size: self.size, steps: 2 * self.steps, step: 0.5 * self.step }
+    }
 }
 
 /// The material of a sheet.
@@ -76,7 +91,7 @@ pub fn scene(seed: u64) -> Scene {
         pins(rng, &sheet, pinned, duration),
         wind = wind.text,
     );
-    Scene { text, size: sheet.size, steps: steps * per_frame }
+    Scene { text, size: sheet.size, steps: steps * per_frame, step }
 }
 
 /// The air.

@@ -124,6 +124,9 @@ const MOST_EVALUATIONS: u32 = 12;
 /// be less than the velocity: without this the cloth would hover.
 const ROUGHLY: Sum = 0.1;
 
+/// The same without patches, whose motions [complete](Iterate::complete) the solution.
+const WITHOUT_PATCHES: Sum = 1e-3;
+
 /// The columns of a solve.
 struct Iterate<'a, 'b> {
     system: System<'a>,
@@ -181,7 +184,10 @@ pub(crate) fn solve<D: Dispatch>(
     let mut rho = if term.is_zero() { free } else { i.gradient(term, c.dispatch) };
     let target = match goal {
         Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
-        Goal::Within(target) => target.min(free.max(rho) * ROUGHLY * ROUGHLY),
+        Goal::Within(target) => {
+            let least = if i.preconditioner.coarse.is_some() { ROUGHLY } else { WITHOUT_PATCHES };
+            target.min(free.max(rho) * least * least)
+        }
         Goal::Reach(target) => target,
         Goal::Iterations(_) => 0.0,
     };
@@ -365,8 +371,10 @@ impl<'a, 'b> Iterate<'a, 'b> {
         term.advance(length);
     }
 
-    /// Adds the motions of the patches that the last residual asks for. So no momentum is left in a residual that is
-    /// not zero: step after step it would be lost on the same side. The residual is no longer that of the solution.
+    /// Adds the motions of the patches by which the preconditioner answered the last residual. Then no momentum is left
+    /// in the residual of a free cloth; step after step the same part of a fall would be lost. These motions are affine
+    /// in each patch: rotations of cloth that is curved there are not among them. The residual is no longer that of the
+    /// solution, so this is for solves without contacts.
     #[cfg_attr(small, inline(never))]
     fn complete(&mut self, dispatch: &impl Dispatch) {
         let Some((patches, factor)) = &self.preconditioner.coarse else { return };

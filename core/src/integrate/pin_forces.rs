@@ -9,8 +9,8 @@ use crate::forces::matrix;
 use crate::real::{Real, Vec3};
 use crate::scratch::Scratch;
 
-/// Notes the forces in the residual of a stage of `length` g, before its held axes are removed:
-/// `residual = g f - M changes`.
+/// Notes the forces f in the residual of a stage, before its held axes are removed: `residual = g f - M changes`, where
+/// g is the `length` of the stage, s.
 #[cfg_attr(small, optimize(size), inline(never))]
 pub fn note<D>(c: &StepInput<'_, D>, length: Real, s: &mut Scratch<'_>) {
     for (force, &vertex) in s.pin_forces.iter_mut().zip(c.pins.vertices) {
@@ -19,7 +19,7 @@ pub fn note<D>(c: &StepInput<'_, D>, length: Real, s: &mut Scratch<'_>) {
     }
 }
 
-/// Adds the change of the forces by a part of the solution, `-S' y / g`.
+/// Adds the change of the forces by a `part` of the solution y, `-S' y / g` times this part.
 #[cfg_attr(small, optimize(size), inline(never))]
 pub fn add_change<D: Dispatch>(c: &StepInput<'_, D>, length: Real, part: Real, s: &mut Scratch<'_>) {
     for (force, &vertex) in s.pin_forces.iter_mut().zip(c.pins.vertices) {

@@ -18,10 +18,6 @@ const SWEEPS: u32 = 20;
 const SEPARATION_SWEEPS: u32 = 4;
 /// Part of an overlap that is removed in a step.
 const REMOVED: Real = 0.1;
-/// A pair with a round collider that is nearer than this part of the thickness may come no nearer, even if the surfaces
-/// are nearest elsewhere: when they are moved apart there, it would sink to the next nearest pair. On edges such pairs
-/// would hinder sliding, because their normals are tilted.
-const SUNK: Real = 0.9;
 /// Violation that is left, relative to the thickness.
 const LEFT: Real = 1e-3;
 
@@ -34,7 +30,7 @@ pub const MOST_LEVER_RATIO: Real = 4.0;
 pub const REACH: Real = 2.0;
 
 /// Adds a constraint for each near pair that overlaps or comes nearer than the thickness plus `margin`, m, if the
-/// surfaces are nearest there or the pair sinks deeper into a round collider.
+/// surfaces are nearest there, or if the pair sinks deeper into the thickness of a round collider.
 pub(crate) fn find(
     model: &ContactModel<'_>,
     vertex_triangle: &Pairs<'_>,
@@ -105,9 +101,13 @@ fn find_pairs(
         let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
         let Some(contact) = contact(kind, vertices, &x, &x, radius) else { continue };
         let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
+        // Only round colliders have a radius. Inside their thickness all pairs that come nearer are contacts: otherwise
+        // only the deepest vertices would be moved out, and their neighbours would sink meanwhile. On other surfaces such
+        // pairs would hinder sliding, because their normals are tilted.
+        let sinks = radius > 0.0 && distance < model.thickness && ends < contact.gap;
+        let is_nearest = || is_local_minimum(kind, &model.surface, motion.start, &contact);
         // Few pairs are a local minimum. To find the part that they can keep takes longer.
-        let sinks = radius > 0.0 && distance < SUNK * model.thickness && ends < contact.gap;
-        if !may_push(ends) || !sinks && !is_local_minimum(kind, &model.surface, motion.start, &contact) {
+        if !may_push(ends) || !(sinks || is_nearest()) {
             continue;
         }
         let reach = least_at_rest(kind, model, vertices, model.thickness + margin);

@@ -132,6 +132,7 @@ impl Course {
         let Some(modes) = &self.modes else { return Some(start::unchecked(self.positions.len(), self.precision)) };
         let step = self.engine.report().time / self.engine.substeps().max(1) as f64;
         let size = self.record().size.into_iter().fold(0.0, f64::max);
-        warning::masses(modes, &scene.desc, size, step).map(|one| words::of(&one, &scene.desc, Known::default()))
+        warning::masses(modes, &scene.desc, size, self.engine.mass(), step)
+            .map(|one| words::of(&one, &scene.desc, Known::default()))
     }
 }
