@@ -209,3 +209,30 @@ pub fn drawn(friction: f64, stiffness: f64, speed: f64, drum: &str) -> String {
     let (_, collider) = after.split_once("[[collider]]").expect("the scene has a collider");
     before.replace("-9.81", "0.0") + &pins + "[[collider]]" + collider
 }
+
+/// A belt over a capsule, whose one end is drawn down and whose other end is loaded with 1 N.
+pub const DRAWN: &str = r#"
+    name = "drawn"
+    duration = 3.0
+    gravity = [0.0, -9.81, 0.0]
+    [[cloth]]
+    grid = { size = [0.6, 0.03], cells = [60, 2] }
+    position = [0.0, 0.1055, 0.0]
+    density = 0.1
+    stretch = { model = "membrane", stiffness = 3000.0, damping = 0.001 }
+    shear = { stiffness = 1000.0 }
+    bend = { model = "hinge", rigidity = 1e-5 }
+    pin = [{ select = { edge = "left" }, motion = { keys = [[0, 0, 0, 0], [1, 0.19, -0.25, 0]] } }]
+    load = [{ select = { edge = "right" }, force = { keys = [[0, 0, -0.05, 0], [1, 0, -1, 0]] } }]
+    [[collider]]
+    shape = "capsule"
+    a = [0, 0, -0.2]
+    b = [0, 0, 0.2]
+    radius = 0.1
+    [contact]
+    thickness = 0.004
+    friction = FRICTION
+    self = false
+    [drag]
+    linear = 0.2
+"#;

@@ -4,35 +4,8 @@
 //! Run: `cargo test -p muslin-tests --test response belt`; with `-- --nocapture` it prints
 //! how far.
 
-use harness::belt::{HEAVY_END, HELD, ROUND, belt, hanging, holding_end, loaded, slips};
+use harness::belt::{DRAWN, HEAVY_END, HELD, ROUND, belt, hanging, holding_end, loaded, slips};
 use harness::both_precisions;
-
-/// A belt whose one end is drawn down and whose other end is loaded.
-const DRAWN: &str = r#"
-    name = "drawn"
-    duration = 3.0
-    gravity = [0.0, -9.81, 0.0]
-    [[cloth]]
-    grid = { size = [0.6, 0.03], cells = [60, 2] }
-    position = [0.0, 0.1055, 0.0]
-    density = 0.1
-    stretch = { model = "membrane", stiffness = 3000.0, damping = 0.001 }
-    shear = { stiffness = 1000.0 }
-    bend = { model = "hinge", rigidity = 1e-5 }
-    pin = [{ select = { edge = "left" }, motion = { keys = [[0, 0, 0, 0], [1, 0.19, -0.25, 0]] } }]
-    load = [{ select = { edge = "right" }, force = { keys = [[0, 0, -0.05, 0], [1, 0, -1, 0]] } }]
-    [[collider]]
-    shape = "capsule"
-    a = [0, 0, -0.2]
-    b = [0, 0, 0.2]
-    radius = 0.1
-    [contact]
-    thickness = 0.004
-    friction = FRICTION
-    self = false
-    [drag]
-    linear = 0.2
-"#;
 
 both_precisions! {
     use super::{DRAWN, HEAVY_END, HELD, ROUND, belt, hanging, holding_end, loaded, slips};
