@@ -15,8 +15,8 @@ pub enum Code {
     Duration,
     /// The thickness of contact, m, does not suit the edges; their mean length.
     Thickness,
-    /// Step^2 times stiffness over the mass of a vertex is so large that single precision loses masses; the largest
-    /// ratio at which it loses little.
+    /// Step x (step x stiffness + damping) over the mass of a vertex is so large that single precision loses masses;
+    /// the largest ratio at which it loses little.
     Masses,
     /// The step, s, is longer than the limit of the explicit method at the start; this limit.
     Unstable,
@@ -82,8 +82,8 @@ const THICKNESS: [f64; 2] = [1e-4, 1.0];
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 
 /// Part of its size that the cloth may lose by the bound of [`masses`]. Of 31 scenes from seeds, nine tenths lost less
-/// than the bound, and half of them less than 3 % of it. Among 1,000 scenes no more wrong runs are found at 0.02, and more
-/// good ones are warned of.
+/// than the bound, and half of them less than 3 % of it. Among 1,000 scenes no more wrong runs are found at 0.02, and
+/// more good ones are warned of.
 const MOST_LOST: f64 = 0.03;
 
 /// The bound of [`masses`] on the lost part of its size from which the result is doubtful. Two scenes from seeds with

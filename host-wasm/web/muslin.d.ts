@@ -70,7 +70,8 @@ export interface Warning {
    * - `step`: the step of the scene, which does not divide a frame, and the one that is taken, s
    * - `duration`: the duration of the scene, which is no whole number of frames, and the one that is meant, s
    * - `thickness`: the thickness of contact, which does not suit the edges, and their mean length, m
-   * - `masses`: step^2 x stiffness over the mass of a vertex, and the largest value that single precision bears
+   * - `masses`: step x (step x stiffness + damping) over the mass of a vertex, and the largest value that single
+   *   precision bears
    * - `unstable`: the step, and the longest stable step of the explicit method at the start, s
    * - `energy`: energy that appeared from nowhere, and the largest energy that moved, J
    * - `stretch`: the largest ratio of edge length to rest length in any frame, and the largest of cloth

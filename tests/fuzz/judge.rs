@@ -110,7 +110,7 @@ pub fn judge(seed: u64, folder: &Path) -> Case {
     case(finding, off, difference / motion, said)
 }
 
-/// Whether the steps are so long that f64 with half of them ends farther from itself than f32 does, m.
+/// Whether steps of half the length change the end of f64 by more than a difference, m.
 fn is_coarse(scene: &Scene, end: &[DVec3], difference: f64) -> bool {
     let finer = in_double(&scene.halved(), 0.0).1;
     finer.is_none_or(|finer| largest(&finer, end) > difference)

@@ -4,8 +4,8 @@
 //! f32 is off where a vertex ends more than 1 % of the cloth's size from its place in f64. Then the verdict must be
 //! other than ok, or a warning must say that the result may be wrong. Of the runs that are not off, and that f64 does
 //! not warn of, fewer than 2 % may be warned of. A scene whose f32 is off is not judged if it amplifies a change of the
-//! start of 1e-7 of the size to 0.1 %, and f32 is off by less than a hundred times this. A run that is off by less than
-//! half the steps change f64 is counted apart (`Coarse`).
+//! start of 1e-7 of the size to 0.1 %, and f32 is off by less than a hundred times this. A run is counted apart
+//! (`Coarse`) if steps of half the length change f64 by more than f32 is off.
 //!
 //! 5,000 seeds, or those of `MUSLIN_SEEDS=FROM..TO`:
 //! `cargo test -p muslin-cli --test fuzz -- --ignored --nocapture long_form`.

@@ -75,8 +75,9 @@ both_precisions! {
         }
     }
 
-    /// A belt is drawn over a capsule by long steps and sinks into the thickness. If only the nearest vertices were held,
-    /// the others would sink where their neighbours are moved out: the belt would stay rough, almost without friction.
+    /// A belt is drawn over a capsule by long steps and sinks into the thickness. If only the nearest vertices were
+    /// held, the others would sink where their neighbours are moved out: the belt would stay rough, almost without
+    /// friction.
     #[test]
     #[ignore = "slow"]
     fn a_belt_that_sank_into_the_thickness_is_lifted_out() {

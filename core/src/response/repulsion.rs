@@ -102,8 +102,8 @@ fn find_pairs(
         let Some(contact) = contact(kind, vertices, &x, &x, radius) else { continue };
         let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
         // Only round colliders have a radius. Inside their thickness all pairs that come nearer are contacts: otherwise
-        // only the deepest vertices would be moved out, and their neighbours would sink meanwhile. On other surfaces such
-        // pairs would hinder sliding, because their normals are tilted.
+        // only the deepest vertices would be moved out, and their neighbours would sink meanwhile. On other surfaces
+        // such pairs would hinder sliding, because their normals are tilted.
         let sinks = radius > 0.0 && distance < model.thickness && ends < contact.gap;
         let is_nearest = || is_local_minimum(kind, &model.surface, motion.start, &contact);
         // Few pairs are a local minimum. To find the part that they can keep takes longer.

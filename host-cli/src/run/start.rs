@@ -21,8 +21,8 @@ use crate::warning::Warning;
 /// Iterations that give the frequency of the fastest mode to about one per cent. They cost less than the steps.
 const ITERATIONS: u32 = 100;
 
-/// Memory that the fastest modes take, bytes per vertex in single and in double precision: two matrices, and what their
-/// build takes beside them. Up to 3000 were measured in single precision.
+/// Memory that the fastest modes take, bytes per vertex in single and in double precision: two matrices and the
+/// memory of their build. Up to 3000 were measured in single precision.
 const MODES: [u64; 2] = [4000, 6500];
 
 /// Memory that the fastest modes of so many vertices take, bytes.
