@@ -217,8 +217,9 @@ pub struct Run<'a> {
 #[cfg_attr(small, optimize(size))]
 pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
     let Run { balance, stretch, rounding, unconverged, substeps: [substeps, exceeding], .. } = *run;
-    let appeared = (balance.appeared > MOST_APPEARED * balance.moved() && run.is_harmful(balance.appeared, scene))
-        .then(|| Warning { is_doubtful: true, ..Warning::new(Code::Energy, balance.appeared, balance.moved()) });
+    let appeared = run.appeared(scene);
+    let appeared = (appeared > MOST_APPEARED * balance.moved() && run.is_harmful(appeared, scene))
+        .then(|| Warning { is_doubtful: true, ..Warning::new(Code::Energy, appeared, balance.moved()) });
     // The loads have stretched cloth without energy that appeared, so a large stretch is no reason for doubt.
     let stretched = (stretch > TOO_LONG).then(|| Warning::new(Code::Stretch, stretch, TOO_LONG));
     let unconverged = (unconverged > 0).then(|| {
@@ -233,6 +234,13 @@ pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
 }
 
 impl Run<'_> {
+    /// Energy that appeared. Damping may have taken it already: then it is in the work of the method, which is known
+    /// where there is no contact. Work that is not measured can only make it less.
+    fn appeared(&self, scene: &SceneDesc) -> f64 {
+        let by_method = if scene.contact.is_none() { self.balance.by_method(&self.energy) } else { 0.0 };
+        self.balance.appeared.max(by_method)
+    }
+
     /// Energy by moving overlapping surfaces apart. It is a reason for doubt if it is more than lifting the whole cloth
     /// by the thickness takes: then surfaces overlap again and again, and friction acts as by chance.
     fn overlap(&self, scene: &SceneDesc) -> Option<Warning> {

@@ -15,9 +15,9 @@ use crate::contact::{ContactModel, ContactScratch};
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Model, Term};
 use crate::implicit_contact::exchange;
-use crate::integrate::StepInput;
 use crate::integrate::pin_forces;
 use crate::integrate::pins::{AT_REST, JumpSide, Pins, held};
+use crate::integrate::{Method, StepInput};
 use crate::particles::Particles;
 use crate::reactions::{Reactions, impulses};
 use crate::real::{Real, Sum, Vec3, dot_sum, to_f64};
@@ -39,7 +39,8 @@ pub struct WorkDone {
     pub separation: Sum,
     /// By friction and impacts; negative. Measured with reactions.
     pub contacts: Sum,
-    /// By damping and drag; negative. Measured with reactions.
+    /// By damping and drag; negative. Measured with reactions, and by implicit midpoint, which rings where cloth is
+    /// stiff: damping takes the energy that it adds.
     pub damping: Sum,
     /// The amounts of the work of all steps by pins, colliders and wind: errors of the steps also change the forces of
     /// pins, to and fro.
@@ -95,7 +96,8 @@ pub fn in_step<D: Dispatch>(
             reactions.add_colliders(model, contact, c.step);
         }
     }
-    let (wind, everything) = (c.model.only(Term::Wind), reactions.is_some());
+    let wind = c.model.only(Term::Wind);
+    let everything = reactions.is_some() || c.scheme.method == Method::ImplicitMidpoint && c.model.dissipates();
     let separated = contact.map(|(_, contact)| &contact.corrections[..from.positions.len()]);
     let separated = separated.filter(|corrections| corrections.iter().any(|&moved| moved != Vec3::ZERO));
     let needs_forces = pins_move(c) || separated.is_some() || everything;

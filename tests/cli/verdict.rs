@@ -34,6 +34,37 @@ fn energy_from_nowhere_is_doubted() {
     assert_eq!((codes(&fine), &fine["doubt"]), (vec![], &Value::Null));
 }
 
+/// Implicit midpoint makes a stiff sheet ring under error control. Damping takes the energy, so that hardly any is left.
+#[test]
+fn energy_that_damping_takes_again_is_doubted() {
+    let place = Place::new();
+    place.write(
+        "damped.toml",
+        r#"duration = 0.6
+frame_rate = 20
+gravity = [0.3, -9.81, 0.2]
+[[cloth]]
+grid = { size = [0.4, 0.4], cells = [12, 14] }
+rotation = [10, 5, 0]
+density = 0.2
+stretch = { model = "membrane", stiffness = 2000, damping = 0.0005 }
+shear = { stiffness = 400 }
+bend = { model = "hinge", rigidity = 2e-5 }
+pin = [{ select = { corners = [0, 1] } }]
+[integrator]
+method = "implicit-midpoint"
+error = 0.001
+"#,
+    );
+    let coarse = run(&place, "damped.toml", 3);
+    let balance = &coarse["energy_balance"];
+    let [appeared, moved] = ["appeared", "moved"].map(|key| balance[key].as_f64().unwrap());
+    println!("{appeared} of {moved} J are left; {}", coarse["doubt"]);
+    assert!(appeared < 0.5 * moved && codes(&coarse).contains(&"energy"), "{}", coarse["warnings"]);
+    let fine = run(&place, "damped.toml --set integrator.error=0.0001", 0);
+    assert_eq!((&fine["verdict"], codes(&fine)), (&Value::from("ok"), vec![]));
+}
+
 /// Pins, colliders and wind give energy, and the cloth cannot have more than it was given.
 #[test]
 fn work_from_outside_is_no_reason_for_doubt() {

@@ -135,13 +135,12 @@ pub enum Tolerance {
     /// At a relative residual.
     Residual(Real),
     /// Linear solves stop where the rest of the solution changes the velocities by less, m/s, in the root mean square,
-    /// and is at most a tenth of the solution. Newton's method stops after such a change, at the relative residual
-    /// `OTHER_RESIDUAL`.
+    /// and is at most a tenth of the solution. Newton's method stops where its further corrections add up to less.
     Velocity(Real),
 }
 
-/// Relative residual where a residual is needed but the tolerance is a velocity: in Newton's method, and in the solve
-/// that adds contacts to a solution.
+/// Relative residual where a residual is needed but the tolerance is a velocity: in linear solves of Newton's method and
+/// in the solve that adds contacts to a solution.
 const OTHER_RESIDUAL: Real = 1e-3;
 
 /// The step, s, in whose error the part of the solves is a fifth.

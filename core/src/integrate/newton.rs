@@ -142,7 +142,7 @@ fn newton_iterations<D: Dispatch>(
 ) {
     let weight = weight_impulse(c, stage.length);
     let (mut target, mut rounding, mut previous): (Sum, Sum, Sum) = (0.0, 0.0, Sum::INFINITY);
-    let mut is_exact = matches!(c.scheme.tolerance, Tolerance::Residual(_));
+    let (mut correction, mut is_exact): (Sum, bool) = (Sum::INFINITY, false);
     for iteration in 0..c.scheme.newton {
         write_positions(c, stage, s.next_velocities, &mut s.stage_positions);
         c.forces(s.stage_positions.view(), s.next_velocities, s.elements, s.forces, statistics);
@@ -150,11 +150,14 @@ fn newton_iterations<D: Dispatch>(
         filter_residual(c, stage, s);
         let norm = residual_norm(c, s.residual);
         if iteration == 0 {
-            target = Sum::from(c.scheme.tolerance.residual()) * norm.max(weight);
+            target = match c.scheme.tolerance {
+                Tolerance::Residual(residual) => Sum::from(residual) * norm.max(weight),
+                Tolerance::Velocity(_) => 0.0,
+            };
         }
         // Once the residual may be only rounding, continue only while each iteration halves it.
         let exhausted = norm <= rounding && norm > 0.5 * previous;
-        if norm <= target && is_exact || exhausted || norm == 0.0 {
+        if norm <= target || is_exact || exhausted {
             return;
         }
         previous = norm;
@@ -176,16 +179,22 @@ fn newton_iterations<D: Dispatch>(
                 return;
             }
         }
-        is_exact |= is_small(c, s.solution);
+        let before = core::mem::replace(&mut correction, root_mean_square(s.solution));
+        is_exact = is_converged(c.scheme.tolerance, before, correction);
     }
-    statistics.unconverged += 1;
+    statistics.unconverged += u64::from(!is_exact);
 }
 
-/// Whether a full correction of the velocities is within their tolerance.
-fn is_small<D: Dispatch>(c: &StepInput<'_, D>, correction: &[Vec3]) -> bool {
-    let Tolerance::Velocity(most) = c.scheme.tolerance else { return false };
-    let square: Sum = correction.iter().map(|&y| dot_sum(y, y)).sum();
-    square <= correction.len() as Sum * Sum::from(most) * Sum::from(most)
+/// Whether the corrections of the velocities, m/s, that follow the last two add up to less than their tolerance, if
+/// each is smaller than the one before by the same factor [Hairer 1996, IV.8].
+fn is_converged(tolerance: Tolerance, before: Sum, last: Sum) -> bool {
+    let Tolerance::Velocity(most) = tolerance else { return false };
+    before.is_finite() && last < before && last * last <= Sum::from(most) * (before - last)
+}
+
+fn root_mean_square(column: &[Vec3]) -> Sum {
+    let square: Sum = column.iter().map(|&y| dot_sum(y, y)).sum();
+    libm::sqrt(square / column.len() as Sum)
 }
 
 /// `S = -(g^2 Kx + g Kv)` at the iterate in `stage_positions`.

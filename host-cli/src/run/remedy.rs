@@ -13,14 +13,14 @@ pub fn of_steps(scene: &SceneDesc) -> String {
     if !integrator.method.is_implicit() {
         return format!("take {shorter}, or an implicit method");
     }
-    let other = if integrator.method == Method::ImplicitMidpoint { "bdf2, which damps fast modes, " } else { "" };
+    if integrator.method == Method::ImplicitMidpoint {
+        return format!("take bdf2, which damps fast modes, or {shorter}");
+    }
     match (integrator.newton, &scene.contact) {
         (..=1, None) => format!(
-            "one linear solve in each step is inexact where cloth turns far; take integrator.newton = 20, {other}or \
-             {shorter}"
+            "one linear solve in each step is inexact where cloth turns far; take integrator.newton = 20, or {shorter}"
         ),
-        _ if other.is_empty() => format!("take {shorter}"),
-        _ => format!("take {other}or {shorter}"),
+        _ => format!("take {shorter}"),
     }
 }
 
