@@ -95,8 +95,8 @@ impl Preview {
 
     /// Takes the next frame: the positions of all vertices of the cloth, in the world, and of the colliders, from
     /// `origin`, metres, and the vertices that pins hold, which are asked for if the frame is kept. All is drawn from
-    /// there: single precision would round a scene far from the world's origin. When there are too many snapshots, every
-    /// second one is dropped, so that they span the whole run.
+    /// there: single precision would round a scene far from the world's origin. When there are too many snapshots,
+    /// every second one is dropped, so that they span the whole run.
     pub fn frame(
         &mut self,
         positions: &[[f64; 3]],

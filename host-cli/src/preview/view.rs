@@ -46,8 +46,8 @@ pub struct Views {
 }
 
 impl Views {
-    /// Views of the cloth in the snapshots, and of the solids in each of them if these are not much larger, in pictures of
-    /// `size` pixels. `floor` is a point and the normal of the floor, if the scene has one.
+    /// Views of the cloth in the snapshots, and of the solids in each of them if these are not much larger, in pictures
+    /// of `size` pixels. `floor` is a point and the normal of the floor, if the scene has one.
     pub fn around<'a>(
         snapshots: impl Iterator<Item = &'a [Vec3]> + Clone,
         solids: &[Vec<Vec3>],
