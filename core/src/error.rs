@@ -301,7 +301,7 @@ impl fmt::Display for SceneError {
             Self::Memory { vertices, bytes } => {
                 write!(
                     f,
-                    "the scene has {vertices} vertices and needs about {} MB of memory, more than there is; take a coarser \
+                    "the scene has {vertices} vertices and needs about {} MB of memory, more than is left; take a coarser \
                      mesh",
                     bytes.div_ceil(1_000_000)
                 )

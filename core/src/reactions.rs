@@ -10,7 +10,6 @@ use glam::DVec3;
 
 use crate::contact::{ContactModel, ContactScratch};
 use crate::integrate::StepInput;
-use crate::integrate::pins::held;
 use crate::real::{Real, Sum, Vec3, to_f64};
 use crate::response::constraint::Constraint;
 use crate::scratch::Scratch;
@@ -60,13 +59,11 @@ impl Reactions<'_> {
     pub fn add_pins<D>(&mut self, c: &StepInput<'_, D>, s: &Scratch<'_>) {
         let step = Sum::from(c.step);
         for (group, sum) in self.groups.iter().zip(&mut *self.pins) {
-            let pins = c.pins.vertices.iter().zip(c.pins.axes);
-            for (&vertex, &axes) in pins.take(group.pins.end).skip(group.pins.start) {
-                let vertex = vertex as usize;
+            for (_, vertex, axes) in c.pins.iter().filter(|(pin, ..)| group.pins.contains(pin)) {
                 let [change, force] = [&s.velocity_changes[vertex], &s.forces[vertex]].map(|&v| DVec3::from(to_f64(v)));
                 let all = change * Sum::from(c.masses[vertex]) - force * step;
                 let mut own = DVec3::ZERO;
-                held(axes).for_each(|axis| own[axis] = all[axis]);
+                axes.for_each(|axis| own[axis] = all[axis]);
                 sum.add(s.stage_positions.rounded[vertex], own);
             }
         }

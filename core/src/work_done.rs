@@ -16,7 +16,7 @@ use crate::dispatch::Dispatch;
 use crate::forces::{self, Model, Term};
 use crate::implicit_contact::exchange;
 use crate::integrate::pin_forces;
-use crate::integrate::pins::{AT_REST, JumpSide, Pins, held};
+use crate::integrate::pins::{AT_REST, JumpSide, Pins};
 use crate::integrate::{Method, StepInput};
 use crate::particles::Particles;
 use crate::reactions::{Reactions, impulses};
@@ -142,12 +142,11 @@ pub fn in_step<D: Dispatch>(
 #[cfg_attr(small, optimize(size))]
 pub fn by_taking_hold(pins: &Pins<'_>, time: Sum, particles: &Particles<'_>, ledger: Ledger<'_>) {
     let Ledger { done, mut reactions } = ledger;
-    for (pin, (&vertex, &axes)) in pins.vertices.iter().zip(pins.axes).enumerate() {
-        let vertex = vertex as usize;
+    for (pin, vertex, axes) in pins.iter() {
         let (mass, v) = (Sum::from(particles.masses[vertex]), particles.velocities[vertex]);
         let (_, target) = pins.target(pin, time, JumpSide::After);
         let (mut impulse, mut work) = (DVec3::ZERO, 0.0);
-        for axis in held(axes) {
+        for axis in axes {
             let [before, after] = [v, target].map(|v| Sum::from(v[axis]));
             impulse[axis] = mass * (after - before);
             work += 0.5 * mass * (after * after - before * before);
@@ -201,8 +200,7 @@ fn by_pins<D>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &Scratch<'_>) -> Su
         let inertia = 0.5 * Sum::from(c.masses[vertex]) * (after * after - before * before);
         inertia - scalar(s.forces) * scalar(s.displacements)
     };
-    let of_pin = |(&vertex, &axes): (&u32, &u8)| held(axes).map(|axis| of_axis(vertex as usize, axis)).sum::<Sum>();
-    c.pins.vertices.iter().zip(c.pins.axes).map(of_pin).sum()
+    c.pins.iter().map(|(_, vertex, axes)| axes.map(|axis| of_axis(vertex, axis)).sum::<Sum>()).sum()
 }
 
 /// Adds the forces of contacts times the displacements of the axes that pins and colliders prescribe, with the opposite

@@ -8,7 +8,7 @@ use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 use muslin_core::scene::SceneDesc;
-use sysinfo::{CGroupLimits, System};
+use sysinfo::System;
 
 /// Largest size of the text of a scene or a sweep, bytes. The parsed values take about a hundred times as much memory.
 pub const TEXT: u64 = 1 << 20;
@@ -91,31 +91,56 @@ fn is_free(needed: u64) -> bool {
     if needed < SMALL {
         return true;
     }
-    let Ok(mut system) = System::new() else { return true };
-    system.refresh_memory();
-    let own = system.available_memory() + system.free_swap();
-    // The cache of files does not count as used: the system frees it.
-    let of_container = |limits: CGroupLimits| limits.total_memory.saturating_sub(limits.rss) + limits.free_swap;
-    let free = system.cgroup_limits().map_or(own, |limits| own.min(of_container(limits)));
+    let free = shared().iter().map(|limit| limit.free).min();
     // 0: the system does not tell the free memory.
-    free == 0 || needed <= free
+    free.is_none_or(|free| free == 0 || needed <= free)
 }
 
-/// The limit on the memory of the process, for a message about too little memory; empty if none is known.
+/// The limit that leaves the process the least memory, for a message about too little memory.
 pub fn memory_in_words() -> String {
-    let by_container = System::new().ok().and_then(|mut system| {
-        system.refresh_memory();
-        let limit = system.cgroup_limits()?.total_memory;
-        (limit < system.total_memory()).then_some((limit, "its container"))
-    });
-    let limits = [address_space().map(|limit| (limit, "ulimit -v")), by_container];
-    let least = limits.into_iter().flatten().min();
-    least.map_or_else(String::new, |(bytes, by)| format!("; the process may have {} MB, by {by}", bytes / 1_000_000))
+    let least = shared().into_iter().chain(address_space()).min_by_key(|limit| limit.free);
+    least.map_or_else(String::new, |limit| {
+        let [all, used] = [limit.all, limit.all.saturating_sub(limit.free)].map(|bytes| bytes / 1_000_000);
+        format!("; {used} MB of the {all} MB that {} are in use", limit.whose)
+    })
 }
 
-/// The limit on the address space of the process, bytes, where Linux tells it.
-fn address_space() -> Option<u64> {
-    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
-    let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
-    limit.split_whitespace().next()?.parse().ok()
+/// A limit on memory.
+struct Limit {
+    /// Who has so much, or allows it: the end of `the 40 MB that ...`.
+    whose: &'static str,
+    /// The limit, bytes.
+    all: u64,
+    /// Memory that is not in use, bytes.
+    free: u64,
+}
+
+/// The memory of the machine and of the container, which processes share.
+fn shared() -> Vec<Limit> {
+    let Ok(mut system) = System::new() else { return Vec::new() };
+    system.refresh_memory();
+    let machine = Limit {
+        whose: "the machine has",
+        all: system.total_memory() + system.total_swap(),
+        free: system.available_memory() + system.free_swap(),
+    };
+    let container = system.cgroup_limits().map(|limits| Limit {
+        whose: "the container may have",
+        all: limits.total_memory,
+        // The cache of files does not count as used: the system frees it.
+        free: limits.total_memory.saturating_sub(limits.rss) + limits.free_swap,
+    });
+    [machine].into_iter().chain(container).collect()
+}
+
+/// The address space of the process, where Linux tells its limit.
+fn address_space() -> Option<Limit> {
+    let number = |file, key| {
+        let text = std::fs::read_to_string(file).ok()?;
+        let rest = text.lines().find_map(|line| line.strip_prefix(key))?;
+        rest.split_whitespace().next()?.parse::<u64>().ok()
+    };
+    let all = number("/proc/self/limits", "Max address space")?;
+    let used = 1024 * number("/proc/self/status", "VmSize:")?;
+    Some(Limit { whose: "ulimit -v allows", all, free: all.saturating_sub(used) })
 }

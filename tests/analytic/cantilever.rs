@@ -10,42 +10,66 @@ use glam::DVec3;
 use harness::kit::double as kit;
 use harness::net::{converged, settle};
 use muslin_core_f64::integrate::Method;
+use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
 
 /// Weight per area, N/m^2, and free length, m.
 const WEIGHT: f64 = 0.2 * 9.81;
-const LENGTH: f64 = 0.2;
+pub const LENGTH: f64 = 0.2;
+
+/// A strip of so many cells with the free length [`LENGTH`].
+pub struct Strip {
+    cells: u32,
+    edge: f64,
+    /// Its length with the clamp, m.
+    long: f64,
+    /// Its width, m.
+    pub wide: f64,
+}
+
+impl Strip {
+    pub fn new(cells: u32) -> Self {
+        let edge = LENGTH / (f64::from(cells) - 0.5);
+        Self { cells, edge, long: edge * f64::from(cells), wide: edge * 0.75f64.sqrt() }
+    }
+
+    /// The clamped strip. It bends with `rigidity`, N m; `scene` and `cloth` are further keys.
+    pub fn build(&self, rigidity: f64, stiffness: f64, scene: &str, cloth: &str) -> BuiltScene {
+        let Self { cells, edge, long, wide } = self;
+        // Pins the first triangle.
+        let clamp = -0.5 * long + 1.25 * edge;
+        kit::build(&format!(
+            r#"
+            duration = 1.0
+            {scene}
+            [[cloth]]
+            grid = {{ size = [{long}, {wide}], cells = [{cells}, 1] }}
+            density = 0.2
+            stretch = {{ model = "membrane", stiffness = {stiffness} }}
+            shear = {{ stiffness = {stiffness} }}
+            bend = {{ model = "hinge", rigidity = {} }}
+            pin = [{{ select = {{ box = [[-9.0, -9.0, -9.0], [{clamp}, 9.0, 9.0]] }} }}]
+            {cloth}"#,
+            rigidity / (1.0 - 1.0 / 9.0)
+        ))
+    }
+
+    /// Drop and reach of a point, divided by the free length.
+    pub fn shape(&self, end: DVec3) -> [f64; 2] {
+        [-end.y / LENGTH, (end.x + 0.5 * self.long - 0.5 * self.edge) / LENGTH]
+    }
+}
 
 /// Drop and reach of the tip, divided by the free length, and the largest stretch minus one.
 fn drape(gamma: f64, cells: u32) -> ([f64; 2], f64) {
-    let edge = LENGTH / (f64::from(cells) - 0.5);
-    let rigidity = WEIGHT * LENGTH.powi(3) / gamma / (1.0 - 1.0 / 9.0);
-    let (long, wide) = (edge * f64::from(cells), edge * 0.75f64.sqrt());
-    let stiffness = 2e5 * WEIGHT * LENGTH;
-    // Pins the first triangle.
-    let clamp = -0.5 * long + 1.25 * edge;
-    let built = kit::build(&format!(
-        r#"
-        name = "cantilever"
-        duration = 1.0
-        gravity = [0.0, -9.81, 0.0]
-        [[cloth]]
-        grid = {{ size = [{long}, {wide}], cells = [{cells}, 1] }}
-        density = 0.2
-        stretch = {{ model = "membrane", stiffness = {stiffness} }}
-        shear = {{ stiffness = {stiffness} }}
-        bend = {{ model = "hinge", rigidity = {rigidity} }}
-        [[cloth.pin]]
-        select = {{ box = [[-9.0, -9.0, -9.0], [{clamp}, 9.0, 9.0]] }}
-        "#
-    ));
+    let (strip, rigidity) = (Strip::new(cells), WEIGHT * LENGTH.powi(3) / gamma);
+    let built = strip.build(rigidity, 2e5 * WEIGHT * LENGTH, "gravity = [0.0, -9.81, 0.0]", "");
     let tip: Vec<_> =
-        (0..built.particles.positions.len()).filter(|&i| built.particles.positions[i].x > 0.499 * long).collect();
+        (0..built.particles.positions.len()).filter(|&i| built.particles.positions[i].x > 0.499 * strip.long).collect();
     let mut sim = Simulation::from_columns(built, converged(Method::BackwardEuler, 1e-6), 0.2);
     settle(&mut sim, 1e-6, 200);
     let end = tip.iter().map(|&i| sim.positions()[i]).sum::<DVec3>() / tip.len() as f64;
-    let from_clamp = end.x + 0.5 * long - 0.5 * edge;
-    ([-end.y / LENGTH, from_clamp / LENGTH], sim.stretch().max - 1.0)
+    (strip.shape(end), sim.stretch().max - 1.0)
 }
 
 /// Gamma, then drop and reach of the tip, divided by the length.

@@ -3,27 +3,16 @@
 use glam::DVec3;
 use harness::kit::{double, single};
 use harness::net::linearised;
+use harness::soft::sheet;
 use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;
 
 const G: f64 = 9.81;
 
-/// A cloth so soft that the modes that grow under explicit Euler do not amplify the rounding errors.
 fn cloth(method: Method, step: f64, linear: f64) -> Simulation {
-    let built = double::build(&format!(
-        r#"
-        name = "fall"
-        duration = 1.0
-        gravity = [0.0, -{G}, 0.0]
-        drag = {{ linear = {linear} }}
-        [[cloth]]
-        grid = {{ size = [0.4, 0.35], cells = [4, 4] }}
-        density = 0.2
-        stretch = {{ model = "membrane", stiffness = 0.1 }}
-        shear = {{ stiffness = 0.05 }}
-        bend = {{ model = "hinge", rigidity = 1e-5 }}"#
-    ));
+    let scene = format!("gravity = [0.0, -{G}, 0.0]\ndrag = {{ linear = {linear} }}");
+    let built = double::build(&sheet(&scene, "bend = { model = \"hinge\", rigidity = 1e-5 }"));
     Simulation::from_columns(built, linearised(method), step)
 }
 
@@ -106,20 +95,12 @@ fn a_thrown_sheet_follows_the_parabola() {
 fn pins_release_and_take_cloth_at_their_times() {
     // BDF2 continues with a step of backward Euler, whose fall is another one.
     for method in Method::ALL.into_iter().filter(|&method| method != Method::Bdf2) {
-        let mut desc = double::scene(&format!(
-            r#"
-            name = "released"
-            duration = 1.0
-            gravity = [0.0, -{G}, 0.0]
-            [[cloth]]
-            grid = {{ size = [0.4, 0.35], cells = [4, 4] }}
-            density = 0.2
-            stretch = {{ model = "membrane", stiffness = 0.1 }}
-            shear = {{ stiffness = 0.05 }}
-            pin = [{{ select = {{ box = [[-1, -1, -1], [1, 1, 1]] }}, until = 0.1 }},
-                   {{ select = {{ box = [[-1, -1, -1], [1, 1, 1]] }}, from = 0.2, until = 0.25 }},
-                   {{ select = {{ box = [[-1, -1, -1], [1, 1, 1]] }}, from = 0.3,
-                      motion = {{ keys = [[0.0, 0, 0, 0], [1.0, 0, 2, 0]] }} }}]"#
+        let mut desc = double::scene(&sheet(
+            &format!("gravity = [0.0, -{G}, 0.0]"),
+            "pin = [{ select = { box = [[-1, -1, -1], [1, 1, 1]] }, until = 0.1 },
+                    { select = { box = [[-1, -1, -1], [1, 1, 1]] }, from = 0.2, until = 0.25 },
+                    { select = { box = [[-1, -1, -1], [1, 1, 1]] }, from = 0.3,
+                      motion = { keys = [[0.0, 0, 0, 0], [1.0, 0, 2, 0]] } }]",
         ));
         (desc.integrator.method, desc.integrator.step, desc.frame_rate) = (method, Some(0.002), 500.0);
         desc.integrator.tolerance = Some(1e-14);

@@ -3,27 +3,12 @@
 use glam::DVec3;
 use harness::kit::{double, single};
 use harness::net::linearised;
+use harness::soft::sheet;
 use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::integrate::{Method, Scheme};
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::work_done::WorkDone;
-
-/// A sheet of 0.2 kg/m^2, so soft that the modes that grow under explicit Euler do not amplify the rounding errors.
-fn sheet(scene: &str, cloth: &str) -> String {
-    format!(
-        r#"
-        name = "keys"
-        duration = 1.0
-        {scene}
-        [[cloth]]
-        grid = {{ size = [0.4, 0.35], cells = [4, 4] }}
-        density = 0.2
-        stretch = {{ model = "membrane", stiffness = 0.1 }}
-        shear = {{ stiffness = 0.05 }}
-        {cloth}"#
-    )
-}
 
 fn run(text: &str, scheme: Scheme, step: f64, steps: u32) -> Simulation {
     let mut sim = Simulation::from_columns(double::build(text), scheme, step);

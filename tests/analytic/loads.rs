@@ -8,36 +8,21 @@ use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;
 
-const LENGTH: f64 = 0.2;
+use crate::cantilever::{LENGTH, Strip};
 
 /// Drop and reach of the tip of a clamped strip, divided by its free length. P is the load on the tip, P L^2 / D =
-/// `load`. The strip and its clamp are those of `cantilever`.
+/// `load`.
 fn tip(load: f64, cells: u32) -> [f64; 2] {
-    let edge = LENGTH / (f64::from(cells) - 0.5);
-    let (long, wide) = (edge * f64::from(cells), edge * 0.75f64.sqrt());
-    let force = load * wide / (LENGTH * LENGTH);
-    let stiffness = 2e5 * load / (LENGTH * LENGTH);
-    let clamp = -0.5 * long + 1.25 * edge;
-    let built = kit::build(&format!(
-        r#"
-        name = "tip load"
-        duration = 1.0
-        [[cloth]]
-        grid = {{ size = [{long}, {wide}], cells = [{cells}, 1] }}
-        density = 0.2
-        stretch = {{ model = "membrane", stiffness = {stiffness} }}
-        shear = {{ stiffness = {stiffness} }}
-        bend = {{ model = "hinge", rigidity = {} }}
-        pin = [{{ select = {{ box = [[-9.0, -9.0, -9.0], [{clamp}, 9.0, 9.0]] }} }}]
-        load = [{{ select = {{ edge = "right" }}, force = [0.0, -{force:?}, 0.0], share = "length" }}]
-        "#,
-        1.0 / (1.0 - 1.0 / 9.0)
-    ));
+    let (strip, per_width) = (Strip::new(cells), load / (LENGTH * LENGTH));
+    let force = per_width * strip.wide;
+    let pulled =
+        format!("load = [{{ select = {{ edge = \"right\" }}, force = [0, -{force:?}, 0], share = \"length\" }}]");
+    let built = strip.build(1.0, 2e5 * per_width, "", &pulled);
     let loaded = built.model.loads.as_ref().expect("loaded").vertices.clone();
     let mut sim = Simulation::from_columns(built, converged(Method::BackwardEuler, 1e-6), 0.2);
     settle(&mut sim, 1e-6, 200);
     let end = loaded.iter().map(|&i| sim.positions()[i as usize]).sum::<DVec3>() / loaded.len() as f64;
-    [-end.y / LENGTH, (end.x + 0.5 * long - 0.5 * edge) / LENGTH]
+    strip.shape(end)
 }
 
 /// P L^2 / D, then drop and reach of the tip over the length [Bisshopp 1945, Mattiasson 1981].

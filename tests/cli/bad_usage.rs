@@ -66,14 +66,38 @@ fn overrides() {
     refuses("contact.friction=0.3", &["missing field `thickness`"]);
     // Of several overrides, the message names the one that is wrong.
     for (set, hint) in [
-        ("density=0.3", "there is no key density; did you mean cloth.density?"),
+        ("density=0.3", "there is no key density; did you mean cloth.density or cloth.mass.density?"),
         ("stretch.stiffness=3", "did you mean cloth.stretch.stiffness?"),
         ("cloth.rigidity=1e-5", "did you mean cloth.bend.rigidity?"),
         ("thickness=0.01", "did you mean contact.thickness?"),
+        // Keys of sections that are not in the scene, nor in a built-in one.
+        ("step=0.001", "did you mean integrator.step?"),
+        ("share=\"area\"", "did you mean cloth.load.share or cloth.mass.share?"),
+        ("spin.rate=1", "did you mean cloth.spin.rate?"),
+        ("wind.velocity=[1,0,0]", "did you mean drag.wind.velocity?"),
+        ("cloth.keys=[[0,0,0,0]]", "did you mean gravity.keys or cloth.pin.motion.keys or cloth.load.force.keys or"),
     ] {
         place.refuses(&format!("tiny.toml --set {set}"), &[&format!("--set {set}: "), hint]);
     }
     place.refuses("tiny.toml --set integrator.step=0.02 --set nme=x --set duration=1", &["--set nme=x: ", "`name`"]);
+}
+
+#[test]
+fn overrides_in_a_list_that_the_scene_lacks() {
+    let place = Place::new();
+    for (set, hint) in [
+        (
+            "collider.radius=0.1",
+            "the scene has no collider; a new one needs all its keys: collider=[{ radius = 0.1, .. }]",
+        ),
+        ("collider.0.motion.turn.rate=3", "the scene has no collider; a new one needs all its keys"),
+        (
+            "cloth.0.load.share=area",
+            "a cloth of the scene has no load; a new one needs all its keys: cloth.load=[{ share",
+        ),
+    ] {
+        place.refuses(&format!("tiny.toml --set {set}"), &[&format!("--set {set}: "), hint]);
+    }
 }
 
 #[test]

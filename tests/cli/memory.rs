@@ -41,12 +41,19 @@ fn more_than_there_is_memory_for() {
     ];
     for (words, vertices) in cases {
         let refused = within(&place, 4_000_000, words).expect(2);
-        let named = ["needs about", "MB of memory", "coarser mesh", "the process may have 4096 MB, by ulimit -v"];
+        let named =
+            ["needs about", "MB of memory", "coarser mesh", "MB of the 4096 MB that ulimit -v allows are in use"];
         for part in named.into_iter().chain([vertices]) {
             assert!(refused.stderr.contains(part), "{words}: {part:?} is not in {}", refused.stderr);
         }
         assert!(!place.path("out").exists(), "{words} has written");
     }
+}
+
+/// The number of megabytes after these words of a message.
+fn megabytes(message: &str, words: &str) -> u64 {
+    let after = message.split(words).nth(1).unwrap_or_else(|| panic!("{words:?} is not in {message:?}"));
+    after.split_whitespace().next().unwrap().parse().unwrap_or_else(|error| panic!("{error} in {message:?}"))
 }
 
 /// From a limit at which the scene is refused up to one at which there is memory for everything.
@@ -59,7 +66,10 @@ fn a_check_without_memory_costs_no_result() {
         for limit in (100_000..=300_000).step_by(10_000) {
             let outcome = within(&place, limit, &format!("run tiny.toml --out out {grid} --json {words}"));
             if outcome.code == Some(2) {
-                assert!(outcome.stderr.contains("needs about"), "{words} in {limit} KiB: {outcome:?}");
+                let said = &outcome.stderr;
+                let [needed, used] = ["needs about ", "mesh; "].map(|words| megabytes(said, words));
+                let allowed = megabytes(said, "MB of the ");
+                assert!(allowed == limit * 1024 / 1_000_000 && needed + used >= allowed, "{words}: {outcome:?}");
                 continue;
             }
             let summary = outcome.expect(0).json();

@@ -415,7 +415,7 @@ fn memory_is_told_before_it_is_taken() {
     assert_eq!(
         error.to_string(),
         format!(
-            "the scene has 100000000 vertices and needs about {megabytes} MB of memory, more than there is; take a coarser \
+            "the scene has 100000000 vertices and needs about {megabytes} MB of memory, more than is left; take a coarser \
              mesh"
         )
     );

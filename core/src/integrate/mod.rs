@@ -139,7 +139,7 @@ pub enum Tolerance {
     Velocity(Real),
 }
 
-/// Relative residual where a residual is needed but the tolerance is a velocity: in linear solves of Newton's method and
+/// Relative residual where a residual is needed but the tolerance is a velocity: in solves of Newton's method, and
 /// in the solve that adds contacts to a solution.
 const OTHER_RESIDUAL: Real = 1e-3;
 

@@ -3,7 +3,6 @@
 //! these ends edges that turn are shorter, so stiff cloth would pull at its pins.
 
 use super::StepInput;
-use super::pins::held;
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::real::{Real, Vec3};
@@ -32,7 +31,7 @@ pub fn add_change<D: Dispatch>(c: &StepInput<'_, D>, length: Real, part: Real, s
 /// Writes the noted forces along the held axes to the column of forces.
 #[cfg_attr(small, optimize(size), inline(never))]
 pub fn write<D>(c: &StepInput<'_, D>, s: &mut Scratch<'_>) {
-    for ((force, &vertex), &axes) in s.pin_forces.iter().zip(c.pins.vertices).zip(c.pins.axes) {
-        held(axes).for_each(|axis| s.forces[vertex as usize][axis] = force[axis]);
+    for (force, (_, vertex, axes)) in s.pin_forces.iter().zip(c.pins.iter()) {
+        axes.for_each(|axis| s.forces[vertex][axis] = force[axis]);
     }
 }

@@ -56,6 +56,12 @@ pub struct Pins<'a> {
 }
 
 impl Pins<'_> {
+    /// The pins: the number of each, its vertex, and its held axes, 0..3.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, usize, impl Iterator<Item = usize>)> {
+        let pins = self.vertices.iter().zip(self.axes).enumerate();
+        pins.map(|(pin, (&vertex, &axes))| (pin, vertex as usize, held(axes)))
+    }
+
     /// Prescribed position of a pin at `time`, m, and its velocity on the given side of that time, m/s.
     pub fn target(&self, pin: usize, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
         let anchor = self.anchors[pin];
@@ -76,10 +82,10 @@ impl Pins<'_> {
 
     /// Sets the velocities of the held axes to their prescribed values just after `time`.
     pub fn set_out(&self, time: Sum, v: &mut [Vec3]) {
-        for (pin, &vertex) in self.vertices.iter().enumerate() {
+        for (pin, vertex, axes) in self.iter() {
             let (_, velocity) = self.target(pin, time, JumpSide::After);
-            for axis in held(self.axes[pin]) {
-                v[vertex as usize][axis] = velocity[axis];
+            for axis in axes {
+                v[vertex][axis] = velocity[axis];
             }
         }
     }
@@ -87,11 +93,11 @@ impl Pins<'_> {
     /// Sets the positions and velocities of the held axes to their prescribed values at `time`. `side`
     /// is `Before` in a stage, `After` in a state that the next step starts from.
     pub fn impose(&self, time: Sum, side: JumpSide, x: &mut [Vec3], v: &mut [Vec3]) {
-        for (pin, &vertex) in self.vertices.iter().enumerate() {
+        for (pin, vertex, axes) in self.iter() {
             let (position, velocity) = self.target(pin, time, side);
-            for axis in held(self.axes[pin]) {
-                x[vertex as usize][axis] = position[axis] as Real;
-                v[vertex as usize][axis] = velocity[axis];
+            for axis in axes {
+                x[vertex][axis] = position[axis] as Real;
+                v[vertex][axis] = velocity[axis];
             }
         }
     }
@@ -99,12 +105,11 @@ impl Pins<'_> {
     /// Sets the held axes of the changes from the state `from` so that they end in the prescribed positions, m, and
     /// velocities just after `time`, m/s.
     pub fn impose_changes(&self, time: Sum, from: &Particles<'_>, x: &mut [Vec3], v: &mut [Vec3]) {
-        for (pin, &vertex) in self.vertices.iter().enumerate() {
+        for (pin, vertex, axes) in self.iter() {
             let (position, velocity) = self.target(pin, time, JumpSide::After);
-            let vertex = vertex as usize;
             let displacement = displacement(from, vertex, position);
             let change = velocity - from.velocities[vertex] - from.low_velocities[vertex];
-            for axis in held(self.axes[pin]) {
+            for axis in axes {
                 x[vertex][axis] = displacement[axis];
                 v[vertex][axis] = change[axis];
             }
@@ -121,11 +126,10 @@ impl Pins<'_> {
         length: Real,
         v: &mut [Vec3],
     ) {
-        for (pin, &vertex) in self.vertices.iter().enumerate() {
+        for (pin, vertex, axes) in self.iter() {
             let (position, _) = self.target(pin, time, JumpSide::Before);
-            let vertex = vertex as usize;
             let velocity = (displacement(from, vertex, position) - offset(vertex)) / length;
-            for axis in held(self.axes[pin]) {
+            for axis in axes {
                 v[vertex][axis] = velocity[axis];
             }
         }
@@ -133,9 +137,9 @@ impl Pins<'_> {
 
     /// Clears the held axes of a column.
     pub fn filter(&self, column: &mut [Vec3]) {
-        for (&vertex, &axes) in self.vertices.iter().zip(self.axes) {
-            for axis in held(axes) {
-                column[vertex as usize][axis] = 0.0;
+        for (_, vertex, axes) in self.iter() {
+            for axis in axes {
+                column[vertex][axis] = 0.0;
             }
         }
     }
@@ -174,7 +178,7 @@ pub fn filter_block(block: &mut Mat3, axes: u8) {
 }
 
 /// The held axes, 0..3.
-pub(crate) fn held(axes: u8) -> impl Iterator<Item = usize> {
+fn held(axes: u8) -> impl Iterator<Item = usize> {
     (0..3).filter(move |axis| axes >> axis & 1 == 1)
 }
 

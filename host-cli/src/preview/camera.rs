@@ -41,6 +41,11 @@ impl Camera {
         Camera { eye, right, up, back, size, focal: size[1] / (2.0 * HALF_ANGLE) }
     }
 
+    /// The same camera at another place.
+    pub fn moved(self, way: Vec3) -> Camera {
+        Camera { eye: self.eye + way, ..self }
+    }
+
     /// Position of a point in the picture, in pixels, and the inverse of its depth (1/metres).
     pub fn project(&self, point: Vec3) -> Vec3 {
         let from_eye = point - self.eye;

@@ -25,7 +25,7 @@ use palette::Palette;
 use picture::Things;
 pub use solids::Solid;
 use solids::Solids;
-use view::View;
+use view::Views;
 
 /// Picture size, pixels.
 const SIZE: [usize; 2] = [480, 360];
@@ -94,17 +94,23 @@ impl Preview {
     }
 
     /// Takes the next frame: the positions of all vertices of the cloth, in the world, and of the colliders, from
-    /// `origin`, metres, and the vertices that pins hold. All is drawn from there: single precision would round a scene
-    /// far from the world's origin. When there are too many snapshots, every second one is dropped, so that they span
-    /// the whole run.
-    pub fn frame(&mut self, positions: &[[f64; 3]], places: &[[f32; 3]], pins: Vec<u32>, origin: [f64; 3]) {
+    /// `origin`, metres, and the vertices that pins hold, which are asked for if the frame is kept. All is drawn from
+    /// there: single precision would round a scene far from the world's origin. When there are too many snapshots,
+    /// every second one is dropped, so that they span the whole run.
+    pub fn frame(
+        &mut self,
+        positions: &[[f64; 3]],
+        places: &[[f32; 3]],
+        pins: impl FnOnce() -> Vec<u32>,
+        origin: [f64; 3],
+    ) {
         if self.frames.is_multiple_of(self.stride) {
             if self.snapshots.len() == self.most_frames {
                 self.thin_out();
             }
             if self.frames.is_multiple_of(self.stride) {
                 let cloth = positions.iter().map(|&x| (DVec3::from(x) - DVec3::from(origin)).as_vec3()).collect();
-                self.snapshots.push(Snapshot { cloth, places: places.into(), pins });
+                self.snapshots.push(Snapshot { cloth, places: places.into(), pins: pins() });
             }
         }
         self.frames += 1;
@@ -121,16 +127,16 @@ impl Preview {
 
     /// Writes an animation that loops and runs in real time.
     pub fn write_gif(&self, path: &Path, stop: &AtomicBool) -> Result<(), PreviewError> {
-        let view = self.view()?;
+        let views = self.views()?;
         let shown = self.shown();
         let sample: Vec<usize> = spread(shown.len(), PALETTE_PICTURES).map(|k| shown[k]).collect();
-        let palette = Palette::of(&self.draw(&view, &sample, stop)?);
+        let palette = Palette::of(&self.draw(&views, &sample, stop)?);
         let delays = self.delays(&shown);
         let failed = |cause| WriteError { path: path.into(), cause };
         let mut bytes = Vec::new();
         let mut animation = Animation::new(&mut bytes, SIZE, &palette.colours).map_err(failed)?;
         for (batch, delays) in shown.chunks(BATCH).zip(delays.chunks(BATCH)) {
-            let pictures = self.draw(&view, batch, stop)?;
+            let pictures = self.draw(&views, batch, stop)?;
             let indexed: Vec<_> = pictures.par_iter().map(|picture| palette.indices(picture)).collect();
             for (pixels, &delay) in indexed.into_iter().zip(delays) {
                 animation.add(pixels, delay).map_err(failed)?;
@@ -143,25 +149,25 @@ impl Preview {
 
     /// Writes one picture of six instants over the run.
     pub fn write_png(&self, path: &Path, stop: &AtomicBool) -> Result<(), PreviewError> {
-        let view = self.view()?;
+        let views = self.views()?;
         let instants: Vec<usize> = spread(self.snapshots.len(), SHEET[0] * SHEET[1]).collect();
         let size = [0, 1].map(|k| SHEET[k] * (SIZE[k] + GAP) - GAP);
         let mut sheet = Image::filled(size, [255; 3]);
-        for (k, tile) in self.draw(&view, &instants, stop)?.iter().enumerate() {
+        for (k, tile) in self.draw(&views, &instants, stop)?.iter().enumerate() {
             sheet.put(tile, [k % SHEET[0] * (SIZE[0] + GAP), k / SHEET[0] * (SIZE[1] + GAP)]);
         }
         whole::write(path.into(), |file| sheet.write_png(file))?;
         Ok(())
     }
 
-    fn view(&self) -> Result<View, PreviewError> {
+    fn views(&self) -> Result<Views, PreviewError> {
         let first = self.snapshots.first().ok_or(PreviewError::Empty)?;
-        let solids: Vec<_> = self.snapshots.iter().flat_map(|snapshot| self.solids.points(&snapshot.places)).collect();
+        let solids: Vec<_> = self.snapshots.iter().map(|snapshot| self.solids.points(&snapshot.places)).collect();
         let cloth = self.snapshots.iter().map(|snapshot| snapshot.cloth.as_slice());
-        Ok(View::around(cloth, &solids, self.solids.floor(&first.places), SIZE))
+        Ok(Views::around(cloth, &solids, self.solids.floor(&first.places), SIZE))
     }
 
-    fn draw(&self, view: &View, snapshots: &[usize], stop: &AtomicBool) -> Result<Vec<Image>, PreviewError> {
+    fn draw(&self, views: &Views, snapshots: &[usize], stop: &AtomicBool) -> Result<Vec<Image>, PreviewError> {
         let last = (self.snapshots.len() - 1).max(1) as f32;
         let draw = |&k: &usize| {
             if stop.load(Ordering::Relaxed) {
@@ -170,7 +176,7 @@ impl Preview {
             let Snapshot { cloth, places, pins } = &self.snapshots[k];
             let solids = self.solids.points(places);
             let things = Things { cloth, triangles: &self.triangles, solids: &solids, others: &self.solids.triangles };
-            Ok(picture::draw(view, &things, pins, k as f32 / last))
+            Ok(picture::draw(&views.at(k), &things, pins, k as f32 / last))
         };
         snapshots.par_iter().map(draw).collect()
     }
@@ -231,7 +237,7 @@ mod tests {
 
     fn preview(frames: usize) -> Preview {
         let mut preview = Preview::new(&grid(), Vec::new(), 30.0, 16);
-        (0..frames).for_each(|frame| preview.frame(&waves(frame), &[], vec![0, 11], [0.0; 3]));
+        (0..frames).for_each(|frame| preview.frame(&waves(frame), &[], || vec![0, 11], [0.0; 3]));
         preview
     }
 
@@ -312,8 +318,8 @@ mod tests {
         for bad in [f64::NAN, f64::INFINITY, 1e30, -3e38] {
             let mut frame = waves(3);
             frame[40] = [bad, 0.0, bad];
-            preview.frame(&frame, &[], Vec::new(), [0.0; 3]);
-            preview.frame(&[[bad; 3]; SIDE * SIDE], &[], vec![3], [0.0; 3]);
+            preview.frame(&frame, &[], Vec::new, [0.0; 3]);
+            preview.frame(&[[bad; 3]; SIDE * SIDE], &[], || vec![3], [0.0; 3]);
         }
         let left = fabric(&sheet(&preview));
         assert!(whole / 4 < left && left < whole, "{left} of {whole}");
@@ -324,13 +330,27 @@ mod tests {
     fn odd_input_does_no_harm() {
         let mut preview = Preview::new(&[[0, 1, 7]], Vec::new(), f64::NAN, 0);
         assert!(matches!(preview.write_gif(Path::new("never.gif"), &GO), Err(PreviewError::Empty)));
-        preview.frame(&[], &[], vec![9], [0.0; 3]);
-        preview.frame(&[[0.0; 3]; 2], &[], vec![9], [0.0; 3]);
-        preview.frame(&[[1.0; 3]; 8], &[], vec![9], [0.0; 3]);
+        preview.frame(&[], &[], || vec![9], [0.0; 3]);
+        preview.frame(&[[0.0; 3]; 2], &[], || vec![9], [0.0; 3]);
+        preview.frame(&[[1.0; 3]; 8], &[], || vec![9], [0.0; 3]);
         for rate in [f64::NAN, 0.0, -1.0, f64::INFINITY, 1e-9] {
             preview.frame_rate = rate;
             assert!(!gif(&preview).is_empty());
         }
+    }
+
+    #[test]
+    fn pins_are_asked_for_in_the_snapshots_only() {
+        let (mut preview, mut asked) = (preview(0), 0);
+        for frame in 0..64 {
+            let count = || {
+                asked += 1;
+                Vec::new()
+            };
+            preview.frame(&waves(frame), &[], count, [0.0; 3]);
+        }
+        // Every frame up to 16, every second one up to 32, every fourth one up to 64.
+        assert_eq!((asked, preview.snapshots.len()), (16 + 8 + 8, 16));
     }
 
     #[test]

@@ -10,6 +10,7 @@ const TOWARDS_LIGHT: Vec3 = Vec3::new(-0.36, 0.88, 0.30);
 const SIDE: usize = 384;
 
 /// A distant light, and the region on which it casts shadows.
+#[derive(Clone, Copy)]
 pub struct Light {
     /// Towards the light, of length 1.
     pub direction: Vec3,
@@ -31,10 +32,18 @@ impl Light {
         Light { direction, axes, low: low - texel, texel }
     }
 
+    /// The same light on a region that has moved.
+    pub fn moved(self, way: Vec3) -> Light {
+        Light { low: self.low + self.flat(way), ..self }
+    }
+
+    fn flat(&self, point: Vec3) -> Vec2 {
+        Vec2::new(self.axes[0].dot(point), self.axes[1].dot(point))
+    }
+
     /// Position in the map, in texels, and height towards the light, metres.
     fn project(&self, point: Vec3) -> Vec3 {
-        let flat = Vec2::new(self.axes[0].dot(point), self.axes[1].dot(point));
-        ((flat - self.low) / self.texel).extend(self.direction.dot(point))
+        ((self.flat(point) - self.low) / self.texel).extend(self.direction.dot(point))
     }
 
     /// The shadows that these triangles cast.

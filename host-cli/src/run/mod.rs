@@ -212,7 +212,7 @@ impl<'a> Files<'a> {
             let mut preview = Preview::new(triangles, solids, frame_rate, most.clamp(6, PREVIEW_FRAMES));
             // The preview of a resumed run begins here: earlier frames are in files, if they exist at all.
             if resumed {
-                preview.frame(positions, &files.solids, engine.held(), engine.origin());
+                preview.frame(positions, &files.solids, || engine.held(), engine.origin());
             }
             files.preview = Some(preview);
         }
@@ -306,7 +306,7 @@ impl Witness for Files<'_> {
         self.series.as_mut().map_or(Ok(()), |series| series.frame(course))?;
         if let Some(preview) = &mut self.preview {
             course.engine.write_solids(&mut self.solids);
-            preview.frame(&course.positions, &self.solids, course.engine.held(), course.engine.origin());
+            preview.frame(&course.positions, &self.solids, || course.engine.held(), course.engine.origin());
         }
         Ok(())
     }

@@ -1,13 +1,11 @@
 //! Overrides: new values for the keys of a scene.
 
-use std::collections::BTreeSet;
-
-use muslin_core::scene::{BUILT_IN, SceneDesc};
+use muslin_core::scene::SceneDesc;
 use toml::{Table, Value};
 
 use crate::failure::Failure;
 
-use super::explain;
+use super::{explain, keys};
 
 /// A new value for a key of a scene.
 #[derive(Clone, Debug)]
@@ -37,14 +35,13 @@ impl Change {
 /// be a valid scene: a new section may need several overrides.
 pub fn apply(table: Table, changes: &[Change]) -> Result<(SceneDesc, String), Failure> {
     let mut scene = Value::Table(table);
-    let known = known_keys(&scene);
     let mut first_failure = None;
     for change in changes {
         let failed = |why: String| Failure::Usage(format!("{}: {why}", change.asked));
         set(&mut scene, &change.key.split('.').collect::<Vec<_>>(), &change.value).map_err(failed)?;
         if let Err(error) = scene.clone().try_into::<SceneDesc>() {
-            first_failure
-                .get_or_insert_with(|| failed(elsewhere(change, &error, &known).unwrap_or_else(|| explain(&error))));
+            let why = || no_list(change, &error).or_else(|| elsewhere(change, &error));
+            first_failure.get_or_insert_with(|| failed(why().unwrap_or_else(|| explain(&error))));
         }
     }
     let desc = scene.clone().try_into();
@@ -53,31 +50,24 @@ pub fn apply(table: Table, changes: &[Change]) -> Result<(SceneDesc, String), Fa
     Ok((desc, text))
 }
 
-/// The keys of a scene and of the built-in ones, without indices.
-fn known_keys(scene: &Value) -> BTreeSet<String> {
-    let mut keys = BTreeSet::new();
-    let built_in = BUILT_IN.iter().filter_map(|(_, text)| toml::from_str(text).ok());
-    built_in.chain([scene.clone()]).for_each(|scene: Value| add_keys(&scene, "", &mut keys));
-    keys
+/// The message for a key of a list that the scene lacks; `None` if the error is another one.
+fn no_list(change: &Change, error: &toml::de::Error) -> Option<String> {
+    let text = error.to_string();
+    let (_, place) = text.split_once("invalid type: map, expected a sequence\nin `")?;
+    let list = place.split('`').next()?;
+    let sections = change.key.split('.').filter(|part| part.parse::<usize>().is_err()).collect::<Vec<_>>().join(".");
+    let key = sections.strip_prefix(list)?.strip_prefix('.')?;
+    let (owner, name) = list.rsplit_once('.').map_or(("the scene", list), |(_, name)| ("a cloth of the scene", name));
+    let value = &change.value;
+    Some(format!("{owner} has no {name}; a new one needs all its keys: {list}=[{{ {key} = {value}, .. }}]"))
 }
 
-fn add_keys(value: &Value, section: &str, keys: &mut BTreeSet<String>) {
-    match value {
-        Value::Table(table) => table.iter().for_each(|(key, value)| {
-            let key = if section.is_empty() { key.clone() } else { format!("{section}.{key}") };
-            add_keys(value, &key, keys);
-            keys.insert(key);
-        }),
-        Value::Array(items) => items.iter().for_each(|item| add_keys(item, section, keys)),
-        _ => {}
-    }
-}
-
-/// The message for a key that stands in another section; `None` if the error is not about the key, or no known key ends
-/// like it.
-fn elsewhere(change: &Change, error: &toml::de::Error, known: &BTreeSet<String>) -> Option<String> {
+/// The message for a key that stands in another section; `None` if the error is not about the key, or no key of a scene
+/// ends like it.
+fn elsewhere(change: &Change, error: &toml::de::Error) -> Option<String> {
     let unknown = error.message().strip_prefix("unknown field `")?.split('`').next()?;
     let last = change.key.split('.').find(|part| *part == unknown).and(change.key.rsplit('.').next())?;
+    let known = keys::all();
     let ending = |end: &str| known.iter().filter(|key| key.ends_with(&format!(".{end}"))).cloned().collect::<Vec<_>>();
     let keys = [&change.key, last].map(ending).into_iter().find(|keys| !keys.is_empty())?;
     Some(format!("there is no key {}; did you mean {}?", change.key, keys.join(" or ")))

@@ -3,6 +3,7 @@
 mod change;
 mod comments;
 mod hint;
+mod keys;
 
 pub use change::Change;
 

@@ -1,0 +1,45 @@
+//! The conditions of the core's warnings. The texts that `muslin` prints are tested in `tests/cli`.
+//!
+//! Run: `cargo test -p muslin-tests --test warnings`.
+
+use harness::kit::single;
+use muslin_core::integrate::stability::Mode;
+use muslin_core::warning;
+
+/// The warning that masses are lost beside the stiffness knows all that moves cloth. A strip of 20 g may lose 12 % of
+/// its masses.
+#[test]
+fn whatever_moves_the_cloth_can_lose_masses() {
+    let warn = |of_scene: &str, cloth: &str, tables: &str| {
+        let text = format!(
+            "duration = 1.0\n{of_scene}\n[[cloth]]\ngrid = {{ size = [1.0, 0.1], cells = [10, 2] }}\n\
+             density = 0.2\n{cloth}\n{tables}"
+        );
+        let modes = [Mode { stiffness: 2e10, damping: 0.0 }; 2];
+        warning::masses(&modes, &single::scene(&text), 1.0, 0.02, 0.01)
+    };
+    assert_eq!(warn("", "", ""), None, "nothing moves it");
+    assert_eq!(warn("", "velocity = [1, 0, 0]", ""), None, "nothing changes its velocity");
+    let ball = "[[collider]]\nshape = \"sphere\"\ncenter = [0, -2, 0]\nradius = 1.0\nmotion = ";
+    let pin = "pin = [{ select = { edge = \"left\" }";
+    let keys = "{ keys = [[0, 0, 0, 0], [1, 0, 1, 0]] }";
+    let turn = "{ turn = { axis = [1, 0, 0], rate = 1.0 } }";
+    let drivers = [
+        ["gravity = [0, -1, 0]", "", ""],
+        ["", "spin = { axis = [0, 1, 0], rate = 2.0 }", ""],
+        ["", "start = [{ select = { edge = \"left\" }, velocity = [0, 1, 0] }]", ""],
+        ["", &format!("velocity = [1, 0, 0]\n{pin}, from = 0.5 }}]"), ""],
+        ["", "load = [{ select = { edge = \"left\" }, force = [0, 0, 0.02] }]", ""],
+        ["", &format!("{pin}, motion = {keys} }}]"), ""],
+        ["", &format!("{pin}, motion = {turn} }}]"), ""],
+        ["", "", "[drag]\nwind = { velocity = [0, 2, 0], normal = 0.1 }"],
+        ["", "", &format!("{ball}{keys}")],
+        ["", "", &format!("{ball}{turn}")],
+    ];
+    for [of_scene, cloth, tables] in drivers {
+        let found = warn(of_scene, cloth, tables);
+        assert!(found.is_some_and(|found| !found.is_doubtful), "{of_scene}{cloth}{tables}: {found:?}");
+    }
+    let far = warn("gravity = [0, -1000, 0]", "", "");
+    assert!(far.is_some_and(|far| far.is_doubtful), "all of a long way may be lost: {far:?}");
+}
