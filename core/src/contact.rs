@@ -316,7 +316,6 @@ mod owned {
         /// Columns for a model, with room for `pairs` candidates of each kind and an eighth as many
         /// constraints. They grow if a step needs more.
         #[cfg_attr(small, optimize(size))]
-        #[cfg_attr(small, optimize(size))]
         pub fn build(model: &ContactModel<'_>, pairs: usize) -> Self {
             let vertices = model.radii.len();
             let column = vec![Vec3::ZERO; vertices];
@@ -359,7 +358,6 @@ mod owned {
         }
 
         /// Makes room for at least so many constraints; false if there is no memory.
-        #[cfg_attr(small, optimize(size))]
         #[cfg_attr(small, optimize(size))]
         pub fn grow_constraints(&mut self, needed: usize) -> bool {
             let length = needed + needed / 4;

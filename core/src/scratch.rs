@@ -151,7 +151,6 @@ mod owned {
     impl ScratchColumns {
         /// Allocates the columns for a scene and a scheme.
         #[cfg_attr(small, optimize(size))]
-        #[cfg_attr(small, optimize(size))]
         pub fn build(scene: &BuiltScene, scheme: &Scheme) -> Self {
             let (vertices, model) = (scene.particles.positions.len(), &scene.model.view());
             let column = |used: bool| vec![Vec3::ZERO; if used { vertices } else { 0 }];

@@ -124,7 +124,6 @@ pub struct GridColumns {
 impl GridColumns {
     /// Allocates columns that suffice for every surface with `vertices` vertices and `triangles` triangles.
     #[cfg_attr(small, optimize(size))]
-    #[cfg_attr(small, optimize(size))]
     pub fn build(vertices: usize, triangles: usize) -> Self {
         use alloc::vec;
         Self {

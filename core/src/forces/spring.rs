@@ -287,7 +287,6 @@ pub struct SpringColumns {
 impl SpringColumns {
     /// The columns of springs that are given by pairs of vertices.
     #[cfg_attr(small, optimize(size))]
-    #[cfg_attr(small, optimize(size))]
     pub fn build(vertices: usize, springs: &[([u32; 2], Spring)]) -> Self {
         let ends: alloc::vec::Vec<[u32; 2]> = springs.iter().map(|(ends, _)| *ends).collect();
         let incidence = crate::mesh::IncidenceColumns::build(vertices, &ends);

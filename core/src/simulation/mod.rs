@@ -125,7 +125,6 @@ impl Simulation {
 
     /// Makes a simulation of a scene that is already built. Pins start with their prescribed velocities.
     #[cfg_attr(small, optimize(size))]
-    #[cfg_attr(small, optimize(size))]
     pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
         built.pins.view().set_out(0.0, &mut built.particles.velocities);
         let scratch = ScratchColumns::build(&built, &scheme);
