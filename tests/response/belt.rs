@@ -96,7 +96,9 @@ both_precisions! {
                 let [x, y, radius] = [-0.11_f64, -0.1445, 0.104];
                 let wrapped = 1.5 * PI - (x / y).atan() - (radius / x.hypot(y)).acos();
                 let holds = (friction * wrapped).exp();
-                let belt = format!("{} {cells}, friction {friction}, {}", muslin::real::NAME, collider.lines().next().unwrap_or_default());
+                let name = muslin::real::NAME;
+                let shape = collider.lines().next().unwrap_or_default();
+                let belt = format!("{name} {cells}, friction {friction}, {shape}");
                 println!("{belt}: {pin:.3} N of {holds:.3} N");
                 assert!((pin / holds - 1.0).abs() < 0.08, "{belt}: {pin:.3} N of {holds:.3} N");
             }
