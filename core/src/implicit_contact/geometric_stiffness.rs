@@ -10,15 +10,18 @@
 
 use super::augmented_contact::AugmentedContact;
 use crate::forces::matrix::{self, BlockMatrix};
-use crate::integrate::StepInput;
+use crate::integrate::pins::Pins;
 use crate::particles::Particles;
 use crate::real::{Mat3, Real, outer};
 use crate::scratch::Scratch;
 
 /// Adds the stiffness to the matrix of a stage of `length`, s, and its impulses by the motion so far to the residual
-/// and the forces on pins. `from` is the state at the start of the step.
-pub fn add<D>(
-    c: &StepInput<'_, D>,
+/// and the forces on pins. `from` is the state at the start of the step, whose length is `step`, s.
+#[cfg_attr(small, optimize(size))]
+#[inline(never)]
+pub fn add(
+    pins: &Pins<'_>,
+    step: Real,
     from: &Particles<'_>,
     contacts: &[AugmentedContact],
     length: Real,
@@ -34,7 +37,7 @@ pub fn add<D>(
         let mut add = |i: usize, j: usize, factor: Real| {
             let block = normals * (stiffness * factor);
             if block.is_finite() && add_between(&mut s.matrix, i.min(j), i.max(j), &block) {
-                let change = |v: usize| s.displacements[v] - from.velocities[v] * c.step;
+                let change = |v: usize| s.displacements[v] - from.velocities[v] * step;
                 let impulse = block * (change(i) - change(j)) / length;
                 s.residual[i] -= impulse;
                 s.residual[j] += impulse;
@@ -48,13 +51,15 @@ pub fn add<D>(
             add(i, j, to_i.dot(to_j) / to_i.cross(to_j).length_squared());
         }
     }
-    for (force, &vertex) in s.pin_forces.iter_mut().zip(c.pins.vertices) {
+    for (force, &vertex) in s.pin_forces.iter_mut().zip(pins.vertices) {
         *force += s.residual[vertex as usize] / length;
     }
-    c.pins.filter(s.residual);
+    pins.filter(s.residual);
 }
 
 /// Adds the matrix of a potential of the difference of two vertices. Returns false if they have no block.
+#[cfg_attr(small, optimize(size))]
+#[inline(never)]
 fn add_between(matrix: &mut BlockMatrix<'_>, low: usize, high: usize, block: &Mat3) -> bool {
     let [row, next] = [low, low + 1].map(|row| matrix.offsets[row] as usize);
     let Some(slot) = matrix.columns[row..next].iter().position(|&column| column as usize == high) else {

@@ -49,7 +49,7 @@ pub fn correct<D: Dispatch>(
         }
         return Some(solve_change(c, from, (contacts, lines), rough(c), s, statistics));
     }
-    geometric_stiffness::add(c, from, contacts, length, s);
+    geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
     let stage =
         ImplicitStage { length, positions: from.positions, offsets: from.low_positions, velocities: from.velocities };
     for linearization in 1..=MOST_LINEARIZATIONS {
@@ -69,7 +69,7 @@ pub fn correct<D: Dispatch>(
         }
         add_solution(c, from, length * part, part, s);
         newton::linearize(c, &stage, s, statistics);
-        geometric_stiffness::add(c, from, contacts, length, s);
+        geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
     }
     None
 }
@@ -145,7 +145,7 @@ fn solve_change<D: Dispatch>(
 ) -> Sum {
     let length = c.stage_length(s.last_step);
     s.residual.fill(Vec3::ZERO);
-    geometric_stiffness::add(c, from, contacts, length, s);
+    geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
     let target =
         conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), c.goal(tolerance), s, statistics);
     // A contact changes the velocity as much as the displacement over the step. The second-order methods would
