@@ -265,7 +265,7 @@ async fn couple<D: Dispatch>(
     with_room(columns, |contact| response::find_contacts(model, contact, input.step, margin))?;
     let contact = &mut columns.columns();
     let constraints = contact.lengths.constraints;
-    exchange::add_contacts(contact, 0..constraints, input.step, model.thickness);
+    exchange::add_contacts(model, contact, 0..constraints, input.step);
     let known = contact.lengths.contacts;
     let contacts = (&mut contact.contacts[..known], &mut *contact.lines);
     let target = implicit_contact::correct(input, particles, contacts, scratch, statistics);
@@ -273,7 +273,7 @@ async fn couple<D: Dispatch>(
     detection::search(model, Purpose::Response { widened: 0 }, columns, input.dispatch).await?;
     with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
     let contact = &mut columns.columns();
-    exchange::add_contacts(contact, constraints..contact.lengths.constraints, input.step, model.thickness);
+    exchange::add_contacts(model, contact, constraints..contact.lengths.constraints, input.step);
     let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
     implicit_contact::resume(input, particles, contacts, known, target, scratch, statistics);
     take_prediction(particles, scratch, contact);

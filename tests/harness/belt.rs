@@ -210,7 +210,7 @@ pub fn drawn(friction: f64, stiffness: f64, speed: f64, drum: &str) -> String {
     before.replace("-9.81", "0.0") + &pins + "[[collider]]" + collider
 }
 
-/// A belt over a capsule, whose one end is drawn down and whose other end is loaded with 1 N.
+/// A belt over a COLLIDER of radius 0.1 m, whose one end is drawn down and whose other end is loaded with 1 N.
 pub const DRAWN: &str = r#"
     name = "drawn"
     duration = 3.0
@@ -225,9 +225,7 @@ pub const DRAWN: &str = r#"
     pin = [{ select = { edge = "left" }, motion = { keys = [[0, 0, 0, 0], [1, 0.19, -0.25, 0]] } }]
     load = [{ select = { edge = "right" }, force = { keys = [[0, 0, -0.05, 0], [1, 0, -1, 0]] } }]
     [[collider]]
-    shape = "capsule"
-    a = [0, 0, -0.2]
-    b = [0, 0, 0.2]
+    COLLIDER
     radius = 0.1
     [contact]
     thickness = 0.004

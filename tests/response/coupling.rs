@@ -457,7 +457,7 @@ both_precisions! {
         scratch.lengths.multipliers = 2;
         // The near pair first; what the motion brings near and its impacts later.
         for constraints in [0..1, 1..4] {
-            exchange::add_contacts(scratch, constraints, STEP as Real, 0.004);
+            exchange::add_contacts(&model, scratch, constraints, STEP as Real);
         }
         let got = scratch.contacts[..scratch.lengths.contacts].iter().map(|contact| contact.multiplier / STEP as Real);
         let worst = got.zip([force, force * 2.0, Vec3::ZERO, Vec3::ZERO]).map(|(got, want)| got.distance(want));

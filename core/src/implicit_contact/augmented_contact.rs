@@ -44,6 +44,9 @@ pub struct AugmentedContact {
     pub weights: [Real; 4],
     /// Unit vector from the second feature to the first.
     pub normal: Vec3,
+    /// Distance of the nearest point from the centre or axis of a round collider, m; 0: the contact is with another
+    /// surface.
+    pub centre_distance: Real,
     /// w: least normal velocity, m/s.
     pub least_velocity: Real,
     /// Normal velocity by which the contact may be violated before it becomes stiffer, m/s.

@@ -6,6 +6,7 @@ use core::ops::Range;
 use super::augmented_contact::{AugmentedContact, Friction};
 use super::multiplier;
 use crate::contact::{ContactModel, ContactScratch};
+use crate::narrow_phase::gather;
 use crate::real::{Real, Vec3, sqrt};
 use crate::response::constraint::Constraint;
 use crate::response::friction::FrictionCoefficients;
@@ -23,8 +24,8 @@ const SMALL: Real = 0.1;
 
 /// Adds the constraints whose vertices can move to the contacts of the solve, with their displacements in place of
 /// velocities. If a pair has several constraints, the first one gets its multiplier. `step` is the length of the step,
-/// s; `thickness` in m.
-pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real, thickness: Real) {
+/// s.
+pub fn add_contacts(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real) {
     let multipliers = &scratch.multipliers[..scratch.lengths.multipliers];
     let known = Known::sort(&scratch.constraints[..constraints.end], scratch.order);
     let mut given = scratch.lengths.contacts;
@@ -35,12 +36,14 @@ pub fn add_contacts(scratch: &mut ContactScratch<'_>, constraints: Range<usize>,
         }
         let is_first = known.first(scratch.constraints, contact.vertices) == Some(index);
         let force = if is_first { multiplier::force(multipliers, contact.vertices) } else { Vec3::ZERO };
+        let radius = gather(contact.vertices, model.radii).into_iter().fold(0.0, Real::max);
         scratch.contacts[given] = AugmentedContact {
             vertices: contact.vertices,
             weights: contact.weights,
             normal: contact.normal,
+            centre_distance: if radius > 0.0 { radius + contact.gap } else { 0.0 },
             least_velocity: target - contact.gap,
-            slack: VIOLATION * thickness,
+            slack: VIOLATION * model.thickness,
             velocity: constraint.relative(scratch.predicted_displacements),
             multiplier: force * step,
             coefficients: [coefficients.at_rest, coefficients.kinetic],

@@ -6,6 +6,7 @@
 
 pub mod augmented_contact;
 pub mod exchange;
+pub mod geometric_stiffness;
 pub mod multiplier;
 
 use crate::dispatch::Dispatch;
@@ -48,6 +49,7 @@ pub fn correct<D: Dispatch>(
         }
         return Some(solve_change(c, from, (contacts, lines), rough(c), s, statistics));
     }
+    geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
     let stage =
         ImplicitStage { length, positions: from.positions, offsets: from.low_positions, velocities: from.velocities };
     for linearization in 1..=MOST_LINEARIZATIONS {
@@ -67,6 +69,7 @@ pub fn correct<D: Dispatch>(
         }
         add_solution(c, from, length * part, part, s);
         newton::linearize(c, &stage, s, statistics);
+        geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
     }
     None
 }
@@ -140,12 +143,13 @@ fn solve_change<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) -> Sum {
+    let length = c.stage_length(s.last_step);
     s.residual.fill(Vec3::ZERO);
+    geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
     let target =
         conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), c.goal(tolerance), s, statistics);
     // A contact changes the velocity as much as the displacement over the step. The second-order methods would
     // extrapolate the change: the cloth would bounce.
-    let length = c.stage_length(s.last_step);
     add_solution(c, from, length, length / c.step, s);
     target
 }
