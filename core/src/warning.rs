@@ -224,7 +224,9 @@ pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
     let stretched = (stretch > TOO_LONG).then(|| Warning::new(Code::Stretch, stretch, TOO_LONG));
     let unconverged = (unconverged > 0).then(|| {
         let [count, steps] = [unconverged, run.steps].map(|count| count as f64);
-        let is_doubtful = unconverged > 1 && count > MOST_UNCONVERGED * steps;
+        // Newton's method iterates without the contacts: under tension all of its steps with contacts are wrong.
+        let is_contact_left_out = scene.contact.is_some() && scene.integrator.newton > 1;
+        let is_doubtful = unconverged > 1 && (is_contact_left_out || count > MOST_UNCONVERGED * steps);
         Warning { is_doubtful, ..Warning::new(Code::Unconverged, count, steps) }
     });
     let rounded = (rounding > MOST_ROUNDED)

@@ -210,6 +210,10 @@ pub fn drawn(friction: f64, stiffness: f64, speed: f64, drum: &str) -> String {
     before.replace("-9.81", "0.0") + &pins + "[[collider]]" + collider
 }
 
+/// The colliders of a [drawn belt](DRAWN).
+pub const ROUND_ONES: [&str; 2] =
+    ["shape = \"capsule\"\na = [0, 0, -0.2]\nb = [0, 0, 0.2]", "shape = \"sphere\"\ncenter = [0, 0, 0]"];
+
 /// A belt over a COLLIDER of radius 0.1 m, whose one end is drawn down and whose other end is loaded with 1 N.
 pub const DRAWN: &str = r#"
     name = "drawn"

@@ -459,6 +459,16 @@ macro_rules! kit {
                 [pins, glam::DVec3::from(sim.momentum()) - before + glam::DVec3::Y * (mass * 9.81 * seconds)]
             }
 
+            /// The mean force on the pins of a [drawn belt](crate::belt::DRAWN) in its last second, N.
+            pub fn held(text: &str) -> f64 {
+                let mut sim = simulation(text, &[]);
+                sim.measure_work(WorkDone::default());
+                run(&mut sim, 2.0, |_| ());
+                sim.measure_reactions();
+                run(&mut sim, 1.0, |_| ());
+                sim.reactions().expect("measured").pins[0].linear.length()
+            }
+
             /// A mesh as a resource with the name that the scene uses.
             pub fn resource(name: &str, mesh: crate::belt::Mesh) -> Resource {
                 let (positions, uvs, triangles) = (mesh.positions, mesh.uvs, mesh.triangles);

@@ -4,13 +4,12 @@
 //! Run: `cargo test -p muslin-tests --test response belt`; with `-- --nocapture` it prints
 //! how far.
 
-use harness::belt::{DRAWN, HEAVY_END, HELD, ROUND, belt, hanging, holding_end, loaded, slips};
+use harness::belt::{DRAWN, HEAVY_END, HELD, ROUND, ROUND_ONES, belt, hanging, holding_end, loaded, slips};
 use harness::both_precisions;
 
 both_precisions! {
-    use super::{DRAWN, HEAVY_END, HELD, ROUND, belt, hanging, holding_end, loaded, slips};
+    use super::{DRAWN, HEAVY_END, HELD, ROUND, ROUND_ONES, belt, hanging, holding_end, loaded, slips};
     use core::f64::consts::PI;
-    use muslin::work_done::WorkDone;
 
     /// How far the heavy end goes down after the light end was let go, m.
     fn falls(light_end: f64, spacing: f64, friction: f64, stiffness: f64, integrator: &str, seconds: f64) -> f64 {
@@ -81,17 +80,10 @@ both_precisions! {
     #[test]
     #[ignore = "slow"]
     fn a_belt_that_sank_into_the_thickness_is_lifted_out() {
-        let colliders =
-            ["shape = \"capsule\"\na = [0, 0, -0.2]\nb = [0, 0, 0.2]", "shape = \"sphere\"\ncenter = [0, 0, 0]"];
-        for (collider, cells) in colliders.iter().flat_map(|x| ["[60, 2]", "[59, 3]", "[100, 4]"].map(|y| (x, y))) {
+        for (collider, cells) in ROUND_ONES.iter().flat_map(|x| ["[60, 2]", "[59, 3]", "[100, 4]"].map(|y| (x, y))) {
             for friction in [0.28_f64, 0.29, 0.3, 0.31] {
                 let text = DRAWN.replace("FRICTION", &format!("{friction:?}")).replace("[60, 2]", cells);
-                let mut sim = kit::simulation(&text.replace("COLLIDER", collider), &[]);
-                sim.measure_work(WorkDone::default());
-                kit::run(&mut sim, 2.0, |_| ());
-                sim.measure_reactions();
-                kit::run(&mut sim, 1.0, |_| ());
-                let pin = sim.reactions().expect("measured").pins[0].linear.length();
+                let pin = kit::held(&text.replace("COLLIDER", collider));
                 // It hangs down at the right, and goes straight to the pins, here from the axis, at the left.
                 let [x, y, radius] = [-0.11_f64, -0.1445, 0.104];
                 let wrapped = 1.5 * PI - (x / y).atan() - (radius / x.hypot(y)).acos();
