@@ -219,7 +219,7 @@ both_precisions! {
                 time: Sum::from(n) * Sum::from(STEP as Real),
                 step: STEP as Real,
                 scheme: &scheme,
-                extrapolates: true,
+                follows_contact: false,
                 limit: None,
                 has_contact: false,
                 dispatch: &Serial,

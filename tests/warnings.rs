@@ -42,4 +42,6 @@ fn whatever_moves_the_cloth_can_lose_masses() {
     }
     let far = warn("gravity = [0, -1000, 0]", "", "");
     assert!(far.is_some_and(|far| far.is_doubtful), "all of a long way may be lost: {far:?}");
+    let held = warn("gravity = [0, -1000, 0]", &format!("{pin} }}]"), "");
+    assert!(held.is_some_and(|held| !held.is_doubtful), "cloth that pins hold goes no long way: {held:?}");
 }

@@ -97,7 +97,7 @@ impl History {
 /// Some steps are taken by backward Euler instead of the method of `input`. BDF2 needs a step before that is at least
 /// half as long, without contact and without a jump of a pin's velocity in between. Implicit midpoint after contact
 /// would amplify the oscillation of stiff cloth that an impulse excites. After contact, the linear solve also
-/// [extrapolates](StepInput::extrapolates) nothing.
+/// [extrapolates](StepInput::follows_contact) less.
 pub async fn take<D: Dispatch, R: ContactRoom>(
     input: &StepInput<'_, D>,
     particles: &mut Particles<'_>,
@@ -113,12 +113,12 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
         from.cut();
     }
     let scheme = &Scheme { method: method(input.scheme.method, from), ..*input.scheme };
-    let extrapolates = input.extrapolates && from != History::Corrected;
+    let follows_contact = from == History::Corrected;
     scratch.last_step = match from {
         History::Smooth { step } if !scratch.previous_displacements.is_empty() => Some(step),
         History::Smooth { .. } | History::Start | History::Cut | History::Corrected => None,
     };
-    let input = StepInput { scheme, extrapolates, ..*input };
+    let input = StepInput { scheme, follows_contact, ..*input };
     let input = &input.after(input.stage_time(scratch.last_step));
     predict(input, particles, scratch, work.integrator)?;
     let mut corrected = false;

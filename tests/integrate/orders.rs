@@ -62,7 +62,7 @@ fn run_unequal(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) ->
             time: f64::from(done) * unit,
             step: f64::from(length) * unit,
             scheme: &scheme,
-            extrapolates: true,
+            follows_contact: false,
             limit: None,
             has_contact: false,
             dispatch: &Serial,

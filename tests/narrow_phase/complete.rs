@@ -278,7 +278,7 @@ harness::both_precisions! {
                 time: f64::from(n) * scene.timing().step,
                 step: length,
                 scheme: &scheme,
-                extrapolates: true,
+                follows_contact: false,
                 limit: None,
                 has_contact: true,
                 dispatch: &Here(&Serial),

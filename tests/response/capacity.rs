@@ -179,7 +179,7 @@ both_precisions! {
                 time: f64::from(n) * f64::from(length),
                 step: length,
                 scheme: &scheme,
-                extrapolates: true,
+                follows_contact: false,
                 limit: None,
                 has_contact: true,
                 dispatch: &Serial,

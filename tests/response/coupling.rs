@@ -182,7 +182,7 @@ both_precisions! {
             time: 0.0,
             step: STEP as Real,
             scheme: &scheme,
-            extrapolates: true,
+            follows_contact: false,
             limit: None,
             has_contact: true,
             dispatch: &Serial,

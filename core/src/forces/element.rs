@@ -53,6 +53,11 @@ pub trait ElementTerm {
         0.0
     }
 
+    /// The largest rate at which edges stretch, 1/s.
+    fn stretch_rate(&self, _x: &[Vec3], _v: &[Vec3]) -> Real {
+        0.0
+    }
+
     /// Bytes of the columns that only this term has: all but corners and incidence.
     fn material_bytes(&self) -> usize;
 }
@@ -174,6 +179,10 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
 
     fn strain_rate(&self, v: &[Vec3]) -> Real {
         ElementTerm::strain_rate(self, v)
+    }
+
+    fn stretch_rate(&self, x: &[Vec3], v: &[Vec3]) -> Real {
+        ElementTerm::stretch_rate(self, x, v)
     }
 
     /// The forces on the corners.

@@ -269,6 +269,16 @@ impl ElementTerm for Membrane<'_> {
         sqrt(squares.fold(0.0, Real::max))
     }
 
+    /// The largest rate of change of |wu|, |wv| or wu . wv, 1/s.
+    fn stretch_rate(&self, x: &[Vec3], v: &[Vec3]) -> Real {
+        let rates = self.vertices.iter().zip(self.weights).map(|(triangle, w)| {
+            let (wu, wv) = gradient(w, &triangle.map(|i| x[i as usize]));
+            let (du, dv) = gradient(w, &triangle.map(|i| v[i as usize]));
+            wu.dot(du).abs().max(wv.dot(dv).abs()).max((wu.dot(dv) + wv.dot(du)).abs())
+        });
+        rates.fold(0.0, Real::max)
+    }
+
     /// The table of materials is not counted.
     fn material_bytes(&self) -> usize {
         size_of_val(self.weights) + size_of_val(self.areas) + size_of_val(self.materials)

@@ -118,6 +118,14 @@ pub fn strain_rate(model: &Model<'_>, v: &[Vec3]) -> Real {
     largest
 }
 
+/// The largest rate at which springs and triangles stretch or shear at the positions `x` and the velocities `v`, 1/s.
+/// Rigid rotation does not count.
+pub fn stretch_rate(model: &Model<'_>, x: &[Vec3], v: &[Vec3]) -> Real {
+    let mut largest: Real = 0.0;
+    for_each_term!(model, |_, term| largest = largest.max(term.stretch_rate(x, v)));
+    largest
+}
+
 /// The potential energies, J. `kinetic` stays zero.
 pub fn energy(model: &Model<'_>, masses: &[Real], x: Positions<'_>) -> Energy {
     let mut sum = Energy::default();

@@ -257,6 +257,17 @@ impl ForceTerm for Springs<'_> {
         sqrt(squares.fold(0.0, Real::max))
     }
 
+    /// The largest rate of change of the length of a spring over its rest length, 1/s.
+    fn stretch_rate(&self, x: &[Vec3], v: &[Vec3]) -> Real {
+        let rates = (0..self.offsets.len().saturating_sub(1)).flat_map(|vertex| {
+            self.range(vertex).map(move |at| {
+                let other = self.others[at] as usize;
+                (v[other] - v[vertex]).dot(x[other] - x[vertex]).abs() / (self.rest[at] * self.rest[at])
+            })
+        });
+        rates.fold(0.0, Real::max)
+    }
+
     fn bytes(&self) -> usize {
         let scalars = [self.rest, self.stiffness, self.damping];
         size_of_val(self.offsets) + size_of_val(self.others) + scalars.map(size_of_val).iter().sum::<usize>()

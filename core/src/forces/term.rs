@@ -65,6 +65,11 @@ pub trait ForceTerm {
         0.0
     }
 
+    /// The largest rate at which edges stretch at the positions `x` and the velocities `v`, 1/s.
+    fn stretch_rate(&self, _x: &[Vec3], _v: &[Vec3]) -> Real {
+        0.0
+    }
+
     /// Number of vectors that [`Self::add_forces`] needs as scratch.
     fn force_scratch(&self) -> usize {
         0

@@ -208,9 +208,9 @@ pub struct StepInput<'a, D> {
     pub step: Real,
     /// The method and its settings.
     pub scheme: &'a Scheme,
-    /// Whether the single linear solve may linearise the forces at positions extrapolated by the velocities.
-    /// [`step::take`](crate::step::take) clears it after contact, which changes the velocities abruptly.
-    pub extrapolates: bool,
+    /// Whether the step follows contact, which changes the velocities abruptly: then the single linear solve linearises
+    /// the forces at positions extrapolated by less. [`step::take`](crate::step::take) sets it.
+    pub follows_contact: bool,
     /// Largest [estimated error](local_error) with which the step is committed, m. Infinite: the error is only
     /// estimated. `None`: it is not estimated.
     pub limit: Option<Real>,

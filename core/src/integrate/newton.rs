@@ -9,7 +9,7 @@
 //! 1979], even if it is projected or leaves out how damping depends on positions. Linearising there also does not
 //! stretch rotating elements. The usual linearisation at the start of the step [Baraff 1998, eq. 3.25] would reduce the
 //! order to one. If vh deforms elements strongly within the step, the forces are linearised after only a fraction of
-//! the extrapolation. In a step that follows contact this fraction is zero: that is the usual linearisation.
+//! the extrapolation. In a step that follows contact it may stretch them only a little.
 //!
 //! With more iterations the stage is Newton's method, started at vh. Each iteration moves along a descent direction of
 //!
@@ -45,6 +45,12 @@ pub struct ImplicitStage<'a> {
 /// Largest strain or turn (rad) of an element that the extrapolation to the point of linearisation may cause. A longer
 /// extrapolation is shortened. Forces at much larger strains do not represent the forces during the step.
 pub(crate) const MOST_STRAIN: Real = 0.5;
+
+/// Largest stretch by the extrapolation in a step that follows contact. Contact changes velocities abruptly, and
+/// extrapolated they stretch the cloth: with 0.1, `poncho` by 10 % instead of 6 %. With 0.01 the scenes in which cloth
+/// lands take up to 28 % more iterations. Rotation stretches nothing: without extrapolation a sheet that spins on a plane
+/// would stop.
+const MOST_STRETCH: Real = 0.03;
 
 /// Lower bound on the relative tolerance of conjugate gradients inside Newton's method. A more accurate direction would
 /// not give a better step.
@@ -87,11 +93,7 @@ fn linearized_step<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let part = if c.extrapolates {
-        (MOST_STRAIN / (stage.length * forces::strain_rate(&c.model, s.next_velocities))).min(1.0)
-    } else {
-        0.0
-    };
+    let part = extrapolation(c, stage, s.next_velocities);
     write_scaled(c, s.next_velocities, part, s.products);
     write_positions(c, stage, s.products, &mut s.stage_positions);
     c.forces(s.stage_positions.view(), s.products, s.elements, s.forces, statistics);
@@ -110,6 +112,15 @@ fn linearized_step<D: Dispatch>(
     let tolerance = Sum::from(c.scheme.tolerance.residual()) * weight_factor(c, stage.length, s);
     solve_linear(c, c.goal(tolerance), s, statistics);
     add_solution(c, stage, 1.0, s);
+}
+
+/// The part of the stage over which the forces are extrapolated to the point of linearisation.
+fn extrapolation<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, v: &[Vec3]) -> Real {
+    let part = (MOST_STRAIN / (stage.length * forces::strain_rate(&c.model, v))).min(1.0);
+    if !c.follows_contact {
+        return part;
+    }
+    part.min(MOST_STRETCH / (stage.length * forces::stretch_rate(&c.model, stage.positions, v)))
 }
 
 /// Linearises the forces at `s.next_velocities`, which differ from vh by `s.velocity_changes`, and writes the matrix

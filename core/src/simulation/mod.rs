@@ -212,7 +212,7 @@ impl Simulation {
             time,
             step: *step * substep.length as Real,
             scheme,
-            extrapolates: true,
+            follows_contact: false,
             limit: scheme.error.map(|error| if last_resort { Real::INFINITY } else { error }),
             has_contact: contact.is_some(),
             dispatch,

@@ -39,8 +39,8 @@ pub fn of(warning: &warning::Warning, scene: &SceneDesc, known: Known) -> Warnin
         Code::Thickness => thickness(value, beside),
         Code::Masses => format!(
             "step x (step x stiffness + damping) is {value:.0e} times the mass of a vertex: single precision rounds \
-             such masses away, and the cloth does not move as it should; use --precision f64, a shorter step or a \
-             softer cloth"
+             such masses away, and the cloth may lag by some per cent of its size; compare with --precision f64, or take \
+             a shorter step or a softer cloth"
         ),
         Code::Unstable => limit(scene.integrator.method, value, beside),
         Code::Energy => format!(
