@@ -79,3 +79,35 @@ fn a_check_without_memory_costs_no_result() {
         assert!(without > 0, "{words}: there was memory at every limit");
     }
 }
+
+/// A preview that there is no memory to draw is left out, and all else of the run is there: from a limit at which the
+/// rest just runs up to one at which there is memory for the picture too.
+#[test]
+fn a_preview_without_memory_costs_no_result() {
+    let place = Place::new();
+    for kind in ["gif", "png"] {
+        let mut drawn = Vec::new();
+        for limit in (40_000..=200_000).step_by(10_000) {
+            let run = |limit, kind: &str| {
+                let words = format!("run tiny.toml --out out --threads 1 --json --preview {kind}");
+                within(&place, limit, &words)
+            };
+            // With a little to spare for the snapshots.
+            if run(limit - 4000, "none").code != Some(0) {
+                continue;
+            }
+            let with_preview = run(limit, kind).expect(0);
+            let summary = with_preview.json();
+            let mut codes = summary["warnings"].as_array().unwrap().iter().map(|warning| &warning["code"]);
+            let is_left_out = codes.any(|code| code == "preview");
+            let said = with_preview.stderr.contains("the preview is left out: with 1 threads it needs about");
+            assert_eq!(said, is_left_out, "{limit}: {with_preview:?}");
+            let files = place.files("out");
+            let has = |name: &str| files.iter().any(|file| file == name);
+            assert_eq!(has(&format!("preview.{kind}")), !is_left_out, "{limit}: {files:?}");
+            assert!(has("summary.json") && has("cloth.pc2") && !has(".muslin.lock"), "{limit}: {files:?}");
+            drawn.push(!is_left_out);
+        }
+        assert!(drawn.is_sorted() && !drawn[0] && drawn[drawn.len() - 1], "{kind}: {drawn:?}");
+    }
+}

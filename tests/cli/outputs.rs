@@ -106,7 +106,7 @@ fn frames_need_not_be_written() {
     let without = run("");
     assert_eq!(place.files("out"), ["preview.gif", "run.json", "summary.json"]);
     assert_eq!(without.json()["state_hash"], with["state_hash"]);
-    assert!(without.stderr.contains("wrote out/preview.gif, out/summary.json"), "{without:?}");
+    assert!(without.stderr.contains("wrote out/summary.json, out/preview.gif"), "{without:?}");
     // A run that stops at a checkpoint and is resumed leaves no other files.
     run("--preview none --checkpoint 10 --duration 0.1");
     assert_eq!(place.files("out"), ["checkpoint.muslin", "run.json", "summary.json"]);

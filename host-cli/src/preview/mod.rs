@@ -42,6 +42,14 @@ const PALETTE_PICTURES: usize = 8;
 /// Number of pictures drawn at once.
 const BATCH: usize = 16;
 
+/// Memory that one thread takes for the samples and pixels of its picture and its shadows, bytes: 20 MB and a margin.
+const PER_PICTURE: usize = 25_000_000;
+/// Memory for a batch of drawn pictures, 12 MB, the search for a palette and the file, with a wide margin, bytes.
+const SHARED: usize = 64_000_000;
+/// Memory that one thread takes per vertex and per triangle of cloth and colliders, bytes: vectors, and lists that grow.
+const PER_VERTEX: usize = 50;
+const PER_TRIANGLE: usize = 80;
+
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum PreviewError {
@@ -114,6 +122,17 @@ impl Preview {
             }
         }
         self.frames += 1;
+    }
+
+    /// Memory that the threads of the current pool need for the drawing, bytes; the snapshots are not counted.
+    pub fn memory_to_draw(&self) -> u64 {
+        let cloth = self.snapshots.first().map_or(0, |first| first.cloth.len());
+        let solids = self.solids.point_count();
+        let triangles = self.triangles.len() + self.solids.triangles.len();
+        let picture = PER_PICTURE + PER_VERTEX * (cloth + solids) + PER_TRIANGLE * triangles;
+        // Lists that grow have up to twice the room that they need.
+        let of_all_snapshots = 2 * size_of::<Vec3>() * solids * self.snapshots.len();
+        (SHARED + of_all_snapshots + picture * rayon::current_num_threads().min(BATCH)) as u64
     }
 
     fn thin_out(&mut self) {

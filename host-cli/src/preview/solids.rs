@@ -60,6 +60,11 @@ impl Solids {
         Solids { solids, triangles }
     }
 
+    /// Number of points of all colliders.
+    pub fn point_count(&self) -> usize {
+        self.solids.iter().map(|solid| point_count(solid) as usize).sum()
+    }
+
     /// Positions of all points, m, when the colliders' vertices are at `places`, m.
     pub fn points(&self, places: &[[f32; 3]]) -> Vec<Vec3> {
         let at = |vertex: usize| places.get(vertex).map_or(Vec3::NAN, |&p| Vec3::from_array(p));

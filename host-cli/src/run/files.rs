@@ -8,8 +8,24 @@ use crate::args::{PreviewKind, RunArguments};
 use crate::export::whole::partial_name;
 use crate::failure::{Failure, print_note};
 use crate::folder::Folder;
+use crate::limits;
 use crate::preview::{Preview, PreviewError};
 use crate::summary::Summary;
+use crate::warning::Warning;
+
+/// The warning that there is no memory to draw the preview; `None` if there is enough.
+pub fn undrawn(preview: &Preview) -> Option<Warning> {
+    let needed = preview.memory_to_draw();
+    (!limits::has_memory(needed)).then(|| {
+        let text = format!(
+            "the preview is left out: with {} threads it needs about {} MB of memory, more than is left{}",
+            rayon::current_num_threads(),
+            needed.div_ceil(1_000_000),
+            limits::memory_in_words()
+        );
+        Warning::new("preview", text)
+    })
+}
 
 /// Draws and writes the requested preview; it is left out after an interrupt.
 pub fn write_preview(

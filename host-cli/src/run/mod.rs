@@ -37,7 +37,7 @@ use crate::scene_file::{self, SceneFile};
 use crate::stopwatch::Stopwatch;
 use crate::warning::Warning;
 use course::{Course, Ending, Witness, total_steps};
-use files::{SERIES_PLOT, STEP_PLOT, to_json, write_plot, write_preview, write_summary};
+use files::{SERIES_PLOT, STEP_PLOT, to_json, undrawn, write_plot, write_preview, write_summary};
 use step_plot::StepPlot;
 use time_series::TimeSeries;
 
@@ -236,7 +236,7 @@ impl<'a> Files<'a> {
         Ok(path)
     }
 
-    /// Completes the files, writes preview and summary, and prints the outcome. An interrupted run writes a
+    /// Completes the files, writes summary and preview, and prints the outcome. An interrupted run writes a
     /// checkpoint instead.
     fn finish(
         mut self,
@@ -258,6 +258,9 @@ impl<'a> Files<'a> {
         }
         let mut summary = course.summary(scene, ending, pool, wall);
         summary.warnings.extend(self.exporter.rounded(course.engine.mean_edge()));
+        let undrawn = self.preview.as_ref().and_then(undrawn);
+        self.preview = self.preview.filter(|_| undrawn.is_none());
+        summary.warnings.extend(undrawn);
         // Those from before the first step are printed already, and the doubt is the last message.
         let new = summary.warnings[course.warnings.len()..].iter();
         new.filter(|warning| summary.doubt.as_ref() != Some(&warning.text)).for_each(Warning::print);
@@ -273,12 +276,12 @@ impl<'a> Files<'a> {
             }
             written.push(path);
         }
-        let picture = write_preview(arguments, preview.as_ref(), folder.path(), stop)?;
-        let lacks_picture = preview.is_some() && picture.is_none();
-        written.extend(picture);
         let plot = step_plot.and_then(|plot| plot.draw(&scene.desc.name));
         written.extend(plot.map(|plot| write_plot(STEP_PLOT, &plot, &folder)).transpose()?);
         written.push(write_summary(&summary, &folder)?);
+        // Last of the files: a picture that fails costs none of the others.
+        let picture = write_preview(arguments, preview.as_ref(), folder.path(), stop);
+        written.extend(picture.iter().flatten().cloned());
         if arguments.json {
             print_data(&to_json(&summary)?)?;
         } else if !arguments.quiet {
@@ -288,6 +291,7 @@ impl<'a> Files<'a> {
             let names: Vec<_> = written.iter().map(|path| path.display().to_string()).collect();
             print_note(&format!("wrote {}", names.join(", ")));
         }
+        let lacks_picture = preview.is_some() && picture?.is_none();
         match (summary.divergence, intersecting, summary.doubt) {
             (Some(message), _, _) => Err(Failure::Diverged(message)),
             (None, Some(message), _) => Err(Failure::Intersecting(message)),
