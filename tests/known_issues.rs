@@ -223,6 +223,34 @@ fn reactions_of_stiff_cloth_by_steps_of_bdf2_that_change_are_off() {
     assert!(pins.y > 1.01 * needed.y, "the pins give {pins}, and the momentum needs {needed}");
 }
 
+/// A solve may leave a tenth of the solution, and preconditioning moves each vertex by its own stiffness, step after step
+/// alike.
+#[test]
+fn under_error_control_a_sheet_wrinkles_in_a_long_fall() {
+    let text = r#"
+        name = "falling"
+        duration = 2.5
+        frame_rate = 30
+        gravity = [0.0, -9.81, 0.0]
+        [[cloth]]
+        grid = { size = [1.0, 1.0], cells = [16, 16] }
+        density = 0.2
+        stretch = { model = "membrane", stiffness = 500.0 }
+        shear = { stiffness = 100.0 }
+        bend = { model = "hinge", rigidity = 1e-5 }
+    "#;
+    let stretch = |integrator: &str| {
+        let mut sim = kit::simulation(&format!("{text}[integrator]\n{integrator}"), &[]);
+        let mut largest = 0.0_f64;
+        kit::run(&mut sim, 2.25, |sim| largest = largest.max(sim.stretch().max - 1.0));
+        largest
+    };
+    let (controlled, fixed) = (stretch("error = 0.001"), stretch("error = 0\ntolerance = 1e-8"));
+    println!("stretched by {controlled:.1e}, by fixed steps by {fixed:.1e}");
+    assert!(fixed < 1e-6, "by fixed steps the sheet is stretched by {fixed}");
+    assert!(controlled > 1e-3, "under error control the sheet is stretched by {controlled}");
+}
+
 /// Newton's method iterates without the contacts.
 #[test]
 #[ignore = "slow"]

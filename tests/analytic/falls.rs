@@ -45,38 +45,6 @@ fn free_fall_keeps_the_shape_and_the_closed_form() {
     }
 }
 
-/// Solves that stop early leave no error that wrinkles a sheet: backward Euler stretched this one by 0.9 % in a fall of
-/// 25 m.
-#[test]
-fn a_sheet_stays_flat_in_a_long_fall_under_error_control() {
-    for method in ["backward-euler", "implicit-midpoint", "bdf2"] {
-        let mut sim = double::simulation(
-            &format!(
-                r#"
-                name = "falling"
-                duration = 2.5
-                frame_rate = 30
-                gravity = [0.0, -{G}, 0.0]
-                [[cloth]]
-                grid = {{ size = [1.0, 1.0], cells = [16, 16] }}
-                density = 0.2
-                stretch = {{ model = "membrane", stiffness = 500.0 }}
-                shear = {{ stiffness = 100.0 }}
-                bend = {{ model = "hinge", rigidity = 1e-5 }}
-                [integrator]
-                method = "{method}"
-                error = 0.001
-                "#
-            ),
-            &[],
-        );
-        let mut stretch = 0.0_f64;
-        double::run(&mut sim, 2.25, |sim| stretch = stretch.max(sim.stretch().max - 1.0));
-        println!("{method}: stretched by {stretch:.1e} in a fall of {:.1} m", -sim.positions()[0].y);
-        assert!(stretch < 1e-9, "{method}: stretched by {stretch}");
-    }
-}
-
 /// A thrown sheet that turns: its centre of mass follows the parabola, its angular momentum stays, and it is a rigid
 /// motion at the start.
 #[test]

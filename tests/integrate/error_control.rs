@@ -76,7 +76,7 @@ const SCENES: [(&str, f64); 12] = [
 /// The largest error in these scenes, m.
 const ERROR: f64 = 1e-3;
 
-/// Least part of the substeps in which the estimate is within a factor of three, %. Measured: 88. In `curtain` and
+/// Least part of the substeps in which the estimate is within a factor of three, %. Measured: 85. In `curtain` and
 /// `twist` the estimate is too small: exact motion amplifies folds that backward Euler damps.
 const LEAST_PERCENT: usize = 85;
 

@@ -198,17 +198,11 @@ pub(crate) fn solve<D: Dispatch>(
         Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) if term.is_zero() => MOST_ITERATIONS,
         Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) => MOST_WITH_CONTACTS,
     };
-    let is_rough = matches!(goal, Goal::Within(_)) && term.is_zero();
-    if is_rough && rho > target && i.move_patches(term, c.dispatch) {
-        (iterations, rho) = (1, i.gradient(term, c.dispatch));
-        statistics.cg_iterations += 1;
-        statistics.matrix_products += 1;
-    }
     i.restart(rho);
     loop {
         if rho <= target && term.is_zero() {
             statistics.negative_curvature += u64::from(rho < 0.0);
-            if is_rough {
+            if matches!(goal, Goal::Within(_)) {
                 i.complete(c.dispatch);
             }
             break;
@@ -286,23 +280,6 @@ impl<'a, 'b> Iterate<'a, 'b> {
     fn add_impulses(&mut self, term: &dyn ConvexTerm) {
         term.add_impulses(self.residual);
         self.system.pins.filter(self.residual);
-    }
-
-    /// Moves the patches alone, and returns whether they moved. This solves for the free fall of a sheet exactly. D^-1
-    /// beside them would move each vertex by its own stiffness, step after step alike, and the sheet would wrinkle.
-    #[cfg_attr(small, inline(never))]
-    fn move_patches(&mut self, term: &mut dyn ConvexTerm, dispatch: &impl Dispatch) -> bool {
-        let Some((patches, factor)) = &self.preconditioner.coarse else { return false };
-        let residual = &*self.residual;
-        [self.slope, _] = sum_parts(self.direction, self.partials, dispatch, |range, p| {
-            p.fill(Vec3::ZERO);
-            coarse::add_motions(patches, factor.motions, range.start, p);
-            // Held axes of the residual are zero.
-            [dot(&residual[range], p), 0.0]
-        });
-        self.system.pins.filter(self.direction);
-        let length = self.search(term, dispatch);
-        length.inspect(|&length| self.advance(term, length, dispatch)).is_some()
     }
 
     /// Makes the preconditioned residual the direction; `rho` is its slope.
