@@ -97,7 +97,7 @@ impl History {
 /// Some steps are taken by backward Euler instead of the method of `input`. BDF2 needs a step before that is at least
 /// half as long, without contact and without a jump of a pin's velocity in between. Implicit midpoint after contact
 /// would amplify the oscillation of stiff cloth that an impulse excites. After contact, the linear solve also
-/// [extrapolates](StepInput::follows_contact) less.
+/// [extrapolates](StepInput::follows_contact) smooth motions only.
 pub async fn take<D: Dispatch, R: ContactRoom>(
     input: &StepInput<'_, D>,
     particles: &mut Particles<'_>,

@@ -175,7 +175,7 @@ const CONTROLLED_EXCEPTIONS: [Exception; 14] = [
     ("stretched x1000", Method::BackwardEuler, 1, "++x"),
     ("stretched x1000", Method::ImplicitMidpoint, 1, "++x"),
     ("stretched x1000", Method::Bdf2, 1, "++x"),
-    ("stretched x1000", Method::BackwardEuler, 20, "+xx"),
+    ("stretched x1000", Method::BackwardEuler, 20, "++x"),
     ("stretched x1000", Method::Bdf2, 20, "+xx"),
     // Many solves by Newton's method do not converge, and its estimate contains no error of the solve.
     ("slivers", Method::Bdf2, 20, "+??"),

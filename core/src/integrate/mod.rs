@@ -209,7 +209,7 @@ pub struct StepInput<'a, D> {
     /// The method and its settings.
     pub scheme: &'a Scheme,
     /// Whether the step follows contact, which changes the velocities abruptly: then the single linear solve linearises
-    /// the forces at positions extrapolated by less. [`step::take`](crate::step::take) sets it.
+    /// the forces at extrapolated positions only if these are hardly stretched. [`step::take`](crate::step::take) sets it.
     pub follows_contact: bool,
     /// Largest [estimated error](local_error) with which the step is committed, m. Infinite: the error is only
     /// estimated. `None`: it is not estimated.

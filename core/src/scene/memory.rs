@@ -22,7 +22,7 @@ const MEMBRANE: Bytes = [165, 275];
 const HINGES: Bytes = [290, 475];
 const WIND: Bytes = [60, 65];
 /// Columns of the candidates and contacts that the build makes room for.
-const CONTACT: Bytes = [7450, 11450];
+const CONTACT: Bytes = [7500, 11600];
 /// A vertex of a collider's mesh.
 const COLLIDER: Bytes = [1000, 1400];
 
