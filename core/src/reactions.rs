@@ -59,7 +59,7 @@ impl Reactions<'_> {
     pub fn add_pins<D>(&mut self, c: &StepInput<'_, D>, s: &Scratch<'_>) {
         let step = Sum::from(c.step);
         for (group, sum) in self.groups.iter().zip(&mut *self.pins) {
-            for (_, vertex, axes) in c.pins.iter().filter(|(pin, ..)| group.pins.contains(pin)) {
+            for (_, vertex, axes) in c.pins.iter().take(group.pins.end).skip(group.pins.start) {
                 let [change, force] = [&s.velocity_changes[vertex], &s.forces[vertex]].map(|&v| DVec3::from(to_f64(v)));
                 let all = change * Sum::from(c.masses[vertex]) - force * step;
                 let mut own = DVec3::ZERO;

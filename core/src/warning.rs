@@ -239,12 +239,16 @@ pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
     [appeared, stretched, unconverged, rounded, run.overlap(scene), run.taken(scene), exceeds]
 }
 
+/// Whether the work of damping is measured in every run, without reactions, and nothing else takes energy. Implicit
+/// midpoint damps in the middle of a step, where the work is measured; the other implicit methods damp at its end.
+pub fn measures_damping(scene: &SceneDesc) -> bool {
+    scene.contact.is_none() && scene.integrator.method == Method::ImplicitMidpoint
+}
+
 impl Run<'_> {
-    /// Energy that appeared. Damping may have taken it already: then it is in the work of implicit midpoint, which is
-    /// known where there is no contact. The other methods damp at the end of a step, where no work is measured.
+    /// Energy that appeared. Damping may have taken it already: then it is in the work of the method.
     fn appeared(&self, scene: &SceneDesc) -> f64 {
-        let is_known = scene.contact.is_none() && scene.integrator.method == Method::ImplicitMidpoint;
-        let by_method = if is_known { self.balance.by_method(&self.energy) } else { 0.0 };
+        let by_method = if measures_damping(scene) { self.balance.by_method(&self.energy) } else { 0.0 };
         self.balance.appeared.max(by_method)
     }
 

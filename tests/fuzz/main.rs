@@ -24,9 +24,9 @@ use judge::{Case, Finding, judge};
 /// Share of the good runs that may be warned of.
 const MOST_FALSE_ALARMS: f64 = 0.02;
 
-/// Known false alarms among the first 200 seeds: those that lose less than the bound by which `masses` warns, and 38
-/// and 184, cloths at rest whose solves end at the rounding of their forces.
-const KNOWN: [u64; 5] = [38, 69, 97, 119, 184];
+/// Known false alarms among the first 200 seeds: those that lose less than the bound by which `masses` warns, and 38, a
+/// cloth at rest whose solves end at the rounding of their forces.
+const KNOWN: [u64; 4] = [38, 69, 97, 119];
 
 /// Up to so many scenes are printed.
 const FEW: u64 = 10;

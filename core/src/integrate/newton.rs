@@ -183,15 +183,14 @@ fn newton_iterations<D: Dispatch>(
         let tolerance = c.scheme.tolerance.residual().max(INNER_TOLERANCE).into();
         solve_linear(c, Goal::Reduce(tolerance), s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
-        match search(c, stage, slope, s, statistics) {
-            Some(scale) => add_solution(c, stage, scale, s),
-            None => {
-                statistics.stalled_searches += 1;
-                return;
-            }
-        }
+        let Some(scale) = search(c, stage, slope, s, statistics) else {
+            statistics.stalled_searches += 1;
+            return;
+        };
+        add_solution(c, stage, scale, s);
         let before = core::mem::replace(&mut correction, root_mean_square(s.solution));
-        is_exact = is_converged(c.scheme.tolerance, before, correction);
+        // A shortened correction leaves a part of itself.
+        is_exact = scale == 1.0 && is_converged(c.scheme.tolerance, before, correction);
     }
     statistics.unconverged += u64::from(!is_exact);
 }

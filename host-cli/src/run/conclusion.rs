@@ -65,7 +65,8 @@ impl Course {
             _ => None,
         };
         let record = self.record();
-        let all_is_known = record.measures_reactions || !self.engine.dissipates();
+        let all_is_known =
+            record.measures_reactions || !self.engine.dissipates() || warning::measures_damping(&scene.desc);
         let by_method = all_is_known.then(|| record.balance.by_method(&report.energy));
         let mut summary = Summary {
             tool: "muslin",
