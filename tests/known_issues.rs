@@ -226,7 +226,7 @@ fn reactions_of_stiff_cloth_by_steps_of_bdf2_that_change_are_off() {
 /// A solve may leave a tenth of the solution, and preconditioning moves each vertex by its own stiffness, step after step
 /// alike.
 #[test]
-fn under_error_control_a_sheet_wrinkles_in_a_long_fall() {
+fn under_error_control_a_sheet_wrinkles_in_a_long_fall_beside_a_pinned_one() {
     let text = r#"
         name = "falling"
         duration = 2.5
@@ -238,6 +238,11 @@ fn under_error_control_a_sheet_wrinkles_in_a_long_fall() {
         stretch = { model = "membrane", stiffness = 500.0 }
         shear = { stiffness = 100.0 }
         bend = { model = "hinge", rigidity = 1e-5 }
+        [[cloth]]
+        grid = { size = [1.0, 1.0], cells = [1, 1] }
+        position = [2.0, 0.0, 0.0]
+        density = 0.2
+        pin = [{ select = { corners = [0, 1, 2, 3] } }]
     "#;
     let stretch = |integrator: &str| {
         let mut sim = kit::simulation(&format!("{text}[integrator]\n{integrator}"), &[]);

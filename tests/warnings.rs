@@ -4,7 +4,7 @@
 
 use harness::kit::single;
 use muslin_core::integrate::stability::Mode;
-use muslin_core::warning;
+use muslin_core::warning::{self, Code, Start};
 
 /// The warning that masses are lost beside the stiffness knows all that moves cloth. A strip of 20 g may lose 12 % of
 /// its masses.
@@ -44,4 +44,31 @@ fn whatever_moves_the_cloth_can_lose_masses() {
     assert!(far.is_some_and(|far| far.is_doubtful), "all of a long way may be lost: {far:?}");
     let held = warn("gravity = [0, -1000, 0]", &format!("{pin} }}]"), "");
     assert!(held.is_some_and(|held| !held.is_doubtful), "cloth that pins hold goes no long way: {held:?}");
+}
+
+/// The rigidity of hinges by the shape of the triangles: the answers of `validate` for vertices that are held on a
+/// cylinder, and a warning where they are far from 1.
+#[test]
+fn triangles_that_bend_too_stiffly_are_warned_of() {
+    for (grid, largest, warned) in [
+        ("cells = [60, 69], pattern = \"equilateral\"", 1.0, false),
+        ("cells = [60, 60], pattern = \"equilateral\"", 1.125, false),
+        ("cells = [60, 60], pattern = \"alternating\"", 1.5, false),
+        ("cells = [60, 60], pattern = \"diagonal\"", 3.0, true),
+        // Along x: l^4 / 2 h^4 + a^4 / 16 h^4 with cells of a, rows of h and l^2 = a^2 / 4 + h^2.
+        ("cells = [30, 60], pattern = \"equilateral\"", 3.0, true),
+        ("cells = [20, 60], pattern = \"equilateral\"", 10.34, true),
+    ] {
+        let text = format!(
+            "duration = 1.0\n[[cloth]]\ngrid = {{ size = [1.0, 1.0], {grid} }}\ndensity = 0.2\n\
+             bend = {{ model = \"hinge\", rigidity = 1e-5 }}"
+        );
+        let rigidity = single::simulation(&text, &[]).scene().largest_rigidity;
+        println!("{grid}: {rigidity:.3}");
+        assert!((rigidity / largest - 1.0).abs() < 0.05, "{grid}: {rigidity}, not {largest}");
+        let start = Start { mean_edge: 0.02, size: 1.0, mass: 0.2, rigidity, is_single: false };
+        let warnings = warning::of_settings(&single::scene(&text), &start, || unreachable!());
+        let is_warned = warnings.into_iter().flatten().any(|warning| warning.code == Code::Rigidity);
+        assert_eq!(is_warned, warned, "{grid}: {warnings:?}");
+    }
 }

@@ -14,7 +14,10 @@ pub struct Balance {
     least: f64,
     /// Largest growth of this difference from its least value.
     pub appeared: f64,
-    /// Largest sum of the energies without gravity.
+    /// Energy of stretch, shear, bending and seams of the start state.
+    strained: f64,
+    /// Largest kinetic energy plus the change of this energy since the start: cloth under tension stores energy that does
+    /// not move.
     active: f64,
     /// Least and largest energy of gravity, without the work of gravity that changes: by how much the cloth fell,
     /// wherever heights count from.
@@ -22,13 +25,14 @@ pub struct Balance {
 }
 
 /// Number of words in an encoded balance.
-pub const WORDS: usize = 15;
+pub const WORDS: usize = 16;
 
 impl Default for Balance {
     fn default() -> Self {
         Self {
             work: WorkDone::default(),
             start: None,
+            strained: 0.0,
             least: f64::INFINITY,
             appeared: 0.0,
             active: 0.0,
@@ -41,14 +45,17 @@ impl Balance {
     /// Observes a frame: its energies (kinetic, stretch, shear, bend, seam, gravity) and the work done up to now.
     pub fn see(&mut self, energy: &[f64; 6], work: WorkDone) {
         let [kinetic, stretch, shear, bend, seam, gravity] = *energy;
-        let active = kinetic + stretch + shear + bend + seam;
-        let without_work = active + gravity - work.from_outside();
-        self.start.get_or_insert(active + gravity);
+        let strained = stretch + shear + bend + seam;
+        let total = kinetic + strained + gravity;
+        if self.start.is_none() {
+            (self.start, self.strained) = (Some(total), strained);
+        }
+        let without_work = total - work.from_outside();
         let gravity = gravity - work.gravity;
         self.work = work;
         self.least = self.least.min(without_work);
         self.appeared = self.appeared.max(without_work - self.least);
-        self.active = self.active.max(active);
+        self.active = self.active.max(kinetic + (strained - self.strained).abs());
         self.gravity = [self.gravity[0].min(gravity), self.gravity[1].max(gravity)];
     }
 
@@ -71,7 +78,7 @@ impl Balance {
         let [low, high] = self.gravity;
         let all: [&[f64]; 2] = [
             &[pins, colliders, wind, gravity, separation, contacts, damping, exchanged],
-            &[self.start.unwrap_or(0.0), self.least, self.appeared, self.active, low, high],
+            &[self.start.unwrap_or(0.0), self.strained, self.least, self.appeared, self.active, low, high],
         ];
         let mut words = [u64::from(self.start.is_some()); WORDS];
         words[1..].iter_mut().zip(all.into_iter().flatten()).for_each(|(word, value)| *word = value.to_bits());
@@ -83,10 +90,11 @@ impl Balance {
         let [has_start, words @ ..] = words;
         let [pins, colliders, wind, gravity, separation, contacts, damping, exchanged, rest @ ..] =
             words.map(f64::from_bits);
-        let [start, least, appeared, active, low, high] = rest;
+        let [start, strained, least, appeared, active, low, high] = rest;
         Self {
             work: WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged },
             start: (has_start != 0).then_some(start),
+            strained,
             least,
             appeared,
             active,
@@ -119,6 +127,18 @@ mod tests {
         balance.see(&[1.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
         assert_eq!(balance.appeared, 2.0);
         assert_eq!(Balance::decode(balance.encode()), balance);
+    }
+
+    #[test]
+    fn energy_stored_in_the_start_state_did_not_move() {
+        let mut balance = Balance::default();
+        for kinetic in [0.0, 0.25, 0.5] {
+            balance.see(&[kinetic, 1e3, 0.0, 0.0, 0.0, 0.0], work(0.0, 0.0));
+        }
+        assert_eq!((balance.appeared, balance.moved()), (0.5, 0.5));
+        // Half of the stored energy becomes motion.
+        balance.see(&[500.5, 500.0, 0.0, 0.0, 0.0, 0.0], work(0.0, 0.0));
+        assert_eq!((balance.appeared, balance.moved()), (0.5, 1000.5));
     }
 
     #[test]

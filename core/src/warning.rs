@@ -16,6 +16,8 @@ pub enum Code {
     Duration,
     /// The thickness of contact, m, does not suit the edges; their mean length.
     Thickness,
+    /// The largest rigidity of hinges over the one asked for, of all directions; the largest that needs no warning.
+    Rigidity,
     /// Step x (step x stiffness + damping) over the mass of a vertex is so large that single precision loses masses;
     /// the largest ratio at which it loses little.
     Masses,
@@ -44,6 +46,7 @@ impl Code {
             Self::Step => "step",
             Self::Duration => "duration",
             Self::Thickness => "thickness",
+            Self::Rigidity => "rigidity",
             Self::Masses => "masses",
             Self::Unstable => "unstable",
             Self::Energy => "energy",
@@ -78,6 +81,10 @@ impl Warning {
 
 /// Smallest and largest ratio of thickness to mean edge length at which contact works as expected.
 const THICKNESS: [f64; 2] = [1e-4, 1.0];
+
+/// Largest rigidity of hinges over the one asked for. Alternating diagonals on squares have 1.5 if their vertices are held
+/// on a cylinder, and a single row of equilateral triangles too; parallel diagonals have 3.
+const MOST_RIGID: f64 = 1.6;
 
 /// Rounding of a number in single precision, relative to it.
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
@@ -134,6 +141,8 @@ pub struct Start {
     pub size: f64,
     /// Total mass, kg.
     pub mass: f64,
+    /// Largest rigidity of hinges over the one asked for; 0 without hinges.
+    pub rigidity: f64,
     /// Whether steps are taken in single precision.
     pub is_single: bool,
 }
@@ -141,7 +150,7 @@ pub struct Start {
 /// The warnings of settings that do not suit the scene. `modes` gives the fastest modes of the start state to about one
 /// per cent; it is called only where they matter.
 #[cfg_attr(small, optimize(size))]
-pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mode; 2]) -> [Option<Warning>; 4] {
+pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mode; 2]) -> [Option<Warning>; 5] {
     let (method, timing) = (scene.integrator.method, scene.timing());
     // Nobody asked for a default.
     let asked = scene.integrator.step.unwrap_or(timing.step);
@@ -165,6 +174,7 @@ pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mo
         is_changed.then(|| Warning::new(Code::Step, asked, timing.step)),
         is_cut.then(|| Warning::new(Code::Duration, scene.duration, taken)),
         unsuited.map(|thickness| Warning::new(Code::Thickness, thickness, start.mean_edge)),
+        (start.rigidity > MOST_RIGID).then(|| Warning::new(Code::Rigidity, start.rigidity, MOST_RIGID)),
         of_step,
     ]
 }

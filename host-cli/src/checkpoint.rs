@@ -19,7 +19,7 @@ use crate::record::{self, Record};
 use crate::scene_file::SceneFile;
 
 const MAGIC: &[u8; 8] = b"MUSLINCP";
-const FORMAT: u32 = 12;
+const FORMAT: u32 = 13;
 
 /// The version of muslin: another one may take other steps.
 const VERSION: &str = env!("CARGO_PKG_VERSION");

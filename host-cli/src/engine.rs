@@ -192,6 +192,8 @@ pub trait Engine: Send {
     }
     /// Mean rest length of all edges, m.
     fn mean_edge(&self) -> f64;
+    /// Largest rigidity of hinges over the one asked for, of all cloths and directions; 0 without hinges.
+    fn largest_rigidity(&self) -> f64;
     /// Mean rest length of the edges of each cloth, m.
     fn mean_edges(&self) -> Vec<f64>;
     /// The stiffest and the most damped mode of the current state, by power iteration. The iteration ends at the
@@ -511,6 +513,10 @@ macro_rules! engine {
 
                 fn mean_edge(&self) -> f64 {
                     self.scene().mean_edge()
+                }
+
+                fn largest_rigidity(&self) -> f64 {
+                    self.scene().largest_rigidity
                 }
 
                 fn mean_edges(&self) -> Vec<f64> {

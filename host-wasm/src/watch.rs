@@ -19,7 +19,7 @@ const ITERATIONS: u32 = 100;
 /// Observations of the frames of a run.
 pub struct Watch {
     /// Warnings from before the first step.
-    of_settings: [Option<Warning>; 4],
+    of_settings: [Option<Warning>; 5],
     steps_per_frame: u64,
     /// Largest side of the box around the cloth at the start, m.
     size: f64,
@@ -37,7 +37,8 @@ impl Watch {
     pub fn begin(cloth: &mut Simulation, scene: &SceneDesc, clock: &Clock) -> Self {
         cloth.measure_work(WorkDone::default());
         let size = extent(cloth.places_in_world()).into_iter().fold(0.0, f64::max);
-        let start = Start { mean_edge: cloth.scene().mean_edge(), size, mass: mass(cloth), is_single: true };
+        let (mean_edge, rigidity) = (cloth.scene().mean_edge(), cloth.scene().largest_rigidity);
+        let start = Start { mean_edge, size, mass: mass(cloth), rigidity, is_single: true };
         let mut watch = Self {
             of_settings: warning::of_settings(scene, &start, || modes(cloth, clock)),
             steps_per_frame: scene.timing().steps_per_frame,

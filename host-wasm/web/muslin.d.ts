@@ -70,6 +70,7 @@ export interface Warning {
    * - `step`: the step of the scene, which does not divide a frame, and the one that is taken, s
    * - `duration`: the duration of the scene, which is no whole number of frames, and the one that is meant, s
    * - `thickness`: the thickness of contact, which does not suit the edges, and their mean length, m
+   * - `rigidity`: the largest rigidity of hinges over the one asked for, and the largest that needs no warning
    * - `masses`: step x (step x stiffness + damping) over the mass of a vertex, and the largest value that single
    *   precision bears
    * - `unstable`: the step, and the longest stable step of the explicit method at the start, s
@@ -85,6 +86,7 @@ export interface Warning {
     | "step"
     | "duration"
     | "thickness"
+    | "rigidity"
     | "masses"
     | "unstable"
     | "energy"

@@ -13,14 +13,16 @@
 //! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on a limit of iterations
 //! or updates.
 
+use glam::DVec3;
+
 use super::coarse::{self, CoarseFactor, Patches};
 use super::columns::{Sums, dot, sum_parts};
-use super::convex_term::{ConvexTerm, Update};
+use super::convex_term::{ConvexTerm, NoTerm, Update};
 use super::pins::Pins;
 use super::{IntegratorStatistics, Preconditioner, StepInput};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
-use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
+use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity, to_f64, vec3};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
 
@@ -181,7 +183,11 @@ pub(crate) fn solve<D: Dispatch>(
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
     let [_, free] = i.precondition(c.dispatch);
-    let mut rho = if term.is_zero() { free } else { i.gradient(term, c.dispatch) };
+    let mut rho = match (term.is_zero(), goal) {
+        (true, Goal::Within(_)) if c.pins.vertices.is_empty() => i.translate(statistics, c.dispatch),
+        (true, _) => free,
+        (false, _) => i.gradient(term, c.dispatch),
+    };
     let target = match goal {
         Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
         Goal::Within(target) => {
@@ -272,6 +278,21 @@ impl<'a, 'b> Iterate<'a, 'b> {
     fn gradient(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) -> Sum {
         self.residual.copy_from_slice(self.elastic);
         self.add_impulses(term);
+        let [_, rho] = self.precondition(dispatch);
+        rho
+    }
+
+    /// Moves all vertices together, as gravity moves a free cloth: a preconditioner moves each by its own stiffness, and
+    /// would wrinkle cloth in a long fall. Preconditions the new residual and returns its squared norm.
+    fn translate(&mut self, statistics: &mut IntegratorStatistics, dispatch: &impl Dispatch) -> Sum {
+        let impulse: DVec3 = self.residual.iter().map(|&r| DVec3::from(to_f64(r))).sum();
+        let mass: Sum = self.system.masses.iter().map(|&m| Sum::from(m)).sum();
+        self.direction.fill(vec3((impulse / mass).into()));
+        self.slope = impulse.length_squared() / mass;
+        statistics.matrix_products += 1;
+        if let Some(length) = self.search(&mut NoTerm, dispatch) {
+            self.advance(&mut NoTerm, length, dispatch);
+        }
         let [_, rho] = self.precondition(dispatch);
         rho
     }

@@ -61,6 +61,8 @@ pub struct BuiltScene {
     /// Position of each vertex in its mesh before placement, m. Texture coordinates would not do:
     /// different parts of a sheet may overlap in them.
     pub material: Vec<DVec3>,
+    /// Largest rigidity of hinges over the one asked for, of all cloths and directions; 0 without hinges.
+    pub largest_rigidity: f64,
     /// Columns of contact; absent: surfaces pass through one another.
     pub contact: Option<ContactColumns>,
 }
@@ -125,6 +127,7 @@ pub(super) struct Parts {
     pub(super) bend_springs: Vec<([u32; 2], Spring)>,
     pub(super) membrane: MembraneColumns,
     pub(super) hinges: HingeColumns,
+    pub(super) largest_rigidity: f64,
     pub(super) seams: SeamColumns,
     pub(super) pins: PinColumns,
     pub(super) loads: LoadColumns,
@@ -268,6 +271,7 @@ impl Parts {
             rest_lengths: self.rest_lengths.iter().map(|&l| l as Real).collect(),
             cloths: self.cloths,
             material: self.material,
+            largest_rigidity: self.largest_rigidity,
             contact: None,
         }
     }

@@ -3,6 +3,7 @@
 //! All units are SI: metres, kilograms, seconds, newtons; only `rotation` is in degrees. A term
 //! that a scene does not name is not modelled: it is neither allocated nor computed.
 
+mod bending;
 mod build;
 mod builtin;
 mod check;

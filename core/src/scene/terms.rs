@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use glam::DVec3;
 
+use super::bending::{self, SheetRigidity};
 use super::build::{Parts, Sheet, resource};
 use super::check::{not_negative, positive};
 use super::{BendModel, Resource, SeamDesc, StretchDesc, StretchModel};
@@ -97,10 +98,15 @@ impl Parts {
     }
 
     fn add_hinges(&mut self, sheet: &Sheet<'_>, rigidity: f64, damping: f64) {
+        let mut by_direction = SheetRigidity::default();
         for (corners, edge_index) in hinges::build(&sheet.edges) {
             let (edge, length) = (&sheet.edges[edge_index as usize], sheet.lengths[edge_index as usize]);
             let areas = sheet.areas_beside(edge);
             let stiffness = hinge::stiffness(rigidity, length, areas);
+            by_direction.add([0, 1].map(|side| {
+                let triangle = edge.triangles[side] as usize;
+                (&sheet.rest[triangle], bending::corners(&sheet.mesh.triangles[triangle], edge, side))
+            }));
             let angle = match sheet.desc.rest {
                 RestSource::Shape => rest::hinge_angle(&sheet.mesh, corners),
                 RestSource::Uv => 0.0,
@@ -111,6 +117,7 @@ impl Parts {
             self.hinges.least_heights.push((0.1 * length.min(2.0 * areas[0].min(areas[1]) / length)) as Real);
             self.hinges.damping.push((damping * stiffness) as Real);
         }
+        self.largest_rigidity = self.largest_rigidity.max(by_direction.largest());
     }
 
     fn add_bend_springs(&mut self, sheet: &Sheet<'_>, stiffness: f64, damping: f64) {

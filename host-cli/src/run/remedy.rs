@@ -31,7 +31,10 @@ pub fn of_solves(scene: &SceneDesc) -> String {
             "take integrator.newton = 1: Newton's method iterates without the contacts, and they undo its work".into()
         }
         (newton @ 2.., None) => {
-            format!("they need more than integrator.newton = {newton} iterations, or a smaller integrator.step")
+            format!(
+                "they need more than integrator.newton = {newton} iterations, a smaller integrator.step, or the digits \
+                 of --precision f64"
+            )
         }
         _ => of_steps(scene),
     }

@@ -34,9 +34,15 @@ pub fn of(warning: &warning::Warning, scene: &SceneDesc, known: Known) -> Warnin
         Code::Duration => {
             let frames = scene.timing().frames;
             let value = without_noise(value);
-            format!("duration {value} s is not a whole number of frames: taking {frames} frames, {beside:.4} s")
+            let noun = if frames == 1 { "frame" } else { "frames" };
+            format!("duration {value} s is not a whole number of frames: taking {frames} {noun}, {beside:.4} s")
         }
         Code::Thickness => thickness(value, beside),
+        Code::Rigidity => format!(
+            "hinges bend the cloth up to {value:.1} times as stiffly as asked for, by direction, because its triangles \
+             are far from equilateral: give a grid 1.155 x cells[0] x size[1] / size[0] rows in cells[1] and the pattern \
+             \"equilateral\", or take a mesh of such triangles"
+        ),
         Code::Masses => format!(
             "step x (step x stiffness + damping) is {value:.0e} times the mass of a vertex: single precision rounds \
              such masses away, and the cloth may lag by some per cent of its size; compare with --precision f64, or take \

@@ -7,6 +7,7 @@ const WARNINGS = {
   step: "the step does not divide a frame",
   duration: "the duration is no whole number of frames",
   thickness: "the contact thickness does not suit the edges",
+  rigidity: "the shape of the triangles makes the cloth bend too stiffly",
   masses: "the step is too long for single precision",
   unstable: "the step is too long for the method",
   energy: "energy appeared from nowhere",
