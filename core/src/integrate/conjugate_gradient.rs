@@ -46,7 +46,7 @@ pub struct System<'a> {
 /// The preconditioner, ready to be applied to a residual.
 pub struct FactoredPreconditioner<'a, 'b> {
     /// Inverse of each diagonal block.
-    pub inverse_diagonal: &'a [Mat3],
+    pub inverse_diagonal: &'a mut [Mat3],
     /// The patches and the factor of their small system; `None` for block Jacobi.
     pub coarse: Option<(Patches<'a>, &'a mut CoarseFactor<'b>)>,
 }
@@ -129,6 +129,13 @@ const ROUGHLY: Sum = 0.1;
 /// The same without patches, whose motions [complete](Iterate::complete) the solution.
 const WITHOUT_PATCHES: Sum = 1e-3;
 
+/// Momentum that a solve with contacts may leave of a cloth, relative to the impulse of its contacts: what is left in each
+/// step adds up, and a sheet that should slide would stick.
+const UNBALANCED: Sum = 0.01;
+
+/// The same relative to the velocity of the goal: what is left of a cloth's velocity, squared.
+const SLOWLY: Sum = 1e-3;
+
 /// The columns of a solve.
 struct Iterate<'a, 'b> {
     system: System<'a>,
@@ -172,14 +179,10 @@ pub(crate) fn solve<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) -> Sum {
     c.dispatch.enter(Stage::Solve);
-    if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
-        let system = System { matrix: &s.matrix, masses: c.masses, pins: c.pins };
-        write_inverse_diagonal(&system, term, s.inverse_diagonal, c.dispatch);
-        if c.scheme.preconditioner == Preconditioner::TwoLevel {
-            coarse::write_factor(&s.patches, &system, term, &mut s.coarse);
-        }
-    }
     let mut i = Iterate::new(c, s);
+    if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
+        i.factorise(term, c.dispatch);
+    }
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
     let [_, free] = i.precondition(c.dispatch);
@@ -199,6 +202,7 @@ pub(crate) fn solve<D: Dispatch>(
     };
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
     let (mut updates, mut last_updates) = (0, 0);
+    let is_last = matches!(goal, Goal::Within(_) | Goal::Reach(_));
     let most = match goal {
         Goal::Iterations(most) => most,
         Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) if term.is_zero() => MOST_ITERATIONS,
@@ -213,12 +217,15 @@ pub(crate) fn solve<D: Dispatch>(
             }
             break;
         }
-        if rho <= target {
+        if rho <= target && (!is_last || i.is_balanced(target)) {
             term.update(Update { is_early: false, has_converged: true });
+            if last_updates == 0 {
+                i.factorise(term, c.dispatch);
+            }
             rho = i.gradient(term, c.dispatch);
             last_updates += 1;
             let left = if last_updates > 1 { LEFT * target } else { target };
-            if rho <= left || last_updates == MOST_LAST_UPDATES {
+            if rho <= left && (!is_last || i.is_balanced(target)) || last_updates == MOST_LAST_UPDATES {
                 statistics.unconverged += u64::from(rho > left);
                 break;
             }
@@ -244,6 +251,12 @@ pub(crate) fn solve<D: Dispatch>(
         if since_update >= UPDATE_AFTER.max(iterations / UPDATE_PART) || rho < UPDATE_BELOW * updated_at {
             term.update(Update { is_early: updates < MULTIPLIER_UPDATES, has_converged: last_updates > 0 });
             (updated_at, since_update, updates) = (rho, 0, updates + 1);
+            if updates == 1 {
+                i.factorise(term, c.dispatch);
+                rho = i.gradient(term, c.dispatch);
+                i.restart(rho);
+                continue;
+            }
         }
         rho = i.turn(term, rho, c.dispatch);
     }
@@ -272,6 +285,30 @@ impl<'a, 'b> Iterate<'a, 'b> {
             slope: 0.0,
             partials: s.partials,
         }
+    }
+
+    /// Prepares the preconditioner. Contacts that slip no longer resist as those that stick: by the preconditioner from
+    /// before, a large residual would look small.
+    fn factorise(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) {
+        let Self { system, preconditioner, .. } = self;
+        write_inverse_diagonal(system, term, preconditioner.inverse_diagonal, dispatch);
+        if let Some((patches, factor)) = &mut preconditioner.coarse {
+            coarse::write_factor(patches, system, term, factor);
+        }
+    }
+
+    /// Whether the residual leaves little momentum of every cloth.
+    fn is_balanced(&self, target: Sum) -> bool {
+        let Some((patches, _)) = &self.preconditioner.coarse else { return true };
+        let mut start = 0;
+        patches.cloth_ends.iter().all(|&end| {
+            let cloth = core::mem::replace(&mut start, end as usize)..end as usize;
+            let sum = |column: &[Vec3]| column[cloth.clone()].iter().map(|&r| DVec3::from(to_f64(r))).sum::<DVec3>();
+            let (left, elastic) = (sum(self.residual), sum(self.elastic));
+            let mass: Sum = self.system.masses[cloth.clone()].iter().map(|&m| Sum::from(m)).sum();
+            let impulse = (left - elastic).length_squared();
+            left.length_squared() <= UNBALANCED * UNBALANCED * impulse + SLOWLY * target * mass
+        })
     }
 
     /// Writes the residual from its elastic part and the impulses, and preconditions it. Returns its squared norm.
@@ -313,7 +350,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
     #[inline(never)]
     fn precondition(&mut self, dispatch: &impl Dispatch) -> Sums {
         let Self { system, preconditioner, residual, preconditioned, partials, .. } = self;
-        let (inverse, residual) = (preconditioner.inverse_diagonal, &**residual);
+        let (inverse, residual) = (&*preconditioner.inverse_diagonal, &**residual);
         if let Some((patches, factor)) = &mut preconditioner.coarse {
             coarse::solve(patches, factor, residual);
         }
