@@ -34,8 +34,7 @@ const FINER: f64 = 1.1;
 const LOOSER: [f64; 3] = [10.0, 100.0, 1000.0];
 const SMALLER: f64 = 0.8;
 
-/// The largest and the smallest allowed error of a step in hindsight, as multiples of the tolerance.
-const COARSEST: f64 = 10.0;
+/// The smallest allowed error of a step in hindsight, as a multiple of the tolerance, which is the largest.
 const SMALLEST: f64 = 1e-4;
 
 /// Number of steps between two moments in the first run for the reference.
@@ -251,7 +250,7 @@ fn cheapest_controlled(
     fly: impl Fn(f64) -> Option<Flight>,
     meets: impl Fn(&Flight) -> bool,
 ) -> Option<f64> {
-    let mut error = COARSEST * tolerance;
+    let mut error = tolerance;
     while error > SMALLEST * tolerance {
         match fly(error) {
             // Smaller errors cost more.

@@ -2,7 +2,7 @@
 
 use muslin_core::integrate::Method;
 use muslin_core::integrate::stability::{Mode, longest_step};
-use muslin_core::scene::IntegratorDesc;
+use muslin_core::scene::{IntegratorDesc, SceneDesc};
 use toml::Value;
 
 use crate::args::Precision;
@@ -79,6 +79,17 @@ impl Variant {
         let sample = scene.desc.duration / SAMPLES as f64;
         let steps = (sample / longest - 1e-9).ceil().max(1.0) as u64;
         Self { error: Some(error), ..Self::fixed(method, precision, steps) }
+    }
+
+    /// The variant that `muslin run` takes, but for the samples: each is a whole number of steps.
+    pub fn as_written(scene: &SceneFile) -> Self {
+        let desc = &scene.desc;
+        let method = desc.integrator.method;
+        if let Some(error) = desc.integrator.error() {
+            return Self::controlled(scene, method, Precision::F32, error);
+        }
+        let sampled = SceneDesc { frame_rate: SAMPLES as f64 / desc.duration, ..desc.clone() };
+        Self::fixed(method, Precision::F32, sampled.timing().steps_per_frame)
     }
 
     /// Whether a study tries variants as fine as this one.

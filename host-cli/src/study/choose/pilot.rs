@@ -63,7 +63,8 @@ impl<'a> Pilot<'a> {
 
     /// Whether a run may be chosen: it meets the tolerance, and no run of the same method meets it with less work.
     pub fn is_candidate(&self, row: &Row) -> bool {
-        row.meets() && !self.considered.iter().any(|other| row.is_outdone(other))
+        let mut allowed = self.considered.iter().filter(|other| other.is_allowed(self.tolerance));
+        row.meets() && row.is_allowed(self.tolerance) && !allowed.any(|other| row.is_outdone(other))
     }
 
     /// The cheapest run that meets the tolerance, among those for which `is_wanted` holds.
@@ -98,6 +99,14 @@ impl<'a> Pilot<'a> {
         Ok(self.keep(scene, variant, terms, &run, dear <= longest))
     }
 
+    /// Runs the scene as it is written for at most `longest` seconds, and records the result.
+    pub fn weigh_as_written(&mut self, longest: f64) -> Result<(), Failure> {
+        let scene = &self.study.scene;
+        self.weigh(scene, Variant::as_written(scene), &[], longest)?;
+        self.considered.last_mut().into_iter().for_each(|row| row.as_written = true);
+        Ok(())
+    }
+
     /// Runs a variant to its end without a time limit, and records the result.
     pub fn weigh_whole(&mut self, scene: &SceneFile, variant: Variant, terms: &[String]) -> Result<Row, Failure> {
         self.study.say(&variant.name(scene));
@@ -108,6 +117,7 @@ impl<'a> Pilot<'a> {
     fn keep(&mut self, scene: &SceneFile, variant: Variant, terms: &[String], run: &Trajectory, dear: bool) -> Row {
         let mut row = Row::new(scene, variant, terms, &run.report, run.wall);
         (row.verdict, row.error, row.why) = self.judge(run, dear);
+        row.stretch = row.error.map(|_| run.stretch);
         self.considered.push(row.clone());
         row
     }

@@ -13,7 +13,8 @@ const ROOM: f64 = 1.5;
 
 /// The error if no method meets the tolerance; it names the best result.
 pub fn nothing_meets(pilot: &Pilot<'_>) -> Failure {
-    let rows = pilot.considered.iter().filter_map(|row| Some((row.error?, row)));
+    let allowed = pilot.considered.iter().filter(|row| row.is_allowed(pilot.tolerance));
+    let rows = allowed.filter_map(|row| Some((row.error?, row)));
     let best = rows.min_by(|a, b| a.0.total_cmp(&b.0));
     let (asked, reached) = best.map_or_else(
         || (length(pilot.tolerance), "no method came to the end of the scene".into()),

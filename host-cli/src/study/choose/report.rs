@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::study::distance::Measure;
 use crate::study::partial::SoFar;
 use crate::study::variant::{Variant, in_words};
+use crate::summary::percent;
 use crate::units::{apart, length, time};
 
 use super::check::Checked;
@@ -13,7 +14,7 @@ use super::pilot::Pilot;
 use super::row::{Row, Verdict};
 
 /// Head of the table of runs.
-const HEAD: &str = "method                            step   solver        error       time  verdict";
+const HEAD: &str = "method                            step   solver        error    stretch       time  verdict";
 
 /// How to run the scene.
 #[derive(Clone, Debug, Serialize)]
@@ -290,7 +291,8 @@ fn line(row: &Row, tolerance: f64) -> String {
     let why = || row.why.clone().unwrap_or_default();
     // The time of a run that fails is the cost of no result.
     let (verdict, wall) = match row.verdict {
-        Verdict::Meets => ("meets it".into(), time(row.wall_s)),
+        Verdict::Meets if row.is_allowed(tolerance) => ("meets it".into(), time(row.wall_s)),
+        Verdict::Meets => ("meets it; not proposed, because it allows a step a larger error".into(), time(row.wall_s)),
         Verdict::Misses => ("misses it".into(), time(row.wall_s)),
         Verdict::Failed => (format!("diverged: {}", why()), "-".into()),
         Verdict::Dear => (why(), time(row.wall_s)),
@@ -299,8 +301,10 @@ fn line(row: &Row, tolerance: f64) -> String {
     let solver = row.solver_tolerance.map_or_else(String::new, |to| format!("{to:.0e}"));
     let told = |error| apart(error, tolerance)[0].clone();
     let error = row.error.map_or_else(|| "-".into(), told);
+    let stretch = row.stretch.map_or_else(|| "-".into(), percent);
+    let written = if row.as_written { ", the scene as written" } else { "" };
     format!(
-        "{:<18}{:<5}{:>15}{solver:>9}{error:>13}{wall:>11}  {verdict}{terms}",
+        "{:<18}{:<5}{:>15}{solver:>9}{error:>13}{stretch:>11}{wall:>11}  {verdict}{written}{terms}",
         row.method,
         row.precision,
         row.stride(),

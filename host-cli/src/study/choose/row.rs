@@ -38,8 +38,12 @@ pub struct Row {
     pub solver_tolerance: Option<f64>,
     /// Terms that are left out or simplified, in words.
     pub terms: Vec<String>,
+    /// Whether it is the scene as it is written.
+    pub as_written: bool,
     /// RMS error over all samples; `None` if the run did not reach its end.
     pub error: Option<f64>,
+    /// The largest ratio of length to rest length of any edge at any sample; `None` if the run did not reach its end.
+    pub stretch: Option<f64>,
     /// Median computing time of the steps, s.
     pub wall_s: f64,
     /// Number of timed runs.
@@ -75,7 +79,9 @@ impl Row {
             steps,
             solver_tolerance: variant.tolerance(scene),
             terms: terms.to_vec(),
+            as_written: false,
             error: None,
+            stretch: None,
             wall_s: wall,
             repeats: 1,
             force_evaluations: report.force_evaluations,
@@ -118,6 +124,11 @@ impl Row {
     /// Whether it meets the tolerance.
     pub fn meets(&self) -> bool {
         self.verdict == Verdict::Meets
+    }
+
+    /// Whether it may be proposed: an allowed error of a step is not larger than the tolerance, m.
+    pub fn is_allowed(&self, tolerance: f64) -> bool {
+        self.allowed_error.is_none_or(|error| error <= tolerance)
     }
 
     /// Whether another run of the same method, precision, kind of step and terms meets the tolerance with less counted

@@ -41,9 +41,6 @@ const LARGER: f64 = 1.5;
 /// How many times a loose solver is as loose as the scene's.
 const LOOSE: f64 = 100.0;
 
-/// The first allowed error of a step, as a multiple of the tolerance.
-const COARSEST: f64 = 4.0;
-
 /// Number of runs between one that misses the tolerance and one that meets it, and the smallest ratio of allowed errors
 /// that is tried.
 const BETWEEN: u32 = 3;
@@ -60,6 +57,7 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
     let modes = engine.fastest_modes(STEADY, ITERATIONS, &pilot.study.stopwatch());
     let methods = methods(pilot.reference.rule.measure);
     let firsts: Vec<_> = methods.into_iter().flat_map(|method| firsts(pilot, &modes, method)).collect();
+    pilot.weigh_as_written(pilot.left() / (firsts.len() + 1) as f64)?;
     for (place, &first) in firsts.iter().enumerate() {
         let share = pilot.left() / (firsts.len() - place) as f64;
         climb(pilot, first, pilot.study.seconds() + share)?;
@@ -70,13 +68,14 @@ pub fn search(pilot: &mut Pilot<'_>, engine: &dyn Engine) -> Result<Option<Row>,
     Ok(pilot.cheapest().cloned())
 }
 
-/// The coarsest runs of a method: with fixed steps and, if it is implicit, with a loose solver and under error control.
+/// The coarsest runs of a method: with fixed steps and, if it is implicit, with a loose solver and under error control,
+/// where a step may have as large an error as the tolerance.
 fn firsts(pilot: &Pilot<'_>, modes: &[Mode], method: Method) -> Vec<Variant> {
     let fixed = Variant::fixed(method, Precision::F32, first(pilot, modes, method));
     if !method.is_implicit() {
         return vec![fixed];
     }
-    let controlled = Variant::controlled(&pilot.study.scene, method, Precision::F32, COARSEST * pilot.tolerance);
+    let controlled = Variant::controlled(&pilot.study.scene, method, Precision::F32, pilot.tolerance);
     let loose = Some(Variant { looser: LOOSE, ..fixed });
     let loose = loose.filter(|loose| loose.is_as_loose_as_asked(&pilot.study.scene));
     loose.into_iter().chain([fixed, controlled]).collect()
@@ -166,7 +165,10 @@ fn coarser(pilot: &Pilot<'_>, row: &Row) -> Option<Variant> {
             let steps = variant.steps - variant.steps.div_ceil(FEWER);
             (steps >= pilot.fewest_steps()).then_some(Variant { steps, ..variant })
         }
-        Some(error) => row.is_divided().then_some(Variant { error: Some(LARGER * error), ..variant }),
+        Some(error) => {
+            let larger = LARGER * error;
+            (row.is_divided() && larger <= pilot.tolerance).then_some(Variant { error: Some(larger), ..variant })
+        }
     }
 }
 

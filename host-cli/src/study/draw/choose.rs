@@ -19,8 +19,9 @@ const DRAWN: f64 = 1e6;
 /// Size of the picture, px.
 const PANEL: [f64; 2] = [660.0, 440.0];
 
-/// Colour of the simplifications of the best method.
+/// Colour of the simplifications of the best method, and of the scene as it is written.
 const TRIED: &str = "#666666";
+const WRITTEN: &str = "#bbbbbb";
 
 /// Error against computing time. Runs that were given up are crosses above all errors, one row for each method. Runs
 /// that diverged are not drawn: their time is the cost of no result. Simplifications of the best method are numbered.
@@ -31,6 +32,7 @@ pub fn choose(choice: &Choice) -> String {
     let times = range(timed.map(|row| row.wall_s).chain([choice.predicted.wall_s]));
     let allowed = LinePlot::new().with_data([times.0, times.1].map(|time| (time, DRAWN * choice.tolerance)));
     let mut plots = vec![Plot::Line(allowed.with_color("#888888").with_dashed().with_legend("tolerance"))];
+    plots.extend(rows.iter().filter(|row| row.as_written).filter_map(as_written));
     let mut crosses = Crosses::above(DRAWN * errors.1);
     plots.extend(LOOKS.iter().flat_map(|&look| method(rows, look, &mut crosses)));
     plots.extend(tried(rows, &mut crosses));
@@ -40,6 +42,12 @@ pub fn choose(choice: &Choice) -> String {
     let layout = layout(choice, times, DRAWN * errors.0, &crosses);
     let figure = Figure::new(1, 1).with_plots(vec![plots]).with_layouts(vec![layout]);
     SvgBackend.render_scene(&figure.with_cell_size(PANEL[0], PANEL[1]).with_shared_legend_right_middle().render())
+}
+
+/// A halo behind the mark of the scene as it is written.
+fn as_written(row: &Row) -> Option<Plot> {
+    let halo = ScatterPlot::new().with_data([(row.wall_s, DRAWN * row.error?)]).with_color(WRITTEN).with_size(9.0);
+    Some(Plot::Scatter(halo.with_marker(MarkerShape::Circle).with_legend("as written")))
 }
 
 fn layout(choice: &Choice, times: (f64, f64), low: f64, crosses: &Crosses) -> Layout {

@@ -3,8 +3,6 @@
 
 use std::time::Duration;
 
-use muslin_core::scene::SceneDesc;
-
 use crate::args::Precision;
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
@@ -12,7 +10,7 @@ use crate::study::Study;
 use crate::study::distance::Measure;
 use crate::study::terms::Term;
 use crate::study::trajectory::{Ending, Limits, Trajectory, fly_of};
-use crate::study::variant::{SAMPLES, Variant};
+use crate::study::variant::Variant;
 
 /// Number of pairs: nine if the trial's runs together take less than `SHORT`, s, otherwise five. Fewer than five
 /// could easily agree in sign by chance.
@@ -44,7 +42,7 @@ impl Baseline {
     pub fn fly(study: &Study<'_>) -> Result<Self, Failure> {
         let engine = study.engine(&study.scene, Precision::F32)?;
         let desc = &study.scene.desc;
-        let variant = own_variant(study);
+        let variant = Variant::as_written(&study.scene);
         let by_finer = format!("by {}", variant.shorter_steps_in_words());
         Ok(Self {
             run: complete(study, fly(study, &study.scene, &variant, "as it is")?)?,
@@ -55,17 +53,6 @@ impl Baseline {
             mean_edges: engine.mean_edges(),
         })
     }
-}
-
-/// The variant that `muslin run` takes, but for the samples: each is a whole number of steps.
-fn own_variant(study: &Study<'_>) -> Variant {
-    let desc = &study.scene.desc;
-    let method = desc.integrator.method;
-    if let Some(error) = desc.integrator.error() {
-        return Variant::controlled(&study.scene, method, Precision::F32, error);
-    }
-    let sampled = SceneDesc { frame_rate: SAMPLES as f64 / desc.duration, ..desc.clone() };
-    Variant::fixed(method, Precision::F32, sampled.timing().steps_per_frame)
 }
 
 /// Runs a variant until its end or the end of the budget.
