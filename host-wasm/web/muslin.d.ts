@@ -185,7 +185,7 @@ export class Cloth {
   readonly steps: number;
   /** Simulated time, s. */
   readonly time: number;
-  /** The step in use, s: the longest step that divides a frame evenly and is not longer than the scene's step. */
+  /** The step in use, s: the longest step that divides a frame evenly and is at most 0.1 % longer than the scene's. */
   readonly stepLength: number;
   /** The largest error of a step, m: where the estimate exceeds it, the step is divided. `undefined`: steps are not divided. */
   readonly stepError: number | undefined;

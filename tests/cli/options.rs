@@ -70,6 +70,21 @@ fn duration_and_precision() {
     assert!((a - b).abs() < 1e-3 * b.abs(), "f32 {a} does not follow f64 {b}");
 }
 
+/// A step that is not written to the last digit would else cost one more step in each frame of 0.05 s.
+#[test]
+fn a_step_within_a_thousandth_of_an_equal_part_of_the_frame_is_that_part() {
+    let place = Place::new();
+    let run = |step: f64| place.run(&format!("tiny.toml --set integrator.step={step:?}"));
+    let sixth = run(0.05 / 6.0);
+    assert_eq!(sixth["steps"], 4 * 6);
+    for rounded in [0.00833, 0.008333, 0.00834] {
+        assert_eq!(run(rounded)["state_hash"], sixth["state_hash"], "{rounded}");
+    }
+    for (step, steps) in [(0.00832, 7), (0.04999, 1), (0.0499, 2), (0.05001, 1), (0.3, 1)] {
+        assert_eq!(run(step)["steps"], 4 * steps, "{step}");
+    }
+}
+
 #[test]
 fn says_when_time_does_not_divide_as_asked() {
     let place = Place::new();

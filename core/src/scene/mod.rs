@@ -387,6 +387,9 @@ mod defaults {
     }
 }
 
+/// By how much a step may differ from an equal part of a frame that is taken in its place, relative to that part.
+const SAME_STEP: f64 = 1e-3;
+
 /// Division of a scene's duration into frames and steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
@@ -394,19 +397,23 @@ pub struct Timing {
     pub frames: u64,
     /// Number of steps from one frame to the next.
     pub steps_per_frame: u64,
-    /// Time step, s; not larger than the step that the scene gives.
+    /// Time step, s; at most 0.1 % longer than the step that the scene gives.
     pub step: f64,
     /// The speed, m/s: the run ends after a frame in which no vertex was as fast.
     pub until_rest: Option<f64>,
 }
 
 impl SceneDesc {
-    /// Divides the duration into whole frames and each frame into whole steps, rounding up.
+    /// Divides the duration into whole frames and each frame into whole steps, rounding up. A step that a scene gives in
+    /// rounded digits divides the frame.
     pub fn timing(&self) -> Timing {
         // A small tolerance: 3 s at 30 frames per second give 90 frames, whatever the rounding.
         let whole = |ratio: f64| libm::ceil(ratio - 1e-9);
         let frame = 1.0 / self.frame_rate;
-        let steps_per_frame = whole(frame / self.integrator.step()).max(1.0);
+        let steps = frame / self.integrator.step();
+        let nearest = libm::round(steps);
+        let divides = libm::fabs(steps - nearest) <= SAME_STEP * nearest;
+        let steps_per_frame = if divides { nearest } else { libm::ceil(steps) }.max(1.0);
         Timing {
             frames: whole(self.duration * self.frame_rate) as u64,
             steps_per_frame: steps_per_frame as u64,

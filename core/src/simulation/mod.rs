@@ -106,7 +106,7 @@ impl Simulation {
     /// Builds a scene. [`scene::build`] documents the errors; [`SceneError::Memory`] comes before anything of the size
     /// of the scene is allocated.
     ///
-    /// The step is the longest that divides a frame into whole steps and is not longer than the step
+    /// The step is the longest that divides a frame into whole steps and is at most 0.1 % longer than the step
     /// of the scene ([`SceneDesc::timing`]). With a largest error, it is divided into substeps whose error is smaller.
     #[cfg_attr(small, optimize(size))]
     pub fn new(desc: &SceneDesc, resources: &[Resource]) -> Result<Self, SceneError> {
