@@ -36,7 +36,11 @@ pub struct Summary {
     pub at_rest: Option<bool>,
     /// Largest speed in the last frame; null in a scene without `until_rest`.
     pub fastest_m_per_s: Option<f64>,
+    /// Wall time of the steps that this process took.
     pub wall_s: f64,
+    /// Steps before this process resumed the run.
+    #[serde(skip)]
+    pub begun: u64,
     pub verdict: &'static str,
     /// Why the verdict is doubtful; otherwise null.
     pub doubt: Option<String>,
@@ -202,9 +206,13 @@ impl Summary {
         let StageMs { predict, broad_phase, narrow_phase, response, output } = self.stage_ms;
         let per_step = predict + broad_phase + narrow_phase + response + output;
         let [x, y, z] = self.size_m.map(length);
+        let part = match self.begun {
+            0 => String::new(),
+            _ => format!(" for the {} steps since it was resumed", self.steps - self.begun),
+        };
         let mut text = format!(
             "{}: {} vertices, {} triangles, {x} x {y} x {z}, {}, {} pinned\n\
-             {:.3} s in {} steps of {:.4} ms by {} in {}: {:.2} s of wall time, {per_step:.3} ms per step\n\
+             {:.3} s in {} steps of {:.4} ms by {} in {}: {:.2} s of wall time{part}, {per_step:.3} ms per step\n\
              stretch {} at most in any frame, {} at the end, {} on average at the end\n\
              work {} force evaluations, {} Newton iterations, {} CG iterations\n\
              state {}",
@@ -243,7 +251,7 @@ impl Summary {
             _ => {}
         }
         text += &self.contact_lines();
-        text
+        text + &format!("\nverdict {}", self.verdict)
     }
 
     /// The device that found candidates and, if it has a clock, its time; empty without a device.
@@ -264,13 +272,13 @@ impl Summary {
         let mut text = String::new();
         if broad_phase > 0.0 {
             let a_step = |count: u64| count as f64 / self.steps.max(1) as f64;
-            let per_contact = match (candidates, proximity) {
-                (_, 0) => String::new(),
-                _ => format!(", {:.0} candidates for each", candidates as f64 / proximity as f64),
+            let one_in = match proximity {
+                0 => String::new(),
+                _ => format!(", one in {:.0}", candidates as f64 / proximity as f64),
             };
             text += &format!(
-                "\ncontact {:.0} candidates and {:.0} contacts per step{per_contact}\nms per step: {predict:.3} \
-                 forces and solve, {broad_phase:.3} broad phase, {narrow_phase:.3} narrow phase, {response:.3} \
+                "\ncontact {:.0} pairs tested per step, {:.0} of them nearer than the thickness{one_in}\nms per step: \
+                 {predict:.3} forces and solve, {broad_phase:.3} broad phase, {narrow_phase:.3} narrow phase, {response:.3} \
                  response\nimpacts {impacts} in total, {zones} impact zones, {} steps rejected, {failsafe} motions \
                  limited",
                 a_step(candidates),

@@ -123,6 +123,27 @@ fn error_control_is_charted(chart: &Value) {
 
 const IMPLICIT: [&str; 3] = ["backward-euler", "implicit-midpoint", "bdf2"];
 
+/// Where errors are not separated, the report says why and what helps.
+#[test]
+fn without_causes_it_says_why() {
+    let place = Place::new();
+    place.write("soft.toml", soft_in_air(0.1));
+    let told = |words: &str| {
+        let words = format!("chart soft.toml --methods bdf2 --finest 1e-3 --cost counts --json {words}");
+        let chart = place.muslin(&words).expect(0).json();
+        assert!(chart["causes"].is_null(), "{chart}");
+        let text = String::from_utf8(place.read("out/soft/chart.txt")).unwrap();
+        let why = chart["no_causes"].as_str().unwrap().to_owned();
+        assert!(text.lines().any(|line| line == why), "{why} is not in {text}");
+        why
+    };
+    let not_run = "No error by cause: backward-euler, the scene's method, was not run; name it in --methods";
+    assert_eq!(told(""), not_run);
+    assert!(
+        told("--set integrator.method=rk4").starts_with("No error by cause: rk4, the scene's method, is explicit:")
+    );
+}
+
 /// The cheapest implicit runs are repeated with other solvers, and the errors of backward Euler, the scene's method,
 /// are separated: the error of the step falls by first order and that of the linearisation by a single Newton iteration
 /// faster.

@@ -70,7 +70,15 @@ fn the_summary_counts_and_times_contact() {
         assert!(ms[..4].iter().sum::<f64>() <= wall, "{summary}");
     }
     let text = place.muslin("run drop.toml --out out --preview none --audit").expect(0).stdout;
-    for part in ["candidates and ", " broad phase, ", "impacts ", "steps rejected", "penetration ", "audit 0 "] {
+    for part in [
+        "pairs tested per step, ",
+        " of them nearer than the thickness",
+        " broad phase, ",
+        "impacts ",
+        "steps rejected",
+        "penetration ",
+        "audit 0 ",
+    ] {
         assert!(text.contains(part), "{part:?} is not in {text}");
     }
 }

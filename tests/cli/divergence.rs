@@ -144,6 +144,8 @@ fn a_person_reads_it_once() {
     let outcome = diverge(&place, "");
     assert_eq!(outcome.stderr.matches("diverged").count(), 1);
     assert_eq!(diverge(&place, "--quiet").stdout, "");
+    let told = diverge(&place, "").stdout;
+    assert!(told.ends_with("\nverdict diverged\n"), "{told}");
 }
 
 #[test]

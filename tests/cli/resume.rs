@@ -33,6 +33,18 @@ fn every_method_goes_on_where_it_stopped() {
     }
 }
 
+/// Its wall time is that of its own steps, and the last line is the verdict.
+#[test]
+fn the_report_of_a_resumed_run_names_its_own_part() {
+    let place = Place::new();
+    let told = |words: &str| place.muslin(&format!("run tiny.toml --out out --preview none {words}")).expect(0).stdout;
+    let whole = told("--checkpoint 15");
+    assert!(whole.contains(" s of wall time, ") && whole.ends_with("\nverdict ok\n"), "{whole}");
+    let part = told("--resume out/checkpoint.muslin");
+    assert!(part.contains(" s of wall time for the 5 steps since it was resumed, "), "{part}");
+    assert!(part.ends_with("\nverdict ok\n"), "{part}");
+}
+
 /// Pins that begin and end, two of them moving: checkpoints before, at and after each change.
 #[test]
 fn pins_that_change_go_on_too() {

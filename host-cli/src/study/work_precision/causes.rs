@@ -59,6 +59,22 @@ pub fn of(study: &Study<'_>, yardstick: &Yardstick<'_>, rows: &[Row], end: f64) 
     Ok(Some(causes).filter(|causes| !causes.steps.is_empty()))
 }
 
+/// Why the errors of the scene's method are not separated, and what to do.
+pub fn why_none(method: Method, rows: &[Row]) -> String {
+    let name = method.name();
+    let was_run = rows.iter().any(|row| row.method == name);
+    let why = if !method.is_implicit() {
+        format!("{name}, the scene's method, is explicit: it has no solver, so all of its error is that of the step")
+    } else if rows.iter().any(|row| is_charted(row, method)) {
+        format!("there was no time to repeat runs of {name} with an exact solver; take a larger --budget")
+    } else if was_run {
+        format!("no run of {name} in f64 with fixed steps is charted; take a larger --budget or a shorter --duration")
+    } else {
+        format!("{name}, the scene's method, was not run; name it in --methods")
+    };
+    format!("No error by cause: {why}")
+}
+
 fn is_charted(row: &Row, method: Method) -> bool {
     let Variant { method: own, precision, .. } = row.variant;
     method.is_implicit() && own == method && precision == Precision::F64 && row.is_fixed() && row.stable

@@ -145,6 +145,7 @@ fn summarise(
         },
         machine: study.machine(),
         winners: winners::of(&rows, least),
+        no_causes: causes.is_none().then(|| causes::why_none(study.scene.desc.integrator.method, &rows)),
         rows,
         causes,
         orders: orders.collect(),

@@ -218,6 +218,8 @@ pub struct Chart {
     pub rows: Vec<Row>,
     /// The error of the scene's method by cause; `None` for an explicit method, or if there was no time.
     pub causes: Option<Causes>,
+    /// Why there are no causes, and what to do; `None` if there are some.
+    pub no_causes: Option<String>,
     /// Orders of convergence.
     pub orders: Vec<Order>,
     /// Cheapest method for each error.
@@ -287,10 +289,7 @@ impl Chart {
 
     /// The error of the scene's method by cause.
     fn cause_lines(&self) -> Vec<String> {
-        let Some(causes) = &self.causes else {
-            let why = "error by cause: not known; it needs an implicit method in the scene that is charted, and time";
-            return vec![String::new(), why.into()];
-        };
+        let Some(causes) = &self.causes else { return vec![String::new(), self.no_causes.clone().unwrap_or_default()] };
         let metres = |part: f64| length(part * self.diagonal_m);
         let head = format!(
             "{:<18} f64  error: of the step       of the solver     of the linearisation    largest",
