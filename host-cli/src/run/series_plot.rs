@@ -1,4 +1,4 @@
-//! The picture of a series: energies and works, and the forces of pins and colliders, over time.
+//! The picture of a series: energies, works, and the forces of pins and colliders, over time.
 
 use std::path::Path;
 
@@ -16,7 +16,8 @@ use crate::limits;
 const PANEL: [f64; 2] = [820.0, 320.0];
 /// Most points of a curve.
 const MOST: usize = 1500;
-/// Colours that colour-blind readers can distinguish [Wong 2011]; more quantities begin anew with dashes.
+/// Colours that colour-blind readers can distinguish [Wong 2011], and that can be seen on white: yellow is left out. A
+/// panel with more quantities begins anew.
 const COLORS: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999"];
 
 /// The columns of a series, by name.
@@ -42,40 +43,57 @@ impl<'a> Table<'a> {
         points.filter(|(time, value)| time.is_finite() && value.is_finite()).collect()
     }
 
-    /// Energies, the potential energy from its first value on, and works, except for those that are always zero.
+    /// Energies, the potential energy from its first value on, except for those that are always zero.
     fn energies(&self) -> Vec<Curve> {
-        let columns = self.names.iter().enumerate().filter(|(_, name)| name.ends_with("_J"));
+        self.joules(|name| !Self::is_work(name))
+    }
+
+    /// Works and the energy that the method adds, except for those that are always zero.
+    fn works(&self) -> Vec<Curve> {
+        self.joules(Self::is_work)
+    }
+
+    fn is_work(name: &str) -> bool {
+        name.starts_with("work_") || name == "method_J"
+    }
+
+    fn joules(&self, is_wanted: impl Fn(&str) -> bool) -> Vec<Curve> {
+        let columns = self.names.iter().enumerate().filter(|(_, name)| name.ends_with("_J") && is_wanted(name));
         let curve = |(place, (column, name)): (usize, (usize, &&str))| {
             let first = if *name == "gravity_J" { self.rows.first().map_or(0.0, |row| row[column]) } else { 0.0 };
             let points = self.curve(|row| row[column] - first);
-            Curve { place, name: name.trim_end_matches("_J").replace('_', " "), points }
+            let name = name.trim_end_matches("_J").trim_start_matches("work_").replace('_', " ");
+            Curve { place, name, is_dashed: false, points }
         };
         columns.enumerate().map(curve).filter(|curve| curve.points.iter().any(|point| point.1 != 0.0)).collect()
     }
 
-    /// Sizes of the forces. Those of colliders are dashed, so that they keep their looks where there are more pins.
+    /// Sizes of the forces. Those of colliders are dashed and take the colours from the last one on, so that they keep
+    /// their looks where there are more pins.
     fn forces(&self) -> Vec<Curve> {
         let size = |row: &[f64], column: usize| row[column..column + 3].iter().map(|x| x * x).sum::<f64>().sqrt();
-        let all = |kind: &str, from: usize| {
+        let all = |kind: &str, is_dashed: bool| {
             let names = self.names.iter().enumerate().filter(|(_, name)| name.starts_with(kind));
             let first = names.filter_map(|(column, name)| Some((column, name.strip_suffix("_force_x_N")?)));
             let curve = |(number, (column, name)): (usize, (usize, &str))| Curve {
-                place: from + number % COLORS.len(),
+                place: if is_dashed { COLORS.len() - 1 - number % COLORS.len() } else { number },
+                is_dashed,
                 name: name.replace('_', " "),
                 points: self.curve(|row| size(row, column)),
             };
             first.enumerate().map(curve).collect::<Vec<_>>()
         };
-        [all("pin_", 0), all("collider_", COLORS.len())].concat()
+        [all("pin_", false), all("collider_", true)].concat()
     }
 }
 
 /// A curve.
 #[derive(Clone)]
 struct Curve {
-    /// Its place among all quantities of its panel, drawn or not. It decides colour and line, so that a quantity looks
-    /// the same in all runs.
+    /// Its place among all quantities of its panel, drawn or not. It decides the colour, so that a quantity looks the
+    /// same in all runs.
     place: usize,
+    is_dashed: bool,
     name: String,
     /// Time, s, and value.
     points: Vec<(f64, f64)>,
@@ -90,7 +108,8 @@ pub fn draw(path: &Path, scene: &str) -> Result<Option<String>, Failure> {
 
 fn picture(text: &str, scene: &str) -> Option<String> {
     let table = Table::parse(text);
-    let panels = [("energy and work, J", table.energies()), ("force on the cloth, N", table.forces())];
+    let panels =
+        [("energy, J", table.energies()), ("work, J", table.works()), ("force on the cloth, N", table.forces())];
     let panels = panels.into_iter().filter(|(_, curves)| curves.iter().any(|curve| curve.points.len() > 1));
     let (layouts, plots): (Vec<_>, Vec<_>) = panels.map(|(label, curves)| panel(label, &curves)).unzip();
     if plots.is_empty() {
@@ -105,10 +124,10 @@ fn picture(text: &str, scene: &str) -> Option<String> {
 }
 
 fn panel(label: &str, curves: &[Curve]) -> (Layout, Vec<Plot>) {
-    let plot = |Curve { place, name, points }: &Curve| {
+    let plot = |Curve { place, is_dashed, name, points }: &Curve| {
         let line = LinePlot::new().with_data(points.clone()).with_color(COLORS[place % COLORS.len()]);
         let line = line.with_stroke_width(1.4).with_legend(name.clone());
-        Plot::Line(if *place < COLORS.len() { line } else { line.with_dashed() })
+        Plot::Line(if *is_dashed { line.with_dashed() } else { line })
     };
     let plots: Vec<_> = curves.iter().map(plot).collect();
     let layout = Layout::auto_from_plots(&plots).with_x_label("simulated time, s").with_y_label(label);
@@ -133,12 +152,29 @@ mod tests {
         assert_eq!(picture(&format!("{header}\n"), "ball"), None);
     }
 
+    /// No panel shows a colour twice, unless it has more than eight forces.
+    #[test]
+    fn the_curves_of_a_panel_differ_in_colour() {
+        let energies = "kinetic_J,stretch_J,shear_J,bend_J,seam_J,gravity_J";
+        let works = "work_pins_J,work_colliders_J,work_wind_J,work_gravity_J,work_separation_J,work_contacts_J,\
+                     work_damping_J,method_J";
+        let forces = "pin_0_0_force_x_N,y,z,pin_0_1_force_x_N,y,z,collider_0_force_x_N,y,z,collider_1_force_x_N,y,z";
+        let header = format!("frame,time_s,{energies},{works},{forces}");
+        let row = |value: &str| vec![value; header.split(',').count()].join(",");
+        let text = format!("{header}\n{}\n{}\n", row("1"), row("2"));
+        let table = Table::parse(&text);
+        for (curves, count) in [(table.energies(), 6), (table.works(), 8), (table.forces(), 4)] {
+            let colors: std::collections::BTreeSet<_> = curves.iter().map(|c| COLORS[c.place % COLORS.len()]).collect();
+            assert_eq!((curves.len(), colors.len()), (count, count));
+        }
+    }
+
     /// The looks of a quantity do not depend on which others a run has.
     #[test]
     fn a_quantity_has_its_own_colour() {
         let places = |text: &str| {
             let table = Table::parse(text);
-            let all = [table.energies(), table.forces()].concat();
+            let all = [table.energies(), table.works(), table.forces()].concat();
             all.into_iter().map(|curve| (curve.name, curve.place)).collect::<Vec<_>>()
         };
         let header = "frame,time_s,kinetic_J,bend_J,gravity_J";
@@ -146,6 +182,6 @@ mod tests {
         assert_eq!(places(&format!("{header}\n0,0,0,0,5\n1,0.1,1,0,4\n")), own(&[("kinetic", 0), ("gravity", 2)]));
         let forces = "pin_0_0_force_x_N,y,z,collider_0_force_x_N,y,z";
         let bent = format!("{header},{forces}\n0,0,0,0,5,,,,,,\n1,0.1,0,1,4,3,4,0,1,0,0\n");
-        assert_eq!(places(&bent), own(&[("bend", 1), ("gravity", 2), ("pin 0 0", 0), ("collider 0", 8)]));
+        assert_eq!(places(&bent), own(&[("bend", 1), ("gravity", 2), ("pin 0 0", 0), ("collider 0", 7)]));
     }
 }

@@ -11,7 +11,7 @@ use kuva::render::plots::Plot;
 use super::course::Course;
 
 /// Size of one panel, px.
-const PANEL: [f64; 2] = [720.0, 220.0];
+const PANEL: [f64; 2] = [720.0, 250.0];
 /// Most points of a curve. A longer run merges neighbouring steps.
 const MOST: usize = 1500;
 /// Errors are drawn from this part of the largest allowed one on.
@@ -42,6 +42,8 @@ pub struct StepPlot {
     most: f64,
     /// Substeps before the next step.
     substeps: u64,
+    /// Length of the shortest substep of the run, s.
+    shortest: f64,
     rows: Vec<Row>,
     /// Steps of the last row, and of a full one.
     filled: usize,
@@ -51,7 +53,7 @@ pub struct StepPlot {
 impl StepPlot {
     /// A plot without steps. `most` is the largest allowed error of a substep, m; `substeps` were taken before.
     pub fn new(most: f64, substeps: u64) -> StepPlot {
-        StepPlot { most, substeps, rows: Vec::new(), filled: 0, stride: 1 }
+        StepPlot { most, substeps, shortest: f64::INFINITY, rows: Vec::new(), filled: 0, stride: 1 }
     }
 
     /// Adds the step that was just taken.
@@ -60,6 +62,7 @@ impl StepPlot {
         let substeps = engine.substeps();
         let (time, substep) = (course.steps as f64 * step, step / (substeps - self.substeps) as f64);
         self.substeps = substeps;
+        self.shortest = step / 2f64.powi(engine.report().substeps[3] as i32);
         if let Some(error) = engine.estimated_error() {
             self.add(Row { time, substep, error });
         }
@@ -95,21 +98,29 @@ impl StepPlot {
             let data: Vec<_> = [start].into_iter().chain(self.rows.iter().map(|row| point(row.time, row))).collect();
             Plot::Line(LinePlot::new().with_data(data).with_color("#0072b2").with_stroke_width(1.2))
         };
-        let allowed = LinePlot::new().with_data(<[f64; 2]>::from(times).map(|time| (time, 1e3 * self.most)));
-        let allowed = allowed.with_color("#888888").with_dashed();
+        let dashed = |value: f64| {
+            let line = LinePlot::new().with_data(<[f64; 2]>::from(times).map(|time| (time, 1e3 * value)));
+            Plot::Line(line.with_color("#888888").with_dashed())
+        };
         let panel = |label: &str, values: &mut dyn Iterator<Item = f64>| {
             let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
             let layout = Layout::new(times, (1e3 * low / 1.5, 1e3 * high * 1.5)).with_log_y();
             layout.with_y_tick_format(TickFormat::Custom(Arc::new(tick))).with_y_label(label)
         };
-        let lengths = panel("substep, ms", &mut self.rows.iter().map(|row| row.substep));
+        let lengths = self.rows.iter().map(|row| row.substep).chain([self.shortest]);
+        let lengths = panel("substep, ms", &mut { lengths }).with_title(format!(
+            "mean substep of each step; dashed: the shortest of the run, {:.3} ms",
+            1e3 * self.shortest
+        ));
         let errors = self.rows.iter().map(|row| row.error.max(least)).chain([self.most]);
-        let errors = panel("estimated error, mm", &mut { errors }).with_x_label("simulated time, s");
+        let errors = panel("estimated error, mm", &mut { errors })
+            .with_x_label("simulated time, s")
+            .with_title("largest estimated error of each step; dashed: the largest allowed");
         let figure = Figure::new(2, 1)
-            .with_title(format!("{scene}: substeps, and their estimated error (dashed: the largest allowed)"))
+            .with_title(format!("{scene}: substeps under error control"))
             .with_plots(vec![
-                vec![curve(|row| row.substep, 0.0)],
-                vec![Plot::Line(allowed), curve(|row| row.error, least)],
+                vec![dashed(self.shortest), curve(|row| row.substep, 0.0)],
+                vec![dashed(self.most), curve(|row| row.error, least)],
             ])
             .with_layouts(vec![lengths, errors])
             .with_cell_size(PANEL[0], PANEL[1]);
@@ -128,6 +139,7 @@ mod tests {
 
     fn plot(steps: usize) -> StepPlot {
         let mut plot = StepPlot::new(1e-3, 0);
+        plot.shortest = 5e-4;
         for k in 1..=steps {
             let hard = k == 7;
             let [substep, error] = if hard { [1e-3, 9e-4] } else { [1e-2, 1e-5] };
@@ -159,6 +171,7 @@ mod tests {
         for steps in [1, 9] {
             let svg = plot(steps).draw("ball").unwrap();
             assert!(svg.starts_with("<svg") && svg.contains("ball: substeps"), "{svg}");
+            assert!(svg.contains("dashed: the shortest of the run, 0.500 ms"), "{svg}");
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
             assert_eq!(points(&svg), [steps + 1; 2]);
         }

@@ -10,7 +10,7 @@ use kuva::render::plots::Plot;
 use crate::study::work_precision::{Cause, Chart};
 use crate::units::round_length;
 
-use super::work_precision::{BESIDE_LENGTHS, DRAWN};
+use super::work_precision::{BESIDE_LENGTHS, DRAWN, UNIT};
 use super::{range, room};
 
 /// Name, colour and marker of each cause, and its error.
@@ -41,7 +41,7 @@ pub fn panel(chart: &Chart) -> Option<(Vec<Plot>, Layout)> {
         .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| round_length(drawn / DRAWN))))
         .with_title("error by cause")
         .with_x_label(format!("step of {}, s", causes.method))
-        .with_y_label(format!("RMS error of {}", chart.measure.name()))
+        .with_y_label(format!("RMS error of {}, {UNIT}", chart.measure.name()))
         .with_y_label_offset(BESIDE_LENGTHS, 0.0);
     Some((plots, layout))
 }

@@ -9,7 +9,7 @@ use kuva::render::plots::Plot;
 use crate::study::work_precision::{Chart, Row};
 use crate::units::round_length;
 
-use super::work_precision::{BESIDE_LENGTHS, DRAWN};
+use super::work_precision::{BESIDE_LENGTHS, DRAWN, UNIT};
 use super::{range, room, series};
 
 /// The label of a tick; those of odd powers of ten are empty, since there is no room for all.
@@ -38,7 +38,7 @@ pub fn panel(chart: &Chart) -> Option<(Vec<Plot>, Layout)> {
         .with_y_tick_format(TickFormat::Custom(Arc::new(|drawn| round_length(drawn / DRAWN))))
         .with_title("error control")
         .with_x_label("allowed error of a step, m")
-        .with_y_label(format!("RMS error of {}", chart.measure.name()))
+        .with_y_label(format!("RMS error of {}, {UNIT}", chart.measure.name()))
         .with_y_label_offset(BESIDE_LENGTHS, 0.0);
     Some((plots, layout))
 }

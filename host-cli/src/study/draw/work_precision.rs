@@ -17,6 +17,9 @@ use super::{LOOKS, causes, control, named, range, room, series, stretch};
 /// Factor from the error to the drawn number: the library draws nothing below 1e-10.
 pub const DRAWN: f64 = 1e6;
 
+/// The unit of an axis whose ticks are lengths, from picometres to metres.
+pub const UNIT: &str = "unit at the ticks";
+
 /// Horizontal offset of a y label beside ticks that are lengths, px: the library underestimates their width.
 pub const BESIDE_LENGTHS: f64 = -14.0;
 
@@ -66,7 +69,7 @@ pub fn work_precision(chart: &Chart) -> String {
         across: |row| row.step,
         costs: false,
         unit: DRAWN,
-        up: format!("RMS error of {measure} / {:.2} m", chart.diagonal_m),
+        up: format!("RMS error of {measure} / diagonal of {:.2} m", chart.diagonal_m),
         aside: 0.0,
         format: |drawn| format!("{:.0e}", drawn / DRAWN),
     };
@@ -76,7 +79,7 @@ pub fn work_precision(chart: &Chart) -> String {
         across: |row| row.wall_s,
         costs: true,
         unit: DRAWN * chart.diagonal_m,
-        up: format!("RMS error of {measure}"),
+        up: format!("RMS error of {measure}, {UNIT}"),
         aside: BESIDE_LENGTHS,
         format: |drawn| round_length(drawn / DRAWN),
     };
