@@ -99,6 +99,24 @@ fn a_new_run_removes_the_files_of_the_old_one_and_no_others() {
     assert_eq!(folders, [false; 2], "an empty folder is left");
 }
 
+/// The same scene with other settings replaces itself as it always does; another scene may have been wanted still.
+#[test]
+fn a_run_tells_that_it_removes_another_scene() {
+    let place = Place::new();
+    place.write("other.toml", TINY.replace("\"tiny\"", "\"other\""));
+    let told = |words: &str| {
+        let outcome = place.muslin(&format!("run --out out --preview none {words}")).expect(0);
+        outcome.stderr.contains("removed the outputs of tiny that were in out\n")
+    };
+    assert!(!told("tiny.toml"), "the folder is new");
+    assert!(!told("tiny.toml --set cloth.density=0.3"), "the same scene");
+    assert!(told("other.toml"));
+    assert!(!told("other.toml"), "they are removed");
+    place.run("tiny.toml");
+    assert!(!told("other.toml --quiet"));
+    assert_eq!(place.files("out"), ["cloth.obj", "cloth.pc2", "run.json", "summary.json"]);
+}
+
 #[test]
 fn a_file_in_a_format_that_no_run_has_written_stays() {
     let place = Place::new();

@@ -42,10 +42,17 @@ impl Manifest {
 
 /// Records that the files in a folder belong to `run` from now on. The files of an earlier run are removed, those with
 /// the names of its formats and of the other outputs of a run; other files stay. A note says that an interrupted run is
-/// among them.
-pub fn begin(folder: &Folder, run: &str, formats: &[Format], series: Option<&str>) -> Result<(), Failure> {
+/// among them. The note that a finished run of another scene than `scene` was among them is returned.
+pub fn begin(
+    folder: &Folder,
+    run: &str,
+    formats: &[Format],
+    series: Option<&str>,
+    scene: &str,
+) -> Result<Option<String>, Failure> {
     let earlier = read(folder);
     write(folder, run, formats, series, earlier.as_ref())?;
+    let note = earlier.as_ref().and_then(|_| removed(folder.path(), scene));
     if let Some(earlier) = earlier {
         if let Some(note) = replaced(folder.path(), earlier.run == run) {
             print_note(&note);
@@ -58,7 +65,15 @@ pub fn begin(folder: &Folder, run: &str, formats: &[Format], series: Option<&str
         let folders = earlier.export.iter().filter_map(|format| format.folder());
         folders.for_each(|name| drop(disk::remove_folder(&folder.path().join(name))));
     }
-    Ok(())
+    Ok(note)
+}
+
+/// The note that the outputs of a finished run of another scene are removed; `None` if the folder has none.
+fn removed(folder: &Path, scene: &str) -> Option<String> {
+    let summary = limits::read(&folder.join(SUMMARY), limits::TEXT).ok()?;
+    let summary: serde_json::Value = serde_json::from_slice(&summary).ok()?;
+    let earlier = summary["scene"].as_str().filter(|&earlier| earlier != scene)?;
+    Some(format!("removed the outputs of {earlier} that were in {}", folder.display()))
 }
 
 /// The note that a new run takes the place of an interrupted one; `None` if the run in the folder came to its end, or

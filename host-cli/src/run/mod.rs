@@ -197,7 +197,10 @@ impl<'a> Files<'a> {
         let series = arguments.series.as_deref();
         match resumed {
             true => manifest::resume(&folder, &run, formats, series)?,
-            false => manifest::begin(&folder, &run, formats, series)?,
+            false => {
+                let note = manifest::begin(&folder, &run, formats, series, &desc.name)?;
+                note.filter(|_| !arguments.quiet).iter().for_each(|note| print_note(note));
+            }
         }
         let exporter = Exporter::create(out, formats, engine.triangles(), frame_rate, first_frame as u32)?;
         let series = series.map(|name| TimeSeries::begin(&out.join(name), course, first_frame)).transpose()?;
