@@ -48,6 +48,24 @@ fn only_the_pins_that_hold_are_drawn() {
     assert_eq!(dots("from = 0.12"), [false, false, false, true, true]);
 }
 
+/// The wall is the same along a row of pixels; a floor has lines and a shadow.
+#[test]
+fn a_floor_is_drawn_where_the_scene_has_one() {
+    let place = Place::new();
+    let floor =
+        "\n[[collider]]\nshape = \"plane\"\npoint = [0, 0.6, 0]\nnormal = [0, 1, 0]\n[contact]\nthickness = 0.001\n";
+    place.write("floor.toml", TINY.to_owned() + floor);
+    let below = |scene: &str| {
+        place.muslin(&format!("run {scene} --out out --preview png")).expect(0);
+        let sheet = decode::png(&place.read("out/preview.png"));
+        // Of the first picture, rows below the cloth and above the bar.
+        let rows = sheet.pixels.chunks_exact(sheet.size[0]).skip(330).take(20);
+        rows.flat_map(|row| row[..480].iter().map(|pixel| *pixel != row[0])).filter(|&differs| differs).count()
+    };
+    assert_eq!(below("tiny.toml"), 0);
+    assert!(below("floor.toml") > LEAST_CHANGED);
+}
+
 #[test]
 fn the_png_shows_different_moments() {
     let place = Place::new();

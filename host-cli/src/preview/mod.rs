@@ -255,8 +255,10 @@ mod tests {
     }
 
     fn preview(frames: usize) -> Preview {
-        let mut preview = Preview::new(&grid(), Vec::new(), 30.0, 16);
-        (0..frames).for_each(|frame| preview.frame(&waves(frame), &[], || vec![0, 11], [0.0; 3]));
+        let floor = Solid::Plane { vertex: 0, normal: [0.0, 1.0, 0.0] };
+        let mut preview = Preview::new(&grid(), vec![floor], 30.0, 16);
+        let places = [[0.0, -0.2, 0.0]];
+        (0..frames).for_each(|frame| preview.frame(&waves(frame), &places, || vec![0, 11], [0.0; 3]));
         preview
     }
 

@@ -63,20 +63,21 @@ pub fn surface(view: &View, surface: &Surface) -> Vec3 {
     }
 }
 
-/// Wall and floor in one: a gradient down the picture (`down` from 0 to 1), darkened by a faint
+/// Wall and floor in one: a gradient down the picture (`down` from 0 to 1), darkened on the floor by a faint
 /// grid and the shadow, both of which fade away from the cloth.
 pub fn backdrop(view: &View, [x, y]: [f32; 2], down: f32, lit: impl Fn(Vec3) -> f32) -> Vec3 {
     let plain = TOP.lerp(BOTTOM, down);
-    let Some(point) = floor_point(view, x, y) else { return plain };
-    let away = (point - view.floor).length() / view.extent;
+    let Some((point, [floor, _])) = floor_point(view, x, y).zip(view.floor) else { return plain };
+    let away = (point - floor).length() / view.extent;
     let near = (1.0 - away / 1.5).clamp(0.0, 1.0);
     let near = near * near * (3.0 - 2.0 * near);
     plain * (1.0 - near * (0.45 * (1.0 - lit(point)) + 0.12 * grid(view, point, [x, y])))
 }
 
 fn floor_point(view: &View, x: f32, y: f32) -> Option<Vec3> {
-    let (eye, ray, up) = (view.camera.eye, view.camera.ray(x, y), view.up);
-    let (height, sinking) = (up.dot(eye - view.floor), -up.dot(ray));
+    let [floor, up] = view.floor?;
+    let (eye, ray) = (view.camera.eye, view.camera.ray(x, y));
+    let (height, sinking) = (up.dot(eye - floor), -up.dot(ray));
     (sinking > 1e-4 && height > 0.0).then(|| eye + ray * (height / sinking))
 }
 

@@ -1,4 +1,4 @@
-//! The views of a run: the visible space, its floor, camera and light. All pictures share one view, unless the cloth
+//! The views of a run: the visible space, its floor if the scene has one, camera and light. All pictures share one view, unless the cloth
 //! goes too far for that: then the camera goes with it.
 
 use glam::Vec3;
@@ -28,10 +28,9 @@ pub struct View {
     pub camera: Camera,
     /// The light that casts shadows.
     pub light: Light,
-    /// A point of the floor under the middle of the motion, metres.
-    pub floor: Vec3,
-    /// Normal of the floor, of length 1.
-    pub up: Vec3,
+    /// A point of the floor under the middle of the motion, metres, and the normal of the floor, of length 1. `None`: the
+    /// scene has no floor.
+    pub floor: Option<[Vec3; 2]>,
     /// Length of the diagonal of the box around the motion, metres.
     pub extent: f32,
     space: [Vec3; 2],
@@ -72,9 +71,6 @@ impl Views {
         let solids = bounds(solids.filter(|&p| within(space, p)));
         let all = solids.into_iter().flat_map(corners);
         let solids = solids.filter(|[low, high]| low.distance(*high) <= FRAMED * extent);
-        let sunk = ways.iter().map(|way| way.y).fold(0.0, f32::min);
-        let lowest = solids.map_or(low.y, |[solid, _]| solid.y.min(low.y)) + sunk;
-        let [floor, up] = floor.unwrap_or([middle.with_y(lowest - 0.01 * extent), Vec3::Y]);
         // Two more points, so that cloth that is a single point needs no special case.
         let around = [middle - Vec3::splat(extent / 4.0), middle + Vec3::splat(extent / 4.0)];
         let corners = solids.into_iter().flat_map(corners);
@@ -83,8 +79,7 @@ impl Views {
             size,
             camera: Camera::fit(points(), size),
             light: Light::fit(points().chain(all)),
-            floor: middle - up * up.dot(middle - floor),
-            up,
+            floor: floor.map(|[floor, up]| [middle - up * up.dot(middle - floor), up]),
             extent,
             space,
         };
@@ -102,7 +97,7 @@ impl View {
         View {
             camera: self.camera.moved(way),
             light: self.light.moved(way),
-            floor: self.floor + way - self.up * self.up.dot(way),
+            floor: self.floor.map(|[floor, up]| [floor + way - up * up.dot(way), up]),
             space: self.space.map(|corner| corner + way),
             ..self
         }
@@ -177,7 +172,7 @@ mod tests {
         let view = Views::around([&gone[1..], &start, &fallen, &gone].into_iter(), &[], None, [48, 36]).at(3);
         assert!(start.iter().chain(&fallen).all(|&p| view.shows(p)));
         assert!(!gone.iter().any(|&p| view.shows(p)));
-        assert!((view.floor.y + 2.03).abs() < 0.02 && view.extent < 4.0);
+        assert!(view.floor.is_none() && view.extent < 4.0);
     }
 
     #[test]
@@ -194,13 +189,14 @@ mod tests {
         let fallen = |metres: f32| [Vec3::ZERO, Vec3::ONE, Vec3::X].map(|p| p - metres * Vec3::Y);
         for deepest in [3.0, 100.0] {
             let snapshots: Vec<_> = (0..5).map(|k| fallen(deepest * k as f32 / 4.0)).collect();
-            let views = Views::around(snapshots.iter().map(|s| &s[..]), &[], None, [48, 36]);
+            let floor = Some([Vec3::new(0.0, -deepest, 0.0), Vec3::Y]);
+            let views = Views::around(snapshots.iter().map(|s| &s[..]), &[], floor, [48, 36]);
             let rows = (0..5).map(|k| {
                 let view = views.at(k);
                 let seen = snapshots[k].map(|p| view.camera.project(p));
                 assert!(snapshots[k].iter().all(|&p| view.shows(p)), "{deepest} m, snapshot {k}");
                 assert!(seen.iter().all(|p| (0.0..48.0).contains(&p.x) && (0.0..36.0).contains(&p.y)), "{seen:?}");
-                assert!((view.floor.y + deepest).abs() < 0.1, "{}", view.floor);
+                assert!(view.floor.is_some_and(|[floor, _]| (floor.y + deepest).abs() < 0.1), "{:?}", view.floor);
                 seen[1].y
             });
             let rows: Vec<f32> = rows.collect();
