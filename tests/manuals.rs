@@ -57,6 +57,14 @@ fn all_that_is_built_in_is_named() {
 }
 
 #[test]
+fn the_readme_names_the_rust_that_rustup_fetches() {
+    let toolchain = read(&root().join("rust-toolchain.toml"));
+    let channel = toolchain.lines().find_map(|line| line.strip_prefix("channel = \"")?.strip_suffix('"'));
+    let named = format!("It fetches Rust {} by itself", channel.expect("a version is pinned"));
+    assert!(read(&root().join("README.md")).contains(&named), "README.md does not say: {named}");
+}
+
+#[test]
 fn every_manual_is_listed() {
     let root = root();
     let in_folder = |folder: &str| {
