@@ -12,6 +12,7 @@ mod capacity;
 mod cone;
 mod constraint;
 mod coupling;
+mod default_integrator;
 mod exact;
 mod friction;
 mod hands;

@@ -1,0 +1,110 @@
+//! The default integrator with contact: sheets slide and collide as they should although its solves stop early.
+//!
+//! Run: `cargo test -p muslin-tests --test response default_integrator`; with `-- --nocapture` it prints the measured
+//! values beside the expected ones.
+
+use harness::both_precisions;
+
+/// Gravitational acceleration, m/s^2.
+const GRAVITY: f64 = 9.81;
+
+const FLOOR: &str = r#"
+    [[collider]]
+    shape = "plane"
+    point = [0, 0, 0]
+    normal = [0, 1, 0]
+"#;
+
+/// Cloth of a bending rigidity, N m.
+fn cloth(size: [f64; 2], cells: [u32; 2], more: &str, rigidity: f64) -> String {
+    format!(
+        r#"
+        [[cloth]]
+        grid = {{ size = {size:?}, cells = {cells:?} }}
+        {more}
+        stretch = {{ model = "membrane", stiffness = 1000.0, damping = 0.001 }}
+        shear = {{ stiffness = 200.0, damping = 0.001 }}
+        bend = {{ model = "hinge", rigidity = {rigidity:?}, damping = 0.001 }}
+        "#
+    )
+}
+
+both_precisions! {
+    use super::{FLOOR, GRAVITY, cloth};
+    use harness::stiff::STIFF;
+    use muslin::real::Sum;
+
+    /// On a slope of 0.5 the upper sheet slides over the lower one, which its friction on the plane holds. A large part
+    /// of the residual is that of the weight: beside it, what is left of the slide looked small.
+    #[test]
+    fn a_sheet_slides_over_another_one() {
+        let (slope, friction) = (0.5, 0.3);
+        let level = GRAVITY / f64::hypot(1.0, slope);
+        let text = format!(
+            "duration = 0.4\nframe_rate = 20\ngravity = [{:?}, {:?}, 0]\n{}{}{FLOOR}friction = 0.8\n\
+             [contact]\nthickness = 0.004\nfriction = {friction:?}\n",
+            slope * level,
+            -level,
+            cloth([0.8, 0.4], [20, 12], "position = [0, 0.00408, 0]\ndensity = 0.2", 1e-5),
+            cloth([0.2, 0.2], [8, 9], "position = [-0.2, 0.00816, 0.013]\ndensity = 0.2", 1e-5),
+        );
+        let mut sim = kit::simulation(&text, &[]);
+        kit::run(&mut sim, 0.4, |_| ());
+        let expected = 0.2 * 0.2 * 0.2 * (slope - friction) * level * 0.4;
+        let part = sim.momentum()[0] / expected;
+        println!("the sheets have {part:.3} of their momentum");
+        assert!((part - 1.0).abs() < 0.1, "the sheets have {part} of their momentum");
+    }
+
+    /// Friction stops at its bound. A preconditioner in which it sticks makes the residual of a stiff sheet look a
+    /// million times smaller.
+    #[test]
+    fn a_stiff_sheet_slows_down_by_friction_alone() {
+        for integrator in ["", "[integrator]\nstep = 0.001\n"] {
+            let text = format!(
+                "duration = 0.2\nframe_rate = 50\ngravity = [0, -9.81, 0]\n{}{FLOOR}friction = 0.3\n\
+                 [contact]\nthickness = 0.0001\n{integrator}",
+                cloth([0.01, 0.01], [8, 9], "position = [0, 0.000101, 0]\ndensity = 0.2\nvelocity = [1, 0, 0]", 1e-4)
+            );
+            let mut sim = kit::simulation(&text, &[]);
+            kit::run(&mut sim, 0.2, |_| ());
+            let mass: f64 = sim.scene().particles.masses.iter().map(|&m| f64::from(m)).sum();
+            let (velocity, expected) = (sim.momentum()[0] / mass, 1.0 - 0.3 * GRAVITY * 0.2);
+            println!("the sheet has {velocity:.3} m/s, {expected:.3} expected");
+            assert!((velocity - expected).abs() < 0.06, "the sheet has {velocity} m/s, not {expected}: {integrator}");
+        }
+    }
+
+    /// Without friction, by short steps of a sheet of 100 kN/m.
+    #[test]
+    fn a_stiff_sheet_slides_without_friction() {
+        let scene = STIFF.replace("gravity = [0.0, -9.81, 0.0]", "gravity = [4.905, -8.4957, 0.0]");
+        let scene = scene.replace("rotation = [30.0, 20.0, 10.0]", "position = [0.0, 0.002, 0.0]");
+        let text = format!(
+            "{scene}{FLOOR}[contact]\nthickness = 0.002\nfriction = 0.0\n\
+             [integrator]\nmethod = \"implicit-midpoint\"\nerror = 0.001\nstep = 1e-4\n"
+        );
+        let mut sim = kit::simulation(&text, &[]);
+        kit::run(&mut sim, 0.1, |_| ());
+        let mass: f64 = sim.scene().particles.masses.iter().map(|&m| f64::from(m)).sum();
+        let part = sim.momentum()[0] / mass / (4.905 * 0.1);
+        println!("the sheet reaches {part:.4} of its velocity");
+        assert!((part - 1.0).abs() < 0.01, "the sheet reaches {part} of its velocity");
+    }
+
+    /// A light sheet hits a heavy one.
+    #[test]
+    fn a_collision_keeps_the_momentum() {
+        let text = format!(
+            "duration = 0.3\nframe_rate = 40\n{}{}[contact]\nthickness = 0.004\n",
+            cloth([0.2, 0.2], [10, 12], "density = 0.02\nvelocity = [0, 2, 0]", 1e-4),
+            cloth([0.2, 0.2], [8, 9], "position = [0.01, 0.03, 0.007]\ndensity = 10.0", 1e-4),
+        );
+        let mut sim = kit::simulation(&text, &[]);
+        let before: Sum = sim.momentum()[1];
+        kit::run(&mut sim, 0.3, |_| ());
+        let kept = sim.momentum()[1] / before;
+        println!("{kept:.4} of the momentum is kept");
+        assert!((kept - 1.0).abs() < 0.03, "{kept} of the momentum is kept");
+    }
+}
