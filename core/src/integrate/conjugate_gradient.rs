@@ -126,7 +126,10 @@ const MOST_EVALUATIONS: u32 = 12;
 /// be less than the velocity: without this the cloth would hover.
 const ROUGHLY: Sum = 0.1;
 
-/// The same without patches, whose motions [complete](Iterate::complete) the solution.
+/// Squared residual after all vertices moved together that is taken for rounding, relative to the one before.
+const STILL: Sum = 1e-6;
+
+/// The same as [`ROUGHLY`] without patches, whose motions [complete](Iterate::complete) the solution.
 const WITHOUT_PATCHES: Sum = 1e-3;
 
 /// Momentum that a solve with contacts may leave of a cloth, relative to the impulse of its contacts: what is left in each
@@ -186,16 +189,20 @@ pub(crate) fn solve<D: Dispatch>(
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
     let [_, free] = i.precondition(c.dispatch);
-    let mut rho = match (term.is_zero(), goal) {
-        (true, Goal::Within(_)) if c.pins.vertices.is_empty() => i.translate(statistics, c.dispatch),
-        (true, _) => free,
-        (false, _) => i.gradient(term, c.dispatch),
+    // Without patches a solve leaves little.
+    let leaves_much = matches!(goal, Goal::Within(_)) && i.preconditioner.coarse.is_some();
+    let is_translated = leaves_much && term.is_zero() && c.pins.vertices.is_empty();
+    let mut rho = match (is_translated, term.is_zero()) {
+        (true, _) => i.translate(statistics, c.dispatch),
+        (false, true) => free,
+        (false, false) => i.gradient(term, c.dispatch),
     };
     let target = match goal {
         Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
         Goal::Within(target) => {
             let least = if i.preconditioner.coarse.is_some() { ROUGHLY } else { WITHOUT_PATCHES };
-            target.min(free.max(rho) * least * least)
+            let reference = if is_translated { rho.max(STILL * free) } else { free.max(rho) };
+            target.min(reference * least * least)
         }
         Goal::Reach(target) => target,
         Goal::Iterations(_) => 0.0,
@@ -248,7 +255,8 @@ pub(crate) fn solve<D: Dispatch>(
             break;
         };
         i.advance(term, length, c.dispatch);
-        if since_update >= UPDATE_AFTER.max(iterations / UPDATE_PART) || rho < UPDATE_BELOW * updated_at {
+        let is_due = since_update >= UPDATE_AFTER.max(iterations / UPDATE_PART) || rho < UPDATE_BELOW * updated_at;
+        if is_due && !term.is_zero() {
             term.update(Update { is_early: updates < MULTIPLIER_UPDATES, has_converged: last_updates > 0 });
             (updated_at, since_update, updates) = (rho, 0, updates + 1);
             if updates == 1 {
