@@ -18,6 +18,7 @@ use muslin_core_f64::forces::seam::SeamColumns;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::scene::{BUILT_IN, SceneDesc};
 use muslin_core_f64::simulation::Simulation;
+use muslin_core_f64::work_done::WorkDone;
 
 /// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
 fn hinge() -> HingeColumns {
@@ -251,6 +252,94 @@ fn an_impact_can_stretch_an_edge_for_one_step() {
     let largest = stretched.iter().copied().fold(0.0, f64::max);
     println!("an edge is stretched to {largest:.2}, at the end to {:.2}", stretched[stretched.len() - 1]);
     assert!(largest > 1.3 && stretched[stretched.len() - 1] < 1.1, "an edge is stretched to {stretched:?}");
+}
+
+/// A sheet of 0.2 m that lies on a collider, with the default integrator.
+fn lying(collider: &str) -> Simulation {
+    let text = format!(
+        r#"
+        duration = 0.5
+        frame_rate = 20
+        gravity = [0, -9.81, 0]
+        [[cloth]]
+        grid = {{ size = [0.2, 0.2], cells = [8, 9] }}
+        position = [0, 0.0021, 0]
+        density = 0.2
+        stretch = {{ model = "membrane", stiffness = 1000.0, damping = 0.001 }}
+        shear = {{ stiffness = 200.0, damping = 0.001 }}
+        bend = {{ model = "hinge", rigidity = 1e-4, damping = 0.001 }}
+        [[collider]]
+        shape = "box"
+        center = [0, -0.5, 0]
+        half = [3, 0.5, 3]
+        friction = 0.3
+        motion = {collider}
+        [contact]
+        thickness = 0.002
+        "#
+    );
+    kit::simulation(&text, &[])
+}
+
+/// In a step a collider moves straight from its first to its last pose.
+#[test]
+fn a_collider_that_turns_by_half_a_turn_in_a_step_stands_still() {
+    let mut sim = lying("{ turn = { axis = [0, 1, 0], rate = 188.4956 } }");
+    kit::run(&mut sim, 0.5, |_| ());
+    let mass: f64 = sim.scene().particles.masses.iter().sum();
+    // Friction spins the sheet up by 33.8 rad/s^2; its moment of inertia is that of a square.
+    let spin = sim.angular_momentum()[1] / (mass * 0.2 * 0.2 / 6.0);
+    println!("the sheet spins with {spin:.2} rad/s");
+    assert!(spin.abs() < 1.0, "the sheet spins with {spin} rad/s, 16.9 are right");
+}
+
+/// The same: to and fro within a step.
+#[test]
+fn a_kick_within_a_step_is_not_felt() {
+    let mut sim = lying("{ keys = [[0.2, 0, 0, 0], [0.208, 0, 0.02, 0], [0.216, 0, 0, 0]] }");
+    let mut fastest: f64 = 0.0;
+    kit::run(&mut sim, 0.5, |sim| fastest = fastest.max(kit::fastest(sim)));
+    println!("at most {fastest:.3} m/s");
+    assert!(fastest < 0.1, "the sheet moves at {fastest} m/s; it should be thrown up at 2 m/s");
+}
+
+/// The step of an impact by BDF2 changes the velocities by two thirds of the impulse; the next one is backward Euler's.
+#[test]
+fn bdf2_counts_too_large_an_impulse_of_an_impact() {
+    let text = r#"
+        duration = 0.6
+        frame_rate = 30
+        gravity = [0, -9.81, 0]
+        [[cloth]]
+        grid = { size = [0.677, 0.677], cells = [10, 11] }
+        position = [0, 0.338, 0]
+        density = 0.49
+        stretch = { model = "membrane", stiffness = 3000.0, damping = 0.001 }
+        shear = { stiffness = 600.0, damping = 0.001 }
+        bend = { model = "hinge", rigidity = 2e-5, damping = 0.001 }
+        [[collider]]
+        shape = "plane"
+        point = [0, 0, 0]
+        normal = [0, 1, 0]
+        [contact]
+        thickness = 0.017
+        friction = 0.2
+        [integrator]
+        step = 0.002
+    "#;
+    let ratio = |method: &str| {
+        let mut sim = kit::simulation(&format!("{text}method = \"{method}\"\n"), &[]);
+        sim.measure_work(WorkDone::default());
+        sim.measure_reactions();
+        kit::run(&mut sim, 0.6, |_| ());
+        let mass: f64 = sim.scene().particles.masses.iter().sum();
+        let floor = sim.reactions().expect("measured").colliders[0].linear.y;
+        floor / (sim.momentum()[1] + mass * 9.81 * 0.6)
+    };
+    let [right, bdf2] = ["backward-euler", "bdf2"].map(ratio);
+    println!("impulse of the floor over the right one: backward Euler {right:.4}, BDF2 {bdf2:.4}");
+    assert!((right - 1.0).abs() < 1e-3, "backward Euler counts {right} of the impulse");
+    assert!(bdf2 > 1.01, "BDF2 counts {bdf2} of the impulse");
 }
 
 /// Newton's method iterates without the contacts.
