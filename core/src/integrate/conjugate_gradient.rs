@@ -297,6 +297,8 @@ impl<'a, 'b> Iterate<'a, 'b> {
 
     /// Prepares the preconditioner. Contacts that slip no longer resist as those that stick: by the preconditioner from
     /// before, a large residual would look small.
+    #[cfg_attr(small, optimize(size))]
+    #[inline(never)]
     fn factorise(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) {
         let Self { system, preconditioner, .. } = self;
         write_inverse_diagonal(system, term, preconditioner.inverse_diagonal, dispatch);
@@ -306,6 +308,8 @@ impl<'a, 'b> Iterate<'a, 'b> {
     }
 
     /// Whether the residual leaves little momentum of every cloth.
+    #[cfg_attr(small, optimize(size))]
+    #[inline(never)]
     fn is_balanced(&self, target: Sum) -> bool {
         let Some((patches, _)) = &self.preconditioner.coarse else { return true };
         let mut start = 0;
@@ -329,6 +333,8 @@ impl<'a, 'b> Iterate<'a, 'b> {
 
     /// Moves all vertices together, as gravity moves a free cloth: a preconditioner moves each by its own stiffness, and
     /// would wrinkle cloth in a long fall. Preconditions the new residual and returns its squared norm.
+    #[cfg_attr(small, optimize(size))]
+    #[inline(never)]
     fn translate(&mut self, statistics: &mut IntegratorStatistics, dispatch: &impl Dispatch) -> Sum {
         let impulse: DVec3 = self.residual.iter().map(|&r| DVec3::from(to_f64(r))).sum();
         let mass: Sum = self.system.masses.iter().map(|&m| Sum::from(m)).sum();
