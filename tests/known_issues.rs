@@ -9,6 +9,7 @@ use harness::belt::{DRAWN, HELD, ROUND_ONES, belt, drum, hanging, holding_end};
 use harness::kit::double as kit;
 use harness::kit::single;
 use harness::net::{converged, settle};
+use harness::soft::FALLING;
 use harness::steps::Steps;
 use harness::stiff::SWINGING;
 use muslin_core_f64::forces::TangentScale;
@@ -211,17 +212,7 @@ fn reactions_of_stiff_cloth_by_steps_of_bdf2_that_change_are_off() {
 /// alike.
 #[test]
 fn under_error_control_a_sheet_wrinkles_in_a_long_fall_beside_a_pinned_one() {
-    let text = r#"
-        name = "falling"
-        duration = 2.5
-        frame_rate = 30
-        gravity = [0.0, -9.81, 0.0]
-        [[cloth]]
-        grid = { size = [1.0, 1.0], cells = [16, 16] }
-        density = 0.2
-        stretch = { model = "membrane", stiffness = 500.0 }
-        shear = { stiffness = 100.0 }
-        bend = { model = "hinge", rigidity = 1e-5 }
+    let pinned = r#"
         [[cloth]]
         grid = { size = [1.0, 1.0], cells = [1, 1] }
         position = [2.0, 0.0, 0.0]
@@ -229,7 +220,7 @@ fn under_error_control_a_sheet_wrinkles_in_a_long_fall_beside_a_pinned_one() {
         pin = [{ select = { border = true } }]
     "#;
     let stretch = |integrator: &str| {
-        let mut sim = kit::simulation(&format!("{text}[integrator]\n{integrator}"), &[]);
+        let mut sim = kit::simulation(&format!("{FALLING}{pinned}[integrator]\n{integrator}"), &[]);
         let mut largest = 0.0_f64;
         kit::run(&mut sim, 2.25, |sim| largest = largest.max(sim.stretch().max - 1.0));
         largest

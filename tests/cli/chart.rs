@@ -123,7 +123,7 @@ fn error_control_is_charted(chart: &Value) {
 
 const IMPLICIT: [&str; 3] = ["backward-euler", "implicit-midpoint", "bdf2"];
 
-/// Where errors are not separated, the report says why and what helps.
+/// The report explains why errors are not separated, and how to separate them.
 #[test]
 fn without_causes_it_says_why() {
     let place = Place::new();

@@ -2,7 +2,7 @@
 
 use harness::both_precisions;
 use harness::kit::double as kit;
-use harness::soft::SOFT;
+use harness::soft::{FALLING, SOFT};
 use harness::stiff::STIFF;
 
 /// A sheet falls on a ball and slides off it.
@@ -438,21 +438,8 @@ fn the_estimate_is_within_a_factor_of_three_in_most_steps() {
 /// together the sheet was stretched by 0.9 % after 25 m.
 #[test]
 fn a_free_sheet_stays_flat_in_a_long_fall() {
-    let text = r#"
-        duration = 2.5
-        frame_rate = 30
-        gravity = [0.0, -9.81, 0.0]
-        [[cloth]]
-        grid = { size = [1.0, 1.0], cells = [16, 16] }
-        density = 0.2
-        stretch = { model = "membrane", stiffness = 500.0 }
-        shear = { stiffness = 100.0 }
-        bend = { model = "hinge", rigidity = 1e-5 }
-        [integrator]
-        error = 0.001
-    "#;
     for method in ["backward-euler", "implicit-midpoint", "bdf2"] {
-        let mut sim = kit::simulation(&format!("{text}method = \"{method}\"\n"), &[]);
+        let mut sim = kit::simulation(&format!("{FALLING}[integrator]\nerror = 0.001\nmethod = \"{method}\"\n"), &[]);
         kit::run(&mut sim, 2.25, |_| ());
         let stretched = sim.stretch().max - 1.0;
         println!("{method}: stretched by {stretched:.1e}");

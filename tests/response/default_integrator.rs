@@ -35,7 +35,8 @@ both_precisions! {
     use muslin::real::Sum;
 
     /// On a slope of 0.5 the upper sheet slides over the lower one, which its friction on the plane holds. A large part
-    /// of the residual is that of the weight: beside it, what is left of the slide looked small.
+    /// of the residual is that of the weight: beside it the rest of the slide looked
+    /// small.
     #[test]
     fn a_sheet_slides_over_another_one() {
         let (slope, friction) = (0.5, 0.3);

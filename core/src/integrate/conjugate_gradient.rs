@@ -136,7 +136,7 @@ const WITHOUT_PATCHES: Sum = 1e-3;
 /// step adds up, and a sheet that should slide would stick.
 const UNBALANCED: Sum = 0.01;
 
-/// The same relative to the velocity of the goal: what is left of a cloth's velocity, squared.
+/// Square of the velocity that it may leave of a cloth in any case, relative to the square of the goal's velocity.
 const SLOWLY: Sum = 1e-3;
 
 /// The columns of a solve.
@@ -209,7 +209,8 @@ pub(crate) fn solve<D: Dispatch>(
     };
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
     let (mut updates, mut last_updates) = (0, 0);
-    let is_last = matches!(goal, Goal::Within(_) | Goal::Reach(_));
+    // A solve that only pauses at its goal is completed by one that balances it.
+    let balances = matches!(goal, Goal::Within(_) | Goal::Reach(_));
     let most = match goal {
         Goal::Iterations(most) => most,
         Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) if term.is_zero() => MOST_ITERATIONS,
@@ -224,7 +225,7 @@ pub(crate) fn solve<D: Dispatch>(
             }
             break;
         }
-        if rho <= target && (!is_last || i.is_balanced(target)) {
+        if rho <= target && (!balances || i.is_balanced(target)) {
             term.update(Update { is_early: false, has_converged: true });
             if last_updates == 0 {
                 i.factorise(term, c.dispatch);
@@ -232,8 +233,9 @@ pub(crate) fn solve<D: Dispatch>(
             rho = i.gradient(term, c.dispatch);
             last_updates += 1;
             let left = if last_updates > 1 { LEFT * target } else { target };
-            if rho <= left && (!is_last || i.is_balanced(target)) || last_updates == MOST_LAST_UPDATES {
-                statistics.unconverged += u64::from(rho > left);
+            let is_done = rho <= left && (!balances || i.is_balanced(target));
+            if is_done || last_updates == MOST_LAST_UPDATES {
+                statistics.unconverged += u64::from(!is_done);
                 break;
             }
             i.restart(rho);

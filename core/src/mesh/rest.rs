@@ -111,14 +111,19 @@ fn warp_from_uv(e1: DVec3, e2: DVec3, uv: [DVec2; 3]) -> Option<DVec3> {
 /// two sides may differ, as in texture coordinates of sewn pieces.
 pub fn edge_lengths(mesh: &TriMesh, edges: &[Edge], rest: &[RestTriangle]) -> Vec<f64> {
     let side = |edge: &Edge, t: u32| {
-        let corner = |v: u32| mesh.triangles[t as usize].iter().position(|&c| c == v).unwrap_or(0);
-        rest[t as usize].side(corner(edge.ends[0]), corner(edge.ends[1]))
+        let [a, b] = edge.ends.map(|end| corner(mesh, t, end));
+        rest[t as usize].side(a, b)
     };
     let length = |edge: &Edge| match edge.triangles {
         [t, NONE] => side(edge, t),
         [s, t] => 0.5 * (side(edge, s) + side(edge, t)),
     };
     edges.iter().map(length).collect()
+}
+
+/// The place of a vertex among the corners of a triangle.
+pub fn corner(mesh: &TriMesh, triangle: u32, vertex: u32) -> usize {
+    mesh.triangles[triangle as usize].iter().position(|&corner| corner == vertex).unwrap_or(0)
 }
 
 /// Angle of a hinge in the positions of the mesh, radians; 0 when flat. The sign is as in
@@ -133,17 +138,24 @@ pub fn hinge_angle(mesh: &TriMesh, hinge: Hinge) -> f64 {
 /// Distance between the opposite vertices `c d` of a hinge that is laid flat, computed from the sides
 /// of its rest triangles, m. It is the rest length of a bending spring.
 pub fn flat_span(edge_length: f64, areas: [f64; 2], sides: [[f64; 2]; 2]) -> f64 {
-    // Coordinates of each opposite vertex: its height over the edge, and its position along it from a.
-    let height = areas.map(|a| 2.0 * a / edge_length);
-    let along = sides.map(|[to_a, to_b]| (to_a * to_a - to_b * to_b + edge_length * edge_length) / (2.0 * edge_length));
-    libm::hypot(along[0] - along[1], height[0] + height[1])
+    let [[c_along, c_height], [d_along, d_height]] = laid_flat(edge_length, areas, sides);
+    libm::hypot(c_along - d_along, c_height + d_height)
+}
+
+/// Coordinates of the opposite vertices `c d` of a hinge that is laid flat: along the edge from its end a, and the height
+/// over it, m.
+pub fn laid_flat(edge_length: f64, areas: [f64; 2], sides: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    core::array::from_fn(|k| {
+        let [to_a, to_b] = sides[k];
+        let along = (to_a * to_a - to_b * to_b + edge_length * edge_length) / (2.0 * edge_length);
+        [along, 2.0 * areas[k] / edge_length]
+    })
 }
 
 /// For each of an edge's two triangles, the lengths of the sides from the opposite vertex to the ends, m.
 pub fn far_sides(mesh: &TriMesh, edge: &Edge, rest: &[RestTriangle]) -> [[f64; 2]; 2] {
     core::array::from_fn(|k| {
-        let t = edge.triangles[k] as usize;
-        let corner = |v: u32| mesh.triangles[t].iter().position(|&c| c == v).unwrap_or(0);
-        edge.ends.map(|end| rest[t].side(corner(edge.opposite[k]), corner(end)))
+        let t = edge.triangles[k];
+        edge.ends.map(|end| rest[t as usize].side(corner(mesh, t, edge.opposite[k]), corner(mesh, t, end)))
     })
 }

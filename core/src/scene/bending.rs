@@ -6,8 +6,7 @@
 
 use glam::DVec2;
 
-use crate::mesh::edges::Edge;
-use crate::mesh::rest::RestTriangle;
+use crate::forces::hinge;
 
 /// Number of directions in half a turn.
 const DIRECTIONS: u32 = 12;
@@ -20,54 +19,32 @@ pub(super) struct SheetRigidity {
     area: f64,
 }
 
-/// One of the two triangles at a hinge, in warp and weft coordinates: unit vectors along the edge and across it, and
-/// where the opposite corner lies from the middle of the edge, m.
-struct Side {
-    along: DVec2,
-    across: DVec2,
-    reach: f64,
-    height: f64,
-    length: f64,
-}
-
-impl Side {
-    /// `corners` are the ends of the edge and the opposite corner.
-    fn new(rest: &RestTriangle, corners: [usize; 3]) -> Self {
-        let [a, b, c] = corners.map(|k| rest.corners[k]);
-        let (along, arm) = ((b - a).normalize_or_zero(), c - 0.5 * (a + b));
-        let reach = arm.dot(along);
-        let height = (arm - along * reach).length();
-        Self { along, across: (arm - along * reach) / height, reach, height, length: a.distance(b) }
-    }
-
-    /// Slope of the triangle over the edge for a unit curvature along the edge.
-    fn slope(&self) -> f64 {
-        0.5 * (self.reach * self.reach - 0.25 * self.length * self.length) / self.height
-    }
-}
-
 impl SheetRigidity {
-    /// Adds a hinge, whose rest triangles are given with its edge's ends and opposite corner.
+    /// Adds a hinge: the ends of its edge and the opposite corner of its first triangle, in warp and weft coordinates; the
+    /// length of the edge, the areas of both triangles and the coordinates of the opposite corners
+    /// ([`laid_flat`](crate::mesh::rest::laid_flat)), m.
     #[cfg_attr(small, optimize(size))]
-    pub(super) fn add(&mut self, sides: [(&RestTriangle, [usize; 3]); 2]) {
-        let [first, second] = sides.map(|(rest, corners)| Side::new(rest, corners));
-        let area = sides.iter().map(|(rest, _)| rest.area()).sum::<f64>();
-        let by_across = 0.5 * (first.height + second.height);
-        let (by_both, by_along) = (first.reach - second.reach, first.slope() + second.slope());
-        let (u, n) = (first.along, first.across);
+    pub(super) fn add(&mut self, [a, b, c]: [DVec2; 3], length: f64, areas: [f64; 2], flat: [[f64; 2]; 2]) {
+        let u = (b - a).normalize_or_zero();
+        let n = if u.perp_dot(c - a) < 0.0 { -u.perp() } else { u.perp() };
+        let [[c_reach, c_height], [d_reach, d_height]] = flat.map(|[along, height]| [along - 0.5 * length, height]);
+        // Slope of a triangle over the edge for a unit curvature along the edge.
+        let slope = |reach: f64, height: f64| 0.5 * (reach * reach - 0.25 * length * length) / height;
+        let by_across = 0.5 * (c_height + d_height);
+        let (by_both, by_along) = (c_reach - d_reach, slope(c_reach, c_height) + slope(d_reach, d_height));
         let angles = [
             by_across * n.x * n.x + by_both * u.x * n.x + by_along * u.x * u.x,
             by_across * n.y * n.y + by_both * u.y * n.y + by_along * u.y * u.y,
             2.0 * (by_across * n.x * n.y + by_along * u.x * u.y) + by_both * (u.x * n.y + u.y * n.x),
         ];
-        let stiffness = first.length * first.length / area;
+        let stiffness = hinge::stiffness(1.0, length, areas);
         for (row, a) in self.products.iter_mut().zip(angles) {
             for (sum, b) in row.iter_mut().zip(angles) {
                 *sum += stiffness * a * b;
             }
         }
         // Three edges share the area of a triangle.
-        self.area += area / 3.0;
+        self.area += (areas[0] + areas[1]) / 3.0;
     }
 
     /// The largest rigidity of all directions, over the one asked for; 0 without hinges.
@@ -81,10 +58,4 @@ impl SheetRigidity {
         };
         (0..DIRECTIONS).map(along).fold(0.0, f64::max) / self.area.max(f64::MIN_POSITIVE)
     }
-}
-
-/// The corners of a triangle at the ends of an edge and opposite to it. `side` tells which of the edge's triangles.
-pub(super) fn corners(triangle: &[u32; 3], edge: &Edge, side: usize) -> [usize; 3] {
-    let [a, b] = edge.ends;
-    [a, b, edge.opposite[side]].map(|v| triangle.iter().position(|&corner| corner == v).unwrap_or(0))
 }

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use glam::DVec3;
 
-use super::bending::{self, SheetRigidity};
+use super::bending::SheetRigidity;
 use super::build::{Parts, Sheet, resource};
 use super::check::{not_negative, positive};
 use super::{BendModel, Resource, SeamDesc, StretchDesc, StretchModel};
@@ -103,10 +103,11 @@ impl Parts {
             let (edge, length) = (&sheet.edges[edge_index as usize], sheet.lengths[edge_index as usize]);
             let areas = sheet.areas_beside(edge);
             let stiffness = hinge::stiffness(rigidity, length, areas);
-            by_direction.add([0, 1].map(|side| {
-                let triangle = edge.triangles[side] as usize;
-                (&sheet.rest[triangle], bending::corners(&sheet.mesh.triangles[triangle], edge, side))
-            }));
+            let [first, _] = edge.triangles;
+            let flat = rest::laid_flat(length, areas, rest::far_sides(&sheet.mesh, edge, &sheet.rest));
+            let in_first = [edge.ends[0], edge.ends[1], edge.opposite[0]];
+            let places = in_first.map(|v| sheet.rest[first as usize].corners[rest::corner(&sheet.mesh, first, v)]);
+            by_direction.add(places, length, areas, flat);
             let angle = match sheet.desc.rest {
                 RestSource::Shape => rest::hinge_angle(&sheet.mesh, corners),
                 RestSource::Uv => 0.0,

@@ -1,5 +1,5 @@
-//! The views of a run: the visible space, its floor if the scene has one, camera and light. All pictures share one view, unless the cloth
-//! goes too far for that: then the camera goes with it.
+//! The views of a run: the visible space, its floor if the scene has one, camera and light. All pictures share one view,
+//! unless the cloth goes too far for that: then the camera goes with it.
 
 use glam::Vec3;
 

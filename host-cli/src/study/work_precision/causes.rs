@@ -59,7 +59,7 @@ pub fn of(study: &Study<'_>, yardstick: &Yardstick<'_>, rows: &[Row], end: f64) 
     Ok(Some(causes).filter(|causes| !causes.steps.is_empty()))
 }
 
-/// Why the errors of the scene's method are not separated, and what to do.
+/// A sentence that explains why the errors of the scene's method are not separated, and how to separate them.
 pub fn why_none(method: Method, rows: &[Row]) -> String {
     let name = method.name();
     let was_run = rows.iter().any(|row| row.method == name);

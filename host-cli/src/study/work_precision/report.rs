@@ -218,7 +218,7 @@ pub struct Chart {
     pub rows: Vec<Row>,
     /// The error of the scene's method by cause; `None` for an explicit method, or if there was no time.
     pub causes: Option<Causes>,
-    /// Why there are no causes, and what to do; `None` if there are some.
+    /// A sentence that explains why `causes` is `None`; `None` if there are causes.
     pub no_causes: Option<String>,
     /// Orders of convergence.
     pub orders: Vec<Order>,
