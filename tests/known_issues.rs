@@ -245,55 +245,6 @@ fn an_impact_can_stretch_an_edge_for_one_step() {
     assert!(largest > 1.3 && stretched[stretched.len() - 1] < 1.1, "an edge is stretched to {stretched:?}");
 }
 
-/// A sheet of 0.2 m that lies on a collider, with the default integrator.
-fn lying(collider: &str) -> Simulation {
-    let text = format!(
-        r#"
-        duration = 0.5
-        frame_rate = 20
-        gravity = [0, -9.81, 0]
-        [[cloth]]
-        grid = {{ size = [0.2, 0.2], cells = [8, 9] }}
-        position = [0, 0.0021, 0]
-        density = 0.2
-        stretch = {{ model = "membrane", stiffness = 1000.0, damping = 0.001 }}
-        shear = {{ stiffness = 200.0, damping = 0.001 }}
-        bend = {{ model = "hinge", rigidity = 1e-4, damping = 0.001 }}
-        [[collider]]
-        shape = "box"
-        center = [0, -0.5, 0]
-        half = [3, 0.5, 3]
-        friction = 0.3
-        motion = {collider}
-        [contact]
-        thickness = 0.002
-        "#
-    );
-    kit::simulation(&text, &[])
-}
-
-/// In a step a collider moves straight from its first to its last pose.
-#[test]
-fn a_collider_that_turns_by_half_a_turn_in_a_step_stands_still() {
-    let mut sim = lying("{ turn = { axis = [0, 1, 0], rate = 188.4956 } }");
-    kit::run(&mut sim, 0.5, |_| ());
-    let mass: f64 = sim.scene().particles.masses.iter().sum();
-    // Friction spins the sheet up by 33.8 rad/s^2; its moment of inertia is that of a square.
-    let spin = sim.angular_momentum()[1] / (mass * 0.2 * 0.2 / 6.0);
-    println!("the sheet spins with {spin:.2} rad/s");
-    assert!(spin.abs() < 1.0, "the sheet spins with {spin} rad/s, 16.9 are right");
-}
-
-/// The same: to and fro within a step.
-#[test]
-fn a_kick_within_a_step_is_not_felt() {
-    let mut sim = lying("{ keys = [[0.2, 0, 0, 0], [0.208, 0, 0.02, 0], [0.216, 0, 0, 0]] }");
-    let mut fastest: f64 = 0.0;
-    kit::run(&mut sim, 0.5, |sim| fastest = fastest.max(kit::fastest(sim)));
-    println!("at most {fastest:.3} m/s");
-    assert!(fastest < 0.1, "the sheet moves at {fastest} m/s; it should be thrown up at 2 m/s");
-}
-
 /// The step of an impact by BDF2 changes the velocities by two thirds of the impulse; the next one is backward Euler's.
 #[test]
 fn bdf2_counts_too_large_an_impulse_of_an_impact() {

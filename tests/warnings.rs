@@ -66,9 +66,70 @@ fn triangles_that_bend_too_stiffly_are_warned_of() {
         let rigidity = single::simulation(&text, &[]).scene().largest_rigidity;
         println!("{grid}: {rigidity:.3}");
         assert!((rigidity / largest - 1.0).abs() < 0.05, "{grid}: {rigidity}, not {largest}");
-        let start = Start { mean_edge: 0.02, size: 1.0, mass: 0.2, rigidity, is_single: false };
+        let start = Start { mean_edge: 0.02, size: 1.0, mass: 0.2, rigidity, deviation: 0.0, is_single: false };
         let warnings = warning::of_settings(&single::scene(&text), &start, || unreachable!());
         let is_warned = warnings.into_iter().flatten().any(|warning| warning.code == Code::Rigidity);
         assert_eq!(is_warned, warned, "{grid}: {warnings:?}");
     }
+}
+
+/// Fixed steps do not follow motion within them: a warning where the cloth would feel it. Error control follows it.
+#[test]
+fn motion_within_a_fixed_step_is_warned_of() {
+    let scene = |motion: &str, integrator: &str| {
+        format!(
+            "duration = 1.0\nframe_rate = 20\n[[cloth]]\ngrid = {{ size = [0.4, 0.2], cells = [4, 2] }}\n\
+             position = [0, 0.02, 0]\ndensity = 0.2\nstretch = {{ model = \"spring\", stiffness = 100.0 }}\n\
+             [[collider]]\nshape = \"box\"\ncenter = [0, -0.5, 0]\nhalf = [3, 0.5, 3]\nmotion = {motion}\n\
+             [contact]\nthickness = 0.01\n[integrator]\n{integrator}\n"
+        )
+    };
+    let fixed = |step: f64| format!("error = 0\nstep = {step:?}");
+    let turn = "{ turn = { axis = [0, 1, 0], rate = 10.0 } }";
+    let radius = 0.2f64.hypot(0.1);
+    for (motion, integrator, expected, doubtful) in [
+        // The height of the arc of the corners of the cloth, not of those of the box.
+        (turn, fixed(0.05), Some(radius * (1.0 - 0.25f64.cos())), false),
+        (turn, fixed(0.01), None, false),
+        (turn, "error = 0.001".to_owned(), None, false),
+        ("{ turn = { axis = [0, 1, 0], rate = 62.83185 } }", fixed(0.05), Some(radius), true),
+        // Beyond the chord by half of the way at the key.
+        ("{ keys = [[0.1, 0, 0, 0], [0.125, 0, 0.01, 0]] }", fixed(0.05), Some(0.005), false),
+        ("{ keys = [[0.1, 0, 0, 0], [0.15, 0, 0.01, 0]] }", fixed(0.05), None, false),
+        ("{ keys = [[0.1, 0, 0, 0], [0.12, 0, 0.03, 0], [0.15, 0, 0, 0]] }", fixed(0.05), Some(0.03), true),
+        ("{ keys = [[0.1, 0, 0, 0], [0.12, 0, 0.03, 0], [0.15, 0, 0, 0]] }", "method = \"rk4\"".into(), None, false),
+    ] {
+        let text = scene(motion, &integrator);
+        let (desc, sim) = (single::scene(&text), single::simulation(&text, &[]));
+        let deviation = sim.scene().largest_deviation(desc.timing().step);
+        let start = Start { mean_edge: 0.1, size: 0.4, mass: 0.2, rigidity: 0.0, deviation, is_single: false };
+        let modes = || [Mode { stiffness: 0.0, damping: 0.0 }; 2];
+        let warnings = warning::of_settings(&desc, &start, modes);
+        let found = warnings.into_iter().flatten().find(|warning| warning.code == Code::Motion);
+        let as_expected = match (found, expected) {
+            (Some(found), Some(expected)) => {
+                (found.value / expected - 1.0).abs() < 1e-3 && found.is_doubtful == doubtful
+            }
+            (found, expected) => found.is_none() && expected.is_none(),
+        };
+        assert!(as_expected, "{motion} by {integrator}: {found:?}, expected {expected:?}");
+    }
+}
+
+/// An error that is a large part of the cloth.
+#[test]
+fn a_large_error_for_small_cloth_is_warned_of() {
+    let warned = |size: f64, integrator: &str| {
+        let text = format!(
+            "duration = 1.0\n[[cloth]]\ngrid = {{ size = [{size:?}, {size:?}], cells = [2, 2] }}\ndensity = 0.2\n\
+             [integrator]\n{integrator}"
+        );
+        let start = Start { mean_edge: 0.5 * size, size, mass: 0.2, rigidity: 0.0, deviation: 0.0, is_single: false };
+        let warnings = warning::of_settings(&single::scene(&text), &start, || unreachable!());
+        warnings.into_iter().flatten().find(|warning| warning.code == Code::Error).map(|found| found.beside)
+    };
+    assert_eq!(warned(0.01, ""), Some(1e-4));
+    assert_eq!(warned(0.01, "error = 1e-4"), None);
+    assert_eq!(warned(0.01, "error = 0"), None);
+    assert_eq!(warned(0.2, ""), None);
 }

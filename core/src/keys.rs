@@ -50,6 +50,17 @@ pub(crate) fn interpolate(keys: &[Key], time: Sum, side: JumpSide) -> (DVec3, DV
     }
 }
 
+/// The largest distance of the vector from the straight line between its values at two times, at a key between them.
+#[cfg_attr(small, optimize(size), inline(never))]
+pub(crate) fn deviation(keys: &[Key], [start, end]: [Sum; 2]) -> Sum {
+    let first = keys.partition_point(|key| JumpSide::After.has_passed(key.time, start));
+    let last = keys.partition_point(|key| JumpSide::Before.has_passed(key.time, end));
+    let within = keys.get(first..last).unwrap_or_default();
+    let ends = [(start, JumpSide::After), (end, JumpSide::Before)].map(|(time, side)| interpolate(keys, time, side).0);
+    let of = |key: &Key| (key.value - ends[0].lerp(ends[1], (key.time - start) / (end - start))).length();
+    within.iter().map(of).fold(0.0, Sum::max)
+}
+
 /// A time at which a method evaluates forces in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {

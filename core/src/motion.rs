@@ -1,9 +1,11 @@
 //! Prescribed motion of pins and colliders: an offset by keys, and a steady rotation. It is computed in double in both
 //! precisions, because a step moves a point by a small part of its position.
 
+use core::f64::consts::TAU;
+
 use glam::DVec3;
 
-use crate::keys::interpolate;
+use crate::keys::{self, interpolate};
 pub use crate::keys::{JumpSide, Key};
 use crate::real::{Sum, Vec3, to_f64, vec3};
 
@@ -34,6 +36,14 @@ impl Turn {
     pub fn angle(&self, time: Sum) -> Sum {
         self.rate * time.min(self.until)
     }
+
+    /// The largest distance, m, of a point `radius` from the axis, m, from its straight and even way between two times:
+    /// the height of the arc over its chord, and the lead of a rotation that stops between them.
+    fn deviation(&self, radius: Sum, [start, end]: [Sum; 2]) -> Sum {
+        let angle = libm::fabs(self.angle(end) - self.angle(start));
+        let early = (end - self.until).clamp(0.0, end - start) / (end - start);
+        radius * (1.0 - libm::cos(0.5 * angle.min(TAU)) + angle * early)
+    }
 }
 
 impl Motion {
@@ -42,15 +52,42 @@ impl Motion {
     pub fn at(&self, keys: &[Key], point: Vec3, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
         let point = to_f64(point).into();
         let (turned, spin) = self.turn.map_or((point, DVec3::ZERO), |turn| turned(&turn, point, time, side));
-        let [first, count] = self.keys;
-        let (offset, slope) = interpolate(&keys[first as usize..(first + count) as usize], time, side);
+        let (offset, slope) = self.offset(keys, time, side);
         (turned + offset, vec3((spin + slope).into()))
+    }
+
+    /// How far a point moves, between two times, from the straight and even way that a step takes it, m. The point is
+    /// `radius` from the axis of the rotation, m.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn deviation(&self, keys: &[Key], radius: Sum, times: [Sum; 2]) -> Sum {
+        let of_turn = self.turn.map_or(0.0, |turn| turn.deviation(radius, times));
+        of_turn + keys::deviation(self.own(keys), times)
+    }
+
+    /// The largest distance of points from the axis of the rotation, which the keys have moved by `offset`, m; 0 without
+    /// rotation.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn reach(&self, points: &[Vec3], offset: DVec3) -> Sum {
+        let Some(turn) = self.turn else { return 0.0 };
+        let centre = turn.centre + offset;
+        let radius = |&point: &Vec3| (DVec3::from(to_f64(point)) - centre).cross(turn.axis).length();
+        points.iter().map(radius).fold(0.0, Sum::max)
+    }
+
+    /// The offset by keys, m, and its rate on the given side of a time, m/s.
+    pub fn offset(&self, keys: &[Key], time: Sum, side: JumpSide) -> (DVec3, DVec3) {
+        interpolate(self.own(keys), time, side)
+    }
+
+    /// The keys of this motion among those of all motions.
+    pub(crate) fn own<'a>(&self, keys: &'a [Key]) -> &'a [Key] {
+        let [first, count] = self.keys;
+        &keys[first as usize..(first + count) as usize]
     }
 
     /// The point that the motion brings to `place` at `time`.
     pub fn undo(&self, keys: &[Key], place: DVec3, time: Sum) -> DVec3 {
-        let [first, count] = self.keys;
-        let (offset, _) = interpolate(&keys[first as usize..(first + count) as usize], time, JumpSide::After);
+        let (offset, _) = self.offset(keys, time, JumpSide::After);
         let back = self.turn.map(|turn| Turn { rate: -turn.rate, ..turn });
         back.map_or(place - offset, |back| turned(&back, place - offset, time, JumpSide::After).0)
     }

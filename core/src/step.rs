@@ -11,17 +11,20 @@
 //!
 //! The driver asks its host for more room in the columns of contact ([`ContactRoom`]), for candidates that are found
 //! elsewhere ([`Dispatch::detect`]) and for a shorter step ([`Obstacle`]), for example if the [estimated
-//! error](local_error) is too large. A step that fails does not change the state.
+//! error](local_error) is too large, or if pins and colliders do not move straight in it. A step that fails does not
+//! change the state.
 
 use crate::audit;
+use crate::colliders::Colliders;
 use crate::contact::{ContactModel, ContactRoom, ContactScratch};
 use crate::detection::{self, Purpose, place};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::implicit_contact::{self, exchange, multiplier};
+use crate::integrate::pins::Pins;
 use crate::integrate::{self, IntegratorStatistics, Method, Scheme, StepInput, bdf2, local_error};
 use crate::particles::Particles;
-use crate::real::{Real, Vec3, rounding_error, sqrt};
+use crate::real::{Real, Sum, Vec3, rounding_error, sqrt};
 use crate::refusal::{Cause, Obstacle};
 use crate::response::{self, ContactStatistics, Outcome, Settings};
 use crate::scratch::Scratch;
@@ -120,6 +123,13 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     };
     let input = StepInput { scheme, follows_contact, ..*input };
     let input = &input.after(input.stage_time(scratch.last_step));
+    let colliders = contact.as_ref().map(|contact| contact.model.colliders).unwrap_or_default();
+    let deviation = input.limit.map_or(0.0, |_| deviation(input.pins, &colliders, particles.positions, input.times()));
+    let deviation = deviation as Real;
+    if input.limit.is_some_and(|limit| deviation > limit) {
+        work.integrator.inaccurate += 1;
+        return Err(Obstacle { cause: Cause::Inaccurate, particle: 0 });
+    }
     predict(input, particles, scratch, work.integrator)?;
     let mut corrected = false;
     if let Some(contact) = &mut contact {
@@ -138,7 +148,14 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     }
     commit(particles, scratch, work.integrator);
     *history = if corrected { History::Corrected } else { History::Smooth { step: input.step } };
-    Ok(error)
+    Ok(error.map(|error| error.max(deviation)))
+}
+
+/// How far pins and colliders move, between two times, from the straight and even way that a step takes them, m.
+/// `positions` are those of the cloth, m.
+#[cfg_attr(small, optimize(size), inline(never))]
+pub(crate) fn deviation(pins: &Pins<'_>, colliders: &Colliders<'_>, positions: &[Vec3], times: [Sum; 2]) -> Sum {
+    colliders.deviation(positions, times).max(pins.deviation(times))
 }
 
 /// Estimates the error of the candidate state, m, if the input asks for it.

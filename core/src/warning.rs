@@ -18,6 +18,11 @@ pub enum Code {
     Thickness,
     /// The largest rigidity of hinges over the one asked for, of all directions; the largest that needs no warning.
     Rigidity,
+    /// How far pins or colliders are, within a fixed step, from the straight and even way that it takes them, m; the
+    /// distance that needs no warning.
+    Motion,
+    /// The largest error of error control, m; the one that needs no warning, for cloth of this size.
+    Error,
     /// Step x (step x stiffness + damping) over the mass of a vertex is so large that single precision loses masses;
     /// the largest ratio at which it loses little.
     Masses,
@@ -33,7 +38,7 @@ pub enum Code {
     Rounding,
     /// Energy, J, by moving overlapping surfaces apart; the largest energy that moved.
     Overlap,
-    /// Energy, J, that the method took from a motion that nothing damps; the largest energy that moved.
+    /// Energy, J, that the method itself took from the motion; the largest energy that moved.
     Method,
     /// The number of substeps with too large an error; the number of all substeps.
     Exceeding,
@@ -47,6 +52,8 @@ impl Code {
             Self::Duration => "duration",
             Self::Thickness => "thickness",
             Self::Rigidity => "rigidity",
+            Self::Motion => "motion",
+            Self::Error => "error",
             Self::Masses => "masses",
             Self::Unstable => "unstable",
             Self::Energy => "energy",
@@ -85,6 +92,14 @@ const THICKNESS: [f64; 2] = [1e-4, 1.0];
 /// Largest rigidity of hinges over the one asked for. Alternating diagonals on squares have 1.5 if their vertices are held
 /// on a cylinder, and a single row of equilateral triangles too; parallel diagonals have 3.
 const MOST_RIGID: f64 = 1.6;
+
+/// Largest deviation of pins and colliders from the way that fixed steps take them, relative to the size of the cloth,
+/// and the one beyond which the result is doubtful: cloth does not feel it.
+const DEVIATION: [f64; 2] = [0.01, 0.05];
+
+/// Largest error of error control, relative to the size of the cloth. A pendulum of ten times the error loses
+/// its swing.
+const MOST_ERROR: f64 = 0.01;
 
 /// Rounding of a number in single precision, relative to it.
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
@@ -143,6 +158,9 @@ pub struct Start {
     pub mass: f64,
     /// Largest rigidity of hinges over the one asked for; 0 without hinges.
     pub rigidity: f64,
+    /// Largest deviation of pins and colliders in a step from their straight and even way, m
+    /// ([`BuiltScene::largest_deviation`](crate::scene::BuiltScene::largest_deviation)).
+    pub deviation: f64,
     /// Whether steps are taken in single precision.
     pub is_single: bool,
 }
@@ -150,7 +168,7 @@ pub struct Start {
 /// The warnings of settings that do not suit the scene. `modes` gives the fastest modes of the start state to about one
 /// per cent; it is called only where they matter.
 #[cfg_attr(small, optimize(size))]
-pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mode; 2]) -> [Option<Warning>; 5] {
+pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mode; 2]) -> [Option<Warning>; 7] {
     let (method, timing) = (scene.integrator.method, scene.timing());
     // Nobody asked for a default.
     let asked = scene.integrator.step.unwrap_or(timing.step);
@@ -160,6 +178,7 @@ pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mo
     let thickness = scene.contact.as_ref().map(|contact| contact.thickness);
     let [low, high] = THICKNESS.map(|ratio| ratio * start.mean_edge);
     let unsuited = thickness.filter(|&thickness| thickness > high || thickness < low);
+    let error = scene.integrator.error().filter(|&error| error > 1.001 * MOST_ERROR * start.size);
     let of_step = match (method.is_implicit(), start.is_single) {
         (true, false) => None,
         // Error control takes shorter steps: it is judged by their number at the end.
@@ -175,8 +194,18 @@ pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mo
         is_cut.then(|| Warning::new(Code::Duration, scene.duration, taken)),
         unsuited.map(|thickness| Warning::new(Code::Thickness, thickness, start.mean_edge)),
         (start.rigidity > MOST_RIGID).then(|| Warning::new(Code::Rigidity, start.rigidity, MOST_RIGID)),
+        motion(scene, start),
+        error.map(|error| Warning::new(Code::Error, error, MOST_ERROR * start.size)),
         of_step,
     ]
+}
+
+/// The warning that pins or colliders do not move straight in fixed steps. Error control shortens such steps.
+fn motion(scene: &SceneDesc, start: &Start) -> Option<Warning> {
+    let [most, wrong] = DEVIATION.map(|part| part * start.size);
+    let is_curved = scene.integrator.error().is_none() && start.deviation > most;
+    let is_doubtful = start.deviation > wrong;
+    is_curved.then(|| Warning { is_doubtful, ..Warning::new(Code::Motion, start.deviation, most) })
 }
 
 /// The warning that single precision loses masses beside the stiffness in steps of this length, s; `size` is that of
@@ -205,8 +234,9 @@ pub struct Run<'a> {
     pub balance: &'a Balance,
     /// Current energies, J, in the order of [`Balance::see`].
     pub energy: [f64; 6],
-    /// Whether neither a force nor a contact takes energy.
-    pub is_conservative: bool,
+    /// Whether all energy that forces take is measured, or they take none, and there is no contact: impacts take energy
+    /// too.
+    pub is_method_known: bool,
     /// Total mass, kg.
     pub mass: f64,
     /// Number of vertices.
@@ -274,11 +304,11 @@ impl Run<'_> {
         })
     }
 
-    /// Energy that the method took from a motion that nothing damps. A run to rest is meant to lose it.
+    /// Energy that the method itself took from the motion. A run to rest is meant to lose it.
     fn taken(&self, scene: &SceneDesc) -> Option<Warning> {
         let (taken, moved) = (-self.balance.by_method(&self.energy), self.balance.moved());
         let is_much = taken > MOST_APPEARED * moved && self.is_harmful(taken, scene);
-        (self.is_conservative && scene.until_rest.is_none() && is_much)
+        (self.is_method_known && scene.until_rest.is_none() && is_much)
             .then(|| Warning::new(Code::Method, taken, moved))
     }
 

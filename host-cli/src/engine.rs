@@ -194,6 +194,8 @@ pub trait Engine: Send {
     fn mean_edge(&self) -> f64;
     /// Largest rigidity of hinges over the one asked for, of all cloths and directions; 0 without hinges.
     fn largest_rigidity(&self) -> f64;
+    /// Largest deviation of pins and colliders from their straight and even way in a step, m.
+    fn largest_deviation(&self) -> f64;
     /// Mean rest length of the edges of each cloth, m.
     fn mean_edges(&self) -> Vec<f64>;
     /// The stiffest and the most damped mode of the current state, by power iteration. The iteration ends at the
@@ -517,6 +519,10 @@ macro_rules! engine {
 
                 fn largest_rigidity(&self) -> f64 {
                     self.scene().largest_rigidity
+                }
+
+                fn largest_deviation(&self) -> f64 {
+                    self.scene().largest_deviation(self.step_length().into())
                 }
 
                 fn mean_edges(&self) -> Vec<f64> {

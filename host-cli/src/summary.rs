@@ -52,9 +52,6 @@ pub struct Summary {
     pub stretch: Stretch,
     pub energy: Energy,
     pub energy_balance: EnergyBalance,
-    /// Whether neither a force nor a contact takes energy.
-    #[serde(skip)]
-    pub is_conservative: bool,
     pub momentum: [f64; 3],
     pub contacts: Contacts,
     pub frames_audited: u64,

@@ -19,7 +19,7 @@ const ITERATIONS: u32 = 100;
 /// Observations of the frames of a run.
 pub struct Watch {
     /// Warnings from before the first step.
-    of_settings: [Option<Warning>; 5],
+    of_settings: [Option<Warning>; 7],
     steps_per_frame: u64,
     /// Largest side of the box around the cloth at the start, m.
     size: f64,
@@ -38,7 +38,8 @@ impl Watch {
         cloth.measure_work(WorkDone::default());
         let size = extent(cloth.places_in_world()).into_iter().fold(0.0, f64::max);
         let (mean_edge, rigidity) = (cloth.scene().mean_edge(), cloth.scene().largest_rigidity);
-        let start = Start { mean_edge, size, mass: mass(cloth), rigidity, is_single: true };
+        let deviation = cloth.scene().largest_deviation(scene.timing().step);
+        let start = Start { mean_edge, size, mass: mass(cloth), rigidity, deviation, is_single: true };
         let mut watch = Self {
             of_settings: warning::of_settings(scene, &start, || modes(cloth, clock)),
             steps_per_frame: scene.timing().steps_per_frame,
@@ -77,7 +78,7 @@ impl Watch {
             &Run {
                 balance: &balance,
                 energy: energy(cloth),
-                is_conservative: cloth.contact().is_none() && !cloth.model().dissipates(),
+                is_method_known: cloth.contact().is_none() && !cloth.model().dissipates(),
                 mass: mass(cloth),
                 vertices: cloth.positions().len(),
                 size: self.size,

@@ -71,6 +71,9 @@ export interface Warning {
    * - `duration`: the duration of the scene, which is no whole number of frames, and the one that is meant, s
    * - `thickness`: the thickness of contact, which does not suit the edges, and their mean length, m
    * - `rigidity`: the largest rigidity of hinges over the one asked for, and the largest that needs no warning
+   * - `motion`: how far pins or colliders are, within a fixed step, from the straight and even way that it takes them,
+   *   and the distance that needs no warning, m
+   * - `error`: the largest error of error control, and the one that needs no warning for cloth of this size, m
    * - `masses`: step x (step x stiffness + damping) over the mass of a vertex, and the largest value that single
    *   precision bears
    * - `unstable`: the step, and the longest stable step of the explicit method at the start, s
@@ -87,6 +90,8 @@ export interface Warning {
     | "duration"
     | "thickness"
     | "rigidity"
+    | "motion"
+    | "error"
     | "masses"
     | "unstable"
     | "energy"

@@ -202,6 +202,53 @@ pin = [{ select = { edge = "back" } }]
     assert!(midpoint.abs() < 0.01 && !told, "{midpoint}");
     let damped = run(&place, "pendulum.toml --set cloth.stretch.damping=0.001 --duration 0.1", 0);
     assert_eq!(damped["energy_balance"]["method"], Value::Null, "what damping took is not measured");
+    let (euler, told) = taken("--set cloth.stretch.damping=0.001 --series series.csv");
+    assert!(euler < -0.5 && told, "{euler} beside measured damping");
+}
+
+#[test]
+fn an_error_that_is_large_for_the_cloth_is_told() {
+    let place = Place::new();
+    place.write(
+        "small.toml",
+        "duration = 0.1\nframe_rate = 20\n[[cloth]]\ngrid = { size = [0.01, 0.01], cells = [1, 1] }\ndensity = 0.1\n",
+    );
+    let coarse = run(&place, "small.toml", 0);
+    assert_eq!(codes(&coarse), ["error"], "{coarse}");
+    let text = coarse["warnings"][0]["text"].as_str().unwrap();
+    assert!(text.contains("integrator.error = 1.0 mm") && text.contains("take 100.0 um or less"), "{text}");
+    let fine = run(&place, "small.toml --set integrator.error=1e-4", 0);
+    assert!(codes(&fine).is_empty(), "{fine}");
+}
+
+/// A table that turns by half a turn in each fixed step.
+#[test]
+fn motion_within_a_step_makes_a_result_doubtful() {
+    let place = Place::new();
+    place.write(
+        "table.toml",
+        r#"duration = 0.1
+frame_rate = 20
+[[cloth]]
+grid = { size = [0.2, 0.2], cells = [2, 2] }
+position = [0, 0.02, 0]
+density = 0.2
+stretch = { model = "spring", stiffness = 100.0 }
+[[collider]]
+shape = "box"
+center = [0, -0.5, 0]
+half = [1, 0.5, 1]
+motion = { turn = { axis = [0, 1, 0], rate = 62.8 } }
+[contact]
+thickness = 0.01
+"#,
+    );
+    let fixed = run(&place, "table.toml --set integrator.step=0.05", 3);
+    assert_eq!(codes(&fixed), ["motion"], "{fixed}");
+    let doubt = fixed["doubt"].as_str().unwrap();
+    assert!(doubt.contains("up to 0.14 m from the straight and even way"), "{doubt}");
+    let controlled = run(&place, "table.toml", 0);
+    assert!(codes(&controlled).is_empty(), "{controlled}");
 }
 
 #[test]

@@ -322,7 +322,12 @@ const fn has_a_case(error: &SceneError) -> bool {
         | MissingMesh { .. }
         | TooFewCells { .. }
         | TooLarge { .. } => true,
-        Selection { .. } | PinAxes { .. } | MotionKeys { .. } | MotionTurn { .. } | PinEnds { .. } => true,
+        Selection { .. }
+        | PinAxes { .. }
+        | MotionKeys { .. }
+        | MotionTurn { .. }
+        | PinEnds { .. }
+        | PinsDisagree { .. } => true,
         StaticBelowKinetic { .. }
         | ShapeNeeds { .. }
         | NotOfShape { .. }
@@ -454,4 +459,41 @@ fn messages_count_cloths_and_pins() {
     let second = GOOD.replace("[drag]", two_pins);
     let error = build(&kit::scene(&second), &[]).map(|_| ());
     assert_eq!(error, Err(SceneError::Selection { cloth: 1, part: "pin", number: 1, error: SelectError::Empty }));
+}
+
+/// Two pins that move a vertex differently at the same time, and those that do not.
+#[test]
+fn pins_must_agree() {
+    let built = |first: &str, second: &str| {
+        let pins =
+            format!("pin = [{{ select = {{ edge = \"left\" }}{first} }}, {{ select = {{ corners = [0] }}{second} }}]");
+        let start = GOOD.find("    pin = ").expect("the good scene has a pin");
+        let end = start + GOOD[start..].find('\n').expect("a line ends");
+        build(&kit::scene(&format!("{}{pins}{}", &GOOD[..start], &GOOD[end..])), &[]).map(drop)
+    };
+    let moves = ", motion = { keys = [[0.0, 0, 0, 0], [1.0, 0, 1, 0]] }";
+    let other = ", motion = { keys = [[0.0, 0, 0, 0], [1.0, 1, 0, 0]] }";
+    let turns = ", motion = { turn = { axis = [0, 1, 0], rate = 1.0 } }";
+    let disagree = Some(SceneError::PinsDisagree { cloth: 0, pins: [0, 1], vertex: 0 });
+    for (first, second, refused) in [
+        ("", "", false),
+        (moves, moves, false),
+        ("", moves, true),
+        (moves, "", true),
+        (moves, other, true),
+        // About different centres.
+        (turns, turns, true),
+        (", axes = \"xz\"", &format!("{moves}, axes = \"y\"")[..], false),
+        (", until = 0.5", &format!("{moves}, from = 0.5")[..], false),
+        (", until = 0.5", &format!("{moves}, from = 0.4")[..], true),
+    ] {
+        let found = built(first, second);
+        assert_eq!(found.as_ref().err(), disagree.as_ref().filter(|_| refused), "{first:?} and {second:?}");
+    }
+    let words = built("", moves).expect_err("they disagree").to_string();
+    assert_eq!(
+        words,
+        "cloth 0: pins 0 and 1 move vertex 0 differently at the same time; select it in one of them, or give them times \
+         (from, until) that do not overlap"
+    );
 }

@@ -29,8 +29,17 @@ fn cloth(size: [f64; 2], cells: [u32; 2], more: &str, rigidity: f64) -> String {
     )
 }
 
+/// A sheet of 0.2 m that lies on a box, which moves.
+fn lying(motion: &str) -> String {
+    format!(
+        "duration = 0.5\nframe_rate = 20\ngravity = [0, -9.81, 0]\n{}[[collider]]\nshape = \"box\"\n\
+         center = [0, -0.5, 0]\nhalf = [3, 0.5, 3]\nfriction = 0.3\nmotion = {motion}\n[contact]\nthickness = 0.002\n",
+        cloth([0.2, 0.2], [8, 9], "position = [0, 0.0021, 0]\ndensity = 0.2", 1e-4)
+    )
+}
+
 both_precisions! {
-    use super::{FLOOR, GRAVITY, cloth};
+    use super::{FLOOR, GRAVITY, cloth, lying};
     use harness::stiff::STIFF;
     use muslin::real::Sum;
 
@@ -107,5 +116,44 @@ both_precisions! {
         let kept = sim.momentum()[1] / before;
         println!("{kept:.4} of the momentum is kept");
         assert!((kept - 1.0).abs() < 0.03, "{kept} of the momentum is kept");
+    }
+
+    /// By half a turn in each step of a frame: in a step a collider moves straight from its first to its last pose, so
+    /// error control takes shorter ones.
+    #[test]
+    fn a_table_that_turns_fast_spins_the_sheet_on_it() {
+        let mut sim = kit::simulation(&lying("{ turn = { axis = [0, 1, 0], rate = 188.4956 } }"), &[]);
+        kit::run(&mut sim, 0.2, |_| ());
+        let mass: f64 = sim.scene().particles.masses.iter().map(|&m| f64::from(m)).sum();
+        // Friction acts at the mean distance of a square from its centre, 0.3826 of its side, and its moment of inertia
+        // is that of its mass at 1 / sqrt(6) of it.
+        let expected = 0.3 * GRAVITY * 0.3826 * 6.0 / 0.2 * 0.2;
+        let spin = sim.angular_momentum()[1] / (mass * 0.2 * 0.2 / 6.0);
+        println!("the sheet spins with {spin:.2} rad/s, {expected:.2} expected");
+        assert!((spin / expected - 1.0).abs() < 0.1, "the sheet spins with {spin} rad/s, {expected} expected");
+    }
+
+    /// To and fro within a step of a frame.
+    #[test]
+    fn a_kick_within_a_step_throws_the_sheet() {
+        let kick = "{ keys = [[0.2, 0, 0, 0], [0.208, 0, 0.02, 0], [0.216, 0, 0, 0]] }";
+        let mut sim = kit::simulation(&lying(kick), &[]);
+        let mut fastest: f64 = 0.0;
+        kit::run(&mut sim, 0.3, |sim| fastest = fastest.max(kit::fastest(sim).into()));
+        println!("at most {fastest:.3} m/s");
+        assert!((2.0..3.0).contains(&fastest), "the sheet moves at {fastest} m/s; the kick has 2.5 m/s");
+    }
+
+    /// A corner is pulled aside and back within a step of a frame.
+    #[test]
+    fn a_jerk_of_a_pin_within_a_step_moves_the_sheet() {
+        let pin = "pin = [{ select = { corners = [0] }, motion = { keys = [[0.101, 0, 0, 0], [0.108, 0, 0.02, 0], \
+                   [0.115, 0, 0, 0]] } }]";
+        let text = format!("duration = 0.2\n{}", cloth([0.2, 0.2], [8, 9], &format!("density = 0.2\n{pin}"), 1e-4));
+        let mut sim = kit::simulation(&text, &[]);
+        let mut fastest: f64 = 0.0;
+        kit::run(&mut sim, 0.2, |sim| fastest = fastest.max(kit::fastest(sim).into()));
+        println!("at most {fastest:.3} m/s");
+        assert!(fastest > 0.1, "the sheet moves at {fastest} m/s");
     }
 }

@@ -8,8 +8,10 @@ pub mod cuboid;
 pub mod plane;
 pub mod round;
 
+use glam::DVec3;
+
 use crate::motion::{JumpSide, Key, Motion};
-use crate::real::{Real, Sum, Vec3, vec3};
+use crate::real::{Real, Sum, Vec3, sqrt, vec3};
 
 /// The shape of a collider.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,15 +35,49 @@ pub enum Drive {
     Rest,
     /// An offset by keys, and a rotation about an axis.
     Motion(Motion),
-    /// The frames of a point cache: linear between frames, constant before the first and after the last.
-    Cache {
-        /// Index of the first vertex of the first frame in [`Colliders::frames`].
-        first: usize,
-        /// Number of frames.
-        frames: usize,
-        /// Frames per second.
-        rate: Sum,
-    },
+    /// The frames of a point cache.
+    Cache(Cache),
+}
+
+/// The frames of a point cache: linear between frames, constant before the first and after the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cache {
+    /// Index of the first vertex of the first frame in [`Colliders::frames`].
+    pub first: usize,
+    /// Number of frames.
+    pub frames: usize,
+    /// Frames per second.
+    pub rate: Sum,
+}
+
+impl Cache {
+    /// The position of a vertex at `time`, m. `frames` are the vertex positions of all caches, and `count` is the number
+    /// of its vertices.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    fn place(&self, frames: &[Vec3], [vertex, count]: [usize; 2], time: Sum) -> Vec3 {
+        let last = self.frames - 1;
+        let at = (time * self.rate).clamp(0.0, last as Sum);
+        let frame = at as usize;
+        let part = (at - frame as Sum) as Real;
+        let [now, next] = [frame, (frame + 1).min(last)].map(|frame| frames[self.first + frame * count + vertex]);
+        now + (next - now) * part
+    }
+
+    /// How far a vertex is, in a frame between two times, from its straight and even way between them, m.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    fn deviation(&self, frames: &[Vec3], count: usize, [start, end]: [Sum; 2]) -> Sum {
+        let [first, last] = [start, end].map(|time| (time * self.rate).clamp(0.0, self.frames as Sum));
+        let mut farthest: Real = 0.0;
+        for frame in first as usize + 1..libm::ceil(last) as usize {
+            let time = frame as Sum / self.rate;
+            let part = ((time - start) / (end - start)) as Real;
+            for vertex in 0..count {
+                let [at, from, to] = [time, start, end].map(|time| self.place(frames, [vertex, count], time));
+                farthest = farthest.max((at - from.lerp(to, part)).length_squared());
+            }
+        }
+        sqrt(farthest).into()
+    }
 }
 
 /// One collider.
@@ -102,18 +138,31 @@ impl Colliders<'_> {
                         *out = vec3(motion.at(self.keys, anchor, time, JumpSide::After).0.into());
                     }
                 }
-                Drive::Cache { first, frames, rate } => {
-                    let at = (time * rate).clamp(0.0, (frames - 1) as Sum);
-                    let (frame, count) = (at as usize, out.len());
-                    let next = (frame + 1).min(frames - 1);
-                    let part = (at - frame as Sum) as Real;
-                    let of = |frame: usize| &self.frames[first + frame * count..][..count];
-                    for ((out, &a), &b) in out.iter_mut().zip(of(frame)).zip(of(next)) {
-                        *out = a + (b - a) * part;
+                Drive::Cache(cache) => {
+                    let count = out.len();
+                    for (vertex, out) in out.iter_mut().enumerate() {
+                        *out = cache.place(self.frames, [vertex, count], time);
                     }
                 }
             }
         }
+    }
+
+    /// How far the surface of a collider moves near the cloth, between two times, from the straight and even way, m.
+    /// `cloth` are the positions of the cloth, m.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn deviation(&self, cloth: &[Vec3], times: [Sum; 2]) -> Sum {
+        let of = |body: &Body| match body.drive {
+            Drive::Rest => 0.0,
+            Drive::Motion(motion) => {
+                let (offset, _) = motion.offset(self.keys, times[0], JumpSide::After);
+                let own = motion.reach(&self.anchors[body.range()], DVec3::ZERO) + Sum::from(body.radius);
+                // Cloth does not feel the parts that turn farther out.
+                motion.deviation(self.keys, own.min(motion.reach(cloth, offset)), times)
+            }
+            Drive::Cache(cache) => cache.deviation(self.frames, body.vertices[1], times),
+        };
+        self.bodies.iter().map(of).fold(0.0, Sum::max)
     }
 
     /// Greatest depth of a point inside the colliders, m; 0 if it is outside all of them. `places` are

@@ -250,7 +250,7 @@ impl<D: Dispatch> StepInput<'_, D> {
 
     /// The same with the forces at a fraction of the step.
     pub(crate) fn after(&self, fraction: Sum) -> Self {
-        let moment = Moment { time: self.time_after(fraction), step: [self.time, self.time_after(1.0)] };
+        let moment = Moment { time: self.time_after(fraction), step: self.times() };
         Self { model: self.model.at(moment), ..*self }
     }
 
@@ -282,6 +282,11 @@ impl<D: Dispatch> StepInput<'_, D> {
     /// The time at a fraction of the step, s.
     pub fn time_after(&self, fraction: Sum) -> Sum {
         self.time + fraction * Sum::from(self.step)
+    }
+
+    /// Start and end of the step, s.
+    pub(crate) fn times(&self) -> [Sum; 2] {
+        [self.time, self.time_after(1.0)]
     }
 }
 

@@ -32,6 +32,11 @@ impl Hold {
         if has_passed(self.from) && !has_passed(self.until) { self.axes } else { 0 }
     }
 
+    /// Whether both hold an axis at the same time.
+    pub(crate) fn meets(&self, other: &Self) -> bool {
+        self.axes & other.axes != 0 && self.from < other.until && other.from < self.until
+    }
+
     /// Whether the pin holds in the whole run.
     pub fn is_always(&self) -> bool {
         self.from == 0.0 && self.until == Sum::INFINITY
@@ -69,6 +74,17 @@ impl Pins<'_> {
             Some(motion) => motion.at(self.keys, anchor, time, side),
             None => (to_f64(anchor).into(), Vec3::ZERO),
         }
+    }
+
+    /// How far any pin moves, between two times, from the straight and even way, m.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn deviation(&self, times: [Sum; 2]) -> Sum {
+        let of = |(pin, ..): (usize, usize, _)| {
+            let motion = self.table.get(self.motions[pin] as usize)?;
+            let radius = motion.reach(&self.anchors[pin..=pin], DVec3::ZERO);
+            Some(motion.deviation(self.keys, radius, times))
+        };
+        self.iter().filter_map(of).fold(0.0, Sum::max)
     }
 
     /// Whether the velocity of any pin jumps at `time`, by more than a quarter of the larger speed.
@@ -214,6 +230,14 @@ impl PinColumns {
             table: &self.table,
             keys: &self.keys,
         }
+    }
+
+    /// Whether two pins of a vertex move it alike.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub(crate) fn move_alike(&self, a: usize, b: usize) -> bool {
+        let of = |pin: usize| self.table.get(self.motions[pin] as usize);
+        let keys = |pin: usize| of(pin).map(|motion| (motion.turn, motion.own(&self.keys)));
+        self.motions[a] == self.motions[b] || keys(a) == keys(b)
     }
 
     /// Sets the held axes to those just after `time`, s. A pin that begins holds its vertex where it is. Returns

@@ -114,7 +114,7 @@ pub fn build(scene: &SceneDesc, resources: &[Resource]) -> Result<BuiltScene, Sc
 pub(super) struct Parts {
     /// Given once the first cloth is placed.
     pub(super) origin: Option<DVec3>,
-    positions: Vec<DVec3>,
+    pub(super) positions: Vec<DVec3>,
     pub(super) velocities: Vec<DVec3>,
     pub(super) masses: Vec<f64>,
     areas: Vec<f64>,
@@ -159,6 +159,7 @@ impl Parts {
         for (pin_index, pin) in desc.pin.iter().enumerate() {
             self.add_pin(&sheet, &placed, (index, pin_index as u32), pin)?;
         }
+        self.check_pins(sheet.first)?;
         for (number, mass) in desc.mass.iter().enumerate() {
             self.add_mass(&sheet, &placed, (index, number as u32), mass)?;
         }

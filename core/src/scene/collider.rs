@@ -9,7 +9,7 @@ use super::check::{finite, positive};
 use super::motion::read_motion;
 use super::place::turn;
 use super::{FrictionDesc, MotionDesc, Resource, resource};
-use crate::colliders::{Body, ColliderColumns, Drive, Form, cuboid, round};
+use crate::colliders::{Body, Cache, ColliderColumns, Drive, Form, cuboid, round};
 use crate::error::{ColliderMotionError, SceneError};
 use crate::real::{Real, Vec3, vec3};
 
@@ -252,7 +252,7 @@ fn drive(
             if columns.frames[first..].iter().any(|x| !x.is_finite()) {
                 return Err(SceneError::ColliderMotion { collider: index, error: ColliderMotionError::Cache });
             }
-            Ok(Drive::Cache { first, frames: cache.frames(), rate })
+            Ok(Drive::Cache(Cache { first, frames: cache.frames(), rate }))
         }
     }
 }

@@ -9,6 +9,7 @@ mod builtin;
 mod check;
 mod collider;
 mod contact;
+mod deviation;
 mod disc;
 mod grid;
 mod groups;

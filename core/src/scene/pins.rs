@@ -1,5 +1,7 @@
 //! Converts the pins of a cloth to columns.
 
+use alloc::vec;
+
 use glam::DVec3;
 
 use super::build::{Parts, Sheet};
@@ -7,7 +9,8 @@ use super::check::not_negative;
 use super::motion::{MotionError, read_motion};
 use super::{PinDesc, select};
 use crate::error::SceneError;
-use crate::integrate::pins::{AT_REST, Hold};
+use crate::integrate::pins::{AT_REST, Hold, PinColumns};
+use crate::mesh::edges::NONE;
 use crate::reactions::PinGroup;
 use crate::real::vec3;
 
@@ -49,6 +52,32 @@ impl Parts {
             self.pins.motions.push(motion);
         }
         self.pin_groups.push(PinGroup { cloth, number, pins: first..self.pins.vertices.len() });
+        Ok(())
+    }
+
+    /// Refuses a cloth, the vertices of which begin at `first`, if its pins would move a vertex differently at the same
+    /// time.
+    #[cfg_attr(small, optimize(size))]
+    pub(super) fn check_pins(&self, first: u32) -> Result<(), SceneError> {
+        let PinColumns { vertices, holds, .. } = &self.pins;
+        let own = self.pin_groups.iter().rev().take_while(|group| vertices[group.pins.start] >= first);
+        for (earlier, group) in own.enumerate() {
+            let mut of_vertex = vec![NONE; self.positions.len() - first as usize];
+            for pin in group.pins.clone() {
+                of_vertex[(vertices[pin] - first) as usize] = pin as u32;
+            }
+            for other in self.pin_groups.iter().rev().take(earlier) {
+                for pin in other.pins.clone() {
+                    let vertex = vertices[pin] - first;
+                    let held = of_vertex[vertex as usize] as usize;
+                    let meets = holds.get(held).is_some_and(|hold| hold.meets(&holds[pin]));
+                    if meets && !self.pins.move_alike(held, pin) {
+                        let pins = [group.number, other.number];
+                        return Err(SceneError::PinsDisagree { cloth: group.cloth, pins, vertex });
+                    }
+                }
+            }
+        }
         Ok(())
     }
 }

@@ -109,7 +109,6 @@ impl Course {
             },
             energy: (&report).into(),
             energy_balance: EnergyBalance::new(&record.balance, by_method),
-            is_conservative: !self.engine.dissipates(),
             momentum: report.momentum,
             contacts: (&report).into(),
             frames_audited: record.audited,

@@ -63,8 +63,14 @@ pub fn warnings(
     engine.write_state(&mut positions);
     let vertices = positions.len();
     let size = extent(positions.into_iter()).into_iter().fold(0.0, f64::max);
-    let (mean_edge, mass, rigidity) = (engine.mean_edge(), engine.mass(), engine.largest_rigidity());
-    let start = warning::Start { mean_edge, size, mass, rigidity, is_single: precision == Precision::F32 };
+    let start = warning::Start {
+        mean_edge: engine.mean_edge(),
+        size,
+        mass: engine.mass(),
+        rigidity: engine.largest_rigidity(),
+        deviation: engine.largest_deviation(),
+        is_single: precision == Precision::F32,
+    };
     let mut not_checked = None;
     let modes = || {
         fastest_modes(engine, vertices, precision, stopwatch).unwrap_or_else(|| {

@@ -20,7 +20,7 @@ impl Summary {
         let run = Run {
             balance: &record.balance,
             energy: [kinetic, stretch, shear, bend, seam, gravity],
-            is_conservative: self.is_conservative,
+            is_method_known: scene.contact.is_none() && self.energy_balance.method.is_some(),
             mass: self.mass_kg,
             vertices: self.vertices,
             size: self.size_m.into_iter().fold(0.0, f64::max),

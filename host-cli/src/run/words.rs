@@ -7,7 +7,7 @@ use muslin_core::warning::{self, Code};
 use super::remedy;
 use crate::engine::Untangled;
 use crate::summary::percent;
-use crate::units::{time, without_noise};
+use crate::units::{length, time, without_noise};
 use crate::warning::Warning;
 
 /// Part of the longest stable step at the start that is recommended as safe: stretched cloth is stiffer.
@@ -43,6 +43,16 @@ pub fn of(warning: &warning::Warning, scene: &SceneDesc, known: Known) -> Warnin
              are far from equilateral: give a grid 1.155 x cells[0] x size[1] / size[0] rows in cells[1] and the pattern \
              \"equilateral\", or take a mesh of such triangles"
         ),
+        Code::Motion => format!(
+            "within a step, a pin or collider is up to {} from the straight and even way that the step takes it, and \
+             the cloth does not feel that: take a shorter integrator.step, or an implicit method with integrator.error",
+            length(value)
+        ),
+        Code::Error => format!(
+            "integrator.error = {} lets errors of more than 1 % of the cloth's size pass: take {} or less",
+            length(value),
+            length(beside)
+        ),
         Code::Masses => format!(
             "step x (step x stiffness + damping) is {value:.0e} times the mass of a vertex: single precision rounds \
              such masses away, and the cloth may lag by some per cent of its size; compare with --precision f64, or take \
@@ -71,8 +81,8 @@ pub fn of(warning: &warning::Warning, scene: &SceneDesc, known: Known) -> Warnin
              integrator.step or a smaller integrator.error, or let surfaces start farther apart than contact.thickness"
         ),
         Code::Method => format!(
-            "{} took {value:.2e} J, {percent_of_moved:.0} % of the largest energy that moved, and the scene has no \
-             damping: take {} with integrator.error = 0 and a short integrator.step",
+            "{} itself took {value:.2e} J, {percent_of_moved:.0} % of the largest energy that moved, beside damping and \
+             air: take {} with integrator.error = 0 and a short integrator.step",
             scene.integrator.method.name(),
             if scene.integrator.method == Method::Bdf2 { "bdf2" } else { "bdf2 or implicit-midpoint" }
         ),

@@ -8,6 +8,8 @@ const WARNINGS = {
   duration: "the duration is no whole number of frames",
   thickness: "the contact thickness does not suit the edges",
   rigidity: "the shape of the triangles makes the cloth bend too stiffly",
+  motion: "pins or colliders curve within a step",
+  error: "the allowed error is large for this cloth",
   masses: "the step is too long for single precision",
   unstable: "the step is too long for the method",
   energy: "energy appeared from nowhere",
