@@ -205,6 +205,7 @@ both_precisions! {
             },
             assembly_map,
             inverse_diagonal: &mut inverse_diagonal,
+            cloths: &mut [ClothSolve::up_to(VERTICES as u32)],
             partials: &mut partials,
             ..Scratch::default()
         };

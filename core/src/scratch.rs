@@ -4,6 +4,7 @@
 use crate::forces::matrix::{AssemblyMap, BlockMatrix};
 use crate::integrate::coarse::{CoarseFactor, Patches};
 use crate::integrate::columns::Sums;
+use crate::integrate::per_cloth::ClothSolve;
 use crate::particles::PositionsMut;
 use crate::real::{Mat3, Real, Vec3};
 
@@ -69,6 +70,8 @@ pub struct Scratch<'a> {
     pub patches: Patches<'a>,
     /// Two-level preconditioner: the factor of the small matrix of the patches.
     pub coarse: CoarseFactor<'a>,
+    /// Implicit: one entry per cloth.
+    pub cloths: &'a mut [ClothSolve],
     /// Implicit: partial sums, one entry per [`PART`](crate::integrate::columns::PART) vertices.
     pub partials: &'a mut [Sums],
 }
@@ -81,8 +84,9 @@ pub use owned::ScratchColumns;
 mod owned {
     use alloc::vec;
     use alloc::vec::Vec;
+    use core::ops::Range;
 
-    use super::{BlockMatrix, CoarseFactor, Mat3, PositionsMut, Real, Scratch, Vec3};
+    use super::{BlockMatrix, ClothSolve, CoarseFactor, Mat3, PositionsMut, Real, Scratch, Vec3};
     use crate::forces::matrix::Block;
     use crate::forces::sparsity::SparsityPattern;
     use crate::integrate::coarse::{Dense, MODES};
@@ -123,6 +127,7 @@ mod owned {
         preconditioned: Vec<Vec3>,
         inverse_diagonal: Vec<Mat3>,
         partials: Vec<Sums>,
+        cloths: Vec<ClothSolve>,
         patches: PatchColumns,
         coarse_values: Vec<Sum>,
         coarse_own: Vec<Dense>,
@@ -132,20 +137,23 @@ mod owned {
         coarse_motions: Vec<[Lanes; 3]>,
     }
 
-    /// Patches of a scene. A scene that was not built from a description may lack the ranges of cloths or the
-    /// material coordinates; then it counts as one cloth, or the current positions are used.
-    fn patches(scene: &BuiltScene, pattern: &SparsityPattern) -> PatchColumns {
-        let positions = &scene.particles.positions;
-        let mut cloths: Vec<_> = scene.cloths.iter().map(|cloth| cloth.vertices.clone()).collect();
-        if cloths.is_empty() {
-            cloths.push(0..positions.len() as u32);
+    /// The vertices of each cloth. A scene that was not built from a description may lack them; then it is one cloth.
+    fn cloths(scene: &BuiltScene) -> Vec<Range<u32>> {
+        match &scene.cloths[..] {
+            [] => core::iter::once(0..scene.particles.positions.len() as u32).collect(),
+            cloths => cloths.iter().map(|cloth| cloth.vertices.clone()).collect(),
         }
-        let pins = &scene.pins.view();
+    }
+
+    /// Patches of a scene. A scene that was not built from a description may lack the material coordinates; then the
+    /// current positions are used.
+    fn patches(scene: &BuiltScene, pattern: &SparsityPattern) -> PatchColumns {
+        let (positions, pins) = (&scene.particles.positions, &scene.pins.view());
         if scene.material.len() == positions.len() {
-            return PatchColumns::build(&scene.material, &cloths, pattern, pins);
+            return PatchColumns::build(&scene.material, &cloths(scene), pattern, pins);
         }
         let material: Vec<_> = positions.iter().map(|&x| to_f64(x).into()).collect();
-        PatchColumns::build(&material, &cloths, pattern, pins)
+        PatchColumns::build(&material, &cloths(scene), pattern, pins)
     }
 
     impl ScratchColumns {
@@ -192,6 +200,7 @@ mod owned {
                 preconditioned: column(implicit),
                 inverse_diagonal: vec![Mat3::ZERO; if implicit { vertices } else { 0 }],
                 partials: vec![[0.0; 2]; if implicit { vertices.div_ceil(PART) } else { 0 }],
+                cloths: cloths(scene).into_iter().map(|cloth| ClothSolve::up_to(cloth.end)).collect(),
                 patches,
                 coarse_values: vec![0.0; coarse_values],
                 coarse_own: vec![[[0.0; MODES]; MODES]; coarse_rows / MODES],
@@ -255,6 +264,7 @@ mod owned {
                 + size_of_val(&self.tangents[..])
                 + size_of_val(&self.inverse_diagonal[..])
                 + size_of_val(&self.partials[..])
+                + size_of_val(&self.cloths[..])
                 + self.patches.bytes()
                 + size_of_val(&self.coarse_values[..])
                 + size_of_val(&self.coarse_own[..])
@@ -302,6 +312,7 @@ mod owned {
                 preconditioned: &mut self.preconditioned,
                 inverse_diagonal: &mut self.inverse_diagonal,
                 partials: &mut self.partials,
+                cloths: &mut self.cloths,
                 patches: self.patches.view(),
                 coarse: CoarseFactor {
                     values: &mut self.coarse_values,

@@ -285,14 +285,14 @@ async fn couple<D: Dispatch>(
     exchange::add_contacts(model, contact, 0..constraints, input.step);
     let known = contact.lengths.contacts;
     let contacts = (&mut contact.contacts[..known], &mut *contact.lines);
-    let target = implicit_contact::correct(input, particles, contacts, scratch, statistics);
+    let has_begun = implicit_contact::correct(input, particles, contacts, scratch, statistics);
     take_prediction(particles, scratch, contact);
     detection::search(model, Purpose::Response { widened: 0 }, columns, input.dispatch).await?;
     with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
     let contact = &mut columns.columns();
     exchange::add_contacts(model, contact, constraints..contact.lengths.constraints, input.step);
     let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
-    implicit_contact::resume(input, particles, contacts, known, target, scratch, statistics);
+    implicit_contact::resume(input, particles, contacts, known, has_begun, scratch, statistics);
     take_prediction(particles, scratch, contact);
     Ok(())
 }

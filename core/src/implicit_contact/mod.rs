@@ -33,35 +33,36 @@ const ROUGH: Sum = 1e-2;
 /// If the solve turns or stretches elements by more than a half, only a part of its step is taken, and the
 /// forces are linearised there again. One linearisation would stretch cloth that a contact turns.
 ///
-/// Returns where the solve stopped, for [`resume`]; `None` if nothing had to be solved.
+/// Returns whether anything had to be solved, for [`resume`].
 pub fn correct<D: Dispatch>(
     c: &StepInput<'_, D>,
     from: &Particles<'_>,
     (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
-) -> Option<Sum> {
+) -> bool {
     let length = c.stage_length(s.last_step);
     start(c, length, contacts, s);
     if !c.defers_solve() {
         if contacts.iter().all(|contact| contact.impulse == Vec3::ZERO) {
-            return None;
+            return false;
         }
-        return Some(solve_change(c, from, (contacts, lines), rough(c), s, statistics));
+        solve_change(c, from, (contacts, lines), rough(c), s, statistics);
+        return true;
     }
     geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
     let stage =
         ImplicitStage { length, positions: from.positions, offsets: from.low_positions, velocities: from.velocities };
     for linearization in 1..=MOST_LINEARIZATIONS {
         let goal = c.goal(rough(c) * newton::weight_factor(c, length, s));
-        let target = conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), goal, s, statistics);
+        conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), goal, s, statistics);
         let part = MOST_STRAIN / (length * forces::strain_rate(&c.model, s.solution));
         let left = (MOST_LINEARIZATIONS - linearization) as Real;
         // Steps that are much too long for the motion gain nothing.
         let is_last = part >= 1.0 || part * left < 1.0 || !part.is_finite();
         if is_last {
             add_solution(c, from, length, 1.0, s);
-            return Some(target);
+            return true;
         }
         for contact in &mut *contacts {
             contact.velocity -= contact.gather(s.solution) * (1.0 - part);
@@ -71,23 +72,23 @@ pub fn correct<D: Dispatch>(
         newton::linearize(c, &stage, s, statistics);
         geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
     }
-    None
+    false
 }
 
-/// Completes the solve that [`correct`] stopped at `target`, with more contacts: those from `known` on. If there are
-/// any, the impulses of the others become their multipliers.
+/// Completes the solve of [`correct`], if it `has_begun`, with more contacts: those from `known` on. If there are any, the
+/// impulses of the others become their multipliers.
 pub fn resume<D: Dispatch>(
     c: &StepInput<'_, D>,
     from: &Particles<'_>,
     (contacts, lines): (&mut [AugmentedContact], &mut [ContactLines]),
     known: usize,
-    target: Option<Sum>,
+    has_begun: bool,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
     let left = left(c);
     let (before, added) = contacts.split_at_mut(known);
-    if added.is_empty() && (left == 1.0 || target.is_none()) {
+    if added.is_empty() && (left == 1.0 || !has_begun) {
         return;
     }
     let length = c.stage_length(s.last_step);
@@ -95,17 +96,12 @@ pub fn resume<D: Dispatch>(
         before.iter_mut().for_each(AugmentedContact::update_multiplier);
         start(c, length, added, s);
     }
-    let Some(target) = target else {
+    if !has_begun {
         solve_change(c, from, (contacts, lines), c.scheme.tolerance.residual().into(), s, statistics);
         return;
-    };
-    conjugate_gradient::solve(
-        c,
-        &mut ActiveContacts::new(contacts, lines),
-        Goal::Reach(target * left * left),
-        s,
-        statistics,
-    );
+    }
+    let goal = Goal::Reach(left * left);
+    conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), goal, s, statistics);
     let to_velocity = if c.defers_solve() { 1.0 } else { length / c.step };
     add_solution(c, from, length, to_velocity, s);
 }
@@ -134,7 +130,7 @@ fn start<D: Dispatch>(c: &StepInput<'_, D>, length: Real, contacts: &mut [Augmen
     }
 }
 
-/// Solves for the change that contacts make to a step that is complete without them. Returns where the solve stopped.
+/// Solves for the change that contacts make to a step that is complete without them.
 fn solve_change<D: Dispatch>(
     c: &StepInput<'_, D>,
     from: &Particles<'_>,
@@ -142,16 +138,14 @@ fn solve_change<D: Dispatch>(
     tolerance: Sum,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
-) -> Sum {
+) {
     let length = c.stage_length(s.last_step);
     s.residual.fill(Vec3::ZERO);
     geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
-    let target =
-        conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), c.goal(tolerance), s, statistics);
+    conjugate_gradient::solve(c, &mut ActiveContacts::new(contacts, lines), c.goal(tolerance), s, statistics);
     // A contact changes the velocity as much as the displacement over the step. The second-order methods would
     // extrapolate the change: the cloth would bounce.
     add_solution(c, from, length, length / c.step, s);
-    target
 }
 
 /// Adds multiples of the solution to the changes of positions and velocities, and to the candidate state.

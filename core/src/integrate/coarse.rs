@@ -24,8 +24,6 @@ const LEAST_PIVOT: Sum = 1e-10;
 /// The patches, borrowed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Patches<'a> {
-    /// The number after the last vertex of each cloth.
-    pub cloth_ends: &'a [u32],
     /// The patch of each vertex, one level after the other.
     pub labels: &'a [u32],
     /// (u, v) of each vertex in its patch, about -1 to 1, one level after the other.

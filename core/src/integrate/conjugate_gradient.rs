@@ -10,14 +10,15 @@
 //! 2006, ch. 5.2] with an exact line search: contacts that open, close, stick or slip on the way need no solve of their
 //! own. Without contacts these are linear conjugate gradients.
 //!
-//! A solve stops on the preconditioned residual, on negative curvature (truncated Newton) or on a limit of iterations
-//! or updates.
+//! A solve stops on the preconditioned residual of every cloth, on negative curvature (truncated Newton) or on a limit of
+//! iterations or updates. Beside that of a heavy cloth, the residual of a light one would not count.
 
 use glam::DVec3;
 
 use super::coarse::{self, CoarseFactor, Patches};
 use super::columns::{Sums, dot, sum_parts};
-use super::convex_term::{ConvexTerm, NoTerm, Update};
+use super::convex_term::{ConvexTerm, Update};
+use super::per_cloth::{self, ClothSolve};
 use super::pins::Pins;
 use super::{IntegratorStatistics, Preconditioner, StepInput};
 use crate::dispatch::Dispatch;
@@ -126,15 +127,16 @@ const MOST_EVALUATIONS: u32 = 12;
 /// be less than the velocity: without this the cloth would hover.
 const ROUGHLY: Sum = 0.1;
 
-/// Squared residual after all vertices moved together that is taken for rounding, relative to the one before.
+/// Squared residual after the vertices of a cloth moved together that is taken for rounding, relative to the one before.
 const STILL: Sum = 1e-6;
 
 /// The same as [`ROUGHLY`] without patches, whose motions [complete](Iterate::complete) the solution.
 const WITHOUT_PATCHES: Sum = 1e-3;
 
 /// Momentum that a solve with contacts may leave of a cloth, relative to the impulse of its contacts: what is left in each
-/// step adds up, and a sheet that should slide would stick.
-const UNBALANCED: Sum = 0.01;
+/// step adds up, and a sheet that should slide would stick. Pins hold a cloth back anyway.
+const UNBALANCED: Sum = 0.001;
+const UNBALANCED_PINNED: Sum = 0.01;
 
 /// Square of the velocity that it may leave of a cloth in any case, relative to the square of the goal's velocity.
 const SLOWLY: Sum = 1e-3;
@@ -143,6 +145,7 @@ const SLOWLY: Sum = 1e-3;
 struct Iterate<'a, 'b> {
     system: System<'a>,
     preconditioner: FactoredPreconditioner<'a, 'b>,
+    cloths: &'a mut [ClothSolve],
     /// y.
     solution: &'a mut [Vec3],
     /// `A (y0 - y)`: the residual without contacts.
@@ -162,17 +165,17 @@ struct Iterate<'a, 'b> {
 pub(crate) enum Goal {
     /// At the preconditioned residual of the start times this.
     Reduce(Sum),
-    /// At this square of the preconditioned residual, and at a [rough](ROUGHLY) relative residual.
+    /// At this square of a velocity, m^2/s^2, and at a [rough](ROUGHLY) relative residual. The kinetic energy of the error
+    /// of the velocities is at most half of the preconditioned residual.
     Within(Sum),
-    /// At this square of the preconditioned residual, by the preconditioner of the solve before. It goes on with that
-    /// solve.
+    /// At the squared residual of the solve before times this, by its preconditioner. It goes on with that solve.
     Reach(Sum),
     /// After so many iterations, by the preconditioner of the solve before.
     Iterations(u32),
 }
 
 /// Writes y to `s.solution`; NaN if the residual is not finite. `A y0` is in `s.residual`; a solve with contacts leaves
-/// `A (y0 - y)` there. Returns the square of the preconditioned residual at which the solve stops.
+/// `A (y0 - y)` there.
 #[inline(never)]
 pub(crate) fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,
@@ -180,37 +183,33 @@ pub(crate) fn solve<D: Dispatch>(
     goal: Goal,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
-) -> Sum {
+) {
     c.dispatch.enter(Stage::Solve);
     let mut i = Iterate::new(c, s);
     if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
         i.factorise(term, c.dispatch);
+        per_cloth::start(i.cloths, c.masses, c.pins);
     }
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
-    let [_, free] = i.precondition(c.dispatch);
-    // Without patches a solve leaves little.
-    let leaves_much = matches!(goal, Goal::Within(_)) && i.preconditioner.coarse.is_some();
-    let is_translated = leaves_much && term.is_zero() && c.pins.vertices.is_empty();
-    let mut rho = match (is_translated, term.is_zero()) {
-        (true, _) => i.translate(statistics, c.dispatch),
-        (false, true) => free,
-        (false, false) => i.gradient(term, c.dispatch),
-    };
-    let target = match goal {
-        Goal::Reduce(tolerance) => free.max(rho) * tolerance * tolerance,
-        Goal::Within(target) => {
-            let least = if i.preconditioner.coarse.is_some() { ROUGHLY } else { WITHOUT_PATCHES };
-            let reference = if is_translated { rho.max(STILL * free) } else { free.max(rho) };
-            target.min(reference * least * least)
-        }
-        Goal::Reach(target) => target,
-        Goal::Iterations(_) => 0.0,
-    };
+    let [_, mut rho] = i.precondition(c.dispatch);
+    if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
+        i.set_references();
+    }
+    let has_patches = i.preconditioner.coarse.is_some();
+    if !term.is_zero() {
+        rho = i.gradient(term, c.dispatch);
+    } else if matches!(goal, Goal::Within(_)) && has_patches && i.aim(term) {
+        // Without patches a solve leaves little.
+        rho = i.translate(term, statistics, c.dispatch);
+        // The fall is solved: what is left is small beside it.
+        i.cloths.iter_mut().filter(|cloth| cloth.is_free).for_each(|cloth| cloth.target *= STILL);
+    }
+    i.set_targets(goal);
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
-    let (mut updates, mut last_updates) = (0, 0);
+    let (mut updates, mut last_updates, mut is_translated) = (0, 0, false);
     // A solve that only pauses at its goal is completed by one that balances it.
-    let balances = matches!(goal, Goal::Within(_) | Goal::Reach(_));
+    let balances = matches!(goal, Goal::Within(_) | Goal::Reach(_)) && has_patches;
     let most = match goal {
         Goal::Iterations(most) => most,
         Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) if term.is_zero() => MOST_ITERATIONS,
@@ -218,22 +217,30 @@ pub(crate) fn solve<D: Dispatch>(
     };
     i.restart(rho);
     loop {
-        if rho <= target && term.is_zero() {
+        let is_small = i.is_within(rho, 1.0);
+        if is_small && term.is_zero() {
             statistics.negative_curvature += u64::from(rho < 0.0);
             if matches!(goal, Goal::Within(_)) {
                 i.complete(c.dispatch);
             }
             break;
         }
-        if rho <= target && (!balances || i.is_balanced(target)) {
+        let is_balanced = is_small && (!balances || i.is_balanced());
+        if is_small && !is_balanced && !is_translated && i.aim(term) {
+            (is_translated, iterations) = (true, iterations + 1);
+            statistics.cg_iterations += 1;
+            rho = i.translate(term, statistics, c.dispatch);
+            i.restart(rho);
+            continue;
+        }
+        if is_balanced {
             term.update(Update { is_early: false, has_converged: true });
             if last_updates == 0 {
                 i.factorise(term, c.dispatch);
             }
             rho = i.gradient(term, c.dispatch);
             last_updates += 1;
-            let left = if last_updates > 1 { LEFT * target } else { target };
-            let is_done = rho <= left && (!balances || i.is_balanced(target));
+            let is_done = i.is_within(rho, if last_updates > 1 { LEFT } else { 1.0 }) && (!balances || i.is_balanced());
             if is_done || last_updates == MOST_LAST_UPDATES {
                 statistics.unconverged += u64::from(!is_done);
                 break;
@@ -246,7 +253,7 @@ pub(crate) fn solve<D: Dispatch>(
             statistics.unconverged += u64::from(rho.is_finite() && !asked);
             break;
         }
-        (iterations, since_update) = (iterations + 1, since_update + 1);
+        (iterations, since_update, is_translated) = (iterations + 1, since_update + 1, false);
         statistics.cg_iterations += 1;
         statistics.matrix_products += 1;
         let Some(length) = i.search(term, c.dispatch) else {
@@ -274,7 +281,6 @@ pub(crate) fn solve<D: Dispatch>(
         // A solve that fails writes NaN, so that the check after the step rejects it.
         i.solution.fill(Vec3::NAN);
     }
-    target
 }
 
 impl<'a, 'b> Iterate<'a, 'b> {
@@ -286,6 +292,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
         Self {
             system: System { matrix: &s.matrix, masses: c.masses, pins: c.pins },
             preconditioner: FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, coarse },
+            cloths: s.cloths,
             solution: s.solution,
             elastic: s.residual,
             residual: s.gradient,
@@ -309,43 +316,106 @@ impl<'a, 'b> Iterate<'a, 'b> {
         }
     }
 
+    /// The product of the residual with the preconditioned residual over a cloth.
+    fn norm(&self, index: usize) -> Sum {
+        let cloth = per_cloth::range(self.cloths, index);
+        per_cloth::product(&self.residual[cloth.clone()], &self.preconditioned[cloth])
+    }
+
+    /// Notes the residual without contacts as the reference for where a solve stops.
+    fn set_references(&mut self) {
+        for index in 0..self.cloths.len() {
+            self.cloths[index].target = self.norm(index);
+        }
+    }
+
+    /// Writes where the solve stops.
+    #[cfg_attr(small, optimize(size))]
+    #[inline(never)]
+    fn set_targets(&mut self, goal: Goal) {
+        if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
+            for index in 0..self.cloths.len() {
+                self.cloths[index].target = self.cloths[index].target.max(self.norm(index));
+            }
+            per_cloth::raise_quiet(self.cloths);
+        }
+        let least = if self.preconditioner.coarse.is_some() { ROUGHLY } else { WITHOUT_PATCHES };
+        for cloth in &mut *self.cloths {
+            cloth.target = match goal {
+                Goal::Reduce(tolerance) => cloth.target * tolerance * tolerance,
+                Goal::Within(square) => (cloth.mass * square).min(cloth.target * least * least),
+                Goal::Reach(part) => cloth.target * part,
+                Goal::Iterations(_) => 0.0,
+            };
+        }
+    }
+
+    /// Whether the preconditioned residual of every cloth is below a multiple of its target; `rho` is that of all.
+    fn is_within(&self, rho: Sum, factor: Sum) -> bool {
+        let target: Sum = self.cloths.iter().map(|cloth| cloth.target).sum();
+        let all = 0..self.cloths.len();
+        rho <= factor * target
+            && (all.len() == 1 || all.into_iter().all(|k| self.norm(k) <= factor * self.cloths[k].target))
+    }
+
     /// Whether the residual leaves little momentum of every cloth.
     #[cfg_attr(small, optimize(size))]
     #[inline(never)]
-    fn is_balanced(&self, target: Sum) -> bool {
-        let Some((patches, _)) = &self.preconditioner.coarse else { return true };
-        let mut start = 0;
-        patches.cloth_ends.iter().all(|&end| {
-            let cloth = core::mem::replace(&mut start, end as usize)..end as usize;
-            let sum = |column: &[Vec3]| column[cloth.clone()].iter().map(|&r| DVec3::from(to_f64(r))).sum::<DVec3>();
-            let (left, elastic) = (sum(self.residual), sum(self.elastic));
-            let mass: Sum = self.system.masses[cloth.clone()].iter().map(|&m| Sum::from(m)).sum();
-            let impulse = (left - elastic).length_squared();
-            left.length_squared() <= UNBALANCED * UNBALANCED * impulse + SLOWLY * target * mass
-        })
+    fn is_balanced(&self) -> bool {
+        (0..self.cloths.len()).all(|index| self.leaves_little(index))
+    }
+
+    fn leaves_little(&self, index: usize) -> bool {
+        let (cloth, range) = (&self.cloths[index], per_cloth::range(self.cloths, index));
+        let [left, elastic] = [&*self.residual, &*self.elastic].map(|column| per_cloth::sum(&column[range.clone()]));
+        let impulse = (left - elastic).length_squared();
+        let part = if cloth.is_free { UNBALANCED } else { UNBALANCED_PINNED };
+        left.length_squared() <= part * part * impulse + SLOWLY * cloth.target * cloth.mass
+    }
+
+    /// Makes the direction that in which free cloths move as a whole to take up the momentum that they leave: a
+    /// preconditioner moves each vertex by its own stiffness, and would wrinkle cloth in a long fall. Returns whether any
+    /// moves.
+    #[cfg_attr(small, optimize(size))]
+    #[inline(never)]
+    fn aim(&mut self, term: &dyn ConvexTerm) -> bool {
+        let moves = |i: &Self, index: usize| i.cloths[index].is_free && (term.is_zero() || !i.leaves_little(index));
+        if !(0..self.cloths.len()).any(|index| moves(self, index)) {
+            return false;
+        }
+        per_cloth::write_blocks(self.cloths, term);
+        self.slope = 0.0;
+        for index in 0..self.cloths.len() {
+            let range = per_cloth::range(self.cloths, index);
+            let left = per_cloth::sum(&self.residual[range.clone()]);
+            let motion =
+                if moves(self, index) { self.cloths[index].block.inverse() * vec3(left.into()) } else { Vec3::ZERO };
+            self.direction[range].fill(motion);
+            self.slope += left.dot(DVec3::from(to_f64(motion)));
+        }
+        true
+    }
+
+    /// Moves along the direction. Returns the squared norm of the new residual.
+    #[cfg_attr(small, optimize(size))]
+    #[inline(never)]
+    fn translate(
+        &mut self,
+        term: &mut dyn ConvexTerm,
+        statistics: &mut IntegratorStatistics,
+        dispatch: &impl Dispatch,
+    ) -> Sum {
+        statistics.matrix_products += 1;
+        if let Some(length) = self.search(term, dispatch) {
+            self.advance(term, length, dispatch);
+        }
+        self.gradient(term, dispatch)
     }
 
     /// Writes the residual from its elastic part and the impulses, and preconditions it. Returns its squared norm.
     fn gradient(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) -> Sum {
         self.residual.copy_from_slice(self.elastic);
         self.add_impulses(term);
-        let [_, rho] = self.precondition(dispatch);
-        rho
-    }
-
-    /// Moves all vertices together, as gravity moves a free cloth: a preconditioner moves each by its own stiffness, and
-    /// would wrinkle cloth in a long fall. Preconditions the new residual and returns its squared norm.
-    #[cfg_attr(small, optimize(size))]
-    #[inline(never)]
-    fn translate(&mut self, statistics: &mut IntegratorStatistics, dispatch: &impl Dispatch) -> Sum {
-        let impulse: DVec3 = self.residual.iter().map(|&r| DVec3::from(to_f64(r))).sum();
-        let mass: Sum = self.system.masses.iter().map(|&m| Sum::from(m)).sum();
-        self.direction.fill(vec3((impulse / mass).into()));
-        self.slope = impulse.length_squared() / mass;
-        statistics.matrix_products += 1;
-        if let Some(length) = self.search(&mut NoTerm, dispatch) {
-            self.advance(&mut NoTerm, length, dispatch);
-        }
         let [_, rho] = self.precondition(dispatch);
         rho
     }

@@ -1,19 +1,19 @@
 //! Estimate of the error of an implicit step: how far its candidate positions are from the exact motion from the same
-//! state, in the root mean square over the vertices.
+//! state, in the root mean square over the vertices of the cloth where it is largest.
 //!
 //! It has two parts. The truncation error is the first term that the method neglects [Hairer 1993, III.2, III.5], from
 //! differences of the velocities. The defect is the residual of the nonlinear equations of the step, with the impulses
 //! of contacts, through a few iterations of conjugate gradients. It is about the displacement by one more iteration of
 //! Newton's method, so it contains the errors of the linearisation, of the solver and of the response.
 
-use super::columns::{dot, sum_parts};
 use super::conjugate_gradient::{self, Goal};
 use super::convex_term::NoTerm;
 use super::newton;
+use super::per_cloth::largest_root_mean_square;
 use super::{IntegratorStatistics, Method, StepInput, bdf2};
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
-use crate::real::{Real, Sum, Vec3, sqrt};
+use crate::real::{Real, Vec3};
 use crate::scratch::Scratch;
 
 /// Iterations of conjugate gradients. The preconditioner alone underestimates the waves between the size of an element
@@ -33,7 +33,6 @@ pub fn estimate<D: Dispatch>(
     if !c.scheme.method.is_implicit() {
         return None;
     }
-    let count = particles.positions.len();
     let truncation = truncation(c, corrected, s);
     // Newton's method has made its own defect small, perhaps without a solve whose preconditioner could measure it.
     if c.scheme.newton > 1 {
@@ -43,8 +42,7 @@ pub fn estimate<D: Dispatch>(
     add_impulses(s.residual);
     c.pins.filter(s.residual);
     conjugate_gradient::solve(c, &mut NoTerm, Goal::Iterations(ITERATIONS), s, statistics);
-    let [sum, _] = sum_parts(s.solution, s.partials, c.dispatch, |_, part| [dot(part, part), 0.0]);
-    Some(truncation + to_position * root_mean_square(sum, count))
+    Some(truncation + to_position * largest_root_mean_square(s.cloths, s.solution))
 }
 
 /// The truncation error, m.
@@ -53,16 +51,15 @@ fn truncation<D: Dispatch>(c: &StepInput<'_, D>, corrected: bool, s: &mut Scratc
     let last = s.last_step.filter(|_| !corrected);
     let [now, before] = coefficients(c.scheme.method, c.step, last);
     let (dv, dvp) = (&*s.velocity_changes, &*s.previous_velocity_changes);
-    let [sum, _] = sum_parts(s.products, s.partials, c.dispatch, |range, error| {
-        for (i, error) in range.zip(error.iter_mut()) {
+    c.dispatch.run(&mut *s.products, |start, part| {
+        for (i, error) in (start..).zip(part) {
             *error = dv[i] * now;
             if before != 0.0 {
                 *error += dvp[i] * before;
             }
         }
-        [dot(error, error), 0.0]
     });
-    root_mean_square(sum, s.velocity_changes.len())
+    largest_root_mean_square(s.cloths, s.products)
 }
 
 /// Factors, s, whose products with the change of the velocities in this step and in the last one add up to the
@@ -115,8 +112,4 @@ fn write_residual<D: Dispatch>(
         None => newton::residual(c, length, |i| dv[i], s.forces, s.residual),
     }
     if is_middle { c.step } else { length }
-}
-
-fn root_mean_square(sum: Sum, count: usize) -> Real {
-    sqrt(sum as Real / count as Real)
 }

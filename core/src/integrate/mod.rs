@@ -17,6 +17,7 @@ pub mod midpoint;
 pub mod newton;
 #[cfg(feature = "alloc")]
 pub mod patches;
+pub mod per_cloth;
 pub mod pin_forces;
 pub mod pins;
 pub mod rk4;
@@ -258,11 +259,7 @@ impl<D: Dispatch> StepInput<'_, D> {
     pub(crate) fn goal(&self, residual: Sum) -> Goal {
         match self.scheme.tolerance {
             Tolerance::Residual(_) => Goal::Reduce(residual),
-            // The kinetic energy of the error of the velocities is at most half of its energy in the system.
-            Tolerance::Velocity(velocity) => {
-                let mass: Sum = self.masses.iter().map(|&mass| Sum::from(mass)).sum();
-                Goal::Within(mass * Sum::from(velocity) * Sum::from(velocity))
-            }
+            Tolerance::Velocity(velocity) => Goal::Within(Sum::from(velocity) * Sum::from(velocity)),
         }
     }
 

@@ -29,7 +29,6 @@ const SMALL_PATCH: usize = 64;
 /// The owned columns of [`Patches`].
 #[derive(Clone, Debug, Default)]
 pub struct PatchColumns {
-    cloth_ends: Vec<u32>,
     labels: Vec<u32>,
     coordinates: Vec<[Real; 2]>,
     held: Vec<u8>,
@@ -43,8 +42,7 @@ impl PatchColumns {
     pub fn build(material: &[DVec3], cloths: &[Range<u32>], pattern: &SparsityPattern, pins: &Pins<'_>) -> Self {
         let count = material.len();
         let size = PATCH.max(count.div_ceil(MOST_PATCHES));
-        let cloth_ends = cloths.iter().map(|cloth| cloth.end).collect();
-        let mut built = Self { cloth_ends, held: vec![0; count], ..Self::default() };
+        let mut built = Self { held: vec![0; count], ..Self::default() };
         built.offsets.push(0);
         built.set_pins(pins);
         let whole = cloths.iter().map(|cloth| cloth.clone().collect()).collect();
@@ -98,7 +96,6 @@ impl PatchColumns {
     /// The borrowed view.
     pub fn view(&self) -> Patches<'_> {
         Patches {
-            cloth_ends: &self.cloth_ends,
             labels: &self.labels,
             coordinates: &self.coordinates,
             held: &self.held,
