@@ -35,6 +35,17 @@ pub fn round_length(metres: f64) -> String {
     fitting.map_or_else(|| format!("{metres:.0e} m"), |(unit, scale)| format!("{:.0} {unit}", metres / scale))
 }
 
+/// A value on an axis that spans `span`, with as many digits as tell ticks apart: axes have less than 50 of them.
+pub fn tick(value: f64, span: f64) -> String {
+    let digits = (3.0 - span.log10().floor()).clamp(0.0, 15.0) as usize;
+    let value: f64 = format!("{value:.digits$}").parse().unwrap_or(value);
+    match value.abs() {
+        0.0 => "0".into(),
+        1e-2..1e6 => value.to_string(),
+        _ => format!("{value:e}"),
+    }
+}
+
 /// Limit on additional digits: no measured length has more.
 const MOST_DIGITS: usize = 8;
 
@@ -122,6 +133,24 @@ mod tests {
             assert_eq!(round_length(metres), expected);
         }
         assert_eq!(round_length(1e-18), "1e-18 m");
+    }
+
+    #[test]
+    fn ticks_have_the_digits_that_tell_them_apart() {
+        let shown = |from: f64, step: f64| [0, 1, 2].map(|k| tick(from + f64::from(k) * step, 5.0 * step));
+        for (from, step, expected) in [
+            (0.0, 0.1, ["0", "0.1", "0.2"]),
+            (-0.3, 0.3, ["-0.3", "0", "0.3"]),
+            (0.0, 250.0, ["0", "250", "500"]),
+            (9.81, 1e-4, ["9.81", "9.8101", "9.8102"]),
+            (-123_456.0, 0.5, ["-123456", "-123455.5", "-123455"]),
+            (3e-9, 1e-9, ["3e-9", "4e-9", "5e-9"]),
+            (2e7, 2.5e6, ["2e7", "2.25e7", "2.5e7"]),
+        ] {
+            assert_eq!(shown(from, step), expected);
+        }
+        // Values that are all alike have no span.
+        assert_eq!(tick(0.5, 0.0), "0.5");
     }
 
     #[test]

@@ -1,16 +1,18 @@
 //! The picture of a series: energies, works, and the forces of pins and colliders, over time.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::LinePlot;
 use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
+use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
 use crate::failure::Failure;
 use crate::limits;
+use crate::units::tick;
 
 /// Size of one panel, px.
 const PANEL: [f64; 2] = [820.0, 320.0];
@@ -131,6 +133,9 @@ fn panel(label: &str, curves: &[Curve]) -> (Layout, Vec<Plot>) {
     };
     let plots: Vec<_> = curves.iter().map(plot).collect();
     let layout = Layout::auto_from_plots(&plots).with_x_label("simulated time, s").with_y_label(label);
+    let ticks = |(low, high): (f64, f64)| TickFormat::Custom(Arc::new(move |value| tick(value, high - low)));
+    let (across, up) = (ticks(layout.x_range), ticks(layout.y_range));
+    let layout = layout.with_x_tick_format(across).with_y_tick_format(up);
     (layout.with_legend_position(LegendPosition::OutsideRightTop), plots)
 }
 
@@ -150,6 +155,18 @@ mod tests {
         }
         assert_eq!(Table::parse(&text).forces()[0].points, [(0.1, 5.0), (0.2, 5.0)]);
         assert_eq!(picture(&format!("{header}\n"), "ball"), None);
+    }
+
+    /// A resumed run of short frames begins late, and its energies differ by little.
+    #[test]
+    fn ticks_differ_where_values_are_close() {
+        let row = |k: u32| format!("{k},{},{}", 9.81 + 1e-4 * f64::from(k), -(1.0 + 1e-5 * f64::from(k)));
+        let text = format!("frame,time_s,kinetic_J\n{}\n", [0, 1, 2, 3, 4].map(row).join("\n"));
+        let svg = picture(&text, "ball").unwrap();
+        let labels: Vec<_> = svg.split("</text>").filter_map(|text| text.rsplit('>').next()).collect();
+        let numbers: Vec<_> = labels.into_iter().filter(|label| label.parse::<f64>().is_ok()).collect();
+        let distinct: std::collections::BTreeSet<_> = numbers.iter().collect();
+        assert!(numbers.len() > 8 && distinct.len() == numbers.len(), "{numbers:?}");
     }
 
     /// No panel shows a colour twice, unless it has more than eight forces.

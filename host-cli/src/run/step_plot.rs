@@ -9,6 +9,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
 use super::course::Course;
+use crate::units;
 
 /// Size of one panel, px.
 const PANEL: [f64; 2] = [720.0, 250.0];
@@ -90,6 +91,7 @@ impl StepPlot {
     pub fn draw(&self, scene: &str) -> Option<String> {
         let (first, last) = (self.rows.first()?, self.rows.last()?);
         let times = (first.time - first.substep, last.time);
+        let at = TickFormat::Custom(Arc::new(move |time| units::tick(time, times.1 - times.0)));
         let least = LEAST * self.most;
         let curve = |value: fn(&Row) -> f64, least: f64| {
             let point = |time: f64, row: &Row| (time, 1e3 * value(row).max(least));
@@ -105,6 +107,7 @@ impl StepPlot {
         let panel = |label: &str, values: &mut dyn Iterator<Item = f64>| {
             let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
             let layout = Layout::new(times, (1e3 * low / 1.5, 1e3 * high * 1.5)).with_log_y();
+            let layout = layout.with_x_tick_format(at.clone());
             layout.with_y_tick_format(TickFormat::Custom(Arc::new(tick))).with_y_label(label)
         };
         let lengths = self.rows.iter().map(|row| row.substep).chain([self.shortest]);
