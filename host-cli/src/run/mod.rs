@@ -274,7 +274,7 @@ impl<'a> Files<'a> {
         if let Some(series) = series {
             let path = series.finish()?;
             if arguments.preview != PreviewKind::None {
-                let plot = series_plot::draw(&path, &scene.desc.name)?;
+                let plot = series_plot::draw(&path, &scene.desc)?;
                 written.extend(plot.map(|plot| write_plot(SERIES_PLOT, &plot, &folder)).transpose()?);
             }
             written.push(path);

@@ -9,6 +9,7 @@ use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
+use muslin_core::scene::SceneDesc;
 
 use crate::failure::Failure;
 use crate::limits;
@@ -24,19 +25,21 @@ const COLORS: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
 
 /// The columns of a series, by name.
 struct Table<'a> {
+    /// What `gravity_J` and `work_gravity_J` consist of in this scene.
+    potential: &'static str,
     names: Vec<&'a str>,
     rows: Vec<Vec<f64>>,
 }
 
 impl<'a> Table<'a> {
     /// Parses a series. Empty cells are not a number.
-    fn parse(text: &'a str) -> Self {
+    fn parse(text: &'a str, potential: &'static str) -> Self {
         let mut lines = text.lines();
         let names = lines.next().unwrap_or_default().split(',').collect();
         let rows: Vec<_> = lines.collect();
         let every = rows.len().div_ceil(MOST).max(1);
         let values = |row: &&str| row.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
-        Self { names, rows: rows.iter().step_by(every).map(values).collect() }
+        Self { potential, names, rows: rows.iter().step_by(every).map(values).collect() }
     }
 
     /// The curve of a value of each row over time, where it is finite.
@@ -64,7 +67,10 @@ impl<'a> Table<'a> {
         let curve = |(place, (column, name)): (usize, (usize, &&str))| {
             let first = if *name == "gravity_J" { self.rows.first().map_or(0.0, |row| row[column]) } else { 0.0 };
             let points = self.curve(|row| row[column] - first);
-            let name = name.trim_end_matches("_J").trim_start_matches("work_").replace('_', " ");
+            let name = match name.trim_end_matches("_J").trim_start_matches("work_") {
+                "gravity" => self.potential.to_owned(),
+                name => name.replace('_', " "),
+            };
             Curve { place, name, is_dashed: false, points }
         };
         columns.enumerate().map(curve).filter(|curve| curve.points.iter().any(|point| point.1 != 0.0)).collect()
@@ -102,14 +108,24 @@ struct Curve {
 }
 
 /// Draws a series as SVG; `None` without two frames.
-pub fn draw(path: &Path, scene: &str) -> Result<Option<String>, Failure> {
+pub fn draw(path: &Path, scene: &SceneDesc) -> Result<Option<String>, Failure> {
     let failed = |error| Failure::Tool(format!("cannot draw {}: {error}", path.display()));
     let text = limits::read(path, limits::DATA).map_err(failed)?;
-    Ok(picture(&String::from_utf8_lossy(&text), scene))
+    Ok(picture(&String::from_utf8_lossy(&text), &scene.name, potential(scene)))
 }
 
-fn picture(text: &str, scene: &str) -> Option<String> {
-    let table = Table::parse(text);
+/// The name of the potential energy of a scene.
+fn potential(scene: &SceneDesc) -> &'static str {
+    let has_loads = scene.cloth.iter().any(|cloth| !cloth.load.is_empty());
+    match (scene.largest_gravity() > 0.0, has_loads) {
+        (true, true) => "gravity and loads",
+        (false, true) => "loads",
+        _ => "gravity",
+    }
+}
+
+fn picture(text: &str, scene: &str, potential: &'static str) -> Option<String> {
+    let table = Table::parse(text, potential);
     let panels =
         [("energy, J", table.energies()), ("work, J", table.works()), ("force on the cloth, N", table.forces())];
     let panels = panels.into_iter().filter(|(_, curves)| curves.iter().any(|curve| curve.points.len() > 1));
@@ -148,13 +164,30 @@ mod tests {
         let header = "frame,time_s,kinetic_J,bend_J,gravity_J,pin_0_0_force_x_N,pin_0_0_force_y_N,pin_0_0_force_z_N";
         let text =
             format!("{header}\n0,0.0,0.0,0.0,5.0,,,\n1,0.1,1.0,0.0,4.0,3.0,4.0,0.0\n2,0.2,2.0,0.0,3.0,3.0,4.0,0.0\n");
-        let svg = picture(&text, "ball").unwrap();
+        let svg = picture(&text, "ball", "gravity").unwrap();
         assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{svg}");
         for (name, drawn) in [(">kinetic<", true), (">bend<", false), (">gravity<", true), (">pin 0 0<", true)] {
             assert_eq!(svg.contains(name), drawn, "{name} in {svg}");
         }
-        assert_eq!(Table::parse(&text).forces()[0].points, [(0.1, 5.0), (0.2, 5.0)]);
-        assert_eq!(picture(&format!("{header}\n"), "ball"), None);
+        assert_eq!(Table::parse(&text, "gravity").forces()[0].points, [(0.1, 5.0), (0.2, 5.0)]);
+        assert_eq!(picture(&format!("{header}\n"), "ball", "gravity"), None);
+    }
+
+    /// Loads have no column of their own.
+    #[test]
+    fn the_legend_names_what_the_scene_has() {
+        let flag = || -> SceneDesc { crate::scene_file::load("flag", &[]).unwrap().desc };
+        let load = "select = { edge = \"front\" }\nforce = [0, -1, 0]";
+        for (has_gravity, has_loads, name) in
+            [(true, false, "gravity"), (false, true, "loads"), (true, true, "gravity and loads")]
+        {
+            let mut scene = flag();
+            scene.gravity = scene.gravity.filter(|_| has_gravity);
+            scene.cloth[0].load.extend(has_loads.then(|| toml::from_str(load).unwrap()));
+            let text = "frame,time_s,gravity_J,work_gravity_J\n0,0,5,0\n1,0.1,4,1\n";
+            let svg = picture(text, "flag", potential(&scene)).unwrap();
+            assert_eq!(svg.matches(&format!(">{name}<")).count(), 2, "{svg}");
+        }
     }
 
     /// A resumed run of short frames begins late, and its energies differ by little.
@@ -162,7 +195,7 @@ mod tests {
     fn ticks_differ_where_values_are_close() {
         let row = |k: u32| format!("{k},{},{}", 9.81 + 1e-4 * f64::from(k), -(1.0 + 1e-5 * f64::from(k)));
         let text = format!("frame,time_s,kinetic_J\n{}\n", [0, 1, 2, 3, 4].map(row).join("\n"));
-        let svg = picture(&text, "ball").unwrap();
+        let svg = picture(&text, "ball", "gravity").unwrap();
         let labels: Vec<_> = svg.split("</text>").filter_map(|text| text.rsplit('>').next()).collect();
         let numbers: Vec<_> = labels.into_iter().filter(|label| label.parse::<f64>().is_ok()).collect();
         let distinct: std::collections::BTreeSet<_> = numbers.iter().collect();
@@ -179,7 +212,7 @@ mod tests {
         let header = format!("frame,time_s,{energies},{works},{forces}");
         let row = |value: &str| vec![value; header.split(',').count()].join(",");
         let text = format!("{header}\n{}\n{}\n", row("1"), row("2"));
-        let table = Table::parse(&text);
+        let table = Table::parse(&text, "gravity");
         for (curves, count) in [(table.energies(), 6), (table.works(), 8), (table.forces(), 4)] {
             let colors: std::collections::BTreeSet<_> = curves.iter().map(|c| COLORS[c.place % COLORS.len()]).collect();
             assert_eq!((curves.len(), colors.len()), (count, count));
@@ -190,7 +223,7 @@ mod tests {
     #[test]
     fn a_quantity_has_its_own_colour() {
         let places = |text: &str| {
-            let table = Table::parse(text);
+            let table = Table::parse(text, "gravity");
             let all = [table.energies(), table.works(), table.forces()].concat();
             all.into_iter().map(|curve| (curve.name, curve.place)).collect::<Vec<_>>()
         };
