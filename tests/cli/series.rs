@@ -46,7 +46,7 @@ fn a_row_for_each_frame_balances() {
         assert_eq!(series.column("frame"), [0.0, 1.0, 2.0, 3.0, 4.0]);
         for (frame, row) in series.rows.iter().enumerate() {
             assert_eq!(row.len(), series.names.len());
-            assert!(row.iter().filter(|x| x.is_nan()).count() == if frame == 0 { 12 } else { 0 }, "{row:?}");
+            assert!(row.iter().filter(|x| x.is_nan()).count() == if frame == 0 { 15 } else { 0 }, "{row:?}");
         }
         let last = |name: &str| *series.column(name).last().unwrap();
         for term in ["kinetic", "stretch", "gravity"] {
@@ -135,7 +135,31 @@ fn a_sheet_presses_on_its_floor() {
     let (weight, force) = (9.81 * summary["mass_kg"].as_f64().unwrap(), series.column("collider_0_force_y_N"));
     let last = force.last().unwrap() / weight;
     assert!((last - 1.0).abs() < 1e-3, "{last} of the weight");
+    assert!(!series.names.contains(&"colliders_force_x_N".into()), "one collider has no total: {:?}", series.names);
     assert!(*series.column("work_contacts_J").last().unwrap() < 0.0);
+}
+
+/// The sheet hangs from two groups of pins and falls on two spheres.
+#[test]
+fn totals_are_the_sums_of_their_parts() {
+    let place = Place::new();
+    let sphere = |x: f64| format!("[[collider]]\nshape = \"sphere\"\ncenter = [{x:?}, 0.93, 0.1]\nradius = 0.05\n");
+    place.write("scene.toml", format!("{}[contact]\nthickness = 0.004\n{}{}", scene(), sphere(-0.1), sphere(0.1)));
+    place.run("scene.toml --series all.csv");
+    let series = Series::read(&place, "out/all.csv");
+    for (all, parts) in [("pins", ["pin_0_0", "pin_0_1"]), ("colliders", ["collider_0", "collider_1"])] {
+        for axis in ["x", "y", "z"] {
+            let force = |of: &str| series.column(&format!("{of}_force_{axis}_N"));
+            let (total, [a, b]) = (force(all), parts.map(force));
+            assert!(total[0].is_nan(), "frame 0 has no forces");
+            for frame in 1..total.len() {
+                let off = (total[frame] - (a[frame] + b[frame])).abs();
+                assert!(off <= 1e-14 * (a[frame].abs() + b[frame].abs()), "{all}, {axis}, frame {frame}: {off} N off");
+            }
+            let carries = |force: &[f64]| force.iter().any(|force| *force > 0.0);
+            assert!(axis != "y" || (carries(&a) && carries(&b)), "{all}: {a:?} and {b:?}");
+        }
+    }
 }
 
 #[test]

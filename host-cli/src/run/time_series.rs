@@ -74,11 +74,15 @@ fn header(engine: &dyn Engine) -> String {
     let colliders = engine.impulses().len() - groups.len();
     let pins = groups.iter().map(|group| format!("pin_{}_{}", group.cloth, group.number));
     let mut header = COLUMNS.to_owned();
+    let mut add = |of: &str, quantity: &str, unit: &str| {
+        ["x", "y", "z"].iter().for_each(|axis| header.extend([",", of, "_", quantity, "_", axis, "_", unit]));
+    };
     for of in pins.chain((0..colliders).map(|number| format!("collider_{number}"))) {
-        for (quantity, unit) in [("force", "N"), ("moment", "N_m")] {
-            ["x", "y", "z"].iter().for_each(|axis| header.extend([",", &of, "_", quantity, "_", axis, "_", unit]));
-        }
+        add(&of, "force", "N");
+        add(&of, "moment", "N_m");
     }
+    let all = [("pins", groups.len()), ("colliders", colliders)];
+    all.iter().filter(|(_, count)| *count > 1).for_each(|(of, _)| add(of, "force", "N"));
     header
 }
 
@@ -99,8 +103,12 @@ fn row(course: &Course) -> String {
     report.momentum.iter().chain(&engine.angular_momentum()).for_each(|&value| add(value));
     add(report.stretch[0]);
     let impulses = engine.impulses();
+    let (pins, colliders) = impulses.split_at(engine.pin_groups().len());
+    let several = [pins, colliders].into_iter().filter(|parts| parts.len() > 1);
+    let sums = |parts: &[[f64; 6]]| [0, 1, 2].map(|axis| parts.iter().map(|part| part[axis]).sum::<f64>());
+    let totals: Vec<_> = several.flat_map(sums).collect();
     if frame == 0 {
-        row.extend(impulses.as_flattened().iter().map(|_| ','));
+        row.extend(impulses.as_flattened().iter().chain(&totals).map(|_| ','));
         return row;
     }
     let period = timing.steps_per_frame as f64 * timing.step;
@@ -112,6 +120,7 @@ fn row(course: &Course) -> String {
         let moment = DVec3::from(angular) - point.cross(linear);
         linear.to_array().iter().chain(&moment.to_array()).for_each(|&value| add(value / period));
     }
+    totals.iter().for_each(|&value| add(value / period));
     row
 }
 
