@@ -38,6 +38,9 @@ pub struct Summary {
     pub fastest_m_per_s: Option<f64>,
     /// Wall time of the steps that this process took.
     pub wall_s: f64,
+    /// The speed below which the run ends, if the scene has one, m/s.
+    #[serde(skip)]
+    pub until_rest: Option<f64>,
     /// Steps before this process resumed the run.
     #[serde(skip)]
     pub begun: u64,
@@ -240,11 +243,14 @@ impl Summary {
                 1e3 * shortest_s
             );
         }
-        match (self.at_rest, self.fastest_m_per_s) {
-            (Some(false), Some(fastest)) => {
-                text += &format!("\nit did not come to rest: {fastest:.2e} m/s at most in the last frame");
+        match (self.at_rest, self.fastest_m_per_s, self.until_rest) {
+            (Some(false), Some(fastest), Some(asked)) => {
+                text += &format!(
+                    "\nit did not come to rest before the end: {fastest:.2e} m/s at most in the last frame, and \
+                     until_rest is {asked:?} m/s"
+                );
             }
-            (Some(true), _) => text += "\nit came to rest, and the run ended",
+            (Some(true), ..) => text += "\nit came to rest, and the run ended",
             _ => {}
         }
         text += &self.contact_lines();

@@ -95,6 +95,7 @@ impl Course {
             at_rest: self.is_at_rest(),
             fastest_m_per_s: self.timing.until_rest.map(|_| record.fastest),
             wall_s: wall.as_secs_f64(),
+            until_rest: self.timing.until_rest,
             begun: self.begun,
             verdict: "ok",
             doubt: None,
