@@ -46,6 +46,7 @@ both_precisions! {
     use muslin::forces::{Model, ModelColumns, Term};
     use muslin::forces::matrix::{Block, BlockMatrix, Mirrored, NOT_STORED, AssemblyMap};
     use glam::DVec3;
+    use muslin::integrate::per_cloth::ClothSolve;
     use muslin::integrate::pins::{AT_REST, Key, Motion, PinColumns, Pins};
     use muslin::integrate::{StepInput, Method, Scheme, IntegratorStatistics};
     use muslin::particles::{ParticleColumns, Particles, PositionsMut};

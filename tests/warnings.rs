@@ -66,7 +66,8 @@ fn triangles_that_bend_too_stiffly_are_warned_of() {
         let rigidity = single::simulation(&text, &[]).scene().largest_rigidity;
         println!("{grid}: {rigidity:.3}");
         assert!((rigidity / largest - 1.0).abs() < 0.05, "{grid}: {rigidity}, not {largest}");
-        let start = Start { mean_edge: 0.02, size: 1.0, mass: 0.2, rigidity, deviation: 0.0, is_single: false };
+        let start =
+            Start { mean_edge: 0.02, size: 1.0, smallest: 1.0, mass: 0.2, rigidity, deviation: 0.0, is_single: false };
         let warnings = warning::of_settings(&single::scene(&text), &start, || unreachable!());
         let is_warned = warnings.into_iter().flatten().any(|warning| warning.code == Code::Rigidity);
         assert_eq!(is_warned, warned, "{grid}: {warnings:?}");
@@ -93,16 +94,21 @@ fn motion_within_a_fixed_step_is_warned_of() {
         (turn, fixed(0.01), None, false),
         (turn, "error = 0.001".to_owned(), None, false),
         ("{ turn = { axis = [0, 1, 0], rate = 62.83185 } }", fixed(0.05), Some(radius), true),
-        // Beyond the chord by half of the way at the key.
-        ("{ keys = [[0.1, 0, 0, 0], [0.125, 0, 0.01, 0]] }", fixed(0.05), Some(0.005), false),
+        // Cloth that is thrown at 0.4 m/s flies on for 25 ms.
+        ("{ keys = [[0.1, 0, 0, 0], [0.125, 0, 0.01, 0]] }", fixed(0.05), Some(0.01), false),
+        // A kick of 0.5 m/s for 2 ms that ends 46 ms before the step: the table is back where it was.
+        ("{ keys = [[0.1, 0, 0, 0], [0.102, 0, 0.001, 0], [0.104, 0, 0, 0]] }", fixed(0.05), Some(0.025), true),
+        // It comes after the end.
+        ("{ keys = [[2.1, 0, 0, 0], [2.102, 0, 0.001, 0], [2.104, 0, 0, 0]] }", fixed(0.05), None, false),
         ("{ keys = [[0.1, 0, 0, 0], [0.15, 0, 0.01, 0]] }", fixed(0.05), None, false),
-        ("{ keys = [[0.1, 0, 0, 0], [0.12, 0, 0.03, 0], [0.15, 0, 0, 0]] }", fixed(0.05), Some(0.03), true),
+        ("{ keys = [[0.1, 0, 0, 0], [0.12, 0, 0.03, 0], [0.15, 0, 0, 0]] }", fixed(0.05), Some(0.075), true),
         ("{ keys = [[0.1, 0, 0, 0], [0.12, 0, 0.03, 0], [0.15, 0, 0, 0]] }", "method = \"rk4\"".into(), None, false),
     ] {
         let text = scene(motion, &integrator);
         let (desc, sim) = (single::scene(&text), single::simulation(&text, &[]));
-        let deviation = sim.scene().largest_deviation(desc.timing().step);
-        let start = Start { mean_edge: 0.1, size: 0.4, mass: 0.2, rigidity: 0.0, deviation, is_single: false };
+        let deviation = sim.scene().largest_deviation(desc.timing().step, desc.duration);
+        let start =
+            Start { mean_edge: 0.1, size: 0.4, smallest: 0.4, mass: 0.2, rigidity: 0.0, deviation, is_single: false };
         let modes = || [Mode { stiffness: 0.0, damping: 0.0 }; 2];
         let warnings = warning::of_settings(&desc, &start, modes);
         let found = warnings.into_iter().flatten().find(|warning| warning.code == Code::Motion);
@@ -124,7 +130,15 @@ fn a_large_error_for_small_cloth_is_warned_of() {
             "duration = 1.0\n[[cloth]]\ngrid = {{ size = [{size:?}, {size:?}], cells = [2, 2] }}\ndensity = 0.2\n\
              [integrator]\n{integrator}"
         );
-        let start = Start { mean_edge: 0.5 * size, size, mass: 0.2, rigidity: 0.0, deviation: 0.0, is_single: false };
+        let start = Start {
+            mean_edge: 0.5 * size,
+            size: 2.0,
+            smallest: size,
+            mass: 0.2,
+            rigidity: 0.0,
+            deviation: 0.0,
+            is_single: false,
+        };
         let warnings = warning::of_settings(&single::scene(&text), &start, || unreachable!());
         warnings.into_iter().flatten().find(|warning| warning.code == Code::Error).map(|found| found.beside)
     };
@@ -132,4 +146,38 @@ fn a_large_error_for_small_cloth_is_warned_of() {
     assert_eq!(warned(0.01, "error = 1e-4"), None);
     assert_eq!(warned(0.01, "error = 0"), None);
     assert_eq!(warned(0.2, ""), None);
+}
+
+/// A kick of a pin counts while the pin holds, along the axes that it holds.
+#[test]
+fn only_pins_that_hold_deviate() {
+    let deviation = |pin: &str| {
+        let text = format!(
+            "duration = 1.0\nframe_rate = 20\n[[cloth]]\ngrid = {{ size = [0.4, 0.2], cells = [4, 2] }}\ndensity = 0.2\n\
+             pin = [{{ select = {{ corners = [0] }}, {pin}motion = {{ keys = [[0.5, 0, 0, 0], [0.51, 0.01, 0, 0], \
+             [0.52, 0, 0, 0]] }} }}]"
+        );
+        single::simulation(&text, &[]).scene().largest_deviation(0.05, 1.0)
+    };
+    for (pin, expected) in [
+        // 1 m/s for the whole step.
+        ("", 0.05),
+        ("axes = \"x\", ", 0.05),
+        ("axes = \"yz\", ", 0.0),
+        ("until = 0.4, ", 0.0),
+        ("from = 0.6, ", 0.0),
+        ("from = 0.4, until = 0.7, ", 0.05),
+    ] {
+        let found = deviation(pin);
+        assert!((found - expected).abs() < 1e-6, "{pin:?}: {found}, not {expected}");
+    }
+}
+
+/// The size of the smallest cloth, which an error is compared with.
+#[test]
+fn the_smallest_cloth_counts() {
+    let text = "duration = 1.0\n[[cloth]]\ngrid = { size = [2.0, 1.0], cells = [4, 2] }\ndensity = 0.2\n\
+                [[cloth]]\ngrid = { size = [0.01, 0.02], cells = [2, 4] }\nposition = [5, 0, 0]\ndensity = 0.2\n";
+    let smallest = single::simulation(text, &[]).scene().smallest_size();
+    assert!((smallest - 0.02).abs() < 1e-6, "{smallest}");
 }

@@ -221,7 +221,7 @@ pub enum SceneError {
     MotionTurn { cloth: u32, pin: u32 },
     /// A pin ends before it begins, or its end is not finite.
     PinEnds { cloth: u32, pin: u32 },
-    /// Two pins of a cloth would move a vertex differently at the same time.
+    /// Two pins of a cloth have different motions for a vertex at the same time.
     PinsDisagree { cloth: u32, pins: [u32; 2], vertex: u32 },
     /// The static coefficient of friction is below the kinetic one.
     StaticBelowKinetic { at_rest: f64, kinetic: f64 },
@@ -331,8 +331,8 @@ impl fmt::Display for SceneError {
             }
             Self::PinsDisagree { cloth, pins: [a, b], vertex } => write!(
                 f,
-                "cloth {cloth}: pins {a} and {b} move vertex {vertex} differently at the same time; select it in one of \
-                 them, or give them times (from, until) that do not overlap"
+                "cloth {cloth}: pins {a} and {b} have different motions for vertex {vertex} at the same time; select it in \
+                 one of them, or give them times (from, until) that do not overlap"
             ),
             Self::StaticBelowKinetic { at_rest, kinetic } => {
                 write!(f, "friction: static = {} is below kinetic = {}", Number(at_rest), Number(kinetic))

@@ -37,12 +37,12 @@ impl Turn {
         self.rate * time.min(self.until)
     }
 
-    /// The largest distance, m, of a point `radius` from the axis, m, from its straight and even way between two times:
-    /// the height of the arc over its chord, and the lead of a rotation that stops between them.
+    /// How far a point moves, `radius` from the axis, m, from its straight and even way between two times: the height of
+    /// the arc over its chord. If the rotation stops between them, it would be farther by the rest of its way.
     fn deviation(&self, radius: Sum, [start, end]: [Sum; 2]) -> Sum {
         let angle = libm::fabs(self.angle(end) - self.angle(start));
-        let early = (end - self.until).clamp(0.0, end - start) / (end - start);
-        radius * (1.0 - libm::cos(0.5 * angle.min(TAU)) + angle * early)
+        let rest = if self.until > start { libm::fabs(self.rate) * (end - self.until).max(0.0) } else { 0.0 };
+        radius * (1.0 - libm::cos(0.5 * angle.min(TAU)) + rest)
     }
 }
 
@@ -56,12 +56,13 @@ impl Motion {
         (turned + offset, vec3((spin + slope).into()))
     }
 
-    /// How far a point moves, between two times, from the straight and even way that a step takes it, m. The point is
-    /// `radius` from the axis of the rotation, m.
+    /// How far a point moves, between two times, from the straight and even way that a step takes it, or from the way
+    /// that cloth goes on where it leaves the point, m. The point is `radius` from the axis of the rotation, m; axes count
+    /// that are 1 in the mask, not 0.
     #[cfg_attr(small, optimize(size), inline(never))]
-    pub fn deviation(&self, keys: &[Key], radius: Sum, times: [Sum; 2]) -> Sum {
+    pub fn deviation(&self, keys: &[Key], radius: Sum, mask: DVec3, times: [Sum; 2]) -> Sum {
         let of_turn = self.turn.map_or(0.0, |turn| turn.deviation(radius, times));
-        of_turn + keys::deviation(self.own(keys), times)
+        of_turn + keys::deviation(self.own(keys), mask, times)
     }
 
     /// The largest distance of points from the axis of the rotation, which the keys have moved by `offset`, m; 0 without
@@ -83,6 +84,16 @@ impl Motion {
     pub(crate) fn own<'a>(&self, keys: &'a [Key]) -> &'a [Key] {
         let [first, count] = self.keys;
         &keys[first as usize..(first + count) as usize]
+    }
+
+    /// Puts the axis of the rotation through the mean of points, m, if there are any.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub(crate) fn set_centre(&mut self, points: impl Iterator<Item = DVec3>) {
+        let Some(turn) = &mut self.turn else { return };
+        let (sum, count) = points.fold((DVec3::ZERO, 0.0), |(sum, count), point| (sum + point, count + 1.0));
+        if count > 0.0 {
+            turn.centre = sum / count;
+        }
     }
 
     /// The point that the motion brings to `place` at `time`.

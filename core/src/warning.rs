@@ -21,7 +21,7 @@ pub enum Code {
     /// How far pins or colliders are, within a fixed step, from the straight and even way that it takes them, m; the
     /// distance that needs no warning.
     Motion,
-    /// The largest error of error control, m; the one that needs no warning, for cloth of this size.
+    /// The largest error of error control, m; the one that needs no warning, for the smallest cloth.
     Error,
     /// Step x (step x stiffness + damping) over the mass of a vertex is so large that single precision loses masses;
     /// the largest ratio at which it loses little.
@@ -97,7 +97,7 @@ const MOST_RIGID: f64 = 1.6;
 /// and the one beyond which the result is doubtful: cloth does not feel it.
 const DEVIATION: [f64; 2] = [0.01, 0.05];
 
-/// Largest error of error control, relative to the size of the cloth. A pendulum of ten times the error loses
+/// Largest error of error control, relative to the size of the smallest cloth. A pendulum of ten times the error loses
 /// its swing.
 const MOST_ERROR: f64 = 0.01;
 
@@ -154,6 +154,8 @@ pub struct Start {
     pub mean_edge: f64,
     /// Largest side of the box around the cloth, m.
     pub size: f64,
+    /// The same of the smallest cloth, m.
+    pub smallest: f64,
     /// Total mass, kg.
     pub mass: f64,
     /// Largest rigidity of hinges over the one asked for; 0 without hinges.
@@ -178,7 +180,7 @@ pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mo
     let thickness = scene.contact.as_ref().map(|contact| contact.thickness);
     let [low, high] = THICKNESS.map(|ratio| ratio * start.mean_edge);
     let unsuited = thickness.filter(|&thickness| thickness > high || thickness < low);
-    let error = scene.integrator.error().filter(|&error| error > 1.001 * MOST_ERROR * start.size);
+    let error = scene.integrator.error().filter(|&error| error > 1.001 * MOST_ERROR * start.smallest);
     let of_step = match (method.is_implicit(), start.is_single) {
         (true, false) => None,
         // Error control takes shorter steps: it is judged by their number at the end.
@@ -195,7 +197,7 @@ pub fn of_settings(scene: &SceneDesc, start: &Start, modes: impl FnOnce() -> [Mo
         unsuited.map(|thickness| Warning::new(Code::Thickness, thickness, start.mean_edge)),
         (start.rigidity > MOST_RIGID).then(|| Warning::new(Code::Rigidity, start.rigidity, MOST_RIGID)),
         motion(scene, start),
-        error.map(|error| Warning::new(Code::Error, error, MOST_ERROR * start.size)),
+        error.map(|error| Warning::new(Code::Error, error, MOST_ERROR * start.smallest)),
         of_step,
     ]
 }

@@ -192,10 +192,14 @@ pub trait Engine: Send {
     }
     /// Mean rest length of all edges, m.
     fn mean_edge(&self) -> f64;
+    /// Largest side of the box around the smallest cloth, m.
+    fn smallest_size(&self) -> f64;
     /// Largest rigidity of hinges over the one asked for, of all cloths and directions; 0 without hinges.
     fn largest_rigidity(&self) -> f64;
-    /// Largest deviation of pins and colliders from their straight and even way in a step, m.
-    fn largest_deviation(&self) -> f64;
+    /// Largest deviation of pins and colliders from their straight and even way in any step of this duration, s; m.
+    fn largest_deviation(&self, duration: f64) -> f64;
+    /// Time of the last frame of a point cache that moves a collider, s; 0 without one.
+    fn last_frame(&self) -> f64;
     /// Mean rest length of the edges of each cloth, m.
     fn mean_edges(&self) -> Vec<f64>;
     /// The stiffest and the most damped mode of the current state, by power iteration. The iteration ends at the
@@ -517,12 +521,20 @@ macro_rules! engine {
                     self.scene().mean_edge()
                 }
 
+                fn smallest_size(&self) -> f64 {
+                    self.scene().smallest_size()
+                }
+
                 fn largest_rigidity(&self) -> f64 {
                     self.scene().largest_rigidity
                 }
 
-                fn largest_deviation(&self) -> f64 {
-                    self.scene().largest_deviation(self.step_length().into())
+                fn largest_deviation(&self, duration: f64) -> f64 {
+                    self.scene().largest_deviation(self.step_length().into(), duration)
+                }
+
+                fn last_frame(&self) -> f64 {
+                    self.scene().last_frame()
                 }
 
                 fn mean_edges(&self) -> Vec<f64> {

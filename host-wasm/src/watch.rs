@@ -38,8 +38,9 @@ impl Watch {
         cloth.measure_work(WorkDone::default());
         let size = extent(cloth.places_in_world()).into_iter().fold(0.0, f64::max);
         let (mean_edge, rigidity) = (cloth.scene().mean_edge(), cloth.scene().largest_rigidity);
-        let deviation = cloth.scene().largest_deviation(scene.timing().step);
-        let start = Start { mean_edge, size, mass: mass(cloth), rigidity, deviation, is_single: true };
+        let smallest = cloth.scene().smallest_size();
+        let deviation = cloth.scene().largest_deviation(scene.timing().step, scene.duration);
+        let start = Start { mean_edge, size, smallest, mass: mass(cloth), rigidity, deviation, is_single: true };
         let mut watch = Self {
             of_settings: warning::of_settings(scene, &start, || modes(cloth, clock)),
             steps_per_frame: scene.timing().steps_per_frame,

@@ -73,7 +73,7 @@ export interface Warning {
    * - `rigidity`: the largest rigidity of hinges over the one asked for, and the largest that needs no warning
    * - `motion`: how far pins or colliders are, within a fixed step, from the straight and even way that it takes them,
    *   and the distance that needs no warning, m
-   * - `error`: the largest error of error control, and the one that needs no warning for cloth of this size, m
+   * - `error`: the largest error of error control, and the one that needs no warning for the smallest cloth, m
    * - `masses`: step x (step x stiffness + damping) over the mass of a vertex, and the largest value that single
    *   precision bears
    * - `unstable`: the step, and the longest stable step of the explicit method at the start, s

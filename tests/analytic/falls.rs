@@ -1,6 +1,6 @@
 //! Cloth in free fall and under linear drag, and two published scenes of a falling sheet.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use harness::kit::{double, single};
 use harness::net::linearised;
 use harness::soft::sheet;
@@ -120,6 +120,29 @@ fn pins_release_and_take_cloth_at_their_times() {
         }
         worst.check();
     }
+}
+
+/// Pins on all vertices take a flying sheet, and turn it about the mean of the places where they take it.
+#[test]
+fn pins_turn_cloth_where_they_take_it() {
+    let mut sim = double::simulation(
+        &sheet(
+            "integrator = { step = 0.002 }",
+            "velocity = [1, 0.5, 0]\npin = [{ select = { box = [[-1, -1, -1], [1, 1, 1]] }, from = 0.1,
+              motion = { keys = [[0.0, 0, 0, 0], [1.0, 0, 2, 0]], turn = { axis = [0, 0, 1], rate = 3.0 } } }]",
+        ),
+        &[],
+    );
+    double::run(&mut sim, 0.1, |_| ());
+    let taken = sim.positions().to_vec();
+    let centre = taken.iter().sum::<DVec3>() / taken.len() as f64;
+    let mut worst = Worst::new("turned where they are taken", 1e-12);
+    double::run(&mut sim, 0.2, |_| ());
+    for (x, taken) in sim.positions().iter().zip(taken) {
+        let want = centre + DVec3::Y * 0.4 + DQuat::from_rotation_z(0.6) * (taken - centre);
+        worst.compare(1.0, &x.to_array(), &want.to_array(), || "vertex".into());
+    }
+    worst.check();
 }
 
 /// The terminal velocity is v = density g / c for every mesh and method.

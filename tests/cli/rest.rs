@@ -78,3 +78,29 @@ fn a_run_does_not_end_at_rest_before_what_the_scene_schedules() {
         assert!(time > 0.5, "{what} changes until 0.5 s, and the run ended at {time} s");
     }
 }
+
+/// A plate lies still in the frames of a point cache until 0.6 s, and then rises.
+#[test]
+fn a_run_does_not_end_at_rest_before_the_last_frame_of_a_point_cache() {
+    let place = Place::new();
+    let corners = [[-1.0f32, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]];
+    let lines: String = corners.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    place.write("plate.obj", format!("{lines}f 1 3 2\nf 1 4 3\n"));
+    let heights = [0.0f32, 0.0, 0.0, 0.0, 0.1];
+    let mut cache = b"POINTCACHE2\0".to_vec();
+    for word in [1, corners.len() as u32, 0.0f32.to_bits(), 1.0f32.to_bits(), heights.len() as u32] {
+        cache.extend(word.to_le_bytes());
+    }
+    for height in heights {
+        cache.extend(corners.iter().flat_map(|[x, y, z]| [*x, y + height, *z]).flat_map(f32::to_le_bytes));
+    }
+    place.write("plate.pc2", cache);
+    let sheet = "duration = 3.0\nuntil_rest = 0.01\nframe_rate = 20\ngravity = [0, -9.81, 0]\n[contact]\n\
+                 thickness = 0.005\n[[collider]]\nshape = \"mesh\"\nfile = \"plate.obj\"\nmotion = \"plate.pc2\"\n\
+                 motion_rate = 5.0\n[[cloth]]\ngrid = { size = [0.3, 0.3], cells = [4, 4] }\nposition = [0, 0.0051, 0]\n\
+                 density = 0.2\nstretch = { model = \"membrane\", stiffness = 500.0, damping = 0.001 }\n\
+                 shear = { stiffness = 100.0 }\n";
+    place.write("scene.toml", sheet);
+    let time = place.run("scene.toml --export none")["simulated_s"].as_f64().unwrap();
+    assert!(time > 0.8, "the plate rises until 0.8 s, and the run ended at {time} s");
+}

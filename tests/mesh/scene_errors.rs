@@ -461,7 +461,7 @@ fn messages_count_cloths_and_pins() {
     assert_eq!(error, Err(SceneError::Selection { cloth: 1, part: "pin", number: 1, error: SelectError::Empty }));
 }
 
-/// Two pins that move a vertex differently at the same time, and those that do not.
+/// Two pins with different motions for a vertex at the same time, and those without.
 #[test]
 fn pins_must_agree() {
     let built = |first: &str, second: &str| {
@@ -493,7 +493,7 @@ fn pins_must_agree() {
     let words = built("", moves).expect_err("they disagree").to_string();
     assert_eq!(
         words,
-        "cloth 0: pins 0 and 1 move vertex 0 differently at the same time; select it in one of them, or give them times \
-         (from, until) that do not overlap"
+        "cloth 0: pins 0 and 1 have different motions for vertex 0 at the same time; select it in one of them, or give \
+         them times (from, until) that do not overlap"
     );
 }

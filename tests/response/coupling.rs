@@ -210,14 +210,14 @@ both_precisions! {
         let lines = &mut vec![ContactLines::default(); contacts.len().div_ceil(4)];
         // The last contact is an impact that is only found in the motion of the others.
         let known = contacts.len() - 1;
-        let target = implicit_contact::correct(&context, particles, (&mut contacts[..known], lines), s, &mut work);
-        if target.is_none() {
+        let has_begun = implicit_contact::correct(&context, particles, (&mut contacts[..known], lines), s, &mut work);
+        if !has_begun {
             s.solution.fill(Vec3::ZERO);
         }
         let first = column(s.solution);
         let moved = contacts[known].gather(s.solution) * advance.length() as Real;
         contacts[known].velocity += moved;
-        implicit_contact::resume(&context, particles, (&mut contacts, lines), known, target, s, &mut work);
+        implicit_contact::resume(&context, particles, (&mut contacts, lines), known, has_begun, s, &mut work);
         let end = [column(s.next_positions), column(s.next_velocities)];
         let solution = first.iter().zip(column(s.solution)).map(|(&a, b)| a + b).collect();
         Corrected { matrix, residual, predicted, end, solution, given, contacts, built, work }

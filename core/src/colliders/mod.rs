@@ -63,20 +63,29 @@ impl Cache {
         now + (next - now) * part
     }
 
-    /// How far a vertex is, in a frame between two times, from its straight and even way between them, m.
+    /// How far a vertex would be at the end of a time from its place there if it went on as before a frame within, m.
     #[cfg_attr(small, optimize(size), inline(never))]
     fn deviation(&self, frames: &[Vec3], count: usize, [start, end]: [Sum; 2]) -> Sum {
         let [first, last] = [start, end].map(|time| (time * self.rate).clamp(0.0, self.frames as Sum));
         let mut farthest: Real = 0.0;
-        for frame in first as usize + 1..libm::ceil(last) as usize {
+        for frame in (first as usize).max(1)..libm::ceil(last) as usize {
             let time = frame as Sum / self.rate;
-            let part = ((time - start) / (end - start)) as Real;
+            let rest = ((end - time) * self.rate) as Real;
+            if time <= start || rest <= 0.0 {
+                continue;
+            }
             for vertex in 0..count {
-                let [at, from, to] = [time, start, end].map(|time| self.place(frames, [vertex, count], time));
-                farthest = farthest.max((at - from.lerp(to, part)).length_squared());
+                let place = |time: Sum| self.place(frames, [vertex, count], time);
+                let [before, at, at_end] = [place(time - 1.0 / self.rate), place(time), place(end)];
+                farthest = farthest.max((at + (at - before) * rest - at_end).length_squared());
             }
         }
         sqrt(farthest).into()
+    }
+
+    /// Time of the last frame, s.
+    pub fn end(&self) -> Sum {
+        (self.frames - 1) as Sum / self.rate
     }
 }
 
@@ -158,7 +167,7 @@ impl Colliders<'_> {
                 let (offset, _) = motion.offset(self.keys, times[0], JumpSide::After);
                 let own = motion.reach(&self.anchors[body.range()], DVec3::ZERO) + Sum::from(body.radius);
                 // Cloth does not feel the parts that turn farther out.
-                motion.deviation(self.keys, own.min(motion.reach(cloth, offset)), times)
+                motion.deviation(self.keys, own.min(motion.reach(cloth, offset)), DVec3::ONE, times)
             }
             Drive::Cache(cache) => cache.deviation(self.frames, body.vertices[1], times),
         };

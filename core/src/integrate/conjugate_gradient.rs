@@ -20,7 +20,7 @@ use super::columns::{Sums, dot, sum_parts};
 use super::convex_term::{ConvexTerm, Update};
 use super::per_cloth::{self, ClothSolve};
 use super::pins::Pins;
-use super::{IntegratorStatistics, Preconditioner, StepInput};
+use super::{IntegratorStatistics, Preconditioner, StepInput, Tolerance};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity, to_f64, vec3};
@@ -136,7 +136,9 @@ const WITHOUT_PATCHES: Sum = 1e-3;
 /// Momentum that a solve with contacts may leave of a cloth, relative to the impulse of its contacts: what is left in each
 /// step adds up, and a sheet that should slide would stick. Pins hold a cloth back anyway.
 const UNBALANCED: Sum = 0.001;
-const UNBALANCED_PINNED: Sum = 0.01;
+
+/// The same of a cloth that pins hold back anyway, and after the last updates of the bounds of friction.
+const ROUGHLY_BALANCED: Sum = 0.01;
 
 /// Square of the velocity that it may leave of a cloth in any case, relative to the square of the goal's velocity.
 const SLOWLY: Sum = 1e-3;
@@ -197,10 +199,11 @@ pub(crate) fn solve<D: Dispatch>(
         i.set_references();
     }
     let has_patches = i.preconditioner.coarse.is_some();
+    // Without patches, or within a residual, a solve leaves little.
+    let leaves_much = has_patches && matches!(c.scheme.tolerance, Tolerance::Velocity(_));
     if !term.is_zero() {
         rho = i.gradient(term, c.dispatch);
-    } else if matches!(goal, Goal::Within(_)) && has_patches && i.aim(term) {
-        // Without patches a solve leaves little.
+    } else if leaves_much && matches!(goal, Goal::Within(_)) && i.aim(term) {
         rho = i.translate(term, statistics, c.dispatch);
         // The fall is solved: what is left is small beside it.
         i.cloths.iter_mut().filter(|cloth| cloth.is_free).for_each(|cloth| cloth.target *= STILL);
@@ -225,8 +228,11 @@ pub(crate) fn solve<D: Dispatch>(
             }
             break;
         }
-        let is_balanced = is_small && (!balances || i.is_balanced());
-        if is_small && !is_balanced && !is_translated && i.aim(term) {
+        let unbalanced = if last_updates > 0 { ROUGHLY_BALANCED } else { UNBALANCED };
+        let is_balanced = is_small && (!balances || i.is_balanced(unbalanced));
+        // Translations and the last updates of the bounds may undo each other again and again.
+        let may_translate = leaves_much && !is_translated && last_updates == 0;
+        if is_small && !is_balanced && may_translate && i.aim(term) {
             (is_translated, iterations) = (true, iterations + 1);
             statistics.cg_iterations += 1;
             rho = i.translate(term, statistics, c.dispatch);
@@ -240,7 +246,8 @@ pub(crate) fn solve<D: Dispatch>(
             }
             rho = i.gradient(term, c.dispatch);
             last_updates += 1;
-            let is_done = i.is_within(rho, if last_updates > 1 { LEFT } else { 1.0 }) && (!balances || i.is_balanced());
+            let (left, unbalanced) = if last_updates > 1 { (LEFT, ROUGHLY_BALANCED) } else { (1.0, UNBALANCED) };
+            let is_done = i.is_within(rho, left) && (!balances || i.is_balanced(unbalanced));
             if is_done || last_updates == MOST_LAST_UPDATES {
                 statistics.unconverged += u64::from(!is_done);
                 break;
@@ -317,12 +324,14 @@ impl<'a, 'b> Iterate<'a, 'b> {
     }
 
     /// The product of the residual with the preconditioned residual over a cloth.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn norm(&self, index: usize) -> Sum {
         let cloth = per_cloth::range(self.cloths, index);
         per_cloth::product(&self.residual[cloth.clone()], &self.preconditioned[cloth])
     }
 
     /// Notes the residual without contacts as the reference for where a solve stops.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn set_references(&mut self) {
         for index in 0..self.cloths.len() {
             self.cloths[index].target = self.norm(index);
@@ -351,6 +360,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
     }
 
     /// Whether the preconditioned residual of every cloth is below a multiple of its target; `rho` is that of all.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn is_within(&self, rho: Sum, factor: Sum) -> bool {
         let target: Sum = self.cloths.iter().map(|cloth| cloth.target).sum();
         let all = 0..self.cloths.len();
@@ -361,15 +371,16 @@ impl<'a, 'b> Iterate<'a, 'b> {
     /// Whether the residual leaves little momentum of every cloth.
     #[cfg_attr(small, optimize(size))]
     #[inline(never)]
-    fn is_balanced(&self) -> bool {
-        (0..self.cloths.len()).all(|index| self.leaves_little(index))
+    fn is_balanced(&self, unbalanced: Sum) -> bool {
+        (0..self.cloths.len()).all(|index| self.leaves_little(index, unbalanced))
     }
 
-    fn leaves_little(&self, index: usize) -> bool {
+    #[cfg_attr(small, optimize(size), inline(never))]
+    fn leaves_little(&self, index: usize, unbalanced: Sum) -> bool {
         let (cloth, range) = (&self.cloths[index], per_cloth::range(self.cloths, index));
         let [left, elastic] = [&*self.residual, &*self.elastic].map(|column| per_cloth::sum(&column[range.clone()]));
         let impulse = (left - elastic).length_squared();
-        let part = if cloth.is_free { UNBALANCED } else { UNBALANCED_PINNED };
+        let part = if cloth.is_free { unbalanced } else { ROUGHLY_BALANCED };
         left.length_squared() <= part * part * impulse + SLOWLY * cloth.target * cloth.mass
     }
 
@@ -379,7 +390,8 @@ impl<'a, 'b> Iterate<'a, 'b> {
     #[cfg_attr(small, optimize(size))]
     #[inline(never)]
     fn aim(&mut self, term: &dyn ConvexTerm) -> bool {
-        let moves = |i: &Self, index: usize| i.cloths[index].is_free && (term.is_zero() || !i.leaves_little(index));
+        let moves =
+            |i: &Self, index: usize| i.cloths[index].is_free && (term.is_zero() || !i.leaves_little(index, UNBALANCED));
         if !(0..self.cloths.len()).any(|index| moves(self, index)) {
             return false;
         }

@@ -37,12 +37,14 @@ impl ClothSolve {
 }
 
 /// The vertices of a cloth.
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn range(cloths: &[ClothSolve], index: usize) -> Range<usize> {
     let start = index.checked_sub(1).map_or(0, |before| cloths[before].end);
     start as usize..cloths[index].end as usize
 }
 
 /// Writes the masses, and which cloths are free.
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn start(cloths: &mut [ClothSolve], masses: &[Real], pins: &Pins<'_>) {
     for index in 0..cloths.len() {
         let mass = masses[range(cloths, index)].iter().map(|&m| Sum::from(m)).sum();
@@ -62,6 +64,7 @@ fn cloth_of(cloths: &[ClothSolve], vertex: u32) -> usize {
 }
 
 /// Writes the second derivatives for motions of the cloths as a whole.
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn write_blocks(cloths: &mut [ClothSolve], term: &dyn ConvexTerm) {
     for cloth in &mut *cloths {
         cloth.block = scaled_identity(cloth.mass as Real);
@@ -78,6 +81,7 @@ pub fn write_blocks(cloths: &mut [ClothSolve], term: &dyn ConvexTerm) {
 }
 
 /// Raises the references of cloths that hardly move to that of a slight motion.
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn raise_quiet(cloths: &mut [ClothSolve]) {
     let [reference, mass] = cloths.iter().fold([0.0; 2], |[a, b], cloth| [a + cloth.target, b + cloth.mass]);
     for cloth in cloths {
@@ -86,11 +90,13 @@ pub fn raise_quiet(cloths: &mut [ClothSolve]) {
 }
 
 /// The inner product of two columns, in parts: one sum in the crate's precision would lose digits.
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn product(a: &[Vec3], b: &[Vec3]) -> Sum {
     a.chunks(PART).zip(b.chunks(PART)).map(|(a, b)| dot(a, b)).sum()
 }
 
 /// The largest root mean square of a column over the vertices of a cloth; NaN if any is.
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn largest_root_mean_square(cloths: &[ClothSolve], column: &[Vec3]) -> Real {
     let of = |index: usize| {
         let own = &column[range(cloths, index)];
@@ -100,6 +106,7 @@ pub fn largest_root_mean_square(cloths: &[ClothSolve], column: &[Vec3]) -> Real 
 }
 
 /// The sum of a column.
+#[cfg_attr(small, optimize(size), inline(never))]
 pub fn sum(column: &[Vec3]) -> DVec3 {
     column.iter().map(|&r| DVec3::from(to_f64(r))).sum()
 }

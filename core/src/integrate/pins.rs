@@ -80,9 +80,10 @@ impl Pins<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn deviation(&self, times: [Sum; 2]) -> Sum {
         let of = |(pin, ..): (usize, usize, _)| {
-            let motion = self.table.get(self.motions[pin] as usize)?;
+            let (motion, axes) = (self.table.get(self.motions[pin] as usize)?, self.axes[pin]);
             let radius = motion.reach(&self.anchors[pin..=pin], DVec3::ZERO);
-            Some(motion.deviation(self.keys, radius, times))
+            let mask = [0, 1, 2].map(|axis| Sum::from(axes >> axis & 1));
+            (axes != 0).then(|| motion.deviation(self.keys, radius, mask.into(), times))
         };
         self.iter().filter_map(of).fold(0.0, Sum::max)
     }
@@ -240,34 +241,46 @@ impl PinColumns {
         self.motions[a] == self.motions[b] || keys(a) == keys(b)
     }
 
-    /// Sets the held axes to those just after `time`, s. A pin that begins holds its vertex where it is. Returns
-    /// whether any axes changed.
+    /// Sets the held axes to those just after `time`, s. A pin that begins holds its vertex where it is; pins that begin
+    /// turn about the mean of these places. Returns whether any axes changed.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn change(&mut self, time: Sum, positions: &[Vec3]) -> bool {
-        let mut any = false;
-        for (pin, hold) in self.holds.iter().enumerate() {
-            let axes = hold.axes_after(time);
-            if axes == self.axes[pin] {
-                continue;
-            }
-            if axes != 0 {
-                let place = positions[self.vertices[pin] as usize];
-                let motion = self.table.get(self.motions[pin] as usize);
-                self.anchors[pin] =
-                    motion.map_or(place, |motion| vec3(motion.undo(&self.keys, to_f64(place).into(), time).into()));
-            }
-            (self.axes[pin], any) = (axes, true);
+        let axes = |pin: usize| self.holds[pin].axes_after(time);
+        let changed: alloc::vec::Vec<_> = (0..self.holds.len()).filter(|&pin| axes(pin) != self.axes[pin]).collect();
+        for &pin in &changed {
+            self.axes[pin] = self.holds[pin].axes_after(time);
         }
-        any
+        let begun = || changed.iter().copied().filter(|&pin| self.axes[pin] != 0);
+        for pin in begun() {
+            self.anchors[pin] = positions[self.vertices[pin] as usize];
+        }
+        for (motion, described) in self.table.iter_mut().enumerate() {
+            let own = || begun().filter(|&pin| self.motions[pin] as usize == motion);
+            let (offset, _) = described.offset(&self.keys, time, JumpSide::After);
+            described.set_centre(own().map(|pin| DVec3::from(to_f64(self.anchors[pin])) - offset));
+            for pin in own() {
+                let place = to_f64(self.anchors[pin]).into();
+                self.anchors[pin] = vec3(described.undo(&self.keys, place, time).into());
+            }
+            described.set_centre(own().map(|pin| to_f64(self.anchors[pin]).into()));
+        }
+        !changed.is_empty()
     }
 
     /// Sets the held axes to those just after `time`, s, and takes over the `anchors` of pins that begin late, if there
     /// are as many as [`Self::holds`].
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn restore(&mut self, time: Sum, anchors: &[Vec3]) {
         for (pin, hold) in self.holds.iter().enumerate() {
             self.axes[pin] = hold.axes_after(time);
             if hold.from > 0.0 && anchors.len() == self.holds.len() {
                 self.anchors[pin] = anchors[pin];
             }
+        }
+        let late = || (0..self.holds.len()).filter(|&pin| self.holds[pin].from > 0.0);
+        for (motion, described) in self.table.iter_mut().enumerate() {
+            let own = late().filter(|&pin| self.motions[pin] as usize == motion);
+            described.set_centre(own.map(|pin| to_f64(self.anchors[pin]).into()));
         }
     }
 

@@ -10,6 +10,7 @@ use super::check::{check_numbers, finite, nameable, positive};
 use super::place::{check_digits, origin, place};
 use super::{ClothDesc, Resource, SceneDesc, contact, disc, grid, resource as files, tube};
 use crate::contact::ContactColumns;
+use crate::diagnostics::extent;
 use crate::error::{MeshError, SceneError};
 use crate::forces::ModelColumns;
 use crate::forces::drag::DragColumns;
@@ -26,7 +27,7 @@ use crate::mesh::rest::{self, RestTriangle};
 use crate::mesh::{IncidenceColumns, TriMesh};
 use crate::particles::ParticleColumns;
 use crate::reactions::PinGroup;
-use crate::real::{Real, Sum, vec3};
+use crate::real::{Real, Sum, to_f64, vec3};
 
 /// Range of a cloth's vertices and triangles in the scene's columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -85,6 +86,17 @@ impl BuiltScene {
     /// Mean rest length of all edges, m.
     pub fn mean_edge(&self) -> Sum {
         self.rest_lengths.iter().map(|&length| Sum::from(length)).sum::<Sum>() / self.rest_lengths.len().max(1) as Sum
+    }
+
+    /// Largest side of the box around the smallest cloth at present, m.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn smallest_size(&self) -> Sum {
+        let of = |cloth: &ClothRange| {
+            let [first, end] = [cloth.vertices.start, cloth.vertices.end].map(|vertex| vertex as usize);
+            let places = self.particles.positions[first..end].iter().map(|&x| to_f64(x));
+            extent(places).into_iter().fold(0.0, Sum::max)
+        };
+        self.cloths.iter().map(of).fold(Sum::INFINITY, Sum::min)
     }
 
     /// Pairs of vertices that seams join.

@@ -55,8 +55,8 @@ impl Parts {
         Ok(())
     }
 
-    /// Refuses a cloth, the vertices of which begin at `first`, if its pins would move a vertex differently at the same
-    /// time.
+    /// Refuses a cloth, the vertices of which begin at `first`, if its pins have different motions for a vertex at the
+    /// same time.
     #[cfg_attr(small, optimize(size))]
     pub(super) fn check_pins(&self, first: u32) -> Result<(), SceneError> {
         let PinColumns { vertices, holds, .. } = &self.pins;

@@ -4,8 +4,8 @@ use super::collider::ColliderMotionDesc;
 use super::{MotionDesc, SceneDesc, VectorDesc};
 
 impl SceneDesc {
-    /// Time of the last change that the scene schedules: a key, or the start or end of a pin or a rotation, s. Point
-    /// caches and rotations without an end do not count.
+    /// Time of the last change that the scene schedules: a key, or the start or end of a pin or a rotation, s. Rotations
+    /// without an end do not count, nor do point caches ([`BuiltScene::last_frame`](super::BuiltScene::last_frame)).
     pub fn last_change(&self) -> f64 {
         let vectors = (self.gravity.iter())
             .chain(self.drag.iter().filter_map(|drag| drag.wind.as_ref()).map(|wind| &wind.velocity))

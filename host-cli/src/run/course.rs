@@ -123,6 +123,7 @@ impl Course {
             engine.measure_reactions();
             engine.set_impulses(&resumed.map(|resumed| resumed.impulses).unwrap_or_default());
         }
+        let last_change = scene.last_change().max(engine.last_frame());
         Self {
             record,
             needs_modes,
@@ -130,7 +131,7 @@ impl Course {
             warnings: Vec::new(),
             engine,
             timing,
-            last_change: scene.last_change(),
+            last_change,
             precision,
             chain,
             steps,

@@ -66,9 +66,10 @@ pub fn warnings(
     let start = warning::Start {
         mean_edge: engine.mean_edge(),
         size,
+        smallest: engine.smallest_size(),
         mass: engine.mass(),
         rigidity: engine.largest_rigidity(),
-        deviation: engine.largest_deviation(),
+        deviation: engine.largest_deviation(scene.desc.duration),
         is_single: precision == Precision::F32,
     };
     let mut not_checked = None;

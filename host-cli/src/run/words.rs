@@ -49,7 +49,7 @@ pub fn of(warning: &warning::Warning, scene: &SceneDesc, known: Known) -> Warnin
             length(value)
         ),
         Code::Error => format!(
-            "integrator.error = {} lets errors of more than 1 % of the cloth's size pass: take {} or less",
+            "integrator.error = {} lets errors of more than 1 % of the smallest cloth's size pass: take {} or less",
             length(value),
             length(beside)
         ),
