@@ -123,12 +123,14 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     };
     let input = StepInput { scheme, follows_contact, ..*input };
     let input = &input.after(input.stage_time(scratch.last_step));
-    let colliders = contact.as_ref().map(|contact| contact.model.colliders).unwrap_or_default();
-    let deviation = input.limit.map_or(0.0, |_| deviation(input.pins, &colliders, particles.positions, input.times()));
-    let deviation = deviation as Real;
-    if input.limit.is_some_and(|limit| deviation > limit) {
-        work.integrator.inaccurate += 1;
-        return Err(Obstacle { cause: Cause::Inaccurate, particle: 0 });
+    let mut curved = 0.0;
+    if let Some(limit) = input.limit {
+        let colliders = contact.as_ref().map(|contact| contact.model.colliders).unwrap_or_default();
+        curved = deviation(input.pins, &colliders, particles.positions, input.times()) as Real;
+        if curved > limit {
+            work.integrator.inaccurate += 1;
+            return Err(Obstacle { cause: Cause::Inaccurate, particle: 0 });
+        }
     }
     predict(input, particles, scratch, work.integrator)?;
     let mut corrected = false;
@@ -148,7 +150,7 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     }
     commit(particles, scratch, work.integrator);
     *history = if corrected { History::Corrected } else { History::Smooth { step: input.step } };
-    Ok(error.map(|error| error.max(deviation)))
+    Ok(error.map(|error| error.max(curved)))
 }
 
 /// How far pins and colliders move, between two times, from the straight and even way that a step takes them, m.

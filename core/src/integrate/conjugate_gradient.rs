@@ -133,8 +133,8 @@ const STILL: Sum = 1e-6;
 /// The same as [`ROUGHLY`] without patches, whose motions [complete](Iterate::complete) the solution.
 const WITHOUT_PATCHES: Sum = 1e-3;
 
-/// Momentum that a solve with contacts may leave of a cloth, relative to the impulse of its contacts: what is left in each
-/// step adds up, and a sheet that should slide would stick. Pins hold a cloth back anyway.
+/// Momentum that a solve with contacts may leave of a cloth, relative to the impulse of its contacts: the rests of all
+/// steps add up, and a sheet that should slide would stick.
 const UNBALANCED: Sum = 0.001;
 
 /// The same of a cloth that pins hold back anyway, and after the last updates of the bounds of friction.
@@ -205,7 +205,7 @@ pub(crate) fn solve<D: Dispatch>(
         rho = i.gradient(term, c.dispatch);
     } else if leaves_much && matches!(goal, Goal::Within(_)) && i.aim(term) {
         rho = i.translate(term, statistics, c.dispatch);
-        // The fall is solved: what is left is small beside it.
+        // The fall is solved, and the rest is small beside it.
         i.cloths.iter_mut().filter(|cloth| cloth.is_free).for_each(|cloth| cloth.target *= STILL);
     }
     i.set_targets(goal);
@@ -384,9 +384,9 @@ impl<'a, 'b> Iterate<'a, 'b> {
         left.length_squared() <= part * part * impulse + SLOWLY * cloth.target * cloth.mass
     }
 
-    /// Makes the direction that in which free cloths move as a whole to take up the momentum that they leave: a
+    /// Writes the direction in which free cloths move as a whole to take up the momentum that is left of them. A
     /// preconditioner moves each vertex by its own stiffness, and would wrinkle cloth in a long fall. Returns whether any
-    /// moves.
+    /// cloth moves.
     #[cfg_attr(small, optimize(size))]
     #[inline(never)]
     fn aim(&mut self, term: &dyn ConvexTerm) -> bool {

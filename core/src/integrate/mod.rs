@@ -136,7 +136,8 @@ pub enum Tolerance {
     /// At a relative residual.
     Residual(Real),
     /// Linear solves stop where the rest of the solution changes the velocities by less, m/s, in the root mean square
-    /// over each cloth, and is at most a tenth of the solution. Newton's method stops where its further corrections add up to less.
+    /// over each cloth, and is at most a tenth of the solution. Newton's method stops where its further corrections add
+    /// up to less.
     Velocity(Real),
 }
 

@@ -1,5 +1,5 @@
-//! The cloths of a solve: the residual at which each is solved, and its motion as a whole. Beside the residual of a heavy
-//! cloth that of a light one would not count.
+//! The cloths of a solve: the residual at which each is solved, and its motion as a whole. In one sum the residual of a
+//! light cloth would not count beside that of a heavy one.
 
 use core::ops::Range;
 

@@ -237,8 +237,8 @@ impl PinColumns {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub(crate) fn move_alike(&self, a: usize, b: usize) -> bool {
         let of = |pin: usize| self.table.get(self.motions[pin] as usize);
-        let keys = |pin: usize| of(pin).map(|motion| (motion.turn, motion.own(&self.keys)));
-        self.motions[a] == self.motions[b] || keys(a) == keys(b)
+        let motion = |pin: usize| of(pin).map(|motion| (motion.turn, motion.own(&self.keys)));
+        self.motions[a] == self.motions[b] || motion(a) == motion(b)
     }
 
     /// Sets the held axes to those just after `time`, s. A pin that begins holds its vertex where it is; pins that begin
@@ -247,6 +247,9 @@ impl PinColumns {
     pub fn change(&mut self, time: Sum, positions: &[Vec3]) -> bool {
         let axes = |pin: usize| self.holds[pin].axes_after(time);
         let changed: alloc::vec::Vec<_> = (0..self.holds.len()).filter(|&pin| axes(pin) != self.axes[pin]).collect();
+        if changed.is_empty() {
+            return false;
+        }
         for &pin in &changed {
             self.axes[pin] = self.holds[pin].axes_after(time);
         }
@@ -264,7 +267,7 @@ impl PinColumns {
             }
             described.set_centre(own().map(|pin| to_f64(self.anchors[pin]).into()));
         }
-        !changed.is_empty()
+        true
     }
 
     /// Sets the held axes to those just after `time`, s, and takes over the `anchors` of pins that begin late, if there

@@ -61,12 +61,12 @@ impl Parts {
     pub(super) fn check_pins(&self, first: u32) -> Result<(), SceneError> {
         let PinColumns { vertices, holds, .. } = &self.pins;
         let own = self.pin_groups.iter().rev().take_while(|group| vertices[group.pins.start] >= first);
-        for (earlier, group) in own.enumerate() {
+        for (later, group) in own.enumerate().skip(1) {
             let mut of_vertex = vec![NONE; self.positions.len() - first as usize];
             for pin in group.pins.clone() {
                 of_vertex[(vertices[pin] - first) as usize] = pin as u32;
             }
-            for other in self.pin_groups.iter().rev().take(earlier) {
+            for other in self.pin_groups.iter().rev().take(later) {
                 for pin in other.pins.clone() {
                     let vertex = vertices[pin] - first;
                     let held = of_vertex[vertex as usize] as usize;

@@ -25,7 +25,7 @@ const COLORS: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
 
 /// The columns of a series, by name.
 struct Table<'a> {
-    /// What `gravity_J` and `work_gravity_J` consist of in this scene.
+    /// The name of the energy in `gravity_J` and `work_gravity_J`.
     potential: &'static str,
     names: Vec<&'a str>,
     rows: Vec<Vec<f64>>,
@@ -175,7 +175,7 @@ mod tests {
 
     /// Loads have no column of their own.
     #[test]
-    fn the_legend_names_what_the_scene_has() {
+    fn the_legend_names_gravity_and_loads() {
         let flag = || -> SceneDesc { crate::scene_file::load("flag", &[]).unwrap().desc };
         let load = "select = { edge = \"front\" }\nforce = [0, -1, 0]";
         for (has_gravity, has_loads, name) in
