@@ -53,8 +53,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "Conjugate gradients stop ten times too early",
         file: "core/src/integrate/conjugate_gradient.rs",
-        old: "free.max(rho) * tolerance * tolerance,",
-        new: "free.max(rho) * tolerance * tolerance * 100.0,",
+        old: "cloth.target * tolerance * tolerance,",
+        new: "cloth.target * tolerance * tolerance * 100.0,",
         everyday: &["solver", "response"],
         all: &[],
     },
