@@ -22,10 +22,14 @@ pub struct Balance {
     /// Least and largest energy of gravity, without the work of gravity that changes: by how much the cloth fell,
     /// wherever heights count from.
     gravity: [f64; 2],
+    /// Energy of the rotations of all cloths in the last frame.
+    rotation: f64,
+    /// Energy that the method took from rotations.
+    pub unturned: f64,
 }
 
 /// Number of words in an encoded balance.
-pub const WORDS: usize = 16;
+pub const WORDS: usize = 18;
 
 impl Default for Balance {
     fn default() -> Self {
@@ -37,6 +41,8 @@ impl Default for Balance {
             appeared: 0.0,
             active: 0.0,
             gravity: [f64::INFINITY, f64::NEG_INFINITY],
+            rotation: 0.0,
+            unturned: 0.0,
         }
     }
 }
@@ -59,6 +65,13 @@ impl Balance {
         self.gravity = [self.gravity[0].min(gravity), self.gravity[1].max(gravity)];
     }
 
+    /// Observes the energy of the rotations in a frame, and the energy that the method took from them since the frame
+    /// before. Not more is taken than is lost: where pins or friction hold a rotation, they replace it.
+    pub fn see_rotation(&mut self, energy: f64, taken: f64) {
+        self.unturned += (self.rotation - energy).min(taken).max(0.0);
+        self.rotation = energy;
+    }
+
     /// The largest energy that moved, by which the energy that appeared is measured.
     pub fn moved(&self) -> f64 {
         self.active.max(self.gravity[1] - self.gravity[0]).max(self.work.exchanged)
@@ -78,7 +91,17 @@ impl Balance {
         let [low, high] = self.gravity;
         let all: [&[f64]; 2] = [
             &[pins, colliders, wind, gravity, separation, contacts, damping, exchanged],
-            &[self.start.unwrap_or(0.0), self.strained, self.least, self.appeared, self.active, low, high],
+            &[
+                self.start.unwrap_or(0.0),
+                self.strained,
+                self.least,
+                self.appeared,
+                self.active,
+                low,
+                high,
+                self.rotation,
+                self.unturned,
+            ],
         ];
         let mut words = [u64::from(self.start.is_some()); WORDS];
         words[1..].iter_mut().zip(all.into_iter().flatten()).for_each(|(word, value)| *word = value.to_bits());
@@ -90,7 +113,7 @@ impl Balance {
         let [has_start, words @ ..] = words;
         let [pins, colliders, wind, gravity, separation, contacts, damping, exchanged, rest @ ..] =
             words.map(f64::from_bits);
-        let [start, strained, least, appeared, active, low, high] = rest;
+        let [start, strained, least, appeared, active, low, high, rotation, unturned] = rest;
         Self {
             work: WorkDone { pins, colliders, wind, gravity, separation, contacts, damping, exchanged },
             start: (has_start != 0).then_some(start),
@@ -99,6 +122,8 @@ impl Balance {
             appeared,
             active,
             gravity: [low, high],
+            rotation,
+            unturned,
         }
     }
 }
@@ -126,6 +151,11 @@ mod tests {
         balance.see(&[4.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
         balance.see(&[1.0, 4.0, 0.0, 0.0, 0.0, 1.0], work(2.0, 1.0));
         assert_eq!(balance.appeared, 2.0);
+        // Of 4 J of rotation, 2 J are lost, of which the method took 0.5 J; then 3 J are held by a motor.
+        for (energy, taken) in [(4.0, 0.5), (2.0, 0.5), (2.0, 3.0)] {
+            balance.see_rotation(energy, taken);
+        }
+        assert_eq!(balance.unturned, 0.5);
         assert_eq!(Balance::decode(balance.encode()), balance);
     }
 

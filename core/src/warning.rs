@@ -124,6 +124,9 @@ const TOO_LONG: f64 = 1.3;
 /// their first tenth of a second below a third; where cloth flies apart it is nearly all of it.
 const MOST_APPEARED: f64 = 0.5;
 
+/// Energy that the method may take from rotations, relative to the largest energy that moved.
+const MOST_UNTURNED: f64 = 0.1;
+
 /// Energy by moving overlapping surfaces apart, relative to the largest energy that moved. A sleeve that starts inside
 /// the thickness is stretched once: all of the energy that moves is from this. A belt that stayed rough had nine times
 /// the energy that moved.
@@ -306,12 +309,14 @@ impl Run<'_> {
         })
     }
 
-    /// Energy that the method itself took from the motion. A run to rest is meant to lose it.
+    /// Energy that the method itself took from the motion, or where that is not known or little, from rotations. A run
+    /// to rest is meant to lose it.
     fn taken(&self, scene: &SceneDesc) -> Option<Warning> {
-        let (taken, moved) = (-self.balance.by_method(&self.energy), self.balance.moved());
-        let is_much = taken > MOST_APPEARED * moved && self.is_harmful(taken, scene);
-        (self.is_method_known && scene.until_rest.is_none() && is_much)
-            .then(|| Warning::new(Code::Method, taken, moved))
+        let moved = self.balance.moved();
+        let of_all = if self.is_method_known { -self.balance.by_method(&self.energy) } else { 0.0 };
+        let found = [(of_all, MOST_APPEARED), (self.balance.unturned, MOST_UNTURNED)].into_iter();
+        let taken = found.filter(|&(taken, most)| taken > most * moved).map(|(taken, _)| taken).reduce(f64::max)?;
+        (scene.until_rest.is_none() && self.is_harmful(taken, scene)).then(|| Warning::new(Code::Method, taken, moved))
     }
 
     /// Whether an energy would take one vertex farther than [`HARMLESS_WAY`], and is either more than rounding gives or

@@ -172,6 +172,8 @@ pub trait Engine: Send {
     fn origin(&self) -> [f64; 3];
     /// Angular momentum about the world's origin, kg m^2/s.
     fn angular_momentum(&self) -> [f64; 3];
+    /// The energy of the rotations of all cloths, J, and the power that the method takes of it, W.
+    fn rotation(&self) -> [f64; 2];
     /// Largest rounding of a position, relative to the mean length of an edge.
     fn rounding(&self) -> f64;
     /// Numbers about the state and the work.
@@ -434,6 +436,10 @@ macro_rules! engine {
 
                 fn angular_momentum(&self) -> [f64; 3] {
                     Simulation::angular_momentum(self)
+                }
+
+                fn rotation(&self) -> [f64; 2] {
+                    Simulation::rotation(self)
                 }
 
                 fn rounding(&self) -> f64 {

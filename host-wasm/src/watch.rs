@@ -21,6 +21,8 @@ pub struct Watch {
     /// Warnings from before the first step.
     of_settings: [Option<Warning>; 7],
     steps_per_frame: u64,
+    /// Length of a frame, s.
+    frame: f64,
     /// Largest side of the box around the cloth at the start, m.
     size: f64,
     balance: Balance,
@@ -44,6 +46,7 @@ impl Watch {
         let mut watch = Self {
             of_settings: warning::of_settings(scene, &start, || modes(cloth, clock)),
             steps_per_frame: scene.timing().steps_per_frame,
+            frame: scene.timing().step * scene.timing().steps_per_frame as f64,
             size,
             balance: Balance::default(),
             stretch: 0.0,
@@ -66,6 +69,8 @@ impl Watch {
         self.stretch = self.stretch.max(cloth.stretch().max);
         self.rounding = self.rounding.max(cloth.rounding());
         self.balance.see(&energy(cloth), cloth.work_done());
+        let [rotation, power] = cloth.rotation();
+        self.balance.see_rotation(rotation, power * self.frame);
     }
 
     /// The warnings up to now. Under error control the first call finds the fastest modes.

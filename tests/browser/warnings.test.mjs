@@ -73,6 +73,19 @@ pin = [{ select = { edge = "back" } }]
 `,
     ["method"],
   ],
+  "a rotation that backward Euler slows down": [
+    `duration = 0.5
+frame_rate = 60
+[[cloth]]
+grid = { size = [1.0, 1.0], cells = [6, 6] }
+density = 0.2
+stretch = { model = "membrane", stiffness = 1000.0 }
+spin = { axis = [0, 1, 0], rate = 6.0 }
+[contact]
+thickness = 0.005
+`,
+    ["method"],
+  ],
   "a strip that one solve in each step does not follow": [
     `duration = 1.0
 frame_rate = 20

@@ -251,6 +251,49 @@ thickness = 0.01
     assert!(codes(&controlled).is_empty(), "{controlled}");
 }
 
+/// Backward Euler slows rotations down. A turning table that carries its sheet along replaces what it takes.
+#[test]
+fn a_rotation_that_backward_euler_slows_down_is_warned_of() {
+    let place = Place::new();
+    let scene = r#"duration = 1.0
+frame_rate = 60
+[[cloth]]
+grid = { size = [1.0, 1.0], cells = [6, 6] }
+position = [0, 0.005, 0]
+density = 0.2
+stretch = { model = "membrane", stiffness = 1000.0 }
+spin = { axis = [0, 1, 0], rate = 6.0 }
+[[collider]]
+shape = "box"
+center = [0, -0.5, 0]
+half = [2, 0.5, 2]
+motion = { turn = { axis = [0, 1, 0], rate = TABLE } }
+[contact]
+thickness = 0.005
+friction = FRICTION
+"#;
+    place.write("ice.toml", scene.replace("TABLE", "0.0").replace("FRICTION", "0.0"));
+    let carried = scene.replace("TABLE", "6.0").replace("FRICTION", "0.5");
+    place.write("table.toml", format!("gravity = [0, -10, 0]\n{carried}"));
+    for (words, is_warned) in [
+        ("ice.toml", true),
+        ("ice.toml --set integrator.error=0", true),
+        ("ice.toml --set integrator.error=1e-5", false),
+        ("ice.toml --set integrator.method=bdf2", false),
+        ("table.toml", false),
+    ] {
+        let summary = run(&place, &format!("{words} --series series.csv"), 0);
+        let found = summary["warnings"].as_array().unwrap().iter().find(|warning| warning["code"] == "method");
+        assert_eq!(found.is_some(), is_warned, "{words}: {}", summary["warnings"]);
+        let Some(found) = found else { continue };
+        // What the frames tell of the loss, beside what is measured at every vertex.
+        let text = found["text"].as_str().unwrap();
+        let told: f64 = text.split_once("took ").unwrap().1.split(' ').next().unwrap().parse().unwrap();
+        let lost = -summary["energy_balance"]["method"].as_f64().unwrap();
+        assert!((told / lost - 1.0).abs() < 0.1, "{words}: {told} J of {lost} J");
+    }
+}
+
 #[test]
 fn every_note_is_in_the_summary_and_in_the_lines_of_a_sweep() {
     let place = Place::new();

@@ -20,6 +20,7 @@
 
 use super::conjugate_gradient::{self, Goal};
 use super::convex_term::NoTerm;
+use super::per_cloth::largest_root_mean_square;
 use super::{IntegratorStatistics, StepInput, Tolerance, pin_forces};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
@@ -188,7 +189,7 @@ fn newton_iterations<D: Dispatch>(
             return;
         };
         add_solution(c, stage, scale, s);
-        let before = core::mem::replace(&mut correction, root_mean_square(s.solution));
+        let before = core::mem::replace(&mut correction, largest_root_mean_square(s.cloths, s.solution).into());
         // A shortened correction leaves a part of itself.
         is_exact = scale == 1.0 && is_converged(c.scheme.tolerance, before, correction);
     }
@@ -196,15 +197,11 @@ fn newton_iterations<D: Dispatch>(
 }
 
 /// Whether the corrections of the velocities, m/s, that follow the last two add up to less than their tolerance, if
-/// each is smaller than the one before by the same factor [Hairer 1996, IV.8].
+/// each is smaller than the one before by the same factor [Hairer 1996, IV.8]. They are those of the cloth that is
+/// corrected most.
 fn is_converged(tolerance: Tolerance, before: Sum, last: Sum) -> bool {
     let Tolerance::Velocity(most) = tolerance else { return false };
     before.is_finite() && last < before && last * last <= Sum::from(most) * (before - last)
-}
-
-fn root_mean_square(column: &[Vec3]) -> Sum {
-    let square: Sum = column.iter().map(|&y| dot_sum(y, y)).sum();
-    libm::sqrt(square / column.len() as Sum)
 }
 
 /// `S = -(g^2 Kx + g Kv)` at the iterate in `stage_positions`.

@@ -13,14 +13,14 @@ use crate::error::SceneError;
 use crate::forces::{Energy, Model};
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::pins::Pins;
-use crate::integrate::{IntegratorStatistics, Scheme, StepInput};
+use crate::integrate::{IntegratorStatistics, Method, Scheme, StepInput};
 use crate::mesh::SurfaceColumns;
 use crate::particles::ParticleColumns;
 use crate::reactions::{Impulse, ReactionColumns};
 use crate::real::{Real, Sum, Vec3, to_f64, vec3};
 use crate::refusal::Obstacle;
 use crate::response::ContactStatistics;
-use crate::scene::{self, BuiltScene, Resource, SceneDesc};
+use crate::scene::{self, BuiltScene, ClothRange, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
 use crate::stage::Term;
 use crate::step::{self, History, StepContact, Work};
@@ -460,6 +460,21 @@ impl Simulation {
     pub fn angular_momentum(&self) -> [Sum; 3] {
         let about = diagnostics::angular_momentum(&self.built.particles.masses, self.positions(), self.velocities());
         (about + self.built.origin.cross(self.momentum().into())).into()
+    }
+
+    /// The energy of the rotations of all cloths about their centres, J, and the power that backward Euler takes from it,
+    /// W: in a step of h its forces, those at the end, take w^2 h^2 of the angular momentum of a rotation by w.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn rotation(&self) -> [Sum; 2] {
+        let substep = Sum::from(self.step) / Sum::from(1u32 << self.halvings);
+        let rate = if self.scheme.method == Method::BackwardEuler { 2.0 * substep } else { 0.0 };
+        let of = |cloth: &ClothRange| {
+            let own = cloth.vertices.start as usize..cloth.vertices.end as usize;
+            let [x, v] = [self.positions(), self.velocities()].map(|column| &column[own.clone()]);
+            diagnostics::rotation(&self.built.particles.masses[own], x, v)
+        };
+        let add = |[energy, power]: [Sum; 2], [own, square]: [Sum; 2]| [energy + own, power + own * square * rate];
+        self.built.cloths.iter().map(of).fold([0.0; 2], add)
     }
 
     /// Current stretch of all edges.

@@ -164,6 +164,8 @@ impl Course {
         let record = &mut self.record;
         record.stretch = record.stretch.max(self.engine.largest_stretch());
         record.balance.see(&self.engine.report().energy, self.engine.work_done());
+        let [rotation, power] = self.engine.rotation();
+        record.balance.see_rotation(rotation, power * self.timing.step * self.timing.steps_per_frame as f64);
         record.rounding = record.rounding.max(self.engine.rounding());
         record.penetration = self.engine.penetration().map(|now| now.max(record.penetration.unwrap_or(0.0)));
         record.awaits_audit = self.audit;
