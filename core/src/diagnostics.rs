@@ -1,7 +1,7 @@
 //! Diagnostics of a state: energies, momentum, stretch, the first particle that is not finite, the
 //! force term that pulls it hardest, and a hash of the bits.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Energy, Model};
@@ -31,29 +31,6 @@ pub fn angular_momentum(masses: &[Real], x: &[Vec3], v: &[Vec3]) -> DVec3 {
     let of_particle =
         |((&m, &x), &v): ((&Real, &Vec3), &Vec3)| DVec3::from(to_f64(x)).cross(to_f64(v).into()) * Sum::from(m);
     masses.iter().zip(x).zip(v).map(of_particle).sum()
-}
-
-/// The rotation of a cloth about its centre of mass: its energy, J, and the square of its angular velocity, 1/s^2. It is
-/// that of a rigid body with the same angular momentum; zero if all mass lies on a line.
-#[cfg_attr(small, optimize(size), inline(never))]
-pub fn rotation(masses: &[Real], x: &[Vec3], v: &[Vec3]) -> [Sum; 2] {
-    let particles =
-        || masses.iter().zip(x).zip(v).map(|((&m, &x), &v)| (Sum::from(m), [x, v].map(|a| DVec3::from(to_f64(a)))));
-    let (mass, sums) =
-        particles().fold((0.0, [DVec3::ZERO; 2]), |(mass, [x, v]), (m, [a, b])| (mass + m, [x + a * m, v + b * m]));
-    let [centre, drift] = sums.map(|sum| sum / mass);
-    let mut momentum = DVec3::ZERO;
-    let mut inertia = DMat3::ZERO;
-    for (m, [x, v]) in particles() {
-        let arm = x - centre;
-        momentum += arm.cross(v - drift) * m;
-        inertia += (DMat3::from_diagonal(DVec3::splat(arm.length_squared()))
-            - DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z))
-            * m;
-    }
-    let velocity = inertia.inverse() * momentum;
-    let [energy, square] = [0.5 * velocity.dot(momentum), velocity.length_squared()];
-    if square.is_finite() { [energy, square] } else { [0.0; 2] }
 }
 
 /// Ratio of length to rest length over all edges.

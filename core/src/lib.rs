@@ -29,7 +29,8 @@
 //!     not suit a scene, and signs that a result is wrong.
 //! 12. [`simulation`]: all of it owned, for hosts that allocate.
 //!
-//! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time),
+//! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time), [`rigid_body`]
+//! (a cloth as if it were rigid),
 //! [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over time), [`error`], [`stage`] (names of the
 //! stages, for hosts that measure time) and [`traffic`] (bytes that each stage streams).
 //!
@@ -108,6 +109,7 @@ pub mod contact;
 pub mod detection;
 pub mod implicit_contact;
 pub mod response;
+pub mod rigid_body;
 
 pub mod reactions;
 pub mod refusal;

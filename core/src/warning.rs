@@ -127,6 +127,10 @@ const MOST_APPEARED: f64 = 0.5;
 /// Energy that the method may take from rotations, relative to the largest energy that moved.
 const MOST_UNTURNED: f64 = 0.1;
 
+/// Energy that may appear where there is contact, relative to that of lifting the cloth by the thickness: cloth that
+/// comes to rest settles within the thickness. Sheets that stuck at once on a slope showed up to 0.25 of it.
+const SETTLING: f64 = 0.5;
+
 /// Energy by moving overlapping surfaces apart, relative to the largest energy that moved. A sleeve that starts inside
 /// the thickness is stretched once: all of the energy that moves is from this. A belt that stayed rough had nine times
 /// the energy that moved.
@@ -267,7 +271,8 @@ pub struct Run<'a> {
 pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
     let Run { balance, stretch, rounding, unconverged, substeps: [substeps, exceeding], .. } = *run;
     let appeared = run.appeared(scene);
-    let appeared = (appeared > MOST_APPEARED * balance.moved() && run.is_harmful(appeared, scene))
+    let most = (MOST_APPEARED * balance.moved()).max(SETTLING * run.lift(scene));
+    let appeared = (appeared > most && run.is_harmful(appeared, scene))
         .then(|| Warning { is_doubtful: true, ..Warning::new(Code::Energy, appeared, balance.moved()) });
     // The loads have stretched cloth without energy that appeared, so a large stretch is no reason for doubt.
     let stretched = (stretch > TOO_LONG).then(|| Warning::new(Code::Stretch, stretch, TOO_LONG));
@@ -297,14 +302,19 @@ impl Run<'_> {
         self.balance.appeared.max(by_method)
     }
 
+    /// Energy of lifting the whole cloth by the thickness of contact.
+    fn lift(&self, scene: &SceneDesc) -> f64 {
+        let thickness = scene.contact.as_ref().map_or(0.0, |contact| contact.thickness);
+        self.mass * scene.largest_gravity() * thickness
+    }
+
     /// Energy by moving overlapping surfaces apart. It is a reason for doubt if it is more than lifting the whole cloth
     /// by the thickness takes: then surfaces overlap again and again, and friction acts as by chance.
     fn overlap(&self, scene: &SceneDesc) -> Option<Warning> {
         let (separation, moved) = (self.balance.work.separation, self.balance.moved());
         let is_much = separation > MOST_SEPARATED * moved;
         (is_much && self.is_harmful(separation, scene)).then(|| {
-            let thickness = scene.contact.as_ref().map_or(0.0, |contact| contact.thickness);
-            let is_doubtful = separation > self.mass * scene.largest_gravity() * thickness;
+            let is_doubtful = separation > self.lift(scene);
             Warning { is_doubtful, ..Warning::new(Code::Overlap, separation, moved) }
         })
     }

@@ -79,6 +79,39 @@ fn a_run_does_not_end_at_rest_before_what_the_scene_schedules() {
     }
 }
 
+/// An arm that turns for ever reaches every place in its first turn.
+#[test]
+fn a_run_does_not_end_at_rest_before_a_rotation_without_an_end_has_turned_once() {
+    let place = Place::new();
+    let scene = r#"duration = 4.0
+until_rest = 0.01
+frame_rate = 20
+gravity = [0, -9.81, 0]
+[[cloth]]
+grid = { size = [0.3, 0.3], cells = [4, 4] }
+position = [0.7, 0.0051, 0]
+density = 0.2
+stretch = { model = "membrane", stiffness = 500.0, damping = 0.001 }
+shear = { stiffness = 100.0 }
+[[collider]]
+shape = "plane"
+point = [0, 0, 0]
+normal = [0, 1, 0]
+[[collider]]
+shape = "box"
+center = [0, 0.03, 0]
+half = [1, 0.04, 0.02]
+rotation = [0, 90, 0]
+motion = { turn = { axis = [0, 1, 0], rate = 4.0 } }
+[contact]
+thickness = 0.005
+friction = 0.3
+"#;
+    place.write("scene.toml", scene);
+    let time = place.run("scene.toml --export none")["simulated_s"].as_f64().unwrap();
+    assert!(time > std::f64::consts::TAU / 4.0, "the arm turns once until 1.57 s, and the run ended at {time} s");
+}
+
 /// A plate lies still in the frames of a point cache until 0.6 s, and then rises.
 #[test]
 fn a_run_does_not_end_at_rest_before_the_last_frame_of_a_point_cache() {

@@ -251,6 +251,41 @@ thickness = 0.01
     assert!(codes(&controlled).is_empty(), "{controlled}");
 }
 
+/// Cloth that comes to rest settles within the thickness.
+#[test]
+fn sheets_that_lie_still_are_not_doubted() {
+    let place = Place::new();
+    for (slope, height) in [(0.0, 0.004), (0.3, 0.005), (0.5, 0.005)] {
+        place.write(
+            "still.toml",
+            format!(
+                r#"duration = 0.5
+gravity = [{:?}, -9.81, 0]
+[[cloth]]
+grid = {{ size = [0.3, 0.3], cells = [14, 16] }}
+position = [0, {height:?}, 0]
+density = 0.2
+stretch = {{ model = "membrane", stiffness = 1000.0, damping = 0.001 }}
+shear = {{ stiffness = 300.0, damping = 0.001 }}
+bend = {{ model = "hinge", rigidity = 2e-5, damping = 0.01 }}
+[[collider]]
+shape = "box"
+center = [0, -0.5, 0]
+half = [3, 0.5, 3]
+[contact]
+thickness = {height:?}
+friction = 0.6
+"#,
+                9.81 * slope
+            ),
+        );
+        for precision in ["f32", "f64"] {
+            let still = run(&place, &format!("still.toml --precision {precision}"), 0);
+            assert!(codes(&still).is_empty(), "slope {slope}, {precision}: {}", still["warnings"]);
+        }
+    }
+}
+
 /// Backward Euler slows rotations down. A turning table that carries its sheet along replaces what it takes.
 #[test]
 fn a_rotation_that_backward_euler_slows_down_is_warned_of() {

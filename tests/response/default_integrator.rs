@@ -150,8 +150,68 @@ both_precisions! {
         let expected = 0.3 * GRAVITY * 0.3826 * 6.0 / 0.2 * 0.2;
         let spin = sim.angular_momentum()[1] / (mass * 0.2 * 0.2 / 6.0);
         println!("the sheet spins with {spin:.2} rad/s, {expected:.2} expected");
-        // Solves balance momentum, not angular momentum: a limit in the README of the core.
         assert!((spin / expected - 1.0).abs() < 0.15, "the sheet spins with {spin} rad/s, {expected} expected");
+    }
+
+    /// Two loads turn a sheet on ice: solves that stop early must not leave its moment.
+    #[test]
+    fn a_couple_of_loads_turns_a_sheet_on_ice() {
+        for (size, density) in [(0.4, 0.05), (0.3, 0.2)] {
+            let force = 0.08 * density * size * size;
+            let load = |corner: u32, force: f64| format!("{{ select = {{ corners = [{corner}] }}, force = [{force:?}, 0, 0] }}");
+            let more = format!(
+                "position = [0, 0.004, 0]\ndensity = {density:?}\nload = [{}, {}]",
+                load(0, force),
+                load(3, -force)
+            );
+            let text = format!(
+                "duration = 0.5\ngravity = [0, -9.81, 0]\n{}{FLOOR}[contact]\nthickness = 0.004\nfriction = 0.0\n",
+                cloth([size, size], [10, 12], &more, 2e-5)
+            );
+            let mut sim = kit::simulation(&text, &[]);
+            kit::run(&mut sim, 0.5, |_| ());
+            let part = sim.angular_momentum()[1].abs() / (force * size * 0.5);
+            println!("{size} m, {density} kg/m^2: {part:.3} of the angular momentum");
+            // It turns by a tenth of a turn, which changes the arm of the forces.
+            assert!((part - 1.0).abs() < 0.1, "{part} of the angular momentum of {size} m, {density} kg/m^2");
+        }
+    }
+
+    /// Cloth of 2 kN/m that is extrapolated along its tangents is stretched, and would resist the torque of friction.
+    #[test]
+    fn friction_stops_a_rotation() {
+        let text = format!(
+            "duration = 0.5\ngravity = [0, -9.81, 0]\n{}{FLOOR}friction = 0.2\n[contact]\nthickness = 0.004\n\
+             [integrator]\nerror = 0\nstep = 0.016666667\n",
+            cloth([0.2, 0.2], [10, 12], "position = [0, 0.004, 0]\ndensity = 0.13\nspin = { axis = [0, 1, 0], rate = 3.0 }", 2e-5)
+                .replace("1000.0", "2000.0")
+        );
+        let mut sim = kit::simulation(&text, &[]);
+        let before = sim.angular_momentum()[1];
+        kit::run(&mut sim, 0.1, |_| ());
+        let (left, deceleration) = (sim.angular_momentum()[1] / before, 0.2 * GRAVITY * 0.3826 * 6.0 / 0.2);
+        let expected = 1.0 - deceleration * 0.1 / 3.0;
+        println!("{left:.3} of the rotation is left, {expected:.3} expected");
+        assert!((left - expected).abs() < 0.06, "{left} of the rotation is left, not {expected}");
+    }
+
+    /// A slope between the two coefficients: from rest the static one holds every vertex.
+    #[test]
+    fn static_friction_holds_a_sheet_on_a_box() {
+        for (cells, size) in [([8, 9], 0.3), ([20, 23], 0.3)] {
+            let text = format!(
+                "duration = 1.0\ngravity = [4, -9.81, 0]\n{}[[collider]]\nshape = \"box\"\ncenter = [0, -0.5, 0]\n\
+                 half = [3, 0.5, 3]\n[contact]\nthickness = 0.005\nfriction = {{ static = 0.6, kinetic = 0.2 }}\n",
+                cloth([size, size], cells, "position = [0, 0.005, 0]\ndensity = 0.2", 2e-5)
+            );
+            let mut sim = kit::simulation(&text, &[]);
+            let before = kit::places(&sim, 0);
+            kit::run(&mut sim, 1.0, |_| ());
+            let ways = kit::places(&sim, 0).into_iter().zip(before).map(|(now, before)| (now - before).length());
+            let most = ways.fold(0.0, f64::max);
+            println!("{cells:?}: moved by {most:.1e} m");
+            assert!(most < 1e-3, "{cells:?}: the sheet slides by {most} m");
+        }
     }
 
     /// To and fro within a step of a frame.

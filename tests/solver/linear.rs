@@ -1,9 +1,9 @@
 //! The constrained solve against dense LU of the same system, which is assembled from the core's forces,
 //! matrix, masses and pins. A backward Euler or implicit midpoint stage of length g from (x, v), linearised at
 //! (x + g w, w), is `(M + S) y = M v + g f(x + g w, w) + S w` with `S = -(g^2 Kx + g Kv)` at that state and the
-//! held axes of y given.
+//! held axes of y given. The velocities w of a free sheet in a step of backward Euler are those at the start, turned with it.
 
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 use harness::kit::double as kit;
 use harness::net::linearised;
 use harness::rng::Rng;
@@ -104,10 +104,29 @@ fn rates(sim: &Simulation) -> Vec<(usize, DVec3, u8)> {
     pins.vertices.iter().enumerate().map(|(pin, &vertex)| rate(pin, vertex)).collect()
 }
 
-/// The velocities w at which the stage is linearised: the current velocities, with the pins' rates on held
-/// axes, scaled down so that the strain over the stage is at most one half.
+/// The velocities of the sheet, turned about its centre of mass for a time as a rigid body.
+fn turned(sim: &Simulation, time: f64) -> Vec<DVec3> {
+    let particles = || sim.scene().particles.masses.iter().zip(sim.positions().iter().zip(sim.velocities()));
+    let mass: f64 = particles().map(|(m, _)| m).sum();
+    let centre = particles().map(|(&m, (&x, _))| x * m).sum::<DVec3>() / mass;
+    let drift = particles().map(|(&m, (_, &v))| v * m).sum::<DVec3>() / mass;
+    let momentum: DVec3 = particles().map(|(&m, (&x, &v))| (x - centre).cross(v) * m).sum();
+    let inertia: DMat3 = particles()
+        .map(|(&m, (&x, _))| {
+            let arm = x - centre;
+            let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+            (DMat3::IDENTITY * arm.length_squared() - outer) * m
+        })
+        .fold(DMat3::ZERO, |sum, part| sum + part);
+    let turn = DQuat::from_scaled_axis(inertia.inverse() * momentum * time);
+    sim.velocities().iter().map(|&v| drift + turn * (v - drift)).collect()
+}
+
+/// The velocities w at which the stage is linearised: the current velocities, turned with a free sheet by backward Euler,
+/// with the pins' rates on held axes, scaled down so that the strain over the stage is at most one half.
 fn ahead(sim: &Simulation, stage: f64) -> Vec<DVec3> {
-    let mut v = sim.velocities().to_vec();
+    let turns = sim.pins().vertices.is_empty() && sim.scheme().method == Method::BackwardEuler;
+    let mut v = if turns { turned(sim, stage) } else { sim.velocities().to_vec() };
     for (vertex, rate, axes) in rates(sim) {
         (0..3).filter(|axis| axes >> axis & 1 == 1).for_each(|axis| v[vertex][axis] = rate[axis]);
     }

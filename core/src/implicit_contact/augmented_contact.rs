@@ -12,7 +12,7 @@
 //! function [Simo 1992, Alart 1991].
 
 use crate::forces::matrix::{self, BlockMatrix};
-use crate::integrate::convex_term::{ConvexTerm, Curvature, Update};
+use crate::integrate::convex_term::{ConvexTerm, Curvature};
 use crate::real::{Lanes, Mat3, Real, Sum, Vec3, dot_sum, outer, scaled_identity, sqrt};
 
 /// Stiffness of a contact relative to that of the cloth at its vertices. A larger value needs more iterations; a
@@ -28,8 +28,10 @@ const MOST_HARDENINGS: u32 = 8;
 /// Whether a contact slides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Friction {
-    /// The static coefficient bounds its friction.
+    /// It was at rest before the step. The static coefficient bounds its friction, even if it slides now.
     #[default]
+    Rests,
+    /// It slid before. The static coefficient bounds its friction.
     Sticks,
     /// The kinetic coefficient bounds its friction.
     Slips,
@@ -160,7 +162,6 @@ impl AugmentedContact {
         let along = self.normal.dot(self.multiplier);
         let of_cloth = STIFFNESS / self.compliance(masses, matrix).max(Real::MIN_POSITIVE);
         self.stiffness = of_cloth.max(along / self.slack);
-        self.friction = Friction::Sticks;
         self.bound = if along > 0.0 {
             self.coefficients[0] * along
         } else if self.coefficients[0] > 0.0 {
@@ -229,14 +230,16 @@ impl AugmentedContact {
         self.impulse = self.impulse_at(self.velocity);
     }
 
-    /// Sets the bound of friction from the normal impulse. If the contact `may_slip`, it slips where it would need more
-    /// than the static coefficient allows; it sticks again where it needs less than the kinetic one allows.
-    pub fn update_friction(&mut self, may_slip: bool) {
+    /// Sets the bound of friction from the normal impulse. A contact that slid before slips where it would need more than
+    /// the static coefficient allows, and sticks again where it needs less than the kinetic one allows. One that slides from
+    /// rest does so by the static coefficient until the next step: if it slipped at once, its neighbours would have to hold
+    /// more, and a whole sheet that should stick would come loose.
+    pub fn update_friction(&mut self) {
         let Trial { along, across } = self.trial(self.velocity);
         let (along, needed) = (along.max(0.0), sqrt(across.length_squared()));
         let [at_rest, kinetic] = self.coefficients;
         self.friction = match self.friction {
-            Friction::Sticks if may_slip && needed > at_rest * along => Friction::Slips,
+            Friction::Sticks if needed > at_rest * along => Friction::Slips,
             Friction::Slips if needed < kinetic * along => Friction::Sticks,
             unchanged => unchanged,
         };
@@ -280,9 +283,9 @@ impl AugmentedContact {
         self.normal.dot(self.impulse)
     }
 
-    /// Speed of sliding, m/s.
-    pub fn slide(&self) -> Real {
-        sqrt((self.velocity - self.normal * self.normal.dot(self.velocity)).length_squared())
+    /// Speed of sliding at a relative velocity, m/s.
+    pub fn slide(&self, velocity: Vec3) -> Real {
+        sqrt((velocity - self.normal * self.normal.dot(velocity)).length_squared())
     }
 }
 
@@ -349,10 +352,10 @@ impl ConvexTerm for ActiveContacts<'_> {
         }
     }
 
-    fn update(&mut self, update: Update) {
+    fn update(&mut self, is_early: bool) {
         for contact in &mut *self.contacts {
-            contact.update_friction(update.has_converged);
-            if update.is_early {
+            contact.update_friction();
+            if is_early {
                 contact.update_multiplier();
             }
         }

@@ -83,8 +83,8 @@ pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>
             let across = solved.impulse - solved.normal * along;
             let FrictionCoefficients { at_rest, kinetic } = constraint.coefficients;
             constraint.coefficients = FrictionCoefficients::always(match solved.friction {
-                Friction::Sticks => at_rest,
-                Friction::Slips if solved.slide() * step < SMALL * model.thickness => kinetic,
+                Friction::Rests | Friction::Sticks => at_rest,
+                Friction::Slips if solved.slide(solved.velocity) * step < SMALL * model.thickness => kinetic,
                 Friction::Slips => kinetic.min((1.0 + SLACK) * sqrt(across.length_squared()) / along),
             });
             constraint.is_solved = true;

@@ -18,10 +18,13 @@ use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
-use augmented_contact::{ActiveContacts, AugmentedContact, ContactLines};
+use augmented_contact::{ActiveContacts, AugmentedContact, ContactLines, Friction};
 
 /// Limit of linearisations in a step.
 const MOST_LINEARIZATIONS: u32 = 8;
+
+/// Speed of a contact at rest, relative to its slack, 1/s: solves leave a part of it.
+const CREEP: Real = 2.0;
 
 /// Relative residual at which the solve pauses. It suffices to find the impacts of the motion.
 const ROUGH: Sum = 1e-2;
@@ -42,7 +45,7 @@ pub fn correct<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) -> bool {
     let length = c.stage_length(s.last_step);
-    start(c, length, contacts, s);
+    start(c, from, length, contacts, s);
     if !c.defers_solve() {
         if contacts.iter().all(|contact| contact.impulse == Vec3::ZERO) {
             return false;
@@ -94,7 +97,7 @@ pub fn resume<D: Dispatch>(
     let length = c.stage_length(s.last_step);
     if !added.is_empty() {
         before.iter_mut().for_each(AugmentedContact::update_multiplier);
-        start(c, length, added, s);
+        start(c, from, length, added, s);
     }
     if !has_begun {
         solve_change(c, from, (contacts, lines), c.scheme.tolerance.residual().into(), s, statistics);
@@ -121,8 +124,17 @@ fn left<D: Dispatch>(c: &StepInput<'_, D>) -> Sum {
 }
 
 /// Starts contacts, whose displacements over a stage of `length` become velocities.
-fn start<D: Dispatch>(c: &StepInput<'_, D>, length: Real, contacts: &mut [AugmentedContact], s: &Scratch<'_>) {
+fn start<D: Dispatch>(
+    c: &StepInput<'_, D>,
+    from: &Particles<'_>,
+    length: Real,
+    contacts: &mut [AugmentedContact],
+    s: &Scratch<'_>,
+) {
     for contact in contacts {
+        let before = (contact.velocity - contact.gather(s.displacements)) / length + contact.gather(from.velocities);
+        let has_slid = contact.slide(before) > CREEP * contact.slack;
+        contact.friction = if has_slid { Friction::Slips } else { Friction::Rests };
         contact.velocity /= length;
         contact.least_velocity /= length;
         contact.slack /= length;

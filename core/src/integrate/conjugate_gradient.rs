@@ -17,10 +17,10 @@ use glam::DVec3;
 
 use super::coarse::{self, CoarseFactor, Patches};
 use super::columns::{Sums, dot, sum_parts};
-use super::convex_term::{ConvexTerm, Update};
+use super::convex_term::ConvexTerm;
 use super::per_cloth::{self, ClothSolve};
 use super::pins::Pins;
-use super::{IntegratorStatistics, Preconditioner, StepInput, Tolerance};
+use super::{IntegratorStatistics, Method, Preconditioner, StepInput, Tolerance};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity, to_f64, vec3};
@@ -127,8 +127,14 @@ const MOST_EVALUATIONS: u32 = 12;
 /// be less than the velocity: without this the cloth would hover.
 const ROUGHLY: Sum = 0.1;
 
+/// The same for implicit midpoint, which does not damp what solves leave: rounding would make free cloth ring.
+const UNDAMPED: Sum = 0.01;
+
 /// Squared residual after the vertices of a cloth moved together that is taken for rounding, relative to the one before.
 const STILL: Sum = 1e-6;
+
+/// Roundings of the elasticity of a vertex in a motion of its cloth as a whole: those of the blocks of its row.
+const ROUNDED: Real = 16.0;
 
 /// The same as [`ROUGHLY`] without patches, whose motions [complete](Iterate::complete) the solution.
 const WITHOUT_PATCHES: Sum = 1e-3;
@@ -148,6 +154,8 @@ struct Iterate<'a, 'b> {
     system: System<'a>,
     preconditioner: FactoredPreconditioner<'a, 'b>,
     cloths: &'a mut [ClothSolve],
+    /// Positions at which the forces are linearised, m.
+    positions: &'a [Vec3],
     /// y.
     solution: &'a mut [Vec3],
     /// `A (y0 - y)`: the residual without contacts.
@@ -190,7 +198,7 @@ pub(crate) fn solve<D: Dispatch>(
     let mut i = Iterate::new(c, s);
     if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
         i.factorise(term, c.dispatch);
-        per_cloth::start(i.cloths, c.masses, c.pins);
+        per_cloth::start(i.cloths, c.masses, i.positions, c.pins);
     }
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
@@ -208,7 +216,12 @@ pub(crate) fn solve<D: Dispatch>(
         // The fall is solved, and the rest is small beside it.
         i.cloths.iter_mut().filter(|cloth| cloth.is_free).for_each(|cloth| cloth.target *= STILL);
     }
-    i.set_targets(goal);
+    let least = match c.scheme.method {
+        _ if !has_patches => WITHOUT_PATCHES,
+        Method::ImplicitMidpoint => UNDAMPED,
+        _ => ROUGHLY,
+    };
+    i.set_targets(goal, least);
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
     let (mut updates, mut last_updates, mut is_translated) = (0, 0, false);
     // A solve that only pauses at its goal is completed by one that balances it.
@@ -240,7 +253,7 @@ pub(crate) fn solve<D: Dispatch>(
             continue;
         }
         if is_balanced {
-            term.update(Update { is_early: false, has_converged: true });
+            term.update(false);
             if last_updates == 0 {
                 i.factorise(term, c.dispatch);
             }
@@ -263,7 +276,8 @@ pub(crate) fn solve<D: Dispatch>(
         (iterations, since_update, is_translated) = (iterations + 1, since_update + 1, false);
         statistics.cg_iterations += 1;
         statistics.matrix_products += 1;
-        let Some(length) = i.search(term, c.dispatch) else {
+        let curvature = i.multiply(c.dispatch);
+        let Some(length) = i.search(term, curvature) else {
             statistics.negative_curvature += 1;
             if iterations == 1 {
                 i.solution.copy_from_slice(i.direction);
@@ -273,7 +287,7 @@ pub(crate) fn solve<D: Dispatch>(
         i.advance(term, length, c.dispatch);
         let is_due = since_update >= UPDATE_AFTER.max(iterations / UPDATE_PART) || rho < UPDATE_BELOW * updated_at;
         if is_due && !term.is_zero() {
-            term.update(Update { is_early: updates < MULTIPLIER_UPDATES, has_converged: last_updates > 0 });
+            term.update(updates < MULTIPLIER_UPDATES);
             (updated_at, since_update, updates) = (rho, 0, updates + 1);
             if updates == 1 {
                 i.factorise(term, c.dispatch);
@@ -300,6 +314,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
             system: System { matrix: &s.matrix, masses: c.masses, pins: c.pins },
             preconditioner: FactoredPreconditioner { inverse_diagonal: s.inverse_diagonal, coarse },
             cloths: s.cloths,
+            positions: s.stage_positions.rounded,
             solution: s.solution,
             elastic: s.residual,
             residual: s.gradient,
@@ -341,18 +356,17 @@ impl<'a, 'b> Iterate<'a, 'b> {
     /// Writes where the solve stops.
     #[cfg_attr(small, optimize(size))]
     #[inline(never)]
-    fn set_targets(&mut self, goal: Goal) {
+    fn set_targets(&mut self, goal: Goal, least: Sum) {
         if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
             for index in 0..self.cloths.len() {
                 self.cloths[index].target = self.cloths[index].target.max(self.norm(index));
             }
             per_cloth::raise_quiet(self.cloths);
         }
-        let least = if self.preconditioner.coarse.is_some() { ROUGHLY } else { WITHOUT_PATCHES };
         for cloth in &mut *self.cloths {
             cloth.target = match goal {
                 Goal::Reduce(tolerance) => cloth.target * tolerance * tolerance,
-                Goal::Within(square) => (cloth.mass * square).min(cloth.target * least * least),
+                Goal::Within(square) => (cloth.body.mass * square).min(cloth.target * least * least),
                 Goal::Reach(part) => cloth.target * part,
                 Goal::Iterations(_) => 0.0,
             };
@@ -368,7 +382,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
             && (all.len() == 1 || all.into_iter().all(|k| self.norm(k) <= factor * self.cloths[k].target))
     }
 
-    /// Whether the residual leaves little momentum of every cloth.
+    /// Whether the residual leaves little momentum of every cloth, and little angular momentum of every free one.
     #[cfg_attr(small, optimize(size))]
     #[inline(never)]
     fn is_balanced(&self, unbalanced: Sum) -> bool {
@@ -378,13 +392,22 @@ impl<'a, 'b> Iterate<'a, 'b> {
     #[cfg_attr(small, optimize(size), inline(never))]
     fn leaves_little(&self, index: usize, unbalanced: Sum) -> bool {
         let (cloth, range) = (&self.cloths[index], per_cloth::range(self.cloths, index));
-        let [left, elastic] = [&*self.residual, &*self.elastic].map(|column| per_cloth::sum(&column[range.clone()]));
-        let impulse = (left - elastic).length_squared();
-        let part = if cloth.is_free { unbalanced } else { ROUGHLY_BALANCED };
-        left.length_squared() <= part * part * impulse + SLOWLY * cloth.target * cloth.mass
+        let [left, elastic] = [&*self.residual, &*self.elastic]
+            .map(|column| cloth.wrench(&self.positions[range.clone()], &column[range.clone()]));
+        let impulses = [0, 1].map(|k| (left[k] - elastic[k]).length_squared());
+        // Moments that cancel are as inexact as their forces.
+        let impulses = [impulses[0], impulses[0] + impulses[1]];
+        let is_little = |k: usize, part: Sum| {
+            left[k].length_squared() <= part * part * impulses[k] + SLOWLY * cloth.target * cloth.body.mass
+        };
+        if cloth.is_free {
+            is_little(0, unbalanced) && is_little(1, unbalanced)
+        } else {
+            is_little(0, ROUGHLY_BALANCED)
+        }
     }
 
-    /// Writes the direction in which free cloths move as a whole to take up the momentum that is left of them. A
+    /// Writes the direction in which free cloths move as a whole, to take up the momentum and the moment that are left. A
     /// preconditioner moves each vertex by its own stiffness, and would wrinkle cloth in a long fall. Returns whether any
     /// cloth moves.
     #[cfg_attr(small, optimize(size))]
@@ -395,15 +418,21 @@ impl<'a, 'b> Iterate<'a, 'b> {
         if !(0..self.cloths.len()).any(|index| moves(self, index)) {
             return false;
         }
-        per_cloth::write_blocks(self.cloths, term);
+        per_cloth::write_blocks(self.cloths, self.positions, term);
         self.slope = 0.0;
         for index in 0..self.cloths.len() {
-            let range = per_cloth::range(self.cloths, index);
-            let left = per_cloth::sum(&self.residual[range.clone()]);
-            let motion =
-                if moves(self, index) { self.cloths[index].block.inverse() * vec3(left.into()) } else { Vec3::ZERO };
-            self.direction[range].fill(motion);
-            self.slope += left.dot(DVec3::from(to_f64(motion)));
+            let (cloth, range) = (&self.cloths[index], per_cloth::range(self.cloths, index));
+            if !moves(self, index) {
+                self.direction[range].fill(Vec3::ZERO);
+                continue;
+            }
+            let left = cloth.wrench(&self.positions[range.clone()], &self.residual[range.clone()]);
+            let motion = [0, 1].map(|k| cloth.blocks[k].inverse() * vec3(left[k].into()));
+            let motion = motion.map(|of| if of.is_finite() { of } else { Vec3::ZERO });
+            for (direction, &x) in self.direction[range.clone()].iter_mut().zip(&self.positions[range]) {
+                *direction = motion[0] + motion[1].cross(cloth.arm(x));
+            }
+            self.slope += left.iter().zip(motion).map(|(left, of)| left.dot(DVec3::from(to_f64(of)))).sum::<Sum>();
         }
         true
     }
@@ -418,7 +447,8 @@ impl<'a, 'b> Iterate<'a, 'b> {
         dispatch: &impl Dispatch,
     ) -> Sum {
         statistics.matrix_products += 1;
-        if let Some(length) = self.search(term, dispatch) {
+        let curvature = self.multiply_rigid(dispatch);
+        if let Some(length) = self.search(term, curvature) {
             self.advance(term, length, dispatch);
         }
         self.gradient(term, dispatch)
@@ -469,21 +499,48 @@ impl<'a, 'b> Iterate<'a, 'b> {
         products
     }
 
-    /// Length of the step along the direction that minimises the function there; `None` where it has no minimum.
-    fn search(&mut self, term: &mut dyn ConvexTerm, dispatch: &impl Dispatch) -> Option<Sum> {
-        let Self { system, direction, product, partials, slope, .. } = self;
-        let (slope, direction) = (*slope, &**direction);
+    /// Writes the product of the matrix with the direction. Returns the curvature along the direction.
+    fn multiply(&mut self, dispatch: &impl Dispatch) -> Sum {
+        let Self { system, direction, product, partials, .. } = self;
+        let direction = &**direction;
         let [curvature, _] = sum_parts(product, partials, dispatch, |range, q| {
             matrix::multiply_rows(system.matrix, system.masses, 1.0, direction, range.start, q);
             // Held axes of the direction are zero.
             [dot(&direction[range], q), 0.0]
         });
         system.pins.filter(product);
+        curvature
+    }
+
+    /// The same for motions of cloths as a whole. Where their elasticity is only rounding it counts as zero: beside it a
+    /// stiff cloth would lose its masses.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    fn multiply_rigid(&mut self, dispatch: &impl Dispatch) -> Sum {
+        let Self { system, direction, product, partials, .. } = self;
+        let direction = &**direction;
+        let [curvature, _] = sum_parts(product, partials, dispatch, |range, q| {
+            matrix::multiply_rows(system.matrix, system.masses, 0.0, direction, range.start, q);
+            for (i, q) in range.clone().zip(&mut *q) {
+                let own = matrix::to_mat3(&system.matrix.blocks[system.matrix.offsets[i] as usize]).abs()
+                    * direction[i].abs();
+                let rounding = ROUNDED * Real::EPSILON * own.max_element();
+                let elastic = if q.abs().max_element() < rounding { Vec3::ZERO } else { *q };
+                *q = elastic + direction[i] * system.masses[i];
+            }
+            [dot(&direction[range], q), 0.0]
+        });
+        system.pins.filter(product);
+        curvature
+    }
+
+    /// Length of the step along the direction that minimises the function there; `None` where it has no minimum.
+    fn search(&mut self, term: &mut dyn ConvexTerm, curvature: Sum) -> Option<Sum> {
+        let slope = self.slope;
         if term.is_zero() {
             // The length is dimensionless, as P A is. Beyond 1 / EPSILON the matrix is singular within rounding errors.
             return (curvature > Sum::EPSILON * slope).then(|| slope / curvature);
         }
-        let elastic_slope = slope - term.set_direction(direction);
+        let elastic_slope = slope - term.set_direction(self.direction);
         // The derivative of the function along the direction increases with the length of the step.
         let evaluate = |length: Sum| {
             let [slope, second] = term.slope_and_curvature(length as Real);

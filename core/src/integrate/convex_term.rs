@@ -17,8 +17,8 @@ pub trait ConvexTerm {
     fn slope_and_curvature(&self, length: Real) -> [Sum; 2];
     /// Moves by a multiple of the direction.
     fn advance(&mut self, length: Real);
-    /// Changes the function as the minimum approaches.
-    fn update(&mut self, update: Update);
+    /// Changes the function as the minimum approaches. `is_early` says whether this is one of the first updates.
+    fn update(&mut self, is_early: bool);
 }
 
 /// A part of a second derivative: `W^T matrix W`, where W sums the velocities of four vertices by their weights.
@@ -30,15 +30,6 @@ pub struct Curvature {
     pub weights: [Real; 4],
     /// Symmetric, kg.
     pub matrix: Mat3,
-}
-
-/// How far a solve has come when it updates a [`ConvexTerm`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Update {
-    /// Whether it is one of the first updates.
-    pub is_early: bool,
-    /// Whether the solve has converged for the function before its last update.
-    pub has_converged: bool,
 }
 
 /// The term that is zero.
@@ -58,5 +49,5 @@ impl ConvexTerm for NoTerm {
         [0.0; 2]
     }
     fn advance(&mut self, _: Real) {}
-    fn update(&mut self, _: Update) {}
+    fn update(&mut self, _: bool) {}
 }

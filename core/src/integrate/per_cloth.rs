@@ -8,7 +8,8 @@ use glam::DVec3;
 use super::columns::{PART, dot};
 use super::convex_term::ConvexTerm;
 use super::pins::Pins;
-use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity, sqrt, to_f64};
+use crate::real::{Mat3, Real, Sum, Vec3, cross, scaled_identity, sqrt, to_f64, vec3};
+use crate::rigid_body::RigidBody;
 
 /// Squared velocity that a cloth changes by at least, relative to the mean of all cloths: one that only contact moves has
 /// no residual at the start.
@@ -21,18 +22,33 @@ pub struct ClothSolve {
     end: u32,
     /// Whether no pin holds an axis of it.
     pub(super) is_free: bool,
-    /// Its mass, kg.
-    pub(super) mass: Sum,
+    /// The cloth as if it were rigid.
+    pub(super) body: RigidBody,
     /// The square of the preconditioned residual at which it is solved; before the solve the reference for it.
     pub(super) target: Sum,
-    /// The second derivative for its motion as a whole, without elasticity, kg.
-    pub(super) block: Mat3,
+    /// The root of the mean square of its distance from the axes of rotation, m.
+    radius: Sum,
+    /// The second derivatives for its translation and its rotation as a whole, without elasticity, kg. The velocity of a
+    /// rotation is that at its radius.
+    pub(super) blocks: [Mat3; 2],
 }
 
 impl ClothSolve {
     /// A cloth of the vertices up to `end`, from the end of the cloth before.
     pub fn up_to(end: u32) -> Self {
         Self { end, ..Self::default() }
+    }
+
+    /// The place of a vertex relative to the centre, in radii.
+    pub(super) fn arm(&self, x: Vec3) -> Vec3 {
+        vec3(((DVec3::from(to_f64(x)) - self.body.centre) / self.radius).into())
+    }
+
+    /// The impulse and, over the radius, the moment of a column of impulses at these positions, kg m/s.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub(super) fn wrench(&self, x: &[Vec3], column: &[Vec3]) -> [DVec3; 2] {
+        let values = || column.iter().map(|&r| DVec3::from(to_f64(r)));
+        [values().sum(), self.body.moment(x, values()) / self.radius]
     }
 }
 
@@ -43,12 +59,15 @@ pub fn range(cloths: &[ClothSolve], index: usize) -> Range<usize> {
     start as usize..cloths[index].end as usize
 }
 
-/// Writes the masses, and which cloths are free.
+/// Writes the masses and inertias at these positions, m, and which cloths are free.
 #[cfg_attr(small, optimize(size), inline(never))]
-pub fn start(cloths: &mut [ClothSolve], masses: &[Real], pins: &Pins<'_>) {
+pub fn start(cloths: &mut [ClothSolve], masses: &[Real], x: &[Vec3], pins: &Pins<'_>) {
     for index in 0..cloths.len() {
-        let mass = masses[range(cloths, index)].iter().map(|&m| Sum::from(m)).sum();
-        cloths[index] = ClothSolve { is_free: true, mass, ..ClothSolve::up_to(cloths[index].end) };
+        let own = range(cloths, index);
+        let body = RigidBody::of(&masses[own.clone()], &x[own]);
+        let [a, b, c] = body.inertia;
+        let radius = libm::sqrt((a.x + b.y + c.z) / (3.0 * body.mass));
+        cloths[index] = ClothSolve { is_free: true, body, radius, ..ClothSolve::up_to(cloths[index].end) };
     }
     for (&vertex, _) in pins.vertices.iter().zip(pins.axes).filter(|&(_, &axes)| axes != 0) {
         let index = cloth_of(cloths, vertex);
@@ -63,18 +82,27 @@ fn cloth_of(cloths: &[ClothSolve], vertex: u32) -> usize {
     cloths.partition_point(|cloth| cloth.end <= vertex)
 }
 
-/// Writes the second derivatives for motions of the cloths as a whole.
+/// Writes the second derivatives for motions of the cloths as a whole from these positions, m.
 #[cfg_attr(small, optimize(size), inline(never))]
-pub fn write_blocks(cloths: &mut [ClothSolve], term: &dyn ConvexTerm) {
+pub fn write_blocks(cloths: &mut [ClothSolve], x: &[Vec3], term: &dyn ConvexTerm) {
     for cloth in &mut *cloths {
-        cloth.block = scaled_identity(cloth.mass as Real);
+        let [a, b, c] = cloth.body.inertia.map(|column| vec3((column / (cloth.radius * cloth.radius)).into()));
+        cloth.blocks = [scaled_identity(cloth.body.mass as Real), Mat3::from_cols(a, b, c)];
     }
     term.visit_curvature(&mut |part| {
         let owners = part.vertices.map(|vertex| cloth_of(cloths, vertex));
-        for (&owner, weight) in owners.iter().zip(part.weights) {
+        for ((&owner, weight), vertex) in owners.iter().zip(part.weights).zip(part.vertices) {
             if let Some(cloth) = cloths.get_mut(owner) {
-                let own = owners.iter().zip(part.weights).filter(|&(&other, _)| other == owner);
-                cloth.block += part.matrix * (weight * own.map(|(_, weight)| weight).sum::<Real>());
+                let lever = |vertex: u32, weight: Real| cloth.arm(x[vertex as usize]) * weight;
+                let own =
+                    owners.iter().zip(part.vertices.iter().zip(part.weights)).filter(|&(&other, _)| other == owner);
+                let sum = |(sum, levers): (Real, Vec3), (_, (&vertex, weight))| {
+                    (sum + weight, levers + lever(vertex, weight))
+                };
+                let (sum, levers) = own.fold((0.0, Vec3::ZERO), sum);
+                let lever = cross(lever(vertex, weight));
+                cloth.blocks[0] += part.matrix * (weight * sum);
+                cloth.blocks[1] += lever.transpose() * part.matrix * cross(levers);
             }
         }
     });
@@ -83,9 +111,9 @@ pub fn write_blocks(cloths: &mut [ClothSolve], term: &dyn ConvexTerm) {
 /// Raises the references of cloths that hardly move to that of a slight motion.
 #[cfg_attr(small, optimize(size), inline(never))]
 pub fn raise_quiet(cloths: &mut [ClothSolve]) {
-    let [reference, mass] = cloths.iter().fold([0.0; 2], |[a, b], cloth| [a + cloth.target, b + cloth.mass]);
+    let [reference, mass] = cloths.iter().fold([0.0; 2], |[a, b], cloth| [a + cloth.target, b + cloth.body.mass]);
     for cloth in cloths {
-        cloth.target = cloth.target.max(QUIET * reference * cloth.mass / mass);
+        cloth.target = cloth.target.max(QUIET * reference * cloth.body.mass / mass);
     }
 }
 
@@ -103,10 +131,4 @@ pub fn largest_root_mean_square(cloths: &[ClothSolve], column: &[Vec3]) -> Real 
         sqrt((product(own, own) / own.len() as Sum) as Real)
     };
     (0..cloths.len()).map(of).fold(0.0, |most, own| if own > most || own.is_nan() { own } else { most })
-}
-
-/// The sum of a column.
-#[cfg_attr(small, optimize(size), inline(never))]
-pub fn sum(column: &[Vec3]) -> DVec3 {
-    column.iter().map(|&r| DVec3::from(to_f64(r))).sum()
 }

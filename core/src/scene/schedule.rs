@@ -4,8 +4,8 @@ use super::collider::ColliderMotionDesc;
 use super::{MotionDesc, SceneDesc, VectorDesc};
 
 impl SceneDesc {
-    /// Time of the last change that the scene schedules: a key, or the start or end of a pin or a rotation, s. Rotations
-    /// without an end do not count, nor do point caches ([`BuiltScene::last_frame`](super::BuiltScene::last_frame)).
+    /// Time of the last change that the scene schedules: a key, or the start or end of a pin or a rotation, s. Of a rotation
+    /// without an end the first turn counts: then it has been everywhere. Point caches do not count ([`BuiltScene::last_frame`](super::BuiltScene::last_frame)).
     pub fn last_change(&self) -> f64 {
         let vectors = (self.gravity.iter())
             .chain(self.drag.iter().filter_map(|drag| drag.wind.as_ref()).map(|wind| &wind.velocity))
@@ -35,7 +35,8 @@ impl VectorDesc {
 impl MotionDesc {
     /// Time of the last key or of the end of the rotation, s.
     fn end(&self) -> f64 {
-        let turned = self.turn.and_then(|turn| turn.until);
+        let whole_turn = |rate: f64| if rate == 0.0 { 0.0 } else { core::f64::consts::TAU / rate.abs() };
+        let turned = self.turn.as_ref().map(|turn| turn.until.unwrap_or(whole_turn(turn.rate)));
         last_time(&self.keys).max(turned.unwrap_or(0.0))
     }
 }

@@ -20,6 +20,7 @@ use crate::reactions::{Impulse, ReactionColumns};
 use crate::real::{Real, Sum, Vec3, to_f64, vec3};
 use crate::refusal::Obstacle;
 use crate::response::ContactStatistics;
+use crate::rigid_body::{RigidBody, Rotation};
 use crate::scene::{self, BuiltScene, ClothRange, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
 use crate::stage::Term;
@@ -471,9 +472,12 @@ impl Simulation {
         let of = |cloth: &ClothRange| {
             let own = cloth.vertices.start as usize..cloth.vertices.end as usize;
             let [x, v] = [self.positions(), self.velocities()].map(|column| &column[own.clone()]);
-            diagnostics::rotation(&self.built.particles.masses[own], x, v)
+            let masses = &self.built.particles.masses[own];
+            RigidBody::of(masses, x).rotation(masses, x, v)
         };
-        let add = |[energy, power]: [Sum; 2], [own, square]: [Sum; 2]| [energy + own, power + own * square * rate];
+        let add = |[energy, power]: [Sum; 2], own: Rotation| {
+            [energy + own.energy, power + own.energy * own.velocity.length_squared() * rate]
+        };
         self.built.cloths.iter().map(of).fold([0.0; 2], add)
     }
 
