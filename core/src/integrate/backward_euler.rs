@@ -1,7 +1,7 @@
 //! Backward Euler, M (v1 - v0) = h f(x1, v1), x1 = x0 + h v1 [Baraff 1998; eqs. 3.20-3.25].
 //! First order. An undamped mode keeps the fraction 1 / (1 + (h omega)^2) of its energy each step.
 //!
-//! The guess of v1 is v0, which turns with cloth that no pin holds.
+//! The guess of v1 is v0. For a single linear solve it turns with cloth that no pin holds.
 
 use super::newton::{self, ImplicitStage};
 use super::per_cloth;
@@ -25,7 +25,10 @@ pub fn advance<D: Dispatch>(
         velocities: from.velocities,
     };
     s.next_velocities.copy_from_slice(from.velocities);
-    turn(c, from, s);
+    // Newton's method finds the circle.
+    if c.scheme.newton <= 1 {
+        turn(c, from, s);
+    }
     c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.next_velocities);
     newton::solve(c, &stage, s, statistics);
     let (h, v1) = (c.step, &*s.next_velocities);
