@@ -88,6 +88,7 @@ impl Motion {
 
     /// Puts the axis of the rotation through the mean of points, m, if there are any.
     #[cfg_attr(small, optimize(size), inline(never))]
+    #[cfg(feature = "alloc")]
     pub(crate) fn set_centre(&mut self, points: impl Iterator<Item = DVec3>) {
         let Some(turn) = &mut self.turn else { return };
         let (sum, count) = points.fold((DVec3::ZERO, 0.0), |(sum, count), point| (sum + point, count + 1.0));

@@ -33,6 +33,7 @@ impl Hold {
     }
 
     /// Whether both hold an axis at the same time.
+    #[cfg(feature = "alloc")]
     pub(crate) fn meets(&self, other: &Self) -> bool {
         self.axes & other.axes != 0 && self.from < other.until && other.from < self.until
     }
