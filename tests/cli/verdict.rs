@@ -286,7 +286,7 @@ friction = 0.6
     }
 }
 
-/// Backward Euler slows rotations down. A turning table that carries its sheet along replaces what it takes.
+/// Backward Euler slows rotations down. A turning table that carries its sheet along makes up for the loss.
 #[test]
 fn a_rotation_that_backward_euler_slows_down_is_warned_of() {
     let place = Place::new();
@@ -321,7 +321,7 @@ friction = FRICTION
         let found = summary["warnings"].as_array().unwrap().iter().find(|warning| warning["code"] == "method");
         assert_eq!(found.is_some(), is_warned, "{words}: {}", summary["warnings"]);
         let Some(found) = found else { continue };
-        // What the frames tell of the loss, beside what is measured at every vertex.
+        // The warning derives the loss from the frames. The series measures it at every vertex.
         let text = found["text"].as_str().unwrap();
         let told: f64 = text.split_once("took ").unwrap().1.split(' ').next().unwrap().parse().unwrap();
         let lost = -summary["energy_balance"]["method"].as_f64().unwrap();

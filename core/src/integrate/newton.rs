@@ -7,8 +7,8 @@
 //! With one iteration the stage is one linear solve. The forces are linearised at the extrapolated state (xh + g vh,
 //! vh), so that the solve only adds a correction to vh. This keeps the order of the method for any Jacobian [Steihaug
 //! 1979], even if it is projected or leaves out how damping depends on positions. Linearising there also hardly
-//! stretches rotating elements, and not at all those of free cloth whose guess [turns](super::backward_euler) with it. The usual linearisation at the start of the step [Baraff 1998, eq. 3.25] would reduce the
-//! order to one. If vh deforms elements strongly within the step, the forces are linearised after only a fraction of
+//! stretches rotating elements, and not at all those of free cloth whose guess [turns](super::backward_euler) with it. The
+//! usual linearisation at the start of the step [Baraff 1998, eq. 3.25] would reduce the order to one. If vh deforms elements strongly within the step, the forces are linearised after only a fraction of
 //! the extrapolation. In a step that follows contact it is zero if it would stretch them by more than a little.
 //!
 //! With more iterations the stage is Newton's method, started at vh. Each iteration moves along a descent direction of

@@ -66,7 +66,8 @@ pub fn start(cloths: &mut [ClothSolve], masses: &[Real], x: &[Vec3], pins: &Pins
         let own = range(cloths, index);
         let body = RigidBody::of(&masses[own.clone()], &x[own]);
         let [a, b, c] = body.inertia;
-        let radius = libm::sqrt((a.x + b.y + c.z) / (3.0 * body.mass));
+        // Of cloth that lies in a point, all moments are zero.
+        let radius = libm::sqrt((a.x + b.y + c.z) / (3.0 * body.mass)).max(Sum::MIN_POSITIVE);
         cloths[index] = ClothSolve { is_free: true, body, radius, ..ClothSolve::up_to(cloths[index].end) };
     }
     for (&vertex, _) in pins.vertices.iter().zip(pins.axes).filter(|&(_, &axes)| axes != 0) {
