@@ -1,6 +1,7 @@
 //! The steps of the checks, in the order that finds mistakes soonest: one row per step.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use crate::suites::Suite;
 
@@ -18,8 +19,8 @@ pub enum Level {
 pub struct Step {
     /// The name that `--only` matches.
     pub name: String,
-    /// The lowest level that includes it.
-    pub level: Level,
+    /// The levels that include it.
+    pub levels: RangeInclusive<Level>,
     /// The task that it runs.
     pub task: Task,
 }
@@ -40,7 +41,7 @@ pub const TESTED: &str = "dev";
 const PROFILES: [&str; 2] = ["unoptimised", "release"];
 
 /// The suite that checks the bits.
-const BITS: &str = "determinism";
+const BITS: &str = "goldens";
 
 /// Packages linted every day; the other packages are for browsers only and take much longer to build.
 const LINTED: &str = "-p muslin-core -p muslin-core-f64 -p muslin-gpu -p muslin-cli -p muslin-tests \
@@ -55,25 +56,30 @@ pub const BARE_TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "wasm32-unknown-un
 /// Features with which the core is built for a bare target.
 const FEATURES: [&str; 2] = ["", " --features alloc"];
 
+/// A step of a level and those above.
+fn step(level: Level, name: &str, task: Task) -> Step {
+    Step { name: name.to_owned(), levels: level..=Level::All, task }
+}
+
 fn command(level: Level, name: &str, line: &str) -> Step {
-    Step { name: name.to_owned(), level, task: Task::Command(line.to_owned(), &[]) }
+    step(level, name, Task::Command(line.to_owned(), &[]))
 }
 
 /// Every step of both levels.
 pub fn steps(suites: &[Suite]) -> Vec<Step> {
     use Level::{All, Everyday};
-    let in_profile =
-        |name: &str, level, profile, suites| Step { name: name.to_owned(), level, task: Task::Suites(profile, suites) };
+    let lints = |packages: &str| format!("cargo clippy {packages} --all-targets -- -D warnings");
+    let everyday = command(Everyday, "lints", &lints(LINTED));
     let mut steps = vec![
         command(Everyday, "format", "cargo fmt --all --check"),
-        command(Everyday, "lints", &format!("cargo clippy {LINTED} --all-targets -- -D warnings")),
-        in_profile("tests", Everyday, TESTED, suites.to_vec()),
+        Step { levels: Everyday..=Everyday, ..everyday },
+        command(All, "lints of every package", &lints("--workspace")),
+        step(Everyday, "tests", Task::Suites(TESTED, suites.to_vec())),
         // Includes the other packages, so that the libraries built for the suites are reused.
         command(Everyday, "manual", "cargo test --doc -p muslin-tests-harness -p muslin-tests -p muslin-cli"),
-        command(All, "lints of every package", "cargo clippy --workspace --all-targets -- -D warnings"),
     ];
     let docs = Task::Command("cargo doc --workspace --no-deps".to_owned(), &[("RUSTDOCFLAGS", "-D warnings")]);
-    steps.push(Step { name: "docs".to_owned(), level: All, task: docs });
+    steps.push(step(All, "docs", docs));
     // A package checked alone has only the features that it requests itself.
     for package in CORES.iter().chain(&["muslin-cli"]) {
         steps.push(command(All, &format!("{package} alone"), &format!("cargo check -p {package}")));
@@ -87,7 +93,7 @@ pub fn steps(suites: &[Suite]) -> Vec<Step> {
     }
     for profile in PROFILES {
         let bits = suites.iter().filter(|suite| suite.name == BITS).cloned().collect();
-        steps.push(in_profile(&format!("{BITS}, {profile}"), All, profile, bits));
+        steps.push(step(All, &format!("{BITS}, {profile}"), Task::Suites(profile, bits)));
     }
     steps.push(command(All, "package", "cargo run -p muslin-pack"));
     steps.push(command(All, "browser", &format!("node --test --test-concurrency=1{}", browser_tests())));
@@ -108,7 +114,7 @@ impl Step {
             }
             command => command,
         };
-        (self.level <= level).then_some(Self { task, ..self })
+        self.levels.contains(&level).then_some(Self { task, ..self })
     }
 
     /// The part of the step with the word in its name: the whole step, or some of its suites.
@@ -125,7 +131,7 @@ impl Step {
 impl fmt::Display for Step {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mark = |level| if level == Level::All { '+' } else { ' ' };
-        writeln!(f, "{} {}", mark(self.level), self.name)?;
+        writeln!(f, "{} {}", mark(*self.levels.start()), self.name)?;
         match &self.task {
             Task::Command(..) => Ok(()),
             Task::Suites(_, suites) => {

@@ -1,6 +1,6 @@
 //! The state hash that a run prints does not depend on threads.
 //!
-//! It does not depend on the optimiser either: the stored hashes in `tests/determinism/main.rs` check
+//! It does not depend on the optimiser either: the stored hashes in `tests/goldens.txt` check
 //! that every build profile gives the same hash.
 
 use crate::kit::{Place, TINY};

@@ -52,7 +52,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         what: "Conjugate gradients stop ten times too early",
-        file: "core/src/integrate/conjugate_gradient.rs",
+        file: "core/src/integrate/stopping.rs",
         old: "cloth.target * tolerance * tolerance,",
         new: "cloth.target * tolerance * tolerance * 100.0,",
         everyday: &["solver", "response"],

@@ -11,8 +11,9 @@ pub mod multiplier;
 
 use crate::dispatch::Dispatch;
 use crate::forces;
-use crate::integrate::conjugate_gradient::{self, Goal};
+use crate::integrate::conjugate_gradient;
 use crate::integrate::newton::{self, ImplicitStage, MOST_STRAIN};
+use crate::integrate::stopping::Goal;
 use crate::integrate::{self, IntegratorStatistics, StepInput, Tolerance, pin_forces};
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};

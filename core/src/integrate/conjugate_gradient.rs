@@ -10,29 +10,21 @@
 //! 2006, ch. 5.2] with an exact line search: contacts that open, close, stick or slip on the way need no solve of their
 //! own. Without contacts these are linear conjugate gradients.
 //!
-//! A solve stops on the preconditioned residual of every cloth, on negative curvature (truncated Newton) or on a limit of
-//! iterations or updates. Beside that of a heavy cloth, the residual of a light one would not count.
-
-use glam::DVec3;
+//! A solve [stops](super::stopping) on its residual, on negative curvature (truncated Newton) or on a limit of iterations
+//! or updates.
 
 use super::coarse::{self, CoarseFactor, Patches};
 use super::columns::{Sums, dot, sum_parts};
 use super::convex_term::ConvexTerm;
 use super::per_cloth::{self, ClothSolve};
 use super::pins::Pins;
-use super::{IntegratorStatistics, Method, Preconditioner, StepInput, Tolerance};
+use super::stopping::{Goal, ROUGHLY_BALANCED, UNBALANCED};
+use super::{IntegratorStatistics, Preconditioner, StepInput, Tolerance};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
-use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity, to_f64, vec3};
+use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
 use crate::scratch::Scratch;
 use crate::stage::Stage;
-
-/// Limit of iterations. A solve that reaches it is counted as unconverged.
-const MOST_ITERATIONS: u32 = 20_000;
-
-/// Limit of iterations of a solve with contacts. The response corrects a solve that reaches it. In single precision, a
-/// solve of cloth that is stretched a thousandfold may never converge.
-const MOST_WITH_CONTACTS: u32 = 2_000;
 
 /// The system matrix `M + S'` with the held axes.
 pub struct System<'a> {
@@ -120,68 +112,31 @@ const LEFT: Sum = 100.0;
 /// Slope at the end of a line search, relative to that at its start.
 const SEARCHED: Sum = 0.01;
 
-/// Limit of evaluations in a line search.
-const MOST_EVALUATIONS: u32 = 12;
-
-/// Relative residual that a solve within a velocity reaches at least. In short steps from rest the whole solution can
-/// be less than the velocity: without this the cloth would hover.
-const ROUGHLY: Sum = 0.1;
-
-/// The same for implicit midpoint, which does not damp what solves leave: rounding would make free cloth ring.
-const UNDAMPED: Sum = 0.01;
-
 /// Squared residual after the vertices of a cloth moved together that is taken for rounding, relative to the one before.
 const STILL: Sum = 1e-6;
 
-/// Roundings of the elasticity of a vertex in a motion of its cloth as a whole: those of the blocks of its row.
-const ROUNDED: Real = 16.0;
-
-/// The same as [`ROUGHLY`] without patches, whose motions [complete](Iterate::complete) the solution.
-const WITHOUT_PATCHES: Sum = 1e-3;
-
-/// Momentum that a solve with contacts may leave of a cloth, relative to the impulse of its contacts: the rests of all
-/// steps add up, and a sheet that should slide would stick.
-const UNBALANCED: Sum = 0.001;
-
-/// The same of a cloth that pins hold back anyway, and after the last updates of the bounds of friction.
-const ROUGHLY_BALANCED: Sum = 0.01;
-
-/// Square of the velocity that it may leave of a cloth in any case, relative to the square of the goal's velocity.
-const SLOWLY: Sum = 1e-3;
+/// Limit of evaluations in a line search.
+const MOST_EVALUATIONS: u32 = 12;
 
 /// The columns of a solve.
-struct Iterate<'a, 'b> {
-    system: System<'a>,
-    preconditioner: FactoredPreconditioner<'a, 'b>,
-    cloths: &'a mut [ClothSolve],
+pub(super) struct Iterate<'a, 'b> {
+    pub(super) system: System<'a>,
+    pub(super) preconditioner: FactoredPreconditioner<'a, 'b>,
+    pub(super) cloths: &'a mut [ClothSolve],
     /// Positions at which the forces are linearised, m.
-    positions: &'a [Vec3],
+    pub(super) positions: &'a [Vec3],
     /// y.
-    solution: &'a mut [Vec3],
+    pub(super) solution: &'a mut [Vec3],
     /// `A (y0 - y)`: the residual without contacts.
-    elastic: &'a mut [Vec3],
+    pub(super) elastic: &'a mut [Vec3],
     /// The residual with the impulses of contacts, the negative gradient.
-    residual: &'a mut [Vec3],
-    preconditioned: &'a mut [Vec3],
-    direction: &'a mut [Vec3],
-    product: &'a mut [Vec3],
+    pub(super) residual: &'a mut [Vec3],
+    pub(super) preconditioned: &'a mut [Vec3],
+    pub(super) direction: &'a mut [Vec3],
+    pub(super) product: &'a mut [Vec3],
     /// The product of the residual with the direction.
-    slope: Sum,
-    partials: &'a mut [Sums],
-}
-
-/// When a solve stops.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Goal {
-    /// At the preconditioned residual of the start times this.
-    Reduce(Sum),
-    /// At this square of a velocity, m^2/s^2, and at a [rough](ROUGHLY) relative residual. The kinetic energy of the error
-    /// of the velocities is at most half of the preconditioned residual.
-    Within(Sum),
-    /// At the squared residual of the solve before times this, by its preconditioner. It goes on with that solve.
-    Reach(Sum),
-    /// After so many iterations, by the preconditioner of the solve before.
-    Iterations(u32),
+    pub(super) slope: Sum,
+    pub(super) partials: &'a mut [Sums],
 }
 
 /// Writes y to `s.solution`; NaN if the residual is not finite. `A y0` is in `s.residual`; a solve with contacts leaves
@@ -196,14 +151,14 @@ pub(crate) fn solve<D: Dispatch>(
 ) {
     c.dispatch.enter(Stage::Solve);
     let mut i = Iterate::new(c, s);
-    if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
+    if goal.is_new() {
         i.factorise(term, c.dispatch);
         per_cloth::start(i.cloths, c.masses, i.positions, c.pins);
     }
     i.solution.fill(Vec3::ZERO);
     i.residual.copy_from_slice(i.elastic);
     let [_, mut rho] = i.precondition(c.dispatch);
-    if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
+    if goal.is_new() {
         i.set_references();
     }
     let has_patches = i.preconditioner.coarse.is_some();
@@ -216,21 +171,12 @@ pub(crate) fn solve<D: Dispatch>(
         // The fall is solved, and the rest is small beside it.
         i.cloths.iter_mut().filter(|cloth| cloth.is_free).for_each(|cloth| cloth.target *= STILL);
     }
-    let least = match c.scheme.method {
-        _ if !has_patches => WITHOUT_PATCHES,
-        Method::ImplicitMidpoint => UNDAMPED,
-        _ => ROUGHLY,
-    };
-    i.set_targets(goal, least);
+    i.set_targets(goal, c.scheme.method);
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);
     let (mut updates, mut last_updates, mut is_translated) = (0, 0, false);
     // A solve that only pauses at its goal is completed by one that balances it.
     let balances = matches!(goal, Goal::Within(_) | Goal::Reach(_)) && has_patches;
-    let most = match goal {
-        Goal::Iterations(most) => most,
-        Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) if term.is_zero() => MOST_ITERATIONS,
-        Goal::Reduce(_) | Goal::Within(_) | Goal::Reach(_) => MOST_WITH_CONTACTS,
-    };
+    let most = goal.most_iterations(!term.is_zero());
     i.restart(rho);
     loop {
         let is_small = i.is_within(rho, 1.0);
@@ -338,124 +284,8 @@ impl<'a, 'b> Iterate<'a, 'b> {
         }
     }
 
-    /// The product of the residual with the preconditioned residual over a cloth.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    fn norm(&self, index: usize) -> Sum {
-        let cloth = per_cloth::range(self.cloths, index);
-        per_cloth::product(&self.residual[cloth.clone()], &self.preconditioned[cloth])
-    }
-
-    /// Notes the residual without contacts as the reference for where a solve stops.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    fn set_references(&mut self) {
-        for index in 0..self.cloths.len() {
-            self.cloths[index].target = self.norm(index);
-        }
-    }
-
-    /// Writes where the solve stops.
-    #[cfg_attr(small, optimize(size))]
-    #[inline(never)]
-    fn set_targets(&mut self, goal: Goal, least: Sum) {
-        if matches!(goal, Goal::Reduce(_) | Goal::Within(_)) {
-            for index in 0..self.cloths.len() {
-                self.cloths[index].target = self.cloths[index].target.max(self.norm(index));
-            }
-            per_cloth::raise_quiet(self.cloths);
-        }
-        for cloth in &mut *self.cloths {
-            cloth.target = match goal {
-                Goal::Reduce(tolerance) => cloth.target * tolerance * tolerance,
-                Goal::Within(square) => (cloth.body.mass * square).min(cloth.target * least * least),
-                Goal::Reach(part) => cloth.target * part,
-                Goal::Iterations(_) => 0.0,
-            };
-        }
-    }
-
-    /// Whether the preconditioned residual of every cloth is below a multiple of its target; `rho` is that of all.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    fn is_within(&self, rho: Sum, factor: Sum) -> bool {
-        let target: Sum = self.cloths.iter().map(|cloth| cloth.target).sum();
-        let all = 0..self.cloths.len();
-        rho <= factor * target
-            && (all.len() == 1 || all.into_iter().all(|k| self.norm(k) <= factor * self.cloths[k].target))
-    }
-
-    /// Whether the residual leaves little momentum of every cloth, and little angular momentum of every free one.
-    #[cfg_attr(small, optimize(size))]
-    #[inline(never)]
-    fn is_balanced(&self, unbalanced: Sum) -> bool {
-        (0..self.cloths.len()).all(|index| self.leaves_little(index, unbalanced))
-    }
-
-    #[cfg_attr(small, optimize(size), inline(never))]
-    fn leaves_little(&self, index: usize, unbalanced: Sum) -> bool {
-        let (cloth, range) = (&self.cloths[index], per_cloth::range(self.cloths, index));
-        let [left, elastic] = [&*self.residual, &*self.elastic]
-            .map(|column| cloth.wrench(&self.positions[range.clone()], &column[range.clone()]));
-        let impulses = [0, 1].map(|k| (left[k] - elastic[k]).length_squared());
-        // Moments that cancel are as inexact as their forces.
-        let impulses = [impulses[0], impulses[0] + impulses[1]];
-        let is_little = |k: usize, part: Sum| {
-            left[k].length_squared() <= part * part * impulses[k] + SLOWLY * cloth.target * cloth.body.mass
-        };
-        if cloth.is_free {
-            is_little(0, unbalanced) && is_little(1, unbalanced)
-        } else {
-            is_little(0, ROUGHLY_BALANCED)
-        }
-    }
-
-    /// Writes the direction in which free cloths move as a whole, to take up the momentum and the moment that are left. A
-    /// preconditioner moves each vertex by its own stiffness, and would wrinkle cloth in a long fall. Returns whether any
-    /// cloth moves.
-    #[cfg_attr(small, optimize(size))]
-    #[inline(never)]
-    fn aim(&mut self, term: &dyn ConvexTerm) -> bool {
-        let moves =
-            |i: &Self, index: usize| i.cloths[index].is_free && (term.is_zero() || !i.leaves_little(index, UNBALANCED));
-        if !(0..self.cloths.len()).any(|index| moves(self, index)) {
-            return false;
-        }
-        per_cloth::write_blocks(self.cloths, self.positions, term);
-        self.slope = 0.0;
-        for index in 0..self.cloths.len() {
-            let (cloth, range) = (&self.cloths[index], per_cloth::range(self.cloths, index));
-            if !moves(self, index) {
-                self.direction[range].fill(Vec3::ZERO);
-                continue;
-            }
-            let left = cloth.wrench(&self.positions[range.clone()], &self.residual[range.clone()]);
-            let motion = [0, 1].map(|k| cloth.blocks[k].inverse() * vec3(left[k].into()));
-            let motion = motion.map(|of| if of.is_finite() { of } else { Vec3::ZERO });
-            for (direction, &x) in self.direction[range.clone()].iter_mut().zip(&self.positions[range]) {
-                *direction = motion[0] + motion[1].cross(cloth.arm(x));
-            }
-            self.slope += left.iter().zip(motion).map(|(left, of)| left.dot(DVec3::from(to_f64(of)))).sum::<Sum>();
-        }
-        true
-    }
-
-    /// Moves along the direction. Returns the squared norm of the new residual.
-    #[cfg_attr(small, optimize(size))]
-    #[inline(never)]
-    fn translate(
-        &mut self,
-        term: &mut dyn ConvexTerm,
-        statistics: &mut IntegratorStatistics,
-        dispatch: &impl Dispatch,
-    ) -> Sum {
-        statistics.matrix_products += 1;
-        let curvature = self.multiply_rigid(dispatch);
-        if let Some(length) = self.search(term, curvature) {
-            self.advance(term, length, dispatch);
-        }
-        self.gradient(term, dispatch)
-    }
-
     /// Writes the residual from its elastic part and the impulses, and preconditions it. Returns its squared norm.
-    fn gradient(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) -> Sum {
+    pub(super) fn gradient(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) -> Sum {
         self.residual.copy_from_slice(self.elastic);
         self.add_impulses(term);
         let [_, rho] = self.precondition(dispatch);
@@ -512,29 +342,8 @@ impl<'a, 'b> Iterate<'a, 'b> {
         curvature
     }
 
-    /// The same for motions of cloths as a whole. Where their elasticity is only rounding it counts as zero: beside it a
-    /// stiff cloth would lose its masses.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    fn multiply_rigid(&mut self, dispatch: &impl Dispatch) -> Sum {
-        let Self { system, direction, product, partials, .. } = self;
-        let direction = &**direction;
-        let [curvature, _] = sum_parts(product, partials, dispatch, |range, q| {
-            matrix::multiply_rows(system.matrix, system.masses, 0.0, direction, range.start, q);
-            for (i, q) in range.clone().zip(&mut *q) {
-                let own = matrix::to_mat3(&system.matrix.blocks[system.matrix.offsets[i] as usize]).abs()
-                    * direction[i].abs();
-                let rounding = ROUNDED * Real::EPSILON * own.max_element();
-                let elastic = if q.abs().max_element() < rounding { Vec3::ZERO } else { *q };
-                *q = elastic + direction[i] * system.masses[i];
-            }
-            [dot(&direction[range], q), 0.0]
-        });
-        system.pins.filter(product);
-        curvature
-    }
-
     /// Length of the step along the direction that minimises the function there; `None` where it has no minimum.
-    fn search(&mut self, term: &mut dyn ConvexTerm, curvature: Sum) -> Option<Sum> {
+    pub(super) fn search(&mut self, term: &mut dyn ConvexTerm, curvature: Sum) -> Option<Sum> {
         let slope = self.slope;
         if term.is_zero() {
             // The length is dimensionless, as P A is. Beyond 1 / EPSILON the matrix is singular within rounding errors.
@@ -569,7 +378,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
     }
 
     /// Moves along the direction. The residual becomes its elastic part.
-    fn advance(&mut self, term: &mut dyn ConvexTerm, length: Sum, dispatch: &impl Dispatch) {
+    pub(super) fn advance(&mut self, term: &mut dyn ConvexTerm, length: Sum, dispatch: &impl Dispatch) {
         let length = length as Real;
         let (p, q) = (&*self.direction, &*self.product);
         let columns = (&mut *self.solution, &mut *self.elastic, &mut *self.residual);

@@ -6,10 +6,11 @@
 //! of contacts, through a few iterations of conjugate gradients. It is about the displacement by one more iteration of
 //! Newton's method, so it contains the errors of the linearisation, of the solver and of the response.
 
-use super::conjugate_gradient::{self, Goal};
+use super::conjugate_gradient;
 use super::convex_term::NoTerm;
 use super::newton;
 use super::per_cloth::largest_root_mean_square;
+use super::stopping::Goal;
 use super::{IntegratorStatistics, Method, StepInput, bdf2};
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;

@@ -20,8 +20,10 @@ pub mod patches;
 pub mod per_cloth;
 pub mod pin_forces;
 pub mod pins;
+mod rigid_motions;
 pub mod rk4;
 pub mod stability;
+pub(crate) mod stopping;
 pub mod symplectic_euler;
 
 pub use crate::forces::Jacobian;
@@ -32,8 +34,8 @@ use crate::keys::Moment;
 use crate::particles::{Particles, Positions};
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
-use conjugate_gradient::Goal;
 use pins::Pins;
+use stopping::Goal;
 
 /// The integration methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

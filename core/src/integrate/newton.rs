@@ -18,9 +18,10 @@
 //! where E is the potential and R the dissipation, which is frozen during a line search. Without
 //! dissipation G is the same function in all iterations, and every accepted step decreases it.
 
-use super::conjugate_gradient::{self, Goal};
+use super::conjugate_gradient;
 use super::convex_term::NoTerm;
 use super::per_cloth::largest_root_mean_square;
+use super::stopping::Goal;
 use super::{IntegratorStatistics, StepInput, Tolerance, pin_forces};
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;

@@ -1,5 +1,9 @@
 //! Golden hashes of every built-in scene: `scene precision step:hash ...`, one line each, in
-//! `goldens.txt`. They hold in every build profile, on every machine.
+//! `goldens.txt`. They hold on every machine and in every build profile: `check -- --all` runs this suite in the test
+//! profile, in a profile without optimisation and in the release profile.
+//!
+//! Run: `cargo test -p muslin-tests --test goldens`. `MUSLIN_BLESS=1` rewrites `goldens.txt` from the current results of
+//! the core. A failure names the first step whose state differs.
 
 use std::fs;
 use std::path::PathBuf;
@@ -64,6 +68,6 @@ fn built_in_scenes_have_their_golden_hashes() {
     let message: String = wrong.iter().map(|(what, line)| format!("\n{what}; the line is now\n{line}\n")).collect();
     assert!(
         wrong.is_empty(),
-        "{message}\nto accept all of them: MUSLIN_BLESS=1 cargo test -p muslin-tests --test determinism"
+        "{message}\nto accept all of them: MUSLIN_BLESS=1 cargo test -p muslin-tests --test goldens"
     );
 }

@@ -1,0 +1,86 @@
+//! Motions of free cloths as a whole in a solve: they take up the momentum and the angular momentum that are left. A
+//! preconditioner moves each vertex by its own stiffness, and would wrinkle cloth in a long fall.
+
+use glam::DVec3;
+
+use super::IntegratorStatistics;
+use super::columns::{dot, sum_parts};
+use super::conjugate_gradient::Iterate;
+use super::convex_term::ConvexTerm;
+use super::per_cloth;
+use super::stopping::UNBALANCED;
+use crate::dispatch::Dispatch;
+use crate::forces::matrix;
+use crate::real::{Real, Sum, Vec3, to_f64, vec3};
+
+/// Roundings of the elasticity of a vertex in a motion of its cloth as a whole: those of the blocks of its row.
+const ROUNDED: Real = 16.0;
+
+impl Iterate<'_, '_> {
+    /// Writes the direction in which free cloths move as a whole, so that no momentum and no moment
+    /// is left. Returns whether any cloth moves.
+    #[cfg_attr(small, optimize(size))]
+    #[inline(never)]
+    pub(super) fn aim(&mut self, term: &dyn ConvexTerm) -> bool {
+        let moves =
+            |i: &Self, index: usize| i.cloths[index].is_free && (term.is_zero() || !i.leaves_little(index, UNBALANCED));
+        if !(0..self.cloths.len()).any(|index| moves(self, index)) {
+            return false;
+        }
+        per_cloth::write_blocks(self.cloths, self.positions, term);
+        self.slope = 0.0;
+        for index in 0..self.cloths.len() {
+            let (cloth, range) = (&self.cloths[index], per_cloth::range(self.cloths, index));
+            if !moves(self, index) {
+                self.direction[range].fill(Vec3::ZERO);
+                continue;
+            }
+            let left = cloth.wrench(&self.positions[range.clone()], &self.residual[range.clone()]);
+            let motion = [0, 1].map(|k| cloth.blocks[k].inverse() * vec3(left[k].into()));
+            let motion = motion.map(|of| if of.is_finite() { of } else { Vec3::ZERO });
+            for (direction, &x) in self.direction[range.clone()].iter_mut().zip(&self.positions[range]) {
+                *direction = motion[0] + motion[1].cross(cloth.arm(x));
+            }
+            self.slope += left.iter().zip(motion).map(|(left, of)| left.dot(DVec3::from(to_f64(of)))).sum::<Sum>();
+        }
+        true
+    }
+
+    /// Moves along the direction. Returns the squared norm of the new residual.
+    #[cfg_attr(small, optimize(size))]
+    #[inline(never)]
+    pub(super) fn translate(
+        &mut self,
+        term: &mut dyn ConvexTerm,
+        statistics: &mut IntegratorStatistics,
+        dispatch: &impl Dispatch,
+    ) -> Sum {
+        statistics.matrix_products += 1;
+        let curvature = self.multiply_rigid(dispatch);
+        if let Some(length) = self.search(term, curvature) {
+            self.advance(term, length, dispatch);
+        }
+        self.gradient(term, dispatch)
+    }
+
+    /// Writes the product of the matrix with such a direction. Returns the curvature along it. Where the elasticity is only
+    /// rounding it counts as zero: beside it a stiff cloth would lose its masses.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    fn multiply_rigid(&mut self, dispatch: &impl Dispatch) -> Sum {
+        let Self { system, direction, product, partials, .. } = self;
+        let direction = &**direction;
+        let [curvature, _] = sum_parts(product, partials, dispatch, |range, q| {
+            matrix::multiply_rows(system.matrix, system.masses, 0.0, direction, range.start, q);
+            for (i, q) in range.clone().zip(&mut *q) {
+                let own = matrix::to_mat3(&system.matrix.blocks[system.matrix.offsets[i] as usize]).abs()
+                    * direction[i].abs();
+                let rounding = ROUNDED * Real::EPSILON * own.max_element();
+                let elastic = if q.abs().max_element() < rounding { Vec3::ZERO } else { *q };
+                *q = elastic + direction[i] * system.masses[i];
+            }
+            [dot(&direction[range], q), 0.0]
+        });
+        system.pins.filter(product);
+        curvature
+    }
+}
