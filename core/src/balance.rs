@@ -56,7 +56,7 @@ impl Balance {
         if self.start.is_none() {
             (self.start, self.strained) = (Some(total), strained);
         }
-        let without_work = total - work.from_outside();
+        let without_work = total - work.from_outside() - work.contacts;
         let gravity = gravity - work.gravity;
         self.work = work;
         self.least = self.least.min(without_work);
@@ -78,7 +78,7 @@ impl Balance {
     }
 
     /// The energy that the method added up to a state with these energies, or took if it is negative. It is complete if
-    /// the work of contacts and damping is [measured](crate::reactions), or if there is neither.
+    /// the work of damping is [measured](crate::reactions), or if there is no damping.
     pub fn by_method(&self, energy: &[f64; 6]) -> f64 {
         let now = energy.iter().sum::<f64>();
         let work = self.work;

@@ -88,7 +88,7 @@ pub async fn search<D: Dispatch>(
     }
     loop {
         let contact = &mut columns.columns();
-        let counts = await_candidates(model, contact, dispatch).await;
+        let counts = await_candidates(model, contact, dispatch).await.ok_or(Cause::Stopped)?;
         let (has_room, pairs) = (contact.has_room(counts), counts.vertex_triangle.max(counts.edge_edge));
         if pairs > if *contact.searched == Searched::Near { NEAR_ROOM } else { 1 } * most_pairs(model) {
             return Err(Cause::TooMuch);
@@ -237,25 +237,25 @@ pub fn sweep(model: &ContactModel<'_>, margin: Real, contact: &mut ContactScratc
 }
 
 /// Finds the candidates and their distances: awaits [`Dispatch::detect`], or calls [`detect`] if the host
-/// does not provide it.
+/// does not provide it. `None` if the host stopped the search.
 pub async fn await_candidates<D: Dispatch>(
     model: &ContactModel<'_>,
     contact: &mut ContactScratch<'_>,
     dispatch: &D,
-) -> Counts {
+) -> Option<Counts> {
     dispatch.enter(Stage::BroadPhase);
     let lasts = lasts(contact);
     if !lasts && let Some(counts) = dispatch.detect(model, contact).await {
         contact.kept.widen(contact.ends, 0.0);
         *contact.counts = counts;
-        return narrow(model, contact, true, dispatch);
+        return Some(narrow(model, contact, true, dispatch));
     }
     detect(model, contact, dispatch)
 }
 
 /// Finds the candidates and their distances. If the returned counts exceed the capacity, the result is
-/// incomplete: the caller must grow the columns and call again.
-pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Counts {
+/// incomplete: the caller must grow the columns and call again. `None` if the host stopped the search.
+pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispatch: &impl Dispatch) -> Option<Counts> {
     dispatch.enter(Stage::BroadPhase);
     let lasts = lasts(contact);
     let ContactScratch { start, end, ends, boxes, searched, vertex_triangle, edge_edge, grid, kept, .. } = contact;
@@ -266,12 +266,12 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
         kept.take(&mut out)
     } else if **searched == Searched::Near {
         kept.widen(boxes, SKIN * model.thickness);
-        broad_phase::candidates(kept.boxes, &model.surface, grid, None, &mut out, dispatch)
+        broad_phase::candidates(kept.boxes, &model.surface, grid, None, &mut out, dispatch)?
     } else {
         kept.widen(ends, 0.0);
-        broad_phase::candidates(boxes, &model.surface, grid, motion, &mut out, dispatch)
+        broad_phase::candidates(boxes, &model.surface, grid, motion, &mut out, dispatch)?
     };
-    narrow(model, contact, !lasts, dispatch)
+    Some(narrow(model, contact, !lasts, dispatch))
 }
 
 /// Measures the candidates, if there is room for all. Of `new` ones, drops those that stay apart, and keeps the others

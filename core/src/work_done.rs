@@ -1,7 +1,7 @@
 //! The work that is done on the cloth by pins, colliders and wind, by gravity and loads that change, and by the
 //! response where it moves overlapping surfaces apart. With it, a host can balance the energy of the cloth: a larger
-//! gain of energy comes from errors. With [reactions](crate::reactions), the work that contacts and damping take is
-//! measured too, and the rest of the balance is the error of the method.
+//! gain of energy comes from errors. The work that contacts take is measured too, and with [reactions](crate::reactions)
+//! that of damping: then the rest of the balance is the error of the method.
 //!
 //! Where gravity or a load changes, the potential energy changes at a fixed position. This is work too: the whole
 //! change of the potential energy plus the work of the force along the displacement.
@@ -37,7 +37,7 @@ pub struct WorkDone {
     pub gravity: Sum,
     /// By [moving overlapping surfaces apart](crate::response), against the forces. It changes no velocity.
     pub separation: Sum,
-    /// By friction and impacts; negative. Measured with reactions.
+    /// By friction and impacts; negative.
     pub contacts: Sum,
     /// By damping and drag; negative. Measured with reactions, and by implicit midpoint, which rings where cloth is
     /// stiff: damping takes the energy that it adds.
@@ -73,7 +73,7 @@ impl core::ops::AddAssign for WorkDone {
 pub struct Ledger<'a> {
     /// The work.
     pub done: &'a mut WorkDone,
-    /// The reactions; `None`: neither they nor the work of contacts and damping are measured.
+    /// The reactions; `None`: neither they nor the work of damping are measured.
     pub reactions: Option<Reactions<'a>>,
 }
 
@@ -91,8 +91,8 @@ pub fn in_step<D: Dispatch>(
     let Ledger { done: sum, mut reactions } = ledger;
     if let Some((model, contact)) = contact {
         add_contacts(c, model, contact, &mut done);
+        done.contacts += by_contacts(c, model, contact, from, s);
         if let Some(reactions) = &mut reactions {
-            done.contacts += by_contacts(c, model, contact, from, s);
             reactions.add_colliders(model, contact, c.step);
         }
     }

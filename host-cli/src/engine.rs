@@ -157,7 +157,7 @@ pub trait Engine: Send {
     fn measure_work(&mut self, from: WorkDone);
     /// The work done on the cloth since the start.
     fn work_done(&self) -> WorkDone;
-    /// Whether a force or a contact may take energy.
+    /// Whether a force may take energy.
     fn dissipates(&self) -> bool;
     /// Measures the reactions too.
     fn measure_reactions(&mut self);
@@ -399,7 +399,7 @@ macro_rules! engine {
                 }
 
                 fn dissipates(&self) -> bool {
-                    self.contact().is_some() || self.model().dissipates()
+                    self.model().dissipates()
                 }
 
                 fn measure_reactions(&mut self) {

@@ -1,24 +1,30 @@
-//! Interrupts: the first one stops a run after the current step, or within it if it is long; the second one
-//! ends the process at once.
+//! Interrupts: the first one stops a run after the current step, or within it if it is long; one that comes a second later
+//! or after that ends the process at once.
 
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
 
 /// Time between two looks whether there is an interrupt.
 const LATENCY: Duration = Duration::from_millis(50);
 
+/// Time after the first interrupt in which others are its repetitions: `timeout` and a terminal that closes signal both a
+/// process and its group.
+const REPETITION: Duration = Duration::from_secs(1);
+
 /// Installs the handler; returns the flag that an interrupt (SIGINT, SIGTERM, SIGHUP; Ctrl-C) raises.
 pub fn watch() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
+    let mut raised: Option<Instant> = None;
     let raise = move || {
-        if flag.swap(true, Ordering::Relaxed) {
+        flag.store(true, Ordering::Relaxed);
+        if raised.get_or_insert_with(Instant::now).elapsed() > REPETITION {
             std::process::exit(130);
         }
     };

@@ -123,8 +123,10 @@ pub struct EnergyBalance {
     pub gravity: f64,
     /// Work of moving overlapping surfaces apart.
     pub separation: f64,
-    /// Energy that the method added from the start to the end, or took if it is negative; null if what contacts and
-    /// damping took is not known.
+    /// Work of friction and impacts; negative.
+    pub contacts: f64,
+    /// Energy that the method added from the start to the end, or took if it is negative; null if what damping
+    /// took is not known.
     pub method: Option<f64>,
     /// Largest growth of the energy without this work: it comes from errors.
     pub appeared: f64,
@@ -135,9 +137,9 @@ pub struct EnergyBalance {
 impl EnergyBalance {
     /// The balance of a run. `method` is the energy that the method added, if it is known.
     pub fn new(balance: &Balance, method: Option<f64>) -> Self {
-        let WorkDone { pins, colliders, wind, gravity, separation, .. } = balance.work;
+        let WorkDone { pins, colliders, wind, gravity, separation, contacts, .. } = balance.work;
         let (appeared, moved) = (balance.appeared, balance.moved());
-        Self { pins, colliders, wind, gravity, separation, method, appeared, moved }
+        Self { pins, colliders, wind, gravity, separation, contacts, method, appeared, moved }
     }
 }
 

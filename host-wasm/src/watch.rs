@@ -76,15 +76,16 @@ impl Watch {
     /// The warnings up to now. Under error control the first call finds the fastest modes.
     #[cfg_attr(small, optimize(size))]
     pub fn warnings(&self, cloth: &Simulation, scene: &SceneDesc, clock: &Clock) -> Vec<Warning> {
-        let (work, time) = (cloth.statistics(), cloth.time());
+        let (work, contact, time) = (cloth.statistics(), cloth.contact_statistics(), cloth.time());
+        let is_method_known = !cloth.model().dissipates() || warning::measures_damping(scene);
         let mut balance = self.balance;
         balance.work = cloth.work_done();
         let of_run = warning::of_run(
             scene,
             &Run {
                 balance: &balance,
-                energy: energy(cloth),
-                is_method_known: cloth.contact().is_none() && !cloth.model().dissipates(),
+                by_method: is_method_known.then(|| balance.by_method(&energy(cloth))),
+                has_touched: contact.proximity + contact.impacts > 0,
                 mass: mass(cloth),
                 vertices: cloth.positions().len(),
                 size: self.size,

@@ -19,3 +19,4 @@ mod methods;
 mod ownership;
 mod speed;
 mod stages;
+mod stopped;

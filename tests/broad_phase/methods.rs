@@ -82,7 +82,7 @@ harness::both_precisions! {
     pub fn grid(case: &Case, room: [usize; 2]) -> Found {
         found(case, room, |boxes, surface, out| {
             let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
-            broad_phase::candidates(boxes, surface, &mut work.view(), None, out, &Serial)
+            broad_phase::candidates(boxes, surface, &mut work.view(), None, out, &Serial).expect("nothing stops the search")
         })
     }
 
@@ -91,7 +91,7 @@ harness::both_precisions! {
         let counts = grid(case, [0, 0]).counts;
         found(case, counts, |boxes, surface, out| {
             let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
-            broad_phase::candidates(boxes, surface, &mut work.view(), None, out, &Uneven::new(threads))
+            broad_phase::candidates(boxes, surface, &mut work.view(), None, out, &Uneven::new(threads)).expect("nothing stops the search")
         })
     }
 
@@ -102,7 +102,7 @@ harness::both_precisions! {
         cases.map(|case| {
             let (boxes, _) = columns(case);
             let out = &mut Candidates::default();
-            let counts = broad_phase::candidates(&boxes, &surface.view(), &mut work.view(), None, out, &Serial);
+            let counts = broad_phase::candidates(&boxes, &surface.view(), &mut work.view(), None, out, &Serial).expect("nothing stops the search");
             [counts.vertex_triangle, counts.edge_edge]
         })
     }

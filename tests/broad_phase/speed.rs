@@ -33,7 +33,8 @@ fn long_form_how_fast() {
             let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
             let surface = surface.view();
             let counts =
-                broad_phase::candidates(&boxes, &surface, &mut work.view(), None, &mut Candidates::default(), &Serial);
+                broad_phase::candidates(&boxes, &surface, &mut work.view(), None, &mut Candidates::default(), &Serial)
+                    .expect("nothing stops the search");
             let mut vertex_triangle = vec![[0; 2]; counts.vertex_triangle];
             let mut edge_edge = vec![[0; 2]; counts.edge_edge];
             let mut times: Vec<_> = (0..RUNS)

@@ -60,6 +60,7 @@ harness::both_precisions! {
         let near = |&&[a, b]: &&[u32; 2]| boxes[a as usize].overlaps(&boxes[b as usize]);
         pairs::for_each_pair(sorted, &homes, &bytes, &grid, &surface.view(), |batch| {
             found.extend(batch.iter().filter(near).map(|&[a, b]| [a.min(b), a.max(b)]));
+            true
         });
         found.sort_unstable();
         found

@@ -125,12 +125,15 @@ fn long_form_killed_a_hundred_times() {
     ["none", "gif", "png"].iter().for_each(|preview| killed_at_random(100, preview));
 }
 
-/// Signals a run once the path `once` exists, checks that it ends as interrupted, and resumes it.
-fn signalled(place: &Place, signal: &str, once: &str) {
+/// Signals a run `times` times at once, when the path `once` exists, checks that it ends as interrupted, and resumes it.
+fn signalled(place: &Place, signal: &str, times: usize, once: &str) {
     let mut child = start(place, "--export obj,pc2,usda,vtp");
     wait_for(place, once);
-    let sent = Command::new("sh").args(["-c", &format!("kill {signal} {}", child.id())]).status().unwrap();
-    assert!(sent.success());
+    let kill = format!("kill {signal} {}", child.id());
+    // The process may have ended before the last one.
+    let all = format!("{kill}{}", format!(" && (sleep 0.002; {kill} || true)").repeat(times - 1));
+    let sent = Command::new("sh").args(["-c", &all]).stderr(Stdio::null()).status().unwrap();
+    assert!(sent.success(), "{all}");
     assert_eq!(wait(&mut child, &place.command(signal)).code(), Some(130));
     let notes = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
     assert!(notes.contains("interrupted at step") && notes.contains("--resume out/checkpoint.muslin"), "{notes}");
@@ -140,12 +143,18 @@ fn signalled(place: &Place, signal: &str, once: &str) {
 
 #[test]
 fn interrupted_from_the_keyboard() {
-    signalled(&place(), "-INT", "out/frames/frame_00001.obj");
+    signalled(&place(), "-INT", 1, "out/frames/frame_00001.obj");
+}
+
+/// `timeout` signals a process and its group, and so does a terminal that closes.
+#[test]
+fn interrupted_twice_at_once() {
+    signalled(&place(), "-INT", 2, "out/frames/frame_00001.obj");
 }
 
 #[test]
 fn asked_to_terminate() {
-    signalled(&place(), "-TERM", "out/frames/frame_00001.obj");
+    signalled(&place(), "-TERM", 1, "out/frames/frame_00001.obj");
 }
 
 /// The signal comes once the picture is announced: 120 frames of it are to be drawn.
@@ -168,5 +177,5 @@ fn interrupted_while_the_preview_is_drawn() {
 fn interrupted_at_once() {
     let place = place();
     place.write("sheet.toml", TINY.replace("cells = [4, 4]", "cells = [80, 80]"));
-    signalled(&place, "-INT", "out/frames");
+    signalled(&place, "-INT", 1, "out/frames");
 }

@@ -48,7 +48,10 @@ fn by_the_core(case: &Case) -> Vec<(Slot, Vec<u32>)> {
         (Slot::Levels, words(&own_levels)),
     ];
     let mut pairs = Vec::new();
-    let mut add = |found: &[[u32; 2]]| pairs.extend(found.iter().map(|&[a, b]| [a.min(b), a.max(b)]));
+    let mut add = |found: &[[u32; 2]]| {
+        pairs.extend(found.iter().map(|&[a, b]| [a.min(b), a.max(b)]));
+        true
+    };
     for_each_brute_force_pair(&triangle_boxes, &own_levels, sizes.graded, &surface, &mut add);
     if sizes.graded == 0 {
         all.push((Slot::Pairs, sorted(pairs, &triangle_boxes)));

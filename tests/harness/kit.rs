@@ -384,7 +384,7 @@ macro_rules! kit {
                 let (mut scratch, mut contact_statistics) = (columns.view(), ContactStatistics::default());
                 detection::place(&model, [0.0, 1.0], &from, &to, &mut scratch);
                 detection::sweep(&model, 10.0, &mut scratch);
-                detection::detect(&model, &mut scratch, &Serial);
+                detection::detect(&model, &mut scratch, &Serial).expect("nothing stops the search");
                 change(scratch.predicted);
                 let outcome = response::respond(&model, &mut scratch, settings, &mut contact_statistics, &Serial);
                 let wide = |column: &[Vec3]| column.iter().map(|&x| to_f64(x).into()).collect();

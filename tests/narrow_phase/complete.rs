@@ -68,7 +68,7 @@ harness::both_precisions! {
         loop {
             let [vertex_triangle, edge_edge] = &mut pairs;
             let mut out = Candidates { vertex_triangle, edge_edge };
-            let counts = broad_phase::candidates(boxes, &model.surface, &mut grid.view(), None, &mut out, &Serial);
+            let counts = broad_phase::candidates(boxes, &model.surface, &mut grid.view(), None, &mut out, &Serial).expect("nothing stops the search");
             let needed = [counts.vertex_triangle, counts.edge_edge];
             let fits = pairs.iter().zip(needed).all(|(pairs, needed)| pairs.len() >= needed);
             pairs.iter_mut().zip(needed).for_each(|(pairs, needed)| pairs.resize(needed, [0; 2]));

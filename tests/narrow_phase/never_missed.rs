@@ -121,7 +121,7 @@ harness::both_precisions! {
             } else {
                 detection::sweep(&model, 0.5 * model.thickness, &mut scratch);
             }
-            let counts = detection::detect(&model, &mut scratch, &Serial);
+            let counts = detection::detect(&model, &mut scratch, &Serial).expect("nothing stops the search");
             let (start, end, rounds) = (&*scratch.start, &*scratch.end, &*scratch.rounds);
             let motion = LinearMotion {
                 start, end,

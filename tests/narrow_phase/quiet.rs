@@ -40,7 +40,7 @@ harness::both_precisions! {
     /// Detects as the simulation does, with columns that grow.
     fn detect(model: &ContactModel<'_>, columns: &mut ContactScratchColumns) {
         loop {
-            let counts = detection::detect(model, &mut columns.view(), &Serial);
+            let counts = detection::detect(model, &mut columns.view(), &Serial).expect("nothing stops the search");
             columns.grow_kept();
             if !columns.grow_pairs(counts) {
                 return;

@@ -90,7 +90,7 @@ both_precisions! {
         let mut scratch = columns.view();
         detection::place(&model, [0.0, 0.001], from, &to, &mut scratch);
         detection::sweep(&model, 0.01, &mut scratch);
-        detection::detect(&model, &mut scratch, &Serial);
+        detection::detect(&model, &mut scratch, &Serial).expect("nothing stops the search");
         let settings = Settings { step: 0.001, hold: false };
         response::respond(&model, &mut scratch, settings, &mut ContactStatistics::default(), &Serial).expect("there is room");
         let mut steepest = [0.0_f64; 2];

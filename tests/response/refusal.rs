@@ -136,7 +136,7 @@ both_precisions! {
     fn a_step_that_is_given_up_can_be_taken_again() {
         for method in ["symplectic-euler", "backward-euler", "implicit-midpoint", "bdf2"] {
             let falling = SHEET.replace("0.2, 0.0]", "0.105, 0.0]");
-            let fast = [1, 2, 3].map(|asked| {
+            let fast = [1, 2, 3, 4, 6, 9].map(|asked| {
                 let text = format!(
                     "{HEAD}{falling}[[collider]]\n{}[integrator]\nmethod = \"{method}\"\nstep = 0.0002\n", BELOW[1].1
                 );
@@ -157,7 +157,7 @@ both_precisions! {
                 assert_eq!(given_up, 1, "{method}: given up {given_up} times");
                 state(&sim)
             });
-            assert!(fast[0] == fast[1] && fast[1] == fast[2], "{method}: what was given up left a trace");
+            assert!(fast.windows(2).all(|two| two[0] == two[1]), "{method}: a step that was given up left a trace");
         }
     }
 

@@ -45,7 +45,7 @@ both_precisions! {
         let mut columns = ContactScratchColumns::build(&model, 100_000);
         detection::place(&model, [0.0, 0.0], sim.positions(), sim.positions(), &mut columns.view());
         detection::sweep(&model, 0.0, &mut columns.view());
-        let counts = detection::detect(&model, &mut columns.view(), &Serial);
+        let counts = detection::detect(&model, &mut columns.view(), &Serial).expect("nothing stops the search");
         let view = columns.view();
         let distances = |of: &[Real]| of.iter().copied().fold(Real::INFINITY, Real::min);
         distances(&view.vertex_triangle.distances[..counts.vertex_triangle])

@@ -8,13 +8,14 @@ use crate::geometry::aabb::Aabb;
 const BATCH: usize = 256;
 
 /// Calls `add` with all pairs of overlapping boxes in which at least one triangle is on the last level, `level`.
+/// Returns false at once if it does.
 pub fn for_each_brute_force_pair(
     triangle_boxes: &[Aabb],
     levels: &[u8],
     level: u8,
     surface: &Surface<'_>,
-    mut add: impl FnMut(&[[u32; 2]]),
-) {
+    mut add: impl FnMut(&[[u32; 2]]) -> bool,
+) -> bool {
     let (mut batch, mut filled) = ([[0; 2]; BATCH], 0);
     for a in (0..levels.len()).filter(|&a| levels[a] == level) {
         for b in (0..levels.len()).filter(|&b| levels[b] != NO_LEVEL && (levels[b] != level || b > a)) {
@@ -22,11 +23,13 @@ pub fn for_each_brute_force_pair(
                 batch[filled] = [a as u32, b as u32];
                 filled += 1;
                 if filled == BATCH {
-                    add(&batch);
+                    if !add(&batch) {
+                        return false;
+                    }
                     filled = 0;
                 }
             }
         }
     }
-    add(&batch[..filled]);
+    add(&batch[..filled])
 }

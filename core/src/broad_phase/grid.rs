@@ -43,7 +43,8 @@ pub struct Grid<'a> {
 
 /// Writes the candidates of a surface and returns their numbers. `boxes` has one box per vertex, which the caller has
 /// swept and inflated as needed. Given a `motion`, pairs of triangles that share it and stay [apart](super::comoving)
-/// are left out. Nothing is reallocated: a count above its capacity is the capacity that was needed.
+/// are left out. Nothing is reallocated: a count above its capacity is the capacity that was needed. `None` if
+/// `dispatch` [stopped](Dispatch::stopped) the search.
 pub fn candidates(
     boxes: &[Aabb],
     surface: &Surface<'_>,
@@ -51,7 +52,7 @@ pub fn candidates(
     motion: Option<&Motion<'_>>,
     out: &mut Candidates<'_>,
     dispatch: &impl Dispatch,
-) -> Counts {
+) -> Option<Counts> {
     let Grid {
         triangle_boxes,
         moving_boxes,
@@ -82,7 +83,7 @@ pub fn candidates(
         let count = write_entries(homes, levels, level, &grid, entries);
         let (entries, spare) = (&mut entries[..count], &mut spare[..count]);
         let sorted = if sort(entries, spare, grid.key_bits()) { spare } else { entries };
-        for_each_pair(sorted, homes, byte_boxes, &grid, surface, |pairs| {
+        let is_complete = for_each_pair(sorted, homes, byte_boxes, &grid, surface, |pairs| {
             add_features(
                 boxes,
                 surface,
@@ -94,14 +95,22 @@ pub fn candidates(
                 out,
                 &mut counts,
             );
+            !dispatch.stopped()
         });
+        if !is_complete {
+            return None;
+        }
     }
     if sizes.single > 0 {
-        for_each_brute_force_pair(triangle_boxes, levels, sizes.graded, surface, |pairs| {
+        let is_complete = for_each_brute_force_pair(triangle_boxes, levels, sizes.graded, surface, |pairs| {
             add_features(boxes, surface, triangle_boxes, owned, None, pairs, moving_boxes, out, &mut counts);
+            !dispatch.stopped()
         });
+        if !is_complete {
+            return None;
+        }
     }
-    counts
+    Some(counts)
 }
 
 /// The owned columns of a [`Grid`].

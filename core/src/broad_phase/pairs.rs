@@ -24,15 +24,15 @@ const BATCH: usize = 256;
 /// The boxes of a block of entries, by coordinate.
 type Columns = [[[i8; WIDTH]; BLOCK / WIDTH]; 6];
 
-/// Calls `add` with all pairs that may touch, many pairs per call.
+/// Calls `add` with all pairs that may touch, many pairs per call. Returns false at once if it does.
 pub fn for_each_pair(
     entries: &[Entry],
     homes: &[Home],
     byte_boxes: &[ByteBoxes],
     grid: &CellGrid,
     surface: &Surface<'_>,
-    mut add: impl FnMut(&[[u32; 2]]),
-) {
+    mut add: impl FnMut(&[[u32; 2]]) -> bool,
+) -> bool {
     let mut columns: Columns = Default::default();
     let (mut batch, mut filled) = ([[0; 2]; BATCH + BLOCK], 0);
     for run in entries.chunk_by(|a, b| a.key == b.key) {
@@ -65,13 +65,15 @@ pub fn for_each_pair(
                     filled += usize::from(is_here & surface.may_pair(a, b));
                 }
                 if filled >= BATCH {
-                    add(&batch[..filled]);
+                    if !add(&batch[..filled]) {
+                        return false;
+                    }
                     filled = 0;
                 }
             }
         }
     }
-    add(&batch[..filled]);
+    add(&batch[..filled])
 }
 
 fn gather(block: &[Entry], byte_boxes: &[ByteBoxes], columns: &mut Columns) {

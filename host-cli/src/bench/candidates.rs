@@ -52,7 +52,8 @@ fn row(cells: usize, thickness: f32, pool: &Pool) -> Row {
     let surface = SurfaceColumns::build(boxes.len(), &mesh.triangles, &[]);
     let surface = surface.view();
     let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
-    let counts = broad_phase::candidates(&boxes, &surface, &mut work.view(), None, &mut Candidates::default(), pool);
+    let counts = broad_phase::candidates(&boxes, &surface, &mut work.view(), None, &mut Candidates::default(), pool)
+        .expect("a pool does not stop a search");
     let mut vertex_triangle = vec![[u32::MAX; 2]; counts.vertex_triangle];
     let mut edge_edge = vec![[u32::MAX; 2]; counts.edge_edge];
     let run = |_| {

@@ -32,9 +32,10 @@ impl CandidateLists {
             let started = Instant::now();
             let counts = match method {
                 Method::Grid => broad_phase::candidates(boxes, surface, &mut work.view(), None, &mut out, pool),
-                Method::Reference => reference_cell::candidates(boxes, surface, &mut out),
-                Method::Brute => brute_force::candidates(boxes, surface, &mut out),
+                Method::Reference => Some(reference_cell::candidates(boxes, surface, &mut out)),
+                Method::Brute => Some(brute_force::candidates(boxes, surface, &mut out)),
             };
+            let counts = counts.expect("a pool does not stop a search");
             let time = started.elapsed();
             let Counts { vertex_triangle, edge_edge } = counts;
             if [vertex_triangle, edge_edge] == [self.vertex_triangle.len(), self.edge_edge.len()] {

@@ -7,7 +7,7 @@ use super::words::{self, Known};
 use crate::device::StepDetector;
 use crate::pool::Pool;
 use crate::record::Record;
-use crate::summary::{Energy, Summary};
+use crate::summary::Summary;
 use crate::warning::Warning;
 
 impl Summary {
@@ -15,12 +15,11 @@ impl Summary {
     pub fn judge(&mut self, record: &Record, scene: &SceneDesc, pool: &Pool) {
         let audited = record.crossings.is_some_and(|(count, _)| count > 0);
         let reached_the_end = self.divergence.is_none();
-        let Energy { kinetic, stretch, shear, bend, seam, gravity } = self.energy;
         let substeps = self.error_control.as_ref().map_or([0; 2], |control| [control.accepted, control.exceeding]);
         let run = Run {
             balance: &record.balance,
-            energy: [kinetic, stretch, shear, bend, seam, gravity],
-            is_method_known: scene.contact.is_none() && self.energy_balance.method.is_some(),
+            by_method: self.energy_balance.method,
+            has_touched: self.contacts.proximity + self.contacts.impacts > 0,
             mass: self.mass_kg,
             vertices: self.vertices,
             size: self.size_m.into_iter().fold(0.0, f64::max),
