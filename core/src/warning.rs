@@ -120,8 +120,8 @@ const AT_REST: f64 = 1e-4;
 /// Ratio of edge length to rest length beyond which cloth is not stretched.
 const TOO_LONG: f64 = 1.3;
 
-/// Energy that may appear by errors, relative to the largest energy that moved. Built-in scenes stay below a tenth;
-/// where cloth flies apart it is nearly all of it.
+/// Energy that may appear by errors, relative to the largest energy that moved. Built-in scenes stay below a tenth,
+/// their first 50 ms below a fifth; where cloth flies apart it is nearly all of it.
 const MOST_APPEARED: f64 = 0.2;
 
 /// Energy that the method may take, relative to the largest energy that moved.
