@@ -244,7 +244,7 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
         }
         dispatch.enter(Stage::Response);
         let responded = with_room(*columns, |contact| {
-            exchange::write_impulses(model, contact, input.step);
+            exchange::write_impulses(model, contact, input.stage_length(scratch.last_step));
             response::respond(model, contact, settings, work.contact, dispatch)
         });
         let outcome = responded.map_err(|cause| farthest(cause, particles, scratch))?;

@@ -52,7 +52,9 @@ fn pins_that_change_go_on_too() {
     let timed = "corners = [0] }\nuntil = 0.12\n[[cloth.pin]]\nselect = { edge = \"front\" }\nfrom = 0.05\nuntil = 0.1\n\
                  motion = { keys = [[0.0, 0, 0, 0], [0.2, 0, 0.1, 0.2]], turn = { axis = [0, 1, 0.5], rate = 3.0 } }\n\
                  [[cloth.pin]]\nselect = { corners = [1] }\nfrom = 0.15\naxes = \"xy\"";
-    place.write("scene.toml", TINY.replace("corners = [0, 1] }", timed));
+    // Soft, and solved exactly: implicit midpoint would add energy as the pins take hold.
+    let soft = TINY.replace("stiffness = 100.0", "stiffness = 20.0");
+    place.write("scene.toml", soft.replace("corners = [0, 1] }", timed) + "newton = 20\n");
     for precision in ["f32", "f64"] {
         for method in &METHODS[4..] {
             for every in [11, 12, 13, 15, 17] {

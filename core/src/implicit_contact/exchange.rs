@@ -68,8 +68,9 @@ pub fn add_impulses(scratch: &ContactScratch<'_>, step: Real, out: &mut [Vec3]) 
     }
 }
 
-/// Writes the impulses that the solve found to the constraints. The response starts from them.
-pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, step: Real) {
+/// Writes the impulses that the solve found to the constraints. The response starts from them. `length` is that of the
+/// stage, s: the solve moves the cloth over it.
+pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, length: Real) {
     for constraint in &mut scratch.constraints[..scratch.lengths.constraints] {
         let Constraint { contact, target, roll, coefficients, .. } = *constraint;
         let fresh = Constraint::new(contact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO);
@@ -84,12 +85,12 @@ pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>
             let FrictionCoefficients { at_rest, kinetic } = constraint.coefficients;
             constraint.coefficients = FrictionCoefficients::always(match solved.friction {
                 Friction::Rests | Friction::Sticks => at_rest,
-                Friction::Slips if solved.slide(solved.velocity) * step < SMALL * model.thickness => kinetic,
+                Friction::Slips if solved.slide(solved.velocity) * length < SMALL * model.thickness => kinetic,
                 Friction::Slips => kinetic.min((1.0 + SLACK) * sqrt(across.length_squared()) / along),
             });
             constraint.is_solved = true;
-            constraint.normal_impulse = along * step;
-            constraint.friction_impulse = constraint.coefficients.limit(across, along) * step;
+            constraint.normal_impulse = along * length;
+            constraint.friction_impulse = constraint.coefficients.limit(across, along) * length;
         }
     }
 }

@@ -10,7 +10,7 @@
 //! 2006, ch. 5.2] with an exact line search: contacts that open, close, stick or slip on the way need no solve of their
 //! own. Without contacts these are linear conjugate gradients.
 //!
-//! A solve [stops](super::stopping) on its residual, on negative curvature (truncated Newton) or on a limit of iterations
+//! A solve stops on its residual, on negative curvature (truncated Newton) or on a limit of iterations
 //! or updates.
 
 use super::coarse::{self, CoarseFactor, Patches};
