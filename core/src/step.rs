@@ -295,6 +295,10 @@ async fn couple<D: Dispatch>(
     exchange::add_contacts(model, contact, constraints..contact.lengths.constraints, input.step);
     let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
     implicit_contact::resume(input, particles, contacts, known, has_begun, scratch, statistics);
+    // A solve without contacts has completed its solution.
+    if contact.lengths.contacts > if has_begun { 0 } else { known } {
+        implicit_contact::finish(input, particles, scratch);
+    }
     take_prediction(particles, scratch, contact);
     Ok(())
 }

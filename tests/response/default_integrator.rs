@@ -104,7 +104,7 @@ both_precisions! {
     /// Gravity along the slope exceeds friction by little: the rests of inexact solves would stop the sheet.
     #[test]
     fn a_sheet_slides_down_a_slope_that_is_hardly_steeper_than_friction() {
-        for (size, friction, slope, most) in [(0.2, 0.5, 0.51, 0.05), (2.0, 0.5, 0.51, 0.05), (2.0, 0.0, 0.01, 0.01)] {
+        for (size, friction, slope, most) in [(0.2, 0.5, 0.51, 0.02), (2.0, 0.5, 0.51, 0.02), (2.0, 0.0, 0.01, 0.002)] {
             let level = GRAVITY / f64::hypot(1.0, slope);
             let text = format!(
                 "duration = 0.5\nframe_rate = 20\ngravity = [{:?}, {:?}, 0]\n{}{FLOOR}friction = {friction:?}\n\
@@ -134,8 +134,8 @@ both_precisions! {
         let before: Sum = sim.momentum()[1];
         kit::run(&mut sim, 0.3, |_| ());
         let kept = sim.momentum()[1] / before;
-        println!("{kept:.4} of the momentum is kept");
-        assert!((kept - 1.0).abs() < 0.03, "{kept} of the momentum is kept");
+        println!("{kept:.5} of the momentum is kept");
+        assert!((kept - 1.0).abs() < 1e-4, "{kept} of the momentum is kept");
     }
 
     /// By half a turn in each step of a frame: in a step a collider moves straight from its first to its last pose, so

@@ -13,6 +13,7 @@ use crate::dispatch::Dispatch;
 use crate::forces;
 use crate::integrate::conjugate_gradient;
 use crate::integrate::newton::{self, ImplicitStage, MOST_STRAIN};
+use crate::integrate::rigid_motions;
 use crate::integrate::stopping::Goal;
 use crate::integrate::{self, IntegratorStatistics, StepInput, Tolerance, pin_forces};
 use crate::particles::Particles;
@@ -24,7 +25,7 @@ use augmented_contact::{ActiveContacts, AugmentedContact, ContactLines, Friction
 /// Limit of linearisations in a step.
 const MOST_LINEARIZATIONS: u32 = 8;
 
-/// Speed of a contact at rest, relative to its slack, 1/s: solves leave a part of it.
+/// Speed of a contact at rest, relative to its slack, 1/s, beside the velocity that solves leave.
 const CREEP: Real = 2.0;
 
 /// Relative residual at which the solve pauses. It suffices to find the impacts of the motion.
@@ -110,6 +111,15 @@ pub fn resume<D: Dispatch>(
     add_solution(c, from, length, to_velocity, s);
 }
 
+/// Passes on the momentum that the last solve of the step left, if solves may leave much.
+pub fn finish<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) {
+    if matches!(c.scheme.tolerance, Tolerance::Velocity(_)) {
+        let to_velocity = if c.defers_solve() { 1.0 } else { c.stage_length(s.last_step) / c.step };
+        rigid_motions::pass_on(s, to_velocity);
+        integrate::write_next(c, from, s);
+    }
+}
+
 /// Relative residual at which [`correct`] stops.
 fn rough<D: Dispatch>(c: &StepInput<'_, D>) -> Sum {
     ROUGH.max(c.scheme.tolerance.residual().into())
@@ -132,9 +142,13 @@ fn start<D: Dispatch>(
     contacts: &mut [AugmentedContact],
     s: &Scratch<'_>,
 ) {
+    let left = match c.scheme.tolerance {
+        Tolerance::Velocity(velocity) => velocity,
+        Tolerance::Residual(_) => 0.0,
+    };
     for contact in contacts {
         let before = (contact.velocity - contact.gather(s.displacements)) / length + contact.gather(from.velocities);
-        let has_slid = contact.slide(before) > CREEP * contact.slack;
+        let has_slid = contact.slide(before) > CREEP * contact.slack + left;
         contact.friction = if has_slid { Friction::Slips } else { Friction::Rests };
         contact.velocity /= length;
         contact.least_velocity /= length;

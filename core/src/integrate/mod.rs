@@ -20,7 +20,7 @@ pub mod patches;
 pub mod per_cloth;
 pub mod pin_forces;
 pub mod pins;
-mod rigid_motions;
+pub(crate) mod rigid_motions;
 pub mod rk4;
 pub mod stability;
 pub(crate) mod stopping;

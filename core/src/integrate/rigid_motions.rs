@@ -1,5 +1,5 @@
-//! Motions of free cloths as a whole in a solve: they take up the momentum and the angular momentum that are left. A
-//! preconditioner moves each vertex by its own stiffness, and would wrinkle cloth in a long fall.
+//! Motions of free cloths as a whole, in a solve and after it: they take up the momentum and the angular momentum that are
+//! left. A preconditioner moves each vertex by its own stiffness, and would wrinkle cloth in a long fall.
 
 use glam::DVec3;
 
@@ -12,9 +12,28 @@ use super::stopping::UNBALANCED;
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::real::{Real, Sum, Vec3, to_f64, vec3};
+use crate::scratch::Scratch;
 
 /// Roundings of the elasticity of a vertex in a motion of its cloth as a whole: those of the blocks of its row.
 const ROUNDED: Real = 16.0;
+
+/// Adds the momentum and the angular momentum that a solve with contacts left of free cloths to the changes of their
+/// velocities: the next solve takes them up. If they were lost, the rests of all steps would add up, and a sheet that
+/// should slide would stick. `to_velocity` is the change of the velocity over that of the solution.
+#[cfg_attr(small, optimize(size), inline(never))]
+pub(crate) fn pass_on(s: &mut Scratch<'_>, to_velocity: Real) {
+    for index in 0..s.cloths.len() {
+        let (cloth, range) = (&s.cloths[index], per_cloth::range(s.cloths, index));
+        if !cloth.is_free {
+            continue;
+        }
+        let x = &s.stage_positions.rounded[range.clone()];
+        let motion = cloth.free_motion(cloth.wrench(x, &s.gradient[range.clone()])).map(|of| of * to_velocity);
+        for (change, &x) in s.velocity_changes[range].iter_mut().zip(x) {
+            *change += motion[0] + motion[1].cross(cloth.arm(x));
+        }
+    }
+}
 
 impl Iterate<'_, '_> {
     /// Writes the direction in which free cloths move as a whole, so that no momentum and no moment
