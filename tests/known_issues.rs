@@ -18,7 +18,6 @@ use muslin_core_f64::forces::seam::SeamColumns;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::scene::{BUILT_IN, SceneDesc};
 use muslin_core_f64::simulation::Simulation;
-use muslin_core_f64::work_done::WorkDone;
 
 /// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
 fn hinge() -> HingeColumns {
