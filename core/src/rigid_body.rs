@@ -56,13 +56,18 @@ impl RigidBody {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn rotation(&self, masses: &[Real], x: &[Vec3], v: &[Vec3]) -> Rotation {
         let momenta = || masses.iter().zip(v).map(|(&m, &v)| double(v) * Sum::from(m));
-        let momentum = self.moment(x, momenta());
+        self.with_momentum(momenta().sum(), self.moment(x, momenta()))
+    }
+
+    /// The rotation with a momentum, kg m/s, and an angular momentum about the centre, kg m^2/s.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn with_momentum(&self, momentum: DVec3, moment: DVec3) -> Rotation {
         // Cramer's rule; the matrix is symmetric.
         let [a, b, c] = self.inertia;
         let minors = [b.cross(c), c.cross(a), a.cross(b)];
-        let velocity = DVec3::from(minors.map(|minor| momentum.dot(minor))) / a.dot(minors[0]);
+        let velocity = DVec3::from(minors.map(|minor| moment.dot(minor))) / a.dot(minors[0]);
         let velocity = if velocity.is_finite() { velocity } else { DVec3::ZERO };
-        Rotation { drift: momenta().sum::<DVec3>() / self.mass, velocity, energy: 0.5 * velocity.dot(momentum) }
+        Rotation { drift: momentum / self.mass, velocity, energy: 0.5 * velocity.dot(moment) }
     }
 }
 

@@ -50,7 +50,7 @@ pub fn of(order: &Order) -> Vec<Dispatch> {
     list.each(&shaders::BOUNDS, "write_bounds", triangles);
     list.each(&shaders::LEVELS, "count_sizes", triangles);
     let division = Params { level: levels as u32, length: (ROUND * rounds) as u32, ..order.params };
-    list.add(&shaders::LEVELS, "divide", 1, division);
+    list.add(&shaders::LEVELS, "divide", 1, &division);
     list.each(&shaders::LEVELS, "assign", triangles);
     for level in 0..levels {
         list.level(level as u32, vertices, triangles);
@@ -78,13 +78,13 @@ struct List<'a> {
 }
 
 impl List<'_> {
-    fn add(&mut self, shader: &'static Shader, entry: &'static str, groups: usize, params: Params) {
-        self.all.push(Dispatch { shader: shader.name, entry, groups, params });
+    fn add(&mut self, shader: &'static Shader, entry: &'static str, groups: usize, params: &Params) {
+        self.all.push(Dispatch { shader: shader.name, entry, groups, params: *params });
     }
 
     /// Adds an entry point with one invocation per element.
     fn each(&mut self, shader: &'static Shader, entry: &'static str, count: usize) {
-        self.add(shader, entry, count.div_ceil(GROUP), self.order.params);
+        self.add(shader, entry, count.div_ceil(GROUP), &self.order.params);
     }
 
     #[cfg(feature = "narrow-phase")]
@@ -102,7 +102,7 @@ impl List<'_> {
             for (shader, count) in
                 [(&shaders::VERTEX_TRIANGLE_CCD, vertex_triangle), (&shaders::EDGE_EDGE_CCD, edge_edge)]
             {
-                self.add(shader, "write_times", count.div_ceil(SMALL_GROUP), self.order.params);
+                self.add(shader, "write_times", count.div_ceil(SMALL_GROUP), &self.order.params);
             }
         }
     }
@@ -110,24 +110,24 @@ impl List<'_> {
     fn scan(&mut self, length: usize) {
         let params = Params { length: length as u32, ..self.order.params };
         let groups = length.div_ceil(SCAN_BLOCK);
-        self.add(&shaders::SCAN, "sum_blocks", groups, params);
-        self.add(&shaders::SCAN, "scan_blocks", 1, params);
-        self.add(&shaders::SCAN, "spread", groups, params);
+        self.add(&shaders::SCAN, "sum_blocks", groups, &params);
+        self.add(&shaders::SCAN, "scan_blocks", 1, &params);
+        self.add(&shaders::SCAN, "spread", groups, &params);
     }
 
     /// Compares the triangles of the last level that belong to a round with all others.
     fn round(&mut self, round: u32, triangles: usize) {
         let (params, groups) = (Params { level: round, ..self.order.params }, triangles.div_ceil(GROUP));
-        self.add(&shaders::BRUTE_FORCE_LEVEL, "count_brute_force", groups, params);
+        self.add(&shaders::BRUTE_FORCE_LEVEL, "count_brute_force", groups, &params);
         self.scan(triangles);
-        self.add(&shaders::BRUTE_FORCE_LEVEL, "write_brute_force", groups, params);
-        self.add(&shaders::BRUTE_FORCE_LEVEL, "close_brute_force", 1, params);
+        self.add(&shaders::BRUTE_FORCE_LEVEL, "write_brute_force", groups, &params);
+        self.add(&shaders::BRUTE_FORCE_LEVEL, "close_brute_force", 1, &params);
     }
 
     fn level(&mut self, level: u32, vertices: usize, triangles: usize) {
         let Capacities { entries, tiles, .. } = self.order.capacities;
         let params = Params { level, ..self.order.params };
-        let mut each = |shader, entry, count: usize| self.add(shader, entry, count.div_ceil(GROUP), params);
+        let mut each = |shader, entry, count: usize| self.add(shader, entry, count.div_ceil(GROUP), &params);
         each(&shaders::QUANTIZED_BOXES, "choose_scale", 1);
         each(&shaders::QUANTIZED_BOXES, "write_quantized_boxes", vertices);
         each(&shaders::SPHERES, "write_spheres", triangles);
@@ -135,17 +135,17 @@ impl List<'_> {
         each(&shaders::CELLS, "write_cells", triangles);
         each(&shaders::ENTRIES, "count_entries", triangles);
         self.scan(4 * triangles);
-        self.add(&shaders::ENTRIES, "write_entries", triangles.div_ceil(GROUP), params);
+        self.add(&shaders::ENTRIES, "write_entries", triangles.div_ceil(GROUP), &params);
         self.sort(triangles, entries);
-        self.add(&shaders::BYTE_BOXES, "write_byte_boxes", triangles.div_ceil(GROUP), params);
-        self.add(&shaders::BYTE_BOXES, "gather", entries.div_ceil(GROUP), params);
-        self.add(&shaders::TILES, "count_tiles", entries.div_ceil(SIDE), params);
+        self.add(&shaders::BYTE_BOXES, "write_byte_boxes", triangles.div_ceil(GROUP), &params);
+        self.add(&shaders::BYTE_BOXES, "gather", entries.div_ceil(GROUP), &params);
+        self.add(&shaders::TILES, "count_tiles", entries.div_ceil(SIDE), &params);
         self.scan(entries.div_ceil(SIDE));
-        self.add(&shaders::TILES, "write_tiles", entries.div_ceil(SIDE), params);
-        self.add(&shaders::PAIRS, "count_pairs", tiles, params);
+        self.add(&shaders::TILES, "write_tiles", entries.div_ceil(SIDE), &params);
+        self.add(&shaders::PAIRS, "count_pairs", tiles, &params);
         self.scan(tiles);
-        self.add(&shaders::PAIRS, "write_pairs", tiles, params);
-        self.add(&shaders::PAIRS, "close_pairs", 1, params);
+        self.add(&shaders::PAIRS, "write_pairs", tiles, &params);
+        self.add(&shaders::PAIRS, "close_pairs", 1, &params);
     }
 
     /// Adds an even number of passes, so that the sorted entries end in their own column and not in the spare one.
@@ -155,9 +155,9 @@ impl List<'_> {
         for pass in 0..bits.div_ceil(2 * DIGIT) * 2 {
             let shader = [&shaders::SORT, &shaders::SORT_BACK][pass % 2];
             let params = Params { shift: (DIGIT * pass) as u32, ..self.order.params };
-            self.add(shader, "count_digits", blocks, params);
+            self.add(shader, "count_digits", blocks, &params);
             self.scan(16 * blocks);
-            self.add(shader, "scatter", blocks, params);
+            self.add(shader, "scatter", blocks, &params);
         }
     }
 }

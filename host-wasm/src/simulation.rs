@@ -108,6 +108,7 @@ impl Simulation {
 
     /// Continues with another scene. The cloth keeps its state if the number of vertices stays the same.
     #[wasm_bindgen(js_name = goOnAs)]
+    #[cfg_attr(small, optimize(size))]
     pub fn go_on_as(&mut self, scene: JsValue) -> Result<(), JsError> {
         let desc = muslin_wasm_scene::read(scene).map_err(error)?;
         let mut next = Cloth::new(&desc, &[]).map_err(error)?;

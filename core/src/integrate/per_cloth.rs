@@ -3,7 +3,7 @@
 
 use core::ops::Range;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::columns::{PART, dot};
 use super::convex_term::ConvexTerm;
@@ -27,7 +27,7 @@ pub struct ClothSolve {
     /// The square of the preconditioned residual at which it is solved; before the solve the reference for it.
     pub(super) target: Sum,
     /// The root of the mean square of its distance from the axes of rotation, m.
-    radius: Sum,
+    pub(super) radius: Sum,
     /// The second derivatives for its translation and its rotation as a whole, without elasticity, kg. The velocity of a
     /// rotation is that at its radius.
     pub(super) blocks: [Mat3; 2],
@@ -49,14 +49,6 @@ impl ClothSolve {
     pub(super) fn wrench(&self, x: &[Vec3], column: &[Vec3]) -> [DVec3; 2] {
         let values = || column.iter().map(|&r| DVec3::from(to_f64(r)));
         [values().sum(), self.body.moment(x, values()) / self.radius]
-    }
-
-    /// The motion that an impulse and a moment over the radius give to the cloth as if it were rigid, m/s.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    pub(super) fn free_motion(&self, wrench: [DVec3; 2]) -> [Vec3; 2] {
-        let [a, b, c] = self.body.inertia.map(|column| column / (self.radius * self.radius));
-        let turned = DMat3::from_cols(a, b, c).inverse() * wrench[1];
-        [wrench[0] / self.body.mass, if turned.is_finite() { turned } else { DVec3::ZERO }].map(|of| vec3(of.into()))
     }
 }
 

@@ -28,9 +28,11 @@ pub(crate) fn pass_on(s: &mut Scratch<'_>, to_velocity: Real) {
             continue;
         }
         let x = &s.stage_positions.rounded[range.clone()];
-        let motion = cloth.free_motion(cloth.wrench(x, &s.gradient[range.clone()])).map(|of| of * to_velocity);
+        let [momentum, moment] = cloth.wrench(x, &s.gradient[range.clone()]);
+        let left = cloth.body.with_momentum(momentum, moment * cloth.radius);
+        let [drift, turn] = [left.drift, left.velocity].map(|of| vec3(of.into()) * to_velocity);
         for (change, &x) in s.velocity_changes[range].iter_mut().zip(x) {
-            *change += motion[0] + motion[1].cross(cloth.arm(x));
+            *change += drift + turn.cross(cloth.arm(x) * cloth.radius as Real);
         }
     }
 }

@@ -38,6 +38,7 @@ pub struct IncidenceColumns {
 #[cfg(feature = "alloc")]
 impl IncidenceColumns {
     /// Incidence of elements with `K` corners over `vertices` vertices.
+    #[cfg_attr(small, optimize(size))]
     pub fn build<const K: usize>(vertices: usize, elements: &[[u32; K]]) -> Self {
         let mut offsets = alloc::vec![0u32; vertices + 1];
         for &v in elements.as_flattened() {
