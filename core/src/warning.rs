@@ -160,7 +160,7 @@ const MOST_ROUNDED: f64 = 0.01;
 /// A scene before its first step.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
-    /// Mean rest length of all edges, m.
+    /// [Harmonic mean](crate::scene::BuiltScene::mean_edge) of the rest lengths of all edges, m.
     pub mean_edge: f64,
     /// Largest side of the box around the cloth, m.
     pub size: f64,
@@ -246,8 +246,8 @@ pub struct Run<'a> {
     pub balance: &'a Balance,
     /// Energy that the method added, or took if it is negative, J, if it is [known](Balance::by_method).
     pub by_method: Option<f64>,
-    /// Whether surfaces touched: in a perfectly plastic impact, the method takes the energy that contacts leave.
-    pub has_touched: bool,
+    /// Contacts within the thickness, and impacts.
+    pub contacts: [u64; 2],
     /// Total mass, kg.
     pub mass: f64,
     /// Number of vertices.
@@ -291,10 +291,12 @@ pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
     [appeared, stretched, unconverged, rounded, run.overlap(scene), run.taken(scene), exceeds]
 }
 
-/// Whether the work of damping is measured in every run, without reactions, and nothing else takes energy. Implicit
-/// midpoint damps in the middle of a step, where the work is measured; the other implicit methods damp at its end.
-pub fn measures_damping(scene: &SceneDesc) -> bool {
-    scene.contact.is_none() && scene.integrator.method == Method::ImplicitMidpoint
+/// Whether the energy [by the method](Balance::by_method) is known: nothing damps, or the work of damping is measured.
+/// With reactions it is measured always, else by implicit midpoint alone. That method damps in the middle of a step, where
+/// the work is measured; the other implicit methods damp at its end.
+pub fn is_method_known(scene: &SceneDesc, dissipates: bool, has_reactions: bool) -> bool {
+    let measures_damping = scene.contact.is_none() && scene.integrator.method == Method::ImplicitMidpoint;
+    !dissipates || has_reactions || measures_damping
 }
 
 impl Run<'_> {
@@ -327,7 +329,9 @@ impl Run<'_> {
     /// to rest is meant to lose it.
     fn taken(&self, scene: &SceneDesc) -> Option<Warning> {
         let moved = self.balance.moved();
-        let of_all = self.by_method.filter(|_| !self.has_touched).map_or(0.0, |by_method| -by_method);
+        // In a perfectly plastic impact, the method takes the energy that contacts leave.
+        let by_method = self.by_method.filter(|_| self.contacts == [0, 0]);
+        let of_all = by_method.map_or(0.0, |by_method| -by_method);
         let found = [(of_all, MOST_TAKEN), (self.balance.unturned, MOST_UNTURNED)].into_iter();
         let taken = found.filter(|&(taken, most)| taken > most * moved).map(|(taken, _)| taken).reduce(f64::max)?;
         (scene.until_rest.is_none() && self.is_harmful(taken, scene)).then(|| Warning::new(Code::Method, taken, moved))

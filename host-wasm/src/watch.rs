@@ -77,7 +77,7 @@ impl Watch {
     #[cfg_attr(small, optimize(size))]
     pub fn warnings(&self, cloth: &Simulation, scene: &SceneDesc, clock: &Clock) -> Vec<Warning> {
         let (work, contact, time) = (cloth.statistics(), cloth.contact_statistics(), cloth.time());
-        let is_method_known = !cloth.model().dissipates() || warning::measures_damping(scene);
+        let is_method_known = warning::is_method_known(scene, cloth.model().dissipates(), false);
         let mut balance = self.balance;
         balance.work = cloth.work_done();
         let of_run = warning::of_run(
@@ -85,7 +85,7 @@ impl Watch {
             &Run {
                 balance: &balance,
                 by_method: is_method_known.then(|| balance.by_method(&energy(cloth))),
-                has_touched: contact.proximity + contact.impacts > 0,
+                contacts: [contact.proximity, contact.impacts],
                 mass: mass(cloth),
                 vertices: cloth.positions().len(),
                 size: self.size,

@@ -65,9 +65,9 @@ impl Course {
             _ => None,
         };
         let record = self.record();
-        let all_is_known =
-            record.measures_reactions || !self.engine.dissipates() || warning::measures_damping(&scene.desc);
-        let by_method = all_is_known.then(|| record.balance.by_method(&report.energy));
+        let is_method_known =
+            warning::is_method_known(&scene.desc, self.engine.dissipates(), record.measures_reactions);
+        let by_method = is_method_known.then(|| record.balance.by_method(&report.energy));
         let mut summary = Summary {
             tool: "muslin",
             version: env!("CARGO_PKG_VERSION"),

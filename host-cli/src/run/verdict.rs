@@ -19,7 +19,7 @@ impl Summary {
         let run = Run {
             balance: &record.balance,
             by_method: self.energy_balance.method,
-            has_touched: self.contacts.proximity + self.contacts.impacts > 0,
+            contacts: [self.contacts.proximity, self.contacts.impacts],
             mass: self.mass_kg,
             vertices: self.vertices,
             size: self.size_m.into_iter().fold(0.0, f64::max),
