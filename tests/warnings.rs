@@ -181,3 +181,28 @@ fn the_smallest_cloth_counts() {
     let smallest = single::simulation(text, &[]).scene().smallest_size();
     assert!((smallest - 0.02).abs() < 1e-6, "{smallest}");
 }
+
+/// Edges shorter than the thickness, and the mean of all edges is a hundred times as long.
+#[test]
+fn a_thickness_beyond_short_edges_is_warned_of() {
+    let warned = |thickness: f64| {
+        let cloth = |size: f64| {
+            format!("[[cloth]]\ngrid = {{ size = [{size:?}, {size:?}], cells = [10, 10] }}\ndensity = 0.2\n")
+        };
+        let sheets = [cloth(1.0), cloth(0.002)].concat();
+        let text = format!("duration = 1.0\n{sheets}[contact]\nthickness = {thickness:?}\n");
+        let start = Start {
+            mean_edge: single::simulation(&text, &[]).scene().mean_edge(),
+            size: 1.0,
+            smallest: 0.002,
+            mass: 0.2,
+            rigidity: 0.0,
+            deviation: 0.0,
+            is_single: false,
+        };
+        let warnings = warning::of_settings(&single::scene(&text), &start, || unreachable!());
+        warnings.into_iter().flatten().any(|warning| warning.code == Code::Thickness)
+    };
+    assert!(warned(0.001), "five times the short edges");
+    assert!(!warned(0.0001), "half of the short edges");
+}

@@ -192,7 +192,7 @@ pub trait Engine: Send {
     fn mass(&self) -> f64 {
         self.masses().iter().sum()
     }
-    /// Mean rest length of all edges, m.
+    /// Harmonic mean of the rest lengths of all edges, m.
     fn mean_edge(&self) -> f64;
     /// Largest side of the box around the smallest cloth, m.
     fn smallest_size(&self) -> f64;

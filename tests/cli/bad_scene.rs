@@ -110,6 +110,8 @@ fn sections_that_do_not_fit() {
 fn contact_and_colliders() {
     let sections = |text: &str, parts: &[&str]| refuses("[integrator]", &format!("{text}\n[integrator]"), parts);
     sections("[contact]\n", &["missing field `thickness`"]);
+    sections("[contact]\nthickness = .002\n", &["line", "invalid mantissa", "digits on both sides of the point"]);
+    sections("[contact]\nthickness = 2.\n", &["line", "digits on both sides of the point"]);
     sections("[contact]\nthickness = 0.002\nfrction = 0.3\n", &["`frction`", "did you mean `friction`?"]);
     sections("[[collider]]\nshape = \"plane\"\n", &["[[collider]] but no [contact]", "thickness"]);
     let collider = |keys: &str, parts: &[&str]| {

@@ -106,7 +106,7 @@ fn step(scene: &SceneDesc, asked: f64, taken: f64) -> String {
 
 /// A thickness that does not suit the mesh: often the reason is a length that is not in metres.
 fn thickness(thickness: f64, edge: f64) -> String {
-    let beside = format!("contact.thickness = {thickness:?} m with edges of {edge:.1e} m on average");
+    let beside = format!("contact.thickness = {thickness:?} m with edges of {edge:.1e} m (harmonic mean)");
     match thickness > edge {
         true => format!(
             "{beside}: each vertex has many neighbours within the thickness, so steps are slow or fail; take a \

@@ -73,12 +73,12 @@ fn elsewhere(change: &Change, error: &toml::de::Error) -> Option<String> {
     Some(format!("there is no key {}; did you mean {}?", change.key, keys.join(" or ")))
 }
 
-/// Parses a TOML value. Any other text becomes a string, so that `integrator.method=rk4` needs no quotes.
+/// Parses a TOML value, or a number without digits on one side of the point. Any other text becomes a string, so that
+/// `integrator.method=rk4` needs no quotes.
 fn parse_value(text: &str) -> Value {
-    toml::from_str::<Table>(&format!("value = {text}"))
-        .ok()
-        .and_then(|mut table| table.remove("value"))
-        .unwrap_or_else(|| Value::String(text.into()))
+    let value = toml::from_str::<Table>(&format!("value = {text}")).ok().and_then(|mut table| table.remove("value"));
+    let number = || text.parse().ok().filter(|_| text.contains('.')).map(Value::Float);
+    value.or_else(number).unwrap_or_else(|| Value::String(text.into()))
 }
 
 /// Sets the key at `path` inside `value`. In an array the next part of the path is an index; if it is not, the
@@ -126,5 +126,20 @@ pub fn remove(value: &mut Value, path: &[&str]) {
         (Value::Table(table), [first, rest @ ..]) => table.get_mut(*first).into_iter().for_each(|v| remove(v, rest)),
         (Value::Array(items), _) => items.iter_mut().for_each(|item| remove(item, path)),
         _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_need_no_digits_before_or_behind_the_point() {
+        for (text, number) in [(".3", 0.3), ("-.3", -0.3), ("2.", 2.0), ("0.3", 0.3), ("1e-3", 1e-3)] {
+            assert_eq!(parse_value(text), Value::Float(number), "{text}");
+        }
+        for text in ["rk4", "cloth.obj", ".", "inf."] {
+            assert_eq!(parse_value(text), Value::String(text.into()), "{text}");
+        }
     }
 }

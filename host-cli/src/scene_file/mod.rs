@@ -199,6 +199,9 @@ pub fn explain(error: &toml::de::Error) -> String {
             text.trim_end()
         );
     }
+    if message.starts_with("invalid mantissa") || message.starts_with("invalid fraction") {
+        return format!("{}\nwrite digits on both sides of the point, as in 0.3", text.trim_end());
+    }
     match hint::known(message) {
         Some(known) => format!("{}\ndid you mean `{known}`?", text.trim_end()),
         None => text.trim_end().into(),

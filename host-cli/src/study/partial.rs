@@ -9,6 +9,7 @@ use crate::failure::Failure;
 use crate::units::time;
 
 use super::results::Results;
+use crate::export::whole::partial_name;
 use crate::folder::Folder;
 
 /// A finished run.
@@ -118,10 +119,30 @@ pub fn report(
     }
 }
 
-/// Removes the partial report of an earlier call: the study is complete.
+/// Removes the partial report of an earlier call, and what a forced end left of it: the study is complete.
 pub fn remove(folder: &Folder, name: &str) {
     for kind in ["svg", "json", "txt"] {
-        // Usually the file does not exist, so errors are ignored.
-        let _ = fs::remove_file(folder.path().join(format!("{}.{kind}", stem(name))));
+        let file = folder.path().join(format!("{}.{kind}", stem(name)));
+        // Usually neither exists, so errors are ignored.
+        let _ = fs::remove_file(partial_name(&file));
+        let _ = fs::remove_file(file);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_complete_study_removes_unfinished_files_of_a_partial_report() {
+        let kept = tempfile::tempdir().unwrap();
+        let folder = Folder::take(kept.path().into()).unwrap();
+        for name in ["chart.partial.svg", "chart.partial.txt.partial", "other.partial.svg.partial"] {
+            fs::write(kept.path().join(name), "").unwrap();
+        }
+        remove(&folder, "chart");
+        let left = fs::read_dir(kept.path()).unwrap().map(|entry| entry.unwrap().file_name());
+        let left: Vec<_> = left.filter(|name| name.to_str().is_some_and(|name| name.contains("partial"))).collect();
+        assert_eq!(left, ["other.partial.svg.partial"]);
     }
 }
