@@ -3,9 +3,9 @@
 //!
 //! Run: `cargo test -p muslin-tests --test allocation`.
 
+use harness::kit::single as kit;
 use harness::steps::Steps;
 use muslin_core::integrate::{Method, Preconditioner};
-use muslin_core::scene::SceneDesc;
 use muslin_core::simulation::Simulation;
 use muslin_core::work_done::WorkDone;
 
@@ -38,7 +38,7 @@ bend = { model = "spring", stiffness = 0.1 }
 fn a_step_allocates_nothing() {
     for method in Method::ALL {
         for (newton, preconditioner) in [(1, Preconditioner::TwoLevel), (4, Preconditioner::BlockJacobi)] {
-            let mut scene: SceneDesc = toml::from_str(SCENE).expect("the scene of this test parses");
+            let mut scene = kit::scene(SCENE);
             scene.integrator.method = method;
             scene.integrator.newton = newton;
             scene.integrator.preconditioner = preconditioner;
@@ -98,7 +98,7 @@ step = 0.0004
 #[test]
 fn a_step_with_contact_allocates_nothing_once_there_is_room() {
     for method in [Method::SymplecticEuler, Method::BackwardEuler, Method::Bdf2] {
-        let mut scene: SceneDesc = toml::from_str(TOUCHING).expect("the scene of this test parses");
+        let mut scene = kit::scene(TOUCHING);
         scene.integrator.method = method;
         scene.integrator.step = Some(if method.is_implicit() { 0.005 } else { 0.0004 });
         let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
@@ -185,7 +185,7 @@ fn allocated(cloth: &mut Simulation, what: &str, run: impl Fn(&mut Simulation)) 
 fn a_step_that_is_taken_back_allocates_nothing() {
     for method in [Method::SymplecticEuler, Method::BackwardEuler, Method::Bdf2] {
         let build = |text: &str| {
-            let mut scene: SceneDesc = toml::from_str(text).expect("the scene of this test parses");
+            let mut scene = kit::scene(text);
             scene.integrator.method = method;
             scene.integrator.step = Some(if method.is_implicit() { 0.005 } else { 0.0004 });
             Simulation::new(&scene, &[]).expect("the scene of this test builds")
@@ -222,12 +222,12 @@ macro_rules! estimates {
     ($module:ident, $core:ident) => {
         mod $module {
             use $core::integrate::Scheme;
-            use $core::scene::{self, SceneDesc};
+            use $core::scene;
             use $core::simulation::Simulation;
 
             /// The largest number of bytes that the build takes at once, and the estimate.
             pub fn bytes(text: &str) -> [f64; 2] {
-                let desc: SceneDesc = toml::from_str(text).expect("the scene of this test parses");
+                let desc = harness::kit::$module::scene(text);
                 let own = &desc.integrator;
                 let scheme = Scheme {
                     newton: own.newton,
@@ -302,7 +302,7 @@ fn the_estimate_of_memory_is_one_to_two_times_what_the_build_takes() {
 
 /// Bytes per particle of a scene's columns.
 fn bytes_per_particle(text: &str) -> f64 {
-    let scene: SceneDesc = toml::from_str(text).expect("the scene of this test parses");
+    let scene = kit::scene(text);
     let cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
     cloth.bytes() as f64 / cloth.positions().len() as f64
 }

@@ -4,14 +4,15 @@
 //! Run: `cargo test -p muslin-tests --test built_in`; scenes with contact take minutes each and run with
 //! `-- --include-ignored`.
 
+use harness::kit::single;
 use harness::steps::Steps;
 use muslin_core::dispatch::Serial;
-use muslin_core::scene::{BUILT_IN, SceneDesc};
+use muslin_core::scene::BUILT_IN;
 use muslin_core::simulation::Simulation;
 
 fn ends_well(name: &str, most: f64) {
     let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("the scene is built in").1;
-    let scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
+    let scene = single::scene(text);
     let mut cloth = Simulation::new(&scene, &[]).expect("built-in scenes build");
     let timing = scene.timing();
     let mut largest: f64 = 0.0;

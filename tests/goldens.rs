@@ -8,6 +8,8 @@
 use std::fs;
 use std::path::PathBuf;
 
+use harness::steps::Steps;
+
 /// Steps after which the line records the hash; it covers all earlier steps.
 const CHECKPOINTS: [u64; 7] = [1, 2, 3, 5, 7, 10, 20];
 /// Steps of scenes with contact: without optimisation more would take minutes.
@@ -24,7 +26,7 @@ macro_rules! lines {
                 let mut line = format!("{name} {}", $muslin::real::NAME);
                 let all = CHECKPOINTS[CHECKPOINTS.len() - 1];
                 for step in 1..=if sim.scene().contact.is_some() { STEPS_WITH_CONTACT } else { all } {
-                    sim.step(&$muslin::dispatch::Serial).unwrap_or_else(|error| panic!("{name} {error}"));
+                    sim.take_step().unwrap_or_else(|error| panic!("{name} {error}"));
                     hash.add(sim.positions(), sim.velocities());
                     if CHECKPOINTS.contains(&step) {
                         line += &format!(" {step}:{:016x}", hash.0);

@@ -16,7 +16,7 @@ use muslin_core_f64::forces::element::Element;
 use muslin_core_f64::forces::hinge::HingeColumns;
 use muslin_core_f64::forces::seam::SeamColumns;
 use muslin_core_f64::integrate::Method;
-use muslin_core_f64::scene::{BUILT_IN, SceneDesc};
+use muslin_core_f64::scene::BUILT_IN;
 use muslin_core_f64::simulation::Simulation;
 
 /// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
@@ -84,7 +84,7 @@ fn one_linear_step_of_a_stiff_sheet_can_overshoot() {
              bend = {{ model = \"hinge\", rigidity = 1e-5 }}\npin = [{{ select = {{ corners = [0, 1] }} }}]\n\
              [integrator]\nstep = 0.1\nnewton = {newton}\n"
         );
-        let scene: SceneDesc = toml::from_str(&text).expect("the scene of this test parses");
+        let scene = kit::scene(&text);
         let mut cloth = Simulation::new(&scene, &[]).expect("the scene of this test builds");
         let mut largest = 0.0_f64;
         for _ in 0..10 {
@@ -163,7 +163,7 @@ fn a_clamped_disc_sags_farther_than_a_plate() {
 fn error_control_of_implicit_midpoint_lets_a_stiff_sheet_ring() {
     let text = BUILT_IN.iter().find(|(name, _)| *name == "skirt").expect("the scene is built in").1;
     let stretch = |step: f64, error: Option<f64>| {
-        let mut scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
+        let mut scene = kit::scene(text);
         scene.integrator.method = Method::ImplicitMidpoint;
         (scene.integrator.step, scene.integrator.error) = (Some(step), error);
         let mut cloth = Simulation::new(&scene, &[]).expect("built-in scenes build");

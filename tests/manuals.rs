@@ -7,9 +7,10 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use harness::kit::single;
 use harness::steps::Steps;
 use muslin_core::integrate::Method;
-use muslin_core::scene::{BUILT_IN, SceneDesc};
+use muslin_core::scene::BUILT_IN;
 use muslin_core::simulation::Simulation;
 
 const SCENE: &str = include_str!("../host-cli/manual/scene.md");
@@ -37,7 +38,7 @@ const MANUALS: [&str; 14] = [
 #[test]
 fn the_scene_runs() {
     let text = SCENE.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("there is a scene");
-    let scene: SceneDesc = toml::from_str(text).unwrap_or_else(|error| panic!("the scene of the manual: {error}"));
+    let scene = single::scene(text);
     let mut cloth = Simulation::new(&scene, &[]).expect("the scene of the manual builds");
     for _ in 0..10 {
         cloth.take_step().expect("the scene of the manual stays finite");

@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 use harness::kit::{double, single};
 use harness::net::linearised;
 use harness::soft::sheet;
+use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;
@@ -32,7 +33,7 @@ fn free_fall_keeps_the_shape_and_the_closed_form() {
         let mut sim = cloth(method, 0.002, 0.0);
         let start = sim.positions().to_vec();
         for n in 1..=100 {
-            sim.step(&muslin_core_f64::dispatch::Serial).expect("finite");
+            sim.take_step().expect("finite");
             let (h, n) = (sim.step_length(), f64::from(n));
             let (drop, speed) = (0.5 * G * h * h * fallen(method, n), G * h * n);
             for (i, (x, v)) in sim.positions().iter().zip(sim.velocities()).enumerate() {
@@ -100,7 +101,7 @@ fn a_thrown_sheet_follows_the_parabola() {
     }
     let turned = turning(&sim);
     for _ in 0..300 {
-        sim.step(&muslin_core_f64::dispatch::Serial).expect("finite");
+        sim.take_step().expect("finite");
     }
     let time = sim.time();
     let want = start + thrown * time - DVec3::Y * (0.5 * G * time * time);
@@ -128,7 +129,7 @@ fn pins_release_and_take_cloth_at_their_times() {
         let mut worst = Worst::new(format!("{}: released and taken", method.name()), 1e-12);
         let fall = |n: f64| 0.5 * G * h * h * fallen(method, n.max(0.0));
         for n in 1..=200 {
-            sim.step(&muslin_core_f64::dispatch::Serial).expect("finite");
+            sim.take_step().expect("finite");
             let n = f64::from(n);
             // Two falls of 0.1 s and 0.05 s, then it is lifted at 2 m/s.
             let height = 2.0 * h * (n - 150.0).max(0.0) - fall(n.min(100.0) - 50.0) - fall(n.min(150.0) - 125.0);
@@ -173,7 +174,7 @@ fn drag_limits_the_speed_of_fall() {
         let mut sim = cloth(method, 0.005, linear);
         // The deviation from the terminal velocity has decayed to exp(-25) of its initial value.
         for _ in 0..250 {
-            sim.step(&muslin_core_f64::dispatch::Serial).expect("finite");
+            sim.take_step().expect("finite");
         }
         let speed = 0.2 * G / linear;
         for (i, v) in sim.velocities().iter().enumerate() {
@@ -188,7 +189,7 @@ fn built_in(name: &str, duration: f64, mut see: impl FnMut(&muslin_core::simulat
     let (_, text) = muslin_core::scene::BUILT_IN.iter().find(|(known, _)| *known == name).expect("built in");
     let mut sim = muslin_core::simulation::Simulation::new(&single::scene(text), &[]).expect("a valid scene");
     while sim.time() < duration - 1e-6 {
-        sim.step(&muslin_core::dispatch::Serial).unwrap_or_else(|error| panic!("{name} {error}"));
+        sim.take_step().unwrap_or_else(|error| panic!("{name} {error}"));
         see(&sim);
     }
 }

@@ -1,6 +1,7 @@
 //! Reactions of pins and colliders, and the balances of momentum and energy, for every method.
 
 use glam::DVec3;
+use harness::kit::double as kit;
 use harness::steps::Steps;
 use muslin_core_f64::forces::ModelColumns;
 use muslin_core_f64::forces::gravity::GravityColumns;
@@ -9,7 +10,7 @@ use muslin_core_f64::integrate::pins::{AT_REST, PinColumns};
 use muslin_core_f64::integrate::{Method, Scheme};
 use muslin_core_f64::particles::ParticleColumns;
 use muslin_core_f64::reactions::{Impulse, PinGroup};
-use muslin_core_f64::scene::{BuiltScene, SceneDesc};
+use muslin_core_f64::scene::BuiltScene;
 use muslin_core_f64::simulation::Simulation;
 use muslin_core_f64::work_done::WorkDone;
 
@@ -31,7 +32,7 @@ const SHEET: &str = r#"
 
 /// A simulation that measures everything.
 fn measured(text: &str, method: Method, step: f64, error: f64) -> Simulation {
-    let mut scene: SceneDesc = toml::from_str(text).expect("the scene parses");
+    let mut scene = kit::scene(text);
     scene.integrator.method = method;
     scene.integrator.step = Some(step);
     scene.integrator.error = Some(error);

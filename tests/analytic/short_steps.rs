@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 use harness::kit::{double, single};
+use harness::steps::Steps;
 use muslin_core::integrate::Method;
 
 const G: f64 = 9.81;
@@ -48,7 +49,7 @@ fn thrown(text: &str, throw: DVec3, steps: u32) -> [DVec3; 2] {
     };
     let start = centre(&sim);
     for _ in 0..steps {
-        sim.step(&muslin_core::dispatch::Serial).expect("finite");
+        sim.take_step().expect("finite");
     }
     let velocity = sim.velocities().iter().map(|v| v.as_dvec3()).sum::<DVec3>() / sim.positions().len() as f64;
     [centre(&sim) - start, velocity - throw]
@@ -80,7 +81,7 @@ macro_rules! pulled {
         let pin = "pin = [{ select = { corners = [0, 1] }, motion = { keys = [[0, 0, 0, 0], [1, 0.3, 0.4, 0]] } }]";
         let mut sim = $kit::simulation(&sheet([0.0, 0.75, 0.0], $method, 1e-6, pin, ""), &[]);
         for _ in 0..500 {
-            sim.step(&$core::dispatch::Serial).expect("finite");
+            sim.take_step().expect("finite");
         }
         sim.velocities().iter().map(|&v| DVec3::from($core::real::to_f64(v))).collect::<Vec<_>>()
     }};
@@ -110,7 +111,7 @@ fn a_sheet_rests_on_a_plane_in_steps_below_the_last_digit() {
         let mut sim = single::simulation(&sheet([0.0, 0.75, 0.0], method, 1e-6, "", ground), &[]);
         let (mut fastest, mut touching) = (0.0, 0);
         for _ in 0..1000 {
-            sim.step(&muslin_core::dispatch::Serial).expect("finite");
+            sim.take_step().expect("finite");
             fastest = sim.velocities().iter().map(|v| v.length()).fold(fastest, f32::max);
             touching += usize::from(sim.contact_statistics().proximity > 0);
         }
@@ -137,7 +138,7 @@ fn a_far_scene_goes_through_the_same_bits() {
         );
         let mut sim = single::simulation(&sheet([x, 0.75, 0.0], Method::BackwardEuler, 0.005, &pin, &ball), &[]);
         for _ in 0..100 {
-            sim.step(&muslin_core::dispatch::Serial).expect("a step");
+            sim.take_step().expect("a step");
         }
         assert!(sim.contact_statistics().proximity > 100, "nothing touches: {:?}", sim.contact_statistics());
         (sim.origin(), sim.positions().to_vec(), sim.velocities().to_vec())

@@ -88,7 +88,7 @@ both_precisions! {
     use core::ops::Range;
 
     use super::{ERROR, FINER, LANDING, SOFT, STIFF, SWING, TURNED};
-    use muslin::dispatch::Serial;
+    use harness::steps::Steps;
     use muslin::implicit_contact::multiplier::Multiplier;
     use muslin::integrate::{Method, Scheme, Tolerance};
     use muslin::real::{Real, Sum, Vec3};
@@ -144,7 +144,7 @@ both_precisions! {
     }
 
     fn step(sim: &mut Simulation) {
-        sim.step(&Serial).expect("a step");
+        sim.take_step().expect("a step");
     }
 
     #[test]

@@ -21,7 +21,7 @@ harness::both_precisions! {
     use muslin::response::ContactStatistics;
     use muslin::response::impact::SEPARATION;
     use muslin::response::repulsion::REACH;
-    use muslin::scene::{BUILT_IN, SceneDesc};
+    use muslin::scene::BUILT_IN;
     use muslin::scratch::ScratchColumns;
     use muslin::step::{self, History, StepContact, Work};
     use std::collections::BTreeSet;
@@ -253,7 +253,7 @@ harness::both_precisions! {
         let lines = text.lines().filter(|line| !line.starts_with("error ="));
         let text = &lines.map(|line| format!("{line}\n")).collect::<String>();
         let text = &text.replace("[integrator]\n", "[integrator]\nstep = 0.004166666666666667\n");
-        let scene: SceneDesc = toml::from_str(text).expect("a scene");
+        let scene = kit::scene(text);
         let (sim, mut built) = (kit::simulation(text, &[]), kit::build(text));
         let (scheme, length) = (*sim.scheme(), sim.step_length());
         let mut scratch = ScratchColumns::build(&built, &scheme);

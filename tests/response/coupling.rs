@@ -66,6 +66,7 @@ both_precisions! {
 
     use nalgebra::DMatrix;
     use harness::rng::Rng;
+    use harness::steps::Steps;
     use harness::worst::Worst;
 
     const VERTICES: u32 = GRID[0] * GRID[1];
@@ -424,12 +425,12 @@ both_precisions! {
     fn a_sheet_at_rest_needs_no_iterations() {
         let mut sim = kit::simulation(RESTING, &[]);
         for _ in 0..200 {
-            sim.step(&Serial).expect("a sheet on a plane");
+            sim.take_step().expect("a sheet on a plane");
         }
         let before = sim.statistics().cg_iterations;
         let settled = sim.positions().to_vec();
         for _ in 0..50 {
-            sim.step(&Serial).expect("a sheet on a plane");
+            sim.take_step().expect("a sheet on a plane");
         }
         let iterations = sim.statistics().cg_iterations - before;
         let most = if muslin::real::NAME == "f32" { 30 } else { 5 };

@@ -3,6 +3,7 @@
 //! precision stops at the rounding limit.
 
 use glam::{Mat3, Quat};
+use harness::kit::single;
 use harness::rng::Rng;
 use harness::steps::Steps;
 use muslin_core::dispatch::Serial;
@@ -22,7 +23,7 @@ const FIXED: (Option<f64>, Option<f64>) = (Some(1.0 / 60.0), Some(1e-3));
 /// Statistics of the first `steps` of a built-in scene, after `change`; steps of 1/60 s.
 fn work(name: &str, steps: u32, change: impl Fn(&mut SceneDesc)) -> IntegratorStatistics {
     let text = BUILT_IN.iter().find(|(known, _)| *known == name).expect("the scene is built in").1;
-    let mut scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
+    let mut scene = single::scene(text);
     // All solves end at one residual, so that their iterations can be compared.
     (scene.integrator.step, scene.integrator.tolerance) = FIXED;
     change(&mut scene);
@@ -60,7 +61,7 @@ fn a_large_sheet_needs_no_more_iterations() {
 #[test]
 fn a_running_simulations_columns_make_another() {
     let text = BUILT_IN.iter().find(|(known, _)| *known == "swing").expect("the scene is built in").1;
-    let mut scene: SceneDesc = toml::from_str(text).expect("built-in scenes parse");
+    let mut scene = single::scene(text);
     (scene.integrator.step, scene.integrator.tolerance) = FIXED;
     let first = Simulation::new(&scene, &[]).expect("built-in scenes build");
     let mut columns = first.scene().clone();
