@@ -312,7 +312,6 @@ test("a mistake is told and the cloth in view goes on", { skip }, async () => {
   const at = await inPage(page, () => muslin.run().cloth.steps);
   await steps(page, at + 3);
   // A run that diverges pauses, reports it, and starts again on reset.
-  await page.selectOption("#scene", "hanging");
   await page.selectOption("#method", "explicit-euler");
   await page.waitForFunction(() => /diverged/.test(document.getElementById("banner").textContent));
   await page.selectOption("#method", "backward-euler");

@@ -40,7 +40,7 @@ test("it draws pins dark, and them alone", { skip }, async () => {
 });
 
 test("the page detects on the device while a hand drags, and here again", { skip }, async () => {
-  const { page, errors } = await chromium.open("dist/page/index.html#scene=ball&compare=0");
+  const { page, errors } = await chromium.open("dist/page/index.html#scene=ball&compare=0&cloth.0.grid.cells=[12,14]");
   await steps(page, 2);
   const banner = () => page.locator("#banner").textContent();
   // A software device is slower than the processor: the page does not use it unless the box is checked.
