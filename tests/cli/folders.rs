@@ -214,7 +214,7 @@ fn frames_that_are_missing_are_told() {
     let warnings = &place.muslin(words).expect(0).json()["warnings"];
     let texts: Vec<_> = warnings.as_array().unwrap().iter().map(|warning| warning["text"].as_str().unwrap()).collect();
     let told = ["usda", "vtp"]
-        .map(|format| format!("--export {format}: begins with frame 3; out does not contain the frames before it"));
+        .map(|format| format!("--export {format}: begins with frame 3; out does not contain all frames before it"));
     assert_eq!(texts, told);
 }
 

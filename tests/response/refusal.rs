@@ -37,8 +37,30 @@ const BELOW: [(&str, &str); 5] = [
     ("mesh", "shape = \"mesh\"\nfile = \"plate\"\n"),
 ];
 
+/// A sheet that falls on a sphere, with an allowed error below the smallest normal number.
+const UNREACHABLE: &str = r#"
+    duration = 1.0
+    gravity = [0, -9.81, 0]
+    [[cloth]]
+    grid = { size = [0.5, 0.5], cells = [8, 10] }
+    position = [0, 0.21, 0]
+    density = 0.2
+    stretch = { model = "membrane", stiffness = 1000.0 }
+    shear = { stiffness = 100.0 }
+    bend = { model = "hinge", rigidity = 1e-5 }
+    [[collider]]
+    shape = "sphere"
+    center = [0, 0.1, 0]
+    radius = 0.1
+    [contact]
+    thickness = 0.005
+    friction = 0.3
+    [integrator]
+    error = 1e-40
+"#;
+
 both_precisions! {
-    use super::{BELOW, HEAD, LED, SHEET};
+    use super::{BELOW, HEAD, LED, SHEET, UNREACHABLE};
     use core::sync::atomic::{AtomicU32, Ordering};
     use glam::DVec3;
     use muslin::audit;
@@ -118,6 +140,22 @@ both_precisions! {
         let what = format!("{} explosion", muslin::real::NAME);
         let refused = refused(&mut sim, &what);
         assert!(matches!(refused.cause, Cause::TooMuch | Cause::NotFinite), "{what}: {refused}");
+    }
+
+    /// No solve leaves so little, so each ends at its limit of iterations. Translations of whole cloths count too: in f32
+    /// this step once went on for ever.
+    #[test]
+    fn a_solve_that_cannot_reach_its_goal_ends() {
+        let (ends, ended) = std::sync::mpsc::channel();
+        std::thread::spawn(move || {
+            let mut sim = kit::simulation(UNREACHABLE, &[]);
+            let refused = (0..3).any(|_| sim.take_step().is_err());
+            // The test may have given up before.
+            let _ = ends.send((refused, sim.statistics().unconverged));
+        });
+        let end = ended.recv_timeout(core::time::Duration::from_secs(300));
+        println!("{}: {end:?}", muslin::real::NAME);
+        assert!(end.is_ok(), "a step does not end: Goal::most_iterations bounds every solve");
     }
 
     /// Gives up when asked for the so manieth time.

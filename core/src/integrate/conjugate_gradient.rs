@@ -192,6 +192,7 @@ pub(crate) fn solve<D: Dispatch>(
         // Translations and the last updates of the bounds may undo each other again and again.
         let may_translate = leaves_much && !is_translated && last_updates == 0;
         if is_small && !is_balanced && may_translate && i.aim(term) {
+            // It counts too, so the limit may be passed by one.
             (is_translated, iterations) = (true, iterations + 1);
             statistics.cg_iterations += 1;
             rho = i.translate(term, statistics, c.dispatch);
@@ -214,7 +215,7 @@ pub(crate) fn solve<D: Dispatch>(
             i.restart(rho);
             (updated_at, since_update) = (rho, 0);
         }
-        if !rho.is_finite() || iterations == most {
+        if !rho.is_finite() || iterations >= most {
             let asked = matches!(goal, Goal::Iterations(_));
             statistics.unconverged += u64::from(rho.is_finite() && !asked);
             break;

@@ -129,7 +129,7 @@ fn write(
 pub fn missing(exporter: &Exporter, folder: &Folder) -> Vec<Warning> {
     let warning = |(format, frame): (Format, u32)| {
         let text = format!(
-            "--export {}: begins with frame {frame}; {} does not contain the frames before it",
+            "--export {}: begins with frame {frame}; {} does not contain all frames before it",
             format.name(),
             folder.path().display()
         );
