@@ -113,7 +113,7 @@ fn a_run_tells_that_it_removes_another_scene() {
     assert!(told("other.toml"));
     assert!(!told("other.toml"), "they are removed");
     place.run("tiny.toml");
-    assert!(!told("other.toml --quiet"));
+    assert!(told("other.toml --quiet"), "a warning stands on stderr with --quiet too");
     assert_eq!(place.files("out"), ["cloth.obj", "cloth.pc2", "run.json", "summary.json"]);
 }
 
@@ -200,6 +200,12 @@ fn a_new_run_in_place_of_an_interrupted_one_is_told() {
             "{told}"
         );
         assert!(told.contains("at step ") && told.contains(resume) == hints, "{told}");
+        let summary: serde_json::Value = serde_json::from_slice(&place.read("out/summary.json")).unwrap();
+        let warnings = &summary["warnings"];
+        assert!(
+            warnings[0]["code"] == "replaced" && told.contains(warnings[0]["text"].as_str().unwrap()),
+            "{warnings}"
+        );
     }
     place.run("tiny.toml --checkpoint 12");
     let told = place.muslin("run tiny.toml --out out --preview none").expect(0).stderr;

@@ -12,7 +12,7 @@ use crate::checkpoint;
 use crate::disk;
 use crate::export::whole::partial_name;
 use crate::export::{Exporter, Format};
-use crate::failure::{Failure, print_note};
+use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::limits;
 use crate::warning::Warning;
@@ -41,22 +41,20 @@ impl Manifest {
 }
 
 /// Records that the files in a folder belong to `run` from now on. The files of an earlier run are removed, those with
-/// the names of its formats and of the other outputs of a run; other files stay. A note says that an interrupted run is
-/// among them. The note that a finished run of another scene than `scene` was among them is returned.
+/// the names of its formats and of the other outputs of a run; other files stay. A warning says that an interrupted run
+/// was among them, or a finished run of another scene than `scene`.
 pub fn begin(
     folder: &Folder,
     run: &str,
     formats: &[Format],
     series: Option<&str>,
     scene: &str,
-) -> Result<Option<String>, Failure> {
+) -> Result<Option<Warning>, Failure> {
     let earlier = read(folder);
     write(folder, run, formats, series, earlier.as_ref())?;
-    let note = earlier.as_ref().and_then(|_| removed(folder.path(), scene));
+    let mut replaced = None;
     if let Some(earlier) = earlier {
-        if let Some(note) = replaced(folder.path(), earlier.run == run) {
-            print_note(&note);
-        }
+        replaced = interrupted(folder.path(), earlier.run == run).or_else(|| finished(folder.path(), scene));
         let frames = earlier.export.iter().flat_map(|format| format.files(folder.path()));
         // A file that cannot be removed stays, until the run replaces it.
         let others = files::besides_frames(folder.path()).chain(earlier.series(folder.path()));
@@ -65,20 +63,20 @@ pub fn begin(
         let folders = earlier.export.iter().filter_map(|format| format.folder());
         folders.for_each(|name| drop(disk::remove_folder(&folder.path().join(name))));
     }
-    Ok(note)
+    Ok(replaced.map(|text| Warning::new("replaced", text)))
 }
 
-/// The note that the outputs of a finished run of another scene are removed; `None` if the folder has none.
-fn removed(folder: &Path, scene: &str) -> Option<String> {
+/// The text that the outputs of a finished run of another scene are removed; `None` if the folder has none.
+fn finished(folder: &Path, scene: &str) -> Option<String> {
     let summary = limits::read(&folder.join(SUMMARY), limits::TEXT).ok()?;
     let summary: serde_json::Value = serde_json::from_slice(&summary).ok()?;
     let earlier = summary["scene"].as_str().filter(|&earlier| earlier != scene)?;
     Some(format!("removed the outputs of {earlier} that were in {}", folder.display()))
 }
 
-/// The note that a new run takes the place of an interrupted one; `None` if the run in the folder came to its end, or
+/// The text that a new run takes the place of an interrupted one; `None` if the run in the folder came to its end, or
 /// has no checkpoint that can be read.
-fn replaced(folder: &Path, is_the_same: bool) -> Option<String> {
+fn interrupted(folder: &Path, is_the_same: bool) -> Option<String> {
     let checkpoint = folder.join(CHECKPOINT);
     let is_interrupted = checkpoint.exists() && !folder.join(SUMMARY).exists();
     let step = is_interrupted.then(|| checkpoint::step(&checkpoint)).flatten()?;

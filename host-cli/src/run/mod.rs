@@ -121,6 +121,7 @@ fn run_until(arguments: &RunArguments, stop: &AtomicBool) -> Result<(), Failure>
     };
     let (observed, is_resumed) = ([arguments.audit, arguments.series.is_some()], resumed.is_some());
     let mut course = Course::begin(engine, &scene.desc, arguments.precision, observed, start, resumed);
+    warnings.extend(claim(arguments, &folder, scene_crc, is_resumed, &scene.desc.name)?);
     let mut files = Files::begin(arguments, folder, scene_crc, &course, is_resumed, &scene.desc)?;
     warnings.extend(manifest::missing(&files.exporter, &files.folder));
     warnings.extend(files.series.as_ref().and_then(TimeSeries::missing));
@@ -180,6 +181,23 @@ fn untangle(
     Ok(start)
 }
 
+/// Makes the folder that of this run, and checks that a resumed run may go on in it. The warning is about the run that was
+/// there before.
+fn claim(
+    arguments: &RunArguments,
+    folder: &Folder,
+    scene_crc: u32,
+    resumed: bool,
+    scene: &str,
+) -> Result<Option<Warning>, Failure> {
+    let run = checkpoint::identity(scene_crc, arguments.precision);
+    let (formats, series) = (&arguments.export, arguments.series.as_deref());
+    match resumed {
+        true => manifest::resume(folder, &run, formats, series).map(|()| None),
+        false => manifest::begin(folder, &run, formats, series, scene),
+    }
+}
+
 impl<'a> Files<'a> {
     fn begin(
         arguments: &'a RunArguments,
@@ -193,15 +211,7 @@ impl<'a> Files<'a> {
         let Course { engine, timing, positions, steps, .. } = course;
         let first_frame = if resumed { steps / timing.steps_per_frame + 1 } else { 0 };
         let (out, formats) = (folder.path(), &arguments.export);
-        let run = checkpoint::identity(scene_crc, arguments.precision);
         let series = arguments.series.as_deref();
-        match resumed {
-            true => manifest::resume(&folder, &run, formats, series)?,
-            false => {
-                let note = manifest::begin(&folder, &run, formats, series, &desc.name)?;
-                note.filter(|_| !arguments.quiet).iter().for_each(|note| print_note(note));
-            }
-        }
         let exporter = Exporter::create(out, formats, engine.triangles(), frame_rate, first_frame as u32)?;
         let series = series.map(|name| TimeSeries::begin(&out.join(name), course, first_frame)).transpose()?;
         let bar = progress_bar(arguments, total_steps(timing), *steps);
