@@ -292,8 +292,8 @@ pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
 }
 
 /// Whether the energy [by the method](Balance::by_method) is known: nothing damps, or the work of damping is measured.
-/// With reactions it is measured always, else by implicit midpoint alone. That method damps in the middle of a step, where
-/// the work is measured; the other implicit methods damp at its end.
+/// With reactions it is measured always, else only by implicit midpoint without contact. That method damps in the middle of
+/// a step, where the work is measured; the other implicit methods damp at its end.
 pub fn is_method_known(scene: &SceneDesc, dissipates: bool, has_reactions: bool) -> bool {
     let measures_damping = scene.contact.is_none() && scene.integrator.method == Method::ImplicitMidpoint;
     !dissipates || has_reactions || measures_damping

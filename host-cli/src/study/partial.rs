@@ -119,7 +119,7 @@ pub fn report(
     }
 }
 
-/// Removes the partial report of an earlier call, and what a forced end left of it: the study is complete.
+/// Removes the partial report of an earlier call and its unfinished files: the study is complete.
 pub fn remove(folder: &Folder, name: &str) {
     for kind in ["svg", "json", "txt"] {
         let file = folder.path().join(format!("{}.{kind}", stem(name)));
