@@ -18,6 +18,7 @@ use muslin_core_f64::forces::seam::SeamColumns;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::scene::BUILT_IN;
 use muslin_core_f64::simulation::Simulation;
+use muslin_core_f64::work_done::WorkDone;
 
 /// One hinge of two triangles of height 1 over an edge of length 1, flat at rest.
 fn hinge() -> HingeColumns {
@@ -231,6 +232,42 @@ fn a_collision_of_free_sheets_changes_their_angular_momentum() {
     let [coarse, fixed] = ["error = 0.001", "error = 0\nstep = 0.001"].map(changed);
     println!("the angular momentum changes by {coarse:.3}, in short steps by {fixed:.3}");
     assert!(coarse > 0.05 && fixed < 0.02, "{coarse}, in short steps {fixed}");
+}
+
+/// The hoop rolls as in short steps, but its contact takes energy that the method gives back: the run is doubtful.
+#[test]
+#[ignore = "slow"]
+fn the_contact_of_a_rolling_hoop_takes_too_much_energy() {
+    let hoop = r#"
+        duration = 0.5
+        gravity = [0, -9.81, 0]
+        [[cloth]]
+        tube = { radius = 0.1, height = 0.1, cells = [30, 5] }
+        position = [0, 0.105, 0]
+        rotation = [0, 0, 90]
+        velocity = [0, 0, 0.5]
+        density = 0.3
+        stretch = { model = "membrane", stiffness = 2000.0 }
+        shear = { stiffness = 1000.0 }
+        bend = { model = "hinge", rigidity = 0.05 }
+        [[collider]]
+        shape = "plane"
+        point = [0, 0, 0]
+        normal = [0, 1, 0]
+        [contact]
+        thickness = 0.004
+        friction = 0.5
+    "#;
+    let rolled = |integrator: &str| {
+        let mut sim = kit::simulation(&format!("{hoop}[integrator]\n{integrator}"), &[]);
+        sim.measure_work(WorkDone::default());
+        kit::run(&mut sim, 0.5, |_| ());
+        [sim.energy().kinetic, -sim.work_done().contacts]
+    };
+    let [[coarse, took], [fixed, takes]] = ["", "error = 0\nstep = 0.001"].map(rolled);
+    println!("kinetic energy {coarse:.2e} J, contact took {took:.2e} J; in short steps {fixed:.2e} and {takes:.2e} J");
+    assert!((coarse / fixed - 1.0).abs() < 0.1, "kinetic energy {coarse} J, in short steps {fixed} J");
+    assert!(took > 1.4 * takes, "contact took {took} J, in short steps {takes} J");
 }
 
 /// The response moves single vertices. With an error of 4 mm, four of 200 runs of `fold` do so; their starts differ by
