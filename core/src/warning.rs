@@ -42,6 +42,9 @@ pub enum Code {
     Method,
     /// The number of substeps with too large an error; the number of all substeps.
     Exceeding,
+    /// Limit of the iterations of Newton's method in a run with contacts, which they leave out; the limit that needs no
+    /// warning.
+    Newton,
 }
 
 impl Code {
@@ -63,6 +66,7 @@ impl Code {
             Self::Overlap => "overlap",
             Self::Method => "method",
             Self::Exceeding => "exceeding",
+            Self::Newton => "newton",
         }
     }
 }
@@ -270,7 +274,7 @@ pub struct Run<'a> {
 
 /// The signs that the result of a run is wrong, those of a doubtful result first.
 #[cfg_attr(small, optimize(size))]
-pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
+pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 8] {
     let Run { balance, stretch, rounding, unconverged, substeps: [substeps, exceeding], .. } = *run;
     let appeared = run.appeared(scene);
     let most = (MOST_APPEARED * balance.moved()).max(SETTLING * run.lift(scene));
@@ -288,7 +292,7 @@ pub fn of_run(scene: &SceneDesc, run: &Run<'_>) -> [Option<Warning>; 7] {
     let rounded = (rounding > MOST_ROUNDED)
         .then(|| Warning { is_doubtful: true, ..Warning::new(Code::Rounding, rounding, MOST_ROUNDED) });
     let exceeds = (exceeding > 0).then(|| Warning::new(Code::Exceeding, exceeding as f64, substeps as f64));
-    [appeared, stretched, unconverged, rounded, run.overlap(scene), run.taken(scene), exceeds]
+    [appeared, stretched, unconverged, rounded, run.overlap(scene), run.taken(scene), exceeds, run.newton(scene)]
 }
 
 /// Whether the energy [by the method](Balance::by_method) is known: nothing damps, or the work of damping is measured.
@@ -335,6 +339,12 @@ impl Run<'_> {
         let found = [(of_all, MOST_TAKEN), (self.balance.unturned, MOST_UNTURNED)].into_iter();
         let taken = found.filter(|&(taken, most)| taken > most * moved).map(|(taken, _)| taken).reduce(f64::max)?;
         (scene.until_rest.is_none() && self.is_harmful(taken, scene)).then(|| Warning::new(Code::Method, taken, moved))
+    }
+
+    /// Newton's method in a run with contacts.
+    fn newton(&self, scene: &SceneDesc) -> Option<Warning> {
+        let iterations = if scene.integrator.method.is_implicit() { scene.integrator.newton } else { 1 };
+        (iterations > 1 && self.contacts != [0, 0]).then(|| Warning::new(Code::Newton, iterations.into(), 1.0))
     }
 
     /// Whether an energy would take one vertex farther than [`HARMLESS_WAY`], and is either more than rounding gives or

@@ -84,6 +84,7 @@ export interface Warning {
    * - `overlap`: energy by moving overlapping surfaces apart, and the largest energy that moved, J
    * - `method`: energy that the method took, and the largest energy that moved, J
    * - `exceeding`: substeps with too large an error, and all substeps
+   * - `newton`: limit of the iterations of Newton's method, which leaves contacts out; 1 needs no warning
    */
   code:
     | "step"
@@ -100,7 +101,8 @@ export interface Warning {
     | "rounding"
     | "overlap"
     | "method"
-    | "exceeding";
+    | "exceeding"
+    | "newton";
   /** The number that is too large or too small. */
   value: number;
   /** The number that it is compared with. */

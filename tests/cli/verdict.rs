@@ -249,6 +249,33 @@ pin = [{ select = { edge = "back" } }]
     assert!(euler < -0.5 && told, "{euler} beside measured damping");
 }
 
+/// Newton's method iterates without the contacts: friction is too weak.
+#[test]
+fn contacts_that_newtons_method_leaves_out_are_told() {
+    let place = Place::new();
+    let sheet = |height: f64| {
+        format!(
+            "duration = 0.1\nframe_rate = 20\ngravity = [0, -9.81, 0]\n[[cloth]]\n\
+             grid = {{ size = [0.2, 0.2], cells = [6, 7] }}\nposition = [0, {height}, 0]\nvelocity = [0.5, 0, 0]\n\
+             density = 0.2\nstretch = {{ model = \"membrane\", stiffness = 500 }}\nshear = {{ stiffness = 100 }}\n\
+             [[collider]]\nshape = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 1, 0]\n\
+             [contact]\nthickness = 0.004\nfriction = 0.5\n"
+        )
+    };
+    place.write("touches.toml", sheet(0.006));
+    place.write("flies.toml", sheet(1.0));
+    let told = |words: &str| {
+        let summary = run(&place, words, 0);
+        assert_eq!(summary["verdict"], "ok", "{words}: {}", summary["warnings"]);
+        codes(&summary).contains(&"newton")
+    };
+    assert!(told("touches.toml --set integrator.newton=4"));
+    assert!(!told("touches.toml") && !told("flies.toml --set integrator.newton=4"));
+    assert!(!told(
+        "touches.toml --set integrator.newton=4 --set integrator.method=symplectic-euler --set integrator.step=2e-4"
+    ));
+}
+
 #[test]
 fn an_error_that_is_large_for_the_cloth_is_told() {
     let place = Place::new();

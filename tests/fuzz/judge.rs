@@ -30,7 +30,8 @@ const CHAOTIC: f64 = 1e-3;
 const EXPLAINED: f64 = 100.0;
 
 /// Codes of the warnings that a result may be wrong.
-const MAY_BE_WRONG: [&str; 7] = ["energy", "stretch", "unconverged", "exceeding", "rounding", "masses", "unstable"];
+const MAY_BE_WRONG: [&str; 8] =
+    ["energy", "stretch", "unconverged", "exceeding", "rounding", "masses", "unstable", "newton"];
 
 /// What a scene shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -19,6 +19,7 @@ const WARNINGS = {
   overlap: "energy came from overlapping surfaces",
   method: "the method took most of the energy",
   exceeding: "the error of a step was too large",
+  newton: "Newton's method leaves contacts out",
 };
 const PARTS = [["predict", "forces, solver"], ["broadPhase", "broad phase"], ["narrowPhase", "narrow phase"], ["response", "response"]];
 
