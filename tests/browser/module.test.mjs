@@ -23,7 +23,7 @@ before(async () => {
 });
 after(() => chromium?.close());
 
-const STEPS = 200;
+const STEPS = { flag: 60, fold: 200, cantilever: 200 };
 
 /** Built by the tests of the command line. */
 const muslin = join(process.env.CARGO_TARGET_DIR ?? join(root, "target"), "debug/muslin");
@@ -42,17 +42,17 @@ function native(scene, seconds) {
 }
 
 // Wind and two-step memory (flag), self-contact and contact with a plane (fold), a stiff strip (cantilever).
-for (const scene of ["flag", "fold", "cantilever"]) {
-  test(`${scene}: the state hash after ${STEPS} steps is the native one`, { skip }, async () => {
+for (const [scene, count] of Object.entries(STEPS)) {
+  test(`${scene}: the state hash after ${count} steps is the native one`, { skip }, async () => {
     const own = await page.evaluate(([scene, steps]) => {
       const cloth = new m.Cloth(scene);
       cloth.step(steps);
       const told = { hash: cloth.stateHash(), seconds: steps * cloth.stepLength };
       cloth.free();
       return told;
-    }, [scene, STEPS]);
+    }, [scene, count]);
     const { state_hash: hash, steps } = native(scene, own.seconds);
-    assert.equal(steps, STEPS);
+    assert.equal(steps, count);
     assert.equal(own.hash, hash, "the browser and the command line differ: compare step by step");
   });
 }
