@@ -13,7 +13,7 @@ use harness::steps::Steps;
 /// Steps after which the line records the hash; it covers all earlier steps.
 const CHECKPOINTS: [u64; 7] = [1, 2, 3, 5, 7, 10, 20];
 /// Steps of scenes with contact: without optimisation more would take minutes.
-const STEPS_WITH_CONTACT: u64 = 5;
+const STEPS_WITH_CONTACT: u64 = 7;
 
 macro_rules! lines {
     ($name:ident, $muslin:ident, $kit:ident) => {

@@ -158,11 +158,8 @@ fn no_numbers_and_no_bounds() {
             (b[0][i % 3], b[1][i % 3]) = (low, high);
         }
         agree_on_some(&case);
-    }
-    for (low, high) in bad.into_iter().zip(bad.into_iter().cycle().skip(1)) {
         let mesh = crumpled::sheet(12);
-        let name = format!("one box from {low} to {high}");
-        let mut case = Case { name, ..Case::new("", &mesh.positions, &mesh.triangles, 0.1) };
+        let mut case = Case { name: case.name, ..Case::new("", &mesh.positions, &mesh.triangles, 0.1) };
         case.boxes[40] = [DVec3::splat(low), DVec3::splat(high)];
         case.boxes[80][0].y = low;
         agree_on_some(&case);

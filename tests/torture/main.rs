@@ -11,7 +11,7 @@ use harness::both_precisions;
 use harness::torture::{SCENES, Scene};
 
 /// Number of seeds in CI and in the long form.
-const SEEDS: [u64; 2] = [6, 100];
+const SEEDS: [u64; 2] = [10, 100];
 
 both_precisions! {
     use super::{SCENES, Scene};

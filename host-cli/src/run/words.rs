@@ -92,8 +92,8 @@ pub fn of(warning: &warning::Warning, scene: &SceneDesc, known: Known) -> Warnin
             (1e3 * scene.integrator.error().unwrap_or(0.0)) as f32
         ),
         Code::Newton => format!(
-            "with integrator.newton = {value} contacts are not solved together with the forces, and friction may hold \
-             half of what it should: take integrator.newton = 1"
+            "with integrator.newton = {value} contacts are not solved together with the forces, and friction may be half \
+             as strong as it should be: take integrator.newton = 1"
         ),
     };
     Warning { is_doubtful, ..Warning::new(code.name(), text) }
