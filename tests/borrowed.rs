@@ -164,8 +164,15 @@ both_precisions! {
         let model = Model { gravity: Some(gravity), stretch_springs: Some(stretch), ..Model::default() };
         let (masses, anchors): ([Real; VERTICES], _) = (std::array::from_fn(mass), HELD.map(|v| start()[v as usize]));
         let inverse_masses = masses.map(|m| 1.0 / m);
-        let pins =
-            Pins { vertices: &HELD, axes: &AXES, anchors: &anchors, motions: &MOTIONS, table: &TABLE, keys: &KEYS };
+        let pins = Pins {
+            vertices: &HELD,
+            axes: &AXES,
+            anchors: &anchors,
+            motions: &MOTIONS,
+            table: &TABLE,
+            keys: &KEYS,
+            ..Pins::default()
+        };
 
         let [mut positions, mut velocities] = [start(), [Vec3::ZERO; VERTICES]];
         let [mut low_positions, mut low_velocities] = [[Vec3::ZERO; VERTICES]; 2];

@@ -370,6 +370,16 @@ mod owned {
                     && grow(&mut self.constraints, length, Constraint::default())
         }
 
+        /// Forgets the pairs that last over many steps. Call it after a change of what can touch.
+        pub fn forget_pairs(&mut self) {
+            self.kept.forget();
+        }
+
+        /// The constraints of the last step.
+        pub fn constraints(&self) -> &[Constraint] {
+            &self.constraints[..self.lengths.constraints]
+        }
+
         /// The forces of contacts in the last step.
         pub fn multipliers(&self) -> &[Multiplier] {
             &self.multipliers[..self.lengths.multipliers]

@@ -134,6 +134,7 @@ fn surround(model: &ContactModel<'_>, purpose: Purpose, contact: &mut ContactScr
         contact.ends.copy_from_slice(contact.boxes);
         *contact.searched = Searched::Swept;
     }
+    leave_out(model, contact.boxes);
     true
 }
 
@@ -162,6 +163,14 @@ pub fn place(
     contact.ends.fill(Aabb::EMPTY);
     *contact.searched = Searched::Nothing;
     (contact.lengths.constraints, contact.lengths.contacts) = (0, 0);
+}
+
+/// Takes the boxes of colliders that are switched off away. A box that is empty overlaps nothing.
+fn leave_out(model: &ContactModel<'_>, boxes: &mut [Aabb]) {
+    let cloth = model.cloth();
+    for body in model.colliders.bodies.iter().filter(|body| body.is_off) {
+        boxes[cloth..][body.range()].fill(Aabb::EMPTY);
+    }
 }
 
 /// Whether no vertex moves far in the step, and none is so far from the origin, or so large, that rounding could
@@ -214,6 +223,7 @@ pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>
         contact.boxes[v] = Aabb { min: start - wide, max: start + wide };
     }
     contact.ends.copy_from_slice(contact.boxes);
+    leave_out(model, contact.boxes);
 }
 
 /// Writes the boxes around the motion. It may end within boxes that are wider on each side by half the thickness, the

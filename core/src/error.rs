@@ -243,6 +243,96 @@ pub enum SceneError {
     ColliderMotion { collider: u32, error: ColliderMotionError },
 }
 
+/// Reason why a running simulation refuses what its host asks for. Nothing has changed then. Indices count from 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LiveError {
+    /// There is no such vertex.
+    NoVertex { vertex: u32, count: u32 },
+    /// There is no such triangle.
+    NoTriangle { triangle: u32, count: u32 },
+    /// There is no such collider.
+    NoCollider { collider: u32, count: u32 },
+    /// A number must be finite; `name` names it.
+    NotFinite { name: &'static str },
+    /// A time is negative, not finite, or zero for a collider, which would jump.
+    Seconds { seconds: f64 },
+    /// A plane cannot turn.
+    PlaneTurns { collider: u32 },
+    /// The vertices of the collider move one by one.
+    Deforms { collider: u32 },
+    /// Only meshes change their shape.
+    NoMesh { collider: u32 },
+    /// A list of positions does not have one for every vertex of the collider.
+    Points { collider: u32, expected: u32, found: u32 },
+    /// A collider still moves by the keys of its scene, which name places in the world.
+    Scripted,
+    /// A vertex is held by a collider that stays, or along single axes that would have to turn.
+    Held { vertex: u32 },
+    /// Cloth would intersect a collider.
+    Overlaps,
+    /// The scene has no wind, so there are no coefficients of it.
+    NoWind,
+    /// Impulses are not measured.
+    NotMeasured,
+    /// Another scene has other meshes or other force terms.
+    OtherScene,
+    /// There is not enough memory.
+    Memory,
+}
+
+impl fmt::Display for LiveError {
+    #[cfg_attr(small, optimize(size))]
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let missing = |f: &mut fmt::Formatter<'_>, kind: &str, index: u32, count: u32| match count {
+            0 => write!(f, "there is no {kind} {index}: the scene has no {kind}"),
+            _ => write!(f, "there is no {kind} {index}: the last one is {}", count - 1),
+        };
+        match *self {
+            Self::NoVertex { vertex, count } => missing(f, "vertex", vertex, count),
+            Self::NoTriangle { triangle, count } => missing(f, "triangle", triangle, count),
+            Self::NoCollider { collider, count } => missing(f, "collider", collider, count),
+            Self::NotFinite { name } => write!(f, "{name} must be finite"),
+            Self::Seconds { seconds } => {
+                write!(
+                    f,
+                    "{} seconds: the time must be finite and not negative; a collider needs a time greater than zero, \
+                     because it would jump; teleport moves it together with the cloth",
+                    Number(seconds)
+                )
+            }
+            Self::PlaneTurns { collider } => {
+                write!(f, "collider {collider}: a plane cannot turn; take a box whose side is as large as the cloth")
+            }
+            Self::Deforms { collider } => {
+                write!(f, "collider {collider}: its vertices move one by one; give their positions (deform_collider)")
+            }
+            Self::NoMesh { collider } => write!(f, "collider {collider}: only a mesh changes its shape"),
+            Self::Points { collider, expected, found } => {
+                write!(f, "collider {collider}: {found} positions are given, it has {expected} vertices")
+            }
+            Self::Scripted => write!(
+                f,
+                "a collider still moves by the keys of the scene, which name places in the world; move it from the program \
+                 instead"
+            ),
+            Self::Held { vertex } => write!(
+                f,
+                "vertex {vertex} is held by a collider that stays, or along single axes that would have to turn; release it, \
+                 or move the collider too"
+            ),
+            Self::Overlaps => write!(f, "cloth would intersect a collider; move one of them away first"),
+            Self::NoWind => write!(f, "the scene has no wind; give it [drag.wind] with coefficients, at velocity 0"),
+            Self::NotMeasured => write!(f, "impulses are not measured; call measure_reactions once before the steps"),
+            Self::OtherScene => {
+                write!(f, "the scene has other meshes, force terms or laws of friction; only numbers may differ")
+            }
+            Self::Memory => write!(f, "there is not enough memory"),
+        }
+    }
+}
+
+impl core::error::Error for LiveError {}
+
 /// Displays a number without an exponent, unless it is so large or so small that it would need many zeros.
 struct Number(f64);
 

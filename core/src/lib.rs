@@ -10,7 +10,7 @@
 //! 1. [`scene`]: a description in plain numbers, and its way into columns.
 //! 2. [`mesh`]: triangles become unique edges, hinges, incidence and rest shape.
 //! 3. [`particles`]: columns of positions, velocities and masses; [`motion`]: prescribed motion of
-//!    pins and colliders.
+//!    pins and colliders; [`kinematic`]: motion that the host gives colliders from step to step.
 //! 4. [`forces`]: only the terms that the scene lists, each with energy, force and Jacobian.
 //! 5. [`integrate`]: forces become candidate positions and velocities.
 //! 6. [`contact`]: the surfaces that can touch, and the columns of contact; [`colliders`]: the
@@ -137,6 +137,7 @@ pub mod simulation;
 pub mod dispatch;
 pub mod error;
 pub mod keys;
+pub mod kinematic;
 pub mod lanes;
 pub mod motion;
 pub mod real;

@@ -3,10 +3,11 @@
 
 use core::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use crate::keys::{self, interpolate};
 pub use crate::keys::{JumpSide, Key};
+use crate::kinematic::{Pose, Twist};
 use crate::real::{Sum, Vec3, to_f64, vec3};
 
 /// A steady rotation about an axis.
@@ -78,6 +79,28 @@ impl Motion {
     /// The offset by keys, m, and its rate on the given side of a time, m/s.
     pub fn offset(&self, keys: &[Key], time: Sum, side: JumpSide) -> (DVec3, DVec3) {
         interpolate(self.own(keys), time, side)
+    }
+
+    /// The pose at `time` of a body whose centre was at `centre` before any motion, m, and its velocity on the given side
+    /// of that time.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn pose(&self, keys: &[Key], centre: DVec3, time: Sum, side: JumpSide) -> (Pose, Twist) {
+        let (offset, slope) = self.offset(keys, time, side);
+        let Some(turn) = self.turn else {
+            return (Pose::at(centre + offset), Twist { linear: slope, ..Twist::default() });
+        };
+        let (position, spin) = turned(&turn, centre, time, side);
+        let (sin, cos) = libm::sincos(0.5 * turn.angle(time));
+        let [x, y, z] = (turn.axis * sin).to_array();
+        let angular = if side.has_passed(turn.until, time) { DVec3::ZERO } else { turn.axis * turn.rate };
+        let pose = Pose { position: position + offset, rotation: DQuat::from_xyzw(x, y, z, cos) };
+        (pose, Twist { linear: slope + spin, angular })
+    }
+
+    /// Whether the motion has come to its end at `time`, s.
+    pub fn has_ended(&self, keys: &[Key], time: Sum) -> bool {
+        let passed = |end| JumpSide::After.has_passed(end, time);
+        self.own(keys).last().is_none_or(|key| passed(key.time)) && self.turn.is_none_or(|turn| passed(turn.until))
     }
 
     /// The keys of this motion among those of all motions.

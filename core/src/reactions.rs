@@ -48,7 +48,7 @@ pub struct Reactions<'a> {
     pub groups: &'a [PinGroup],
     /// Impulses of the groups.
     pub pins: &'a mut [Impulse],
-    /// Impulses of the colliders.
+    /// Impulses of the colliders, also by the pins that they carry.
     pub colliders: &'a mut [Impulse],
 }
 
@@ -58,22 +58,33 @@ impl Reactions<'_> {
     /// its stage are those in the middle of the step.
     pub fn add_pins<D>(&mut self, c: &StepInput<'_, D>, s: &Scratch<'_>) {
         let step = Sum::from(c.step);
+        let impulse = |vertex: usize, axes: &mut dyn Iterator<Item = usize>| {
+            let [change, force] = [&s.velocity_changes[vertex], &s.forces[vertex]].map(|&v| DVec3::from(to_f64(v)));
+            let all = change * Sum::from(c.masses[vertex]) - force * step;
+            let mut own = DVec3::ZERO;
+            axes.for_each(|axis| own[axis] = all[axis]);
+            own
+        };
         for (group, sum) in self.groups.iter().zip(&mut *self.pins) {
-            for (_, vertex, axes) in c.pins.iter().take(group.pins.end).skip(group.pins.start) {
-                let [change, force] = [&s.velocity_changes[vertex], &s.forces[vertex]].map(|&v| DVec3::from(to_f64(v)));
-                let all = change * Sum::from(c.masses[vertex]) - force * step;
-                let mut own = DVec3::ZERO;
-                axes.for_each(|axis| own[axis] = all[axis]);
-                sum.add(s.stage_positions.rounded[vertex], own);
+            for (_, vertex, mut axes) in c.pins.iter().take(group.pins.end).skip(group.pins.start) {
+                sum.add(s.stage_positions.rounded[vertex], impulse(vertex, &mut axes));
+            }
+        }
+        for (pin, vertex, mut axes) in c.pins.iter() {
+            if let Some(carrier) = c.pins.carrier(pin) {
+                self.colliders[carrier].add(s.stage_positions.rounded[vertex], impulse(vertex, &mut axes));
             }
         }
     }
 
-    /// Adds an impulse of one pin at a position, m.
-    pub fn add_pin(&mut self, pin: usize, at: Vec3, impulse: DVec3) {
+    /// Adds an impulse of one pin at a position, m. A collider may carry the pin.
+    pub fn add_pin(&mut self, pin: usize, carrier: Option<usize>, at: Vec3, impulse: DVec3) {
         let groups = self.groups.iter().zip(&mut *self.pins);
         for (_, sum) in groups.filter(|(group, _)| group.pins.contains(&pin)) {
             sum.add(at, impulse);
+        }
+        if let Some(carrier) = carrier {
+            self.colliders[carrier].add(at, impulse);
         }
     }
 

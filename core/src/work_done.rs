@@ -16,7 +16,7 @@ use crate::dispatch::Dispatch;
 use crate::forces::{self, Model, Term};
 use crate::implicit_contact::exchange;
 use crate::integrate::pin_forces;
-use crate::integrate::pins::{AT_REST, JumpSide, Pins};
+use crate::integrate::pins::{JumpSide, Pins};
 use crate::integrate::{Method, StepInput};
 use crate::particles::Particles;
 use crate::reactions::{Reactions, impulses};
@@ -33,7 +33,7 @@ pub struct WorkDone {
     pub colliders: Sum,
     /// By wind; negative where it slows the cloth down.
     pub wind: Sum,
-    /// By gravity and loads that change with time. Like the potential energy, it depends on where heights count from.
+    /// By gravity, loads and materials that change, and by impulses and teleports of the host. Like the potential energy, it depends on where heights count from.
     pub gravity: Sum,
     /// By [moving overlapping surfaces apart](crate::response), against the forces. It changes no velocity.
     pub separation: Sum,
@@ -153,13 +153,13 @@ pub fn by_taking_hold(pins: &Pins<'_>, time: Sum, particles: &Particles<'_>, led
         }
         (done.pins, done.exchanged) = (done.pins + work, done.exchanged + work.abs());
         if let Some(reactions) = &mut reactions {
-            reactions.add_pin(pin, particles.positions[vertex], impulse);
+            reactions.add_pin(pin, pins.carrier(pin), particles.positions[vertex], impulse);
         }
     }
 }
 
 fn pins_move<D>(c: &StepInput<'_, D>) -> bool {
-    c.pins.motions.iter().any(|&motion| motion != AT_REST)
+    (0..c.pins.vertices.len()).any(|pin| c.pins.moves(pin))
 }
 
 /// Writes the state in the middle of the step to the columns of the stage.

@@ -121,7 +121,7 @@ impl Simulation {
             self.released.iter().for_each(|&vertex| _ = next.release(vertex));
             let places: Vec<_> = self.own.places_in_world().collect();
             for &vertex in &self.held {
-                next.move_to(vertex, places[vertex as usize], 0.0);
+                next.move_to(vertex, places[vertex as usize], 0.0).map_err(error)?;
             }
         } else {
             (self.held, self.released) = (Vec::new(), Vec::new());
@@ -139,10 +139,7 @@ impl Simulation {
     #[wasm_bindgen(js_name = moveTo)]
     pub fn move_to(&mut self, vertex: f64, x: f32, y: f32, z: f32, seconds: f64) -> Result<(), JsError> {
         let vertex = self.vertex(vertex)?;
-        if ![f64::from(x), f64::from(y), f64::from(z), seconds].iter().all(|x| x.is_finite()) || seconds < 0.0 {
-            return Err(JsError::new("a place and a time must be finite numbers"));
-        }
-        self.own.move_to(vertex, [x, y, z].map(f64::from), seconds);
+        self.own.move_to(vertex, [x, y, z].map(f64::from), seconds).map_err(error)?;
         self.released.retain(|&other| other != vertex);
         if !self.held.contains(&vertex) {
             self.held.push(vertex);
@@ -171,7 +168,7 @@ impl Simulation {
 
     /// The held vertices.
     pub fn pins(&self) -> Vec<u32> {
-        self.own.pins().vertices.to_vec()
+        self.own.pins().held().collect()
     }
 
     /// The colliders, one after the other. Each has its shape (0 plane, 1 sphere, 2 capsule, 3 box, 4 mesh), radius, m,

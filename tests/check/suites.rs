@@ -8,11 +8,12 @@ use serde_json::Value;
 use crate::plan::Level;
 
 /// Packages whose suites are run, and the lowest level that runs them.
-const PACKAGES: [(&str, Level); 4] = [
+const PACKAGES: [(&str, Level); 5] = [
     ("muslin-tests", Level::Everyday),
     ("muslin-cli", Level::Everyday),
     ("muslin-gpu", Level::All),
     ("muslin-tests-gpu", Level::All),
+    ("muslin-example-rapier", Level::All),
 ];
 
 /// A target from which cargo builds a test executable.

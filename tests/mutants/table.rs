@@ -132,7 +132,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         what: "What is let go stays immovable to contact",
-        file: "core/src/simulation/move_to.rs",
+        file: "core/src/simulation/pins.rs",
         old: "pins.write_inverse_masses(&particles.inverse_masses, &mut contact.inverse_masses[..cloth]);",
         new: "pins.write_inverse_masses(&particles.inverse_masses, &mut contact.inverse_masses[..cloth].to_vec());",
         everyday: &["response"],

@@ -56,7 +56,7 @@ both_precisions! {
     fn a_scene_whose_pins_are_let_go_is_that_without_pins() {
         for axes in ["xyz", "y", "xz"] {
             let mut freed = build(0.01, &format!("pin = [{{ select = {{ edge = \"left\" }}, axes = \"{axes}\" }}]\n"));
-            for vertex in freed.pins().vertices.to_vec() {
+            for vertex in freed.pins().held().collect::<Vec<_>>() {
                 assert!(freed.release(vertex));
             }
             agree(freed, build(0.01, ""), axes);
@@ -68,8 +68,8 @@ both_precisions! {
     fn a_scene_whose_vertices_are_taken_hold_of_is_that_with_pins() {
         let pinned = build(0.003, "pin = [{ select = { edge = \"left\" } }]\n");
         let mut held = build(0.003, "");
-        for &vertex in pinned.pins().vertices {
-            assert!(held.move_to(vertex, to_f64(held.positions()[vertex as usize]), 0.0));
+        for vertex in pinned.pins().held() {
+            assert_eq!(held.move_to(vertex, to_f64(held.positions()[vertex as usize]), 0.0), Ok(()));
         }
         agree(held, pinned, "held");
     }
@@ -83,7 +83,7 @@ both_precisions! {
         let from = DVec3::from(to_f64(sim.positions()[middle as usize]));
         for (to, steps) in [(DVec3::new(from.x, 0.0065, from.z), 20), (from, 20)] {
             let start = DVec3::from(to_f64(sim.positions()[middle as usize]));
-            assert!(sim.move_to(middle, to.into(), f64::from(steps) * f64::from(sim.step_length())));
+            assert_eq!(sim.move_to(middle, to.into(), f64::from(steps) * f64::from(sim.step_length())), Ok(()));
             for n in 1..=steps {
                 sim.take_step().unwrap_or_else(|refused| panic!("{refused}"));
                 let place = start + (to - start) * (f64::from(n) / f64::from(steps));

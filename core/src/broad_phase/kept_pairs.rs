@@ -93,6 +93,11 @@ impl KeptPairColumns {
         }
     }
 
+    /// Keeps no pairs any more.
+    pub fn forget(&mut self) {
+        self.counts = None;
+    }
+
     /// Borrows the columns.
     pub fn view(&mut self) -> KeptPairs<'_> {
         KeptPairs {

@@ -10,8 +10,9 @@ pub mod round;
 
 use glam::DVec3;
 
+use crate::kinematic::{Kinematic, Pose, Twist};
 use crate::motion::{JumpSide, Key, Motion};
-use crate::real::{Real, Sum, Vec3, sqrt, vec3};
+use crate::real::{Real, Sum, Vec3, sqrt, to_f64, vec3};
 
 /// The shape of a collider.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +38,68 @@ pub enum Drive {
     Motion(Motion),
     /// The frames of a point cache.
     Cache(Cache),
+    /// From pose to pose, as the host says.
+    Host(Kinematic),
+}
+
+impl Drive {
+    /// Position of a point at `time`, m, and its velocity on the given side of that time, m/s. `point` is its position
+    /// before any motion, and `keys` are the keys of all motions. The points of a cache have no common motion: they
+    /// count as at rest.
+    pub fn at(&self, keys: &[Key], point: Vec3, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
+        match self {
+            Self::Rest | Self::Cache(_) => (to_f64(point).into(), Vec3::ZERO),
+            Self::Motion(motion) => motion.at(keys, point, time, side),
+            Self::Host(kinematic) => kinematic.at(to_f64(point).into(), time, side),
+        }
+    }
+
+    /// The point before any motion that is at `place` at `time`, m. A cache has no inverse.
+    pub fn undo(&self, keys: &[Key], place: DVec3, time: Sum) -> DVec3 {
+        match self {
+            Self::Rest | Self::Cache(_) => place,
+            Self::Motion(motion) => motion.undo(keys, place, time),
+            Self::Host(kinematic) => kinematic.undo(place, time),
+        }
+    }
+
+    /// How far points move, between two times, from the straight and even way, m. They are within `radius` of `points`, m.
+    /// Those farther from the centre of a rotation than `cloth` do not count: it does not feel them.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn deviation(
+        &self,
+        keys: &[Key],
+        points: &[Vec3],
+        radius: Sum,
+        cloth: Option<&[Vec3]>,
+        times: [Sum; 2],
+    ) -> Sum {
+        let least = |own: Sum, of_cloth: &dyn Fn(&[Vec3]) -> Sum| cloth.map_or(own, |cloth| own.min(of_cloth(cloth)));
+        match self {
+            Self::Rest | Self::Cache(_) => 0.0,
+            Self::Motion(motion) => {
+                let (offset, _) = motion.offset(keys, times[0], JumpSide::After);
+                let own = motion.reach(points, DVec3::ZERO) + radius;
+                motion.deviation(keys, least(own, &|cloth| motion.reach(cloth, offset)), DVec3::ONE, times)
+            }
+            Self::Host(kinematic) => {
+                let now = kinematic.pose(times[0]).position;
+                let own = reach(points, kinematic.centre) + radius;
+                kinematic.deviation(least(own, &|cloth| reach(cloth, now)), times)
+            }
+        }
+    }
+
+    /// The pose at `time` of a collider whose centre was at `centre` before any motion, m, and its velocity on the given
+    /// side of that time.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn pose(&self, keys: &[Key], centre: DVec3, time: Sum, side: JumpSide) -> (Pose, Twist) {
+        match self {
+            Self::Rest | Self::Cache(_) => (Pose::at(centre), Twist::default()),
+            Self::Motion(motion) => motion.pose(keys, centre, time, side),
+            Self::Host(kinematic) => (kinematic.pose(time), kinematic.twist(time, side)),
+        }
+    }
 }
 
 /// The frames of a point cache: linear between frames, constant before the first and after the last.
@@ -48,6 +111,8 @@ pub struct Cache {
     pub frames: usize,
     /// Frames per second.
     pub rate: Sum,
+    /// Time of the first frame, s.
+    pub start: Sum,
 }
 
 impl Cache {
@@ -56,7 +121,7 @@ impl Cache {
     #[cfg_attr(small, optimize(size), inline(never))]
     fn place(&self, frames: &[Vec3], [vertex, count]: [usize; 2], time: Sum) -> Vec3 {
         let last = self.frames - 1;
-        let at = (time * self.rate).clamp(0.0, last as Sum);
+        let at = ((time - self.start) * self.rate).clamp(0.0, last as Sum);
         let frame = at as usize;
         let part = (at - frame as Sum) as Real;
         let [now, next] = [frame, (frame + 1).min(last)].map(|frame| frames[self.first + frame * count + vertex]);
@@ -66,10 +131,10 @@ impl Cache {
     /// How far a vertex would be at the end of a time from its place there if it went on as before a frame within, m.
     #[cfg_attr(small, optimize(size), inline(never))]
     fn deviation(&self, frames: &[Vec3], count: usize, [start, end]: [Sum; 2]) -> Sum {
-        let [first, last] = [start, end].map(|time| (time * self.rate).clamp(0.0, self.frames as Sum));
+        let [first, last] = [start, end].map(|time| ((time - self.start) * self.rate).clamp(0.0, self.frames as Sum));
         let mut farthest: Real = 0.0;
         for frame in (first as usize).max(1)..libm::ceil(last) as usize {
-            let time = frame as Sum / self.rate;
+            let time = self.start + frame as Sum / self.rate;
             let rest = ((end - time) * self.rate) as Real;
             if time <= start || rest <= 0.0 {
                 continue;
@@ -85,7 +150,7 @@ impl Cache {
 
     /// Time of the last frame, s.
     pub fn end(&self) -> Sum {
-        (self.frames - 1) as Sum / self.rate
+        self.start + (self.frames - 1) as Sum / self.rate
     }
 }
 
@@ -102,6 +167,8 @@ pub struct Body {
     pub radius: Real,
     /// Index of its law of friction.
     pub law: u32,
+    /// Whether it is switched off: nothing touches it.
+    pub is_off: bool,
 }
 
 impl Body {
@@ -112,8 +179,25 @@ impl Body {
 
     /// Its rotation in a step that starts at `time` and takes `step`, s, rad. That of a point cache is not known.
     pub fn turns(&self, [time, step]: [Sum; 2]) -> Vec3 {
-        let Drive::Motion(Motion { turn: Some(turn), .. }) = self.drive else { return Vec3::ZERO };
-        vec3((turn.axis * (turn.angle(time + step) - turn.angle(time))).into())
+        let turned = match self.drive {
+            Drive::Motion(Motion { turn: Some(turn), .. }) => turn.axis * (turn.angle(time + step) - turn.angle(time)),
+            Drive::Host(kinematic) => kinematic.turned([time, time + step]),
+            Drive::Rest | Drive::Motion(_) | Drive::Cache(_) => DVec3::ZERO,
+        };
+        vec3(turned.into())
+    }
+
+    /// Its centre before any motion, m: the point of a plane, the middle of a sphere, a capsule or a box. That of a mesh
+    /// is the zero of its coordinates, which lies at `zero`.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn centre(&self, anchors: &[Vec3], zero: DVec3) -> DVec3 {
+        let own = &anchors[self.range()];
+        match self.form {
+            Form::Mesh => zero,
+            Form::Plane(_) | Form::Sphere | Form::Capsule | Form::Box => {
+                own.iter().map(|&x| DVec3::from(to_f64(x))).sum::<DVec3>() / own.len() as Sum
+            }
+        }
     }
 }
 
@@ -136,15 +220,17 @@ impl Colliders<'_> {
         self.bodies.partition_point(|body| body.range().end <= vertex)
     }
 
-    /// Writes the positions of all vertices at `time`, s.
+    /// Writes the positions of all vertices at `time`, s. All vertices of a collider that is switched off are at the
+    /// place of its first, so that nothing crosses it.
     pub fn place(&self, time: Sum, out: &mut [Vec3]) {
         for body in self.bodies {
             let (anchors, out) = (&self.anchors[body.range()], &mut out[body.range()]);
             match body.drive {
+                _ if body.is_off => out.fill(anchors[0]),
                 Drive::Rest => out.copy_from_slice(anchors),
-                Drive::Motion(motion) => {
+                Drive::Motion(_) | Drive::Host(_) => {
                     for (out, &anchor) in out.iter_mut().zip(anchors) {
-                        *out = vec3(motion.at(self.keys, anchor, time, JumpSide::After).0.into());
+                        *out = vec3(body.drive.at(self.keys, anchor, time, JumpSide::After).0.into());
                     }
                 }
                 Drive::Cache(cache) => {
@@ -162,14 +248,11 @@ impl Colliders<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn deviation(&self, cloth: &[Vec3], times: [Sum; 2]) -> Sum {
         let of = |body: &Body| match body.drive {
-            Drive::Rest => 0.0,
-            Drive::Motion(motion) => {
-                let (offset, _) = motion.offset(self.keys, times[0], JumpSide::After);
-                let own = motion.reach(&self.anchors[body.range()], DVec3::ZERO) + Sum::from(body.radius);
-                // Cloth does not feel the parts that turn farther out.
-                motion.deviation(self.keys, own.min(motion.reach(cloth, offset)), DVec3::ONE, times)
-            }
+            _ if body.is_off => 0.0,
             Drive::Cache(cache) => cache.deviation(self.frames, body.vertices[1], times),
+            drive => {
+                drive.deviation(self.keys, &self.anchors[body.range()], Sum::from(body.radius), Some(cloth), times)
+            }
         };
         self.bodies.iter().map(of).fold(0.0, Sum::max)
     }
@@ -177,7 +260,7 @@ impl Colliders<'_> {
     /// Greatest depth of a point inside the colliders, m; 0 if it is outside all of them. `places` are
     /// the vertex positions. Meshes may be open, so they count as surfaces without an inside.
     pub fn depth(&self, places: &[Vec3], point: Vec3) -> Real {
-        let depths = self.bodies.iter().map(|body| {
+        let depths = self.bodies.iter().filter(|body| !body.is_off).map(|body| {
             let vertices = &places[body.range()];
             match body.form {
                 Form::Plane(normal) => plane::depth(vertices[0], normal, point),
@@ -189,6 +272,11 @@ impl Colliders<'_> {
         });
         depths.fold(0.0, Real::max)
     }
+}
+
+/// The largest distance of points from a centre, m.
+fn reach(points: &[Vec3], centre: DVec3) -> Sum {
+    points.iter().map(|&point| DVec3::from(to_f64(point)).distance(centre)).fold(0.0, Sum::max)
 }
 
 /// The owned columns of [`Colliders`].
@@ -205,6 +293,8 @@ pub struct ColliderColumns {
     pub frames: alloc::vec::Vec<Vec3>,
     /// Vertices of each triangle. Lone points and edges are triangles that repeat a vertex.
     pub triangles: alloc::vec::Vec<[u32; 3]>,
+    /// Index in `frames` of the two frames of each collider that the host deforms; empty until it deforms one.
+    own_frames: alloc::vec::Vec<Option<usize>>,
 }
 
 #[cfg(feature = "alloc")]
@@ -221,6 +311,22 @@ impl ColliderColumns {
             + size_of_val(&self.keys[..])
             + size_of_val(&self.frames[..])
             + size_of_val(&self.triangles[..])
+    }
+
+    /// Index of the first of two frames for a collider, which are added where there are none; `None` if there is no
+    /// memory.
+    pub fn room_for_frames(&mut self, body: usize) -> Option<usize> {
+        let count = 2 * self.bodies[body].vertices[1];
+        if self.own_frames.is_empty() {
+            self.own_frames.resize(self.bodies.len(), None);
+        }
+        if self.own_frames[body].is_none() {
+            let first = self.frames.len();
+            self.frames.try_reserve_exact(count).ok()?;
+            self.frames.resize(first + count, Vec3::ZERO);
+            self.own_frames[body] = Some(first);
+        }
+        self.own_frames[body]
     }
 
     /// Adds a collider. `triangles` index into `anchors`.

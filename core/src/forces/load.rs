@@ -109,10 +109,29 @@ pub struct LoadColumns {
     pub groups: alloc::vec::Vec<LoadGroup>,
     /// The forces of all groups over time, N.
     pub keys: alloc::vec::Vec<Key>,
+    /// Number of groups of the scene. Those after them are of the host: each is a constant force on one vertex.
+    pub of_scene: usize,
 }
 
 #[cfg(feature = "alloc")]
 impl LoadColumns {
+    /// Replaces the force of the host on a vertex, N, which is now at `place`, m.
+    pub fn set(&mut self, vertex: u32, place: DVec3, force: DVec3) {
+        let own = &mut self.groups[self.of_scene..];
+        let known = own.iter_mut().find(|group| self.vertices[group.vertices[0] as usize] == vertex);
+        let key = Key { time: 0.0, value: force };
+        if let Some(group) = known {
+            group.start = place;
+            self.keys[group.keys[0] as usize] = key;
+            return;
+        }
+        let [vertices, keys] = [self.vertices.len(), self.keys.len()].map(|first| [first as u32, 1]);
+        self.groups.push(LoadGroup { vertices, keys, start: place });
+        self.vertices.push(vertex);
+        self.parts.push(1.0);
+        self.keys.push(key);
+    }
+
     /// The borrowed view that kernels take.
     pub fn view(&self) -> Loads<'_> {
         Loads {

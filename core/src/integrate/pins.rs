@@ -4,6 +4,7 @@
 pub use crate::motion::{JumpSide, Key, Motion, Turn};
 use glam::DVec3;
 
+use crate::colliders::Colliders;
 use crate::particles::Particles;
 use crate::real::{Mat3, Real, Sum, Vec3, to_f64, vec3};
 
@@ -13,6 +14,9 @@ const JUMP: Real = 0.25;
 
 /// Value in [`Pins::motions`] of a pin that does not move.
 pub const AT_REST: u32 = u32::MAX;
+
+/// Value in [`Pins::carriers`] of a pin that no collider carries.
+pub const NO_CARRIER: u32 = u32::MAX;
 
 /// The time in which a pin holds its axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +63,11 @@ pub struct Pins<'a> {
     pub table: &'a [Motion],
     /// The keys of all motions.
     pub keys: &'a [Key],
+    /// Index of the collider that each pin moves with, instead of a motion of its own, or [`NO_CARRIER`]; empty: no
+    /// collider carries a pin.
+    pub carriers: &'a [u32],
+    /// The colliders.
+    pub colliders: Colliders<'a>,
 }
 
 impl Pins<'_> {
@@ -71,16 +80,44 @@ impl Pins<'_> {
     /// Prescribed position of a pin at `time`, m, and its velocity on the given side of that time, m/s.
     pub fn target(&self, pin: usize, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
         let anchor = self.anchors[pin];
+        if let Some(carrier) = self.carrier(pin) {
+            return self.colliders.bodies[carrier].drive.at(self.colliders.keys, anchor, time, side);
+        }
         match self.table.get(self.motions[pin] as usize) {
             Some(motion) => motion.at(self.keys, anchor, time, side),
             None => (to_f64(anchor).into(), Vec3::ZERO),
         }
     }
 
+    /// Index of the collider that carries a pin.
+    pub fn carrier(&self, pin: usize) -> Option<usize> {
+        self.carriers.get(pin).filter(|&&carrier| carrier != NO_CARRIER).map(|&carrier| carrier as usize)
+    }
+
+    /// Whether a pin may move.
+    pub fn moves(&self, pin: usize) -> bool {
+        self.axes[pin] != 0 && (self.motions[pin] != AT_REST || self.carrier(pin).is_some())
+    }
+
+    /// The vertices that are held, in the order of their pins.
+    pub fn held(&self) -> impl Iterator<Item = u32> {
+        self.vertices.iter().zip(self.axes).filter(|(_, axes)| **axes != 0).map(|(&vertex, _)| vertex)
+    }
+
     /// How far any pin moves, between two times, from the straight and even way, m.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn deviation(&self, times: [Sum; 2]) -> Sum {
         let of = |(pin, ..): (usize, usize, _)| {
+            if let Some(carrier) = self.carrier(pin) {
+                let own = &self.anchors[pin..=pin];
+                return Some(self.colliders.bodies[carrier].drive.deviation(
+                    self.colliders.keys,
+                    own,
+                    0.0,
+                    None,
+                    times,
+                ));
+            }
             let (motion, axes) = (self.table.get(self.motions[pin] as usize)?, self.axes[pin]);
             let radius = motion.reach(&self.anchors[pin..=pin], DVec3::ZERO);
             let mask = [0, 1, 2].map(|axis| Sum::from(axes >> axis & 1));
@@ -91,7 +128,7 @@ impl Pins<'_> {
 
     /// Whether the velocity of any pin jumps at `time`, by more than a quarter of the larger speed.
     pub fn jump(&self, time: Sum) -> bool {
-        (0..self.vertices.len()).any(|pin| {
+        (0..self.vertices.len()).filter(|&pin| self.moves(pin)).any(|pin| {
             let [before, after] = [JumpSide::Before, JumpSide::After].map(|side| self.target(pin, time, side).1);
             let fastest = before.length_squared().max(after.length_squared());
             (after - before).length_squared() > JUMP * JUMP * fastest
@@ -200,7 +237,8 @@ fn held(axes: u8) -> impl Iterator<Item = usize> {
     (0..3).filter(move |axis| axes >> axis & 1 == 1)
 }
 
-/// The owned columns of [`Pins`].
+/// The owned columns of [`Pins`]. The pins of the scene come first, then those of the host. A pin that is let go keeps its
+/// place: it holds no axes.
 #[cfg(feature = "alloc")]
 #[derive(Clone, Debug, Default)]
 pub struct PinColumns {
@@ -218,12 +256,21 @@ pub struct PinColumns {
     pub keys: alloc::vec::Vec<Key>,
     /// When the first of the pins hold; those after them always do.
     pub holds: alloc::vec::Vec<Hold>,
+    /// Collider that carries each pin, or [`NO_CARRIER`]; empty until a collider carries one.
+    pub carriers: alloc::vec::Vec<u32>,
+    /// Index of the first pin of the host.
+    pub of_scene: usize,
 }
 
 #[cfg(feature = "alloc")]
 impl PinColumns {
-    /// The borrowed view that kernels take.
+    /// The borrowed view that kernels take, of pins that no collider carries.
     pub fn view(&self) -> Pins<'_> {
+        self.carried_by(Colliders::default())
+    }
+
+    /// The borrowed view that kernels take.
+    pub fn carried_by<'a>(&'a self, colliders: Colliders<'a>) -> Pins<'a> {
         Pins {
             vertices: &self.vertices,
             axes: &self.axes,
@@ -231,6 +278,8 @@ impl PinColumns {
             motions: &self.motions,
             table: &self.table,
             keys: &self.keys,
+            carriers: &self.carriers,
+            colliders,
         }
     }
 
@@ -289,46 +338,59 @@ impl PinColumns {
     }
 
     /// Pins all axes of a vertex and moves it at constant velocity from one position to another, m, between two
-    /// times, s. Replaces earlier pins of the vertex.
-    pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], from: Vec3, to: DVec3) {
-        self.release(vertex);
-        let motion = self.spare_motion();
-        let first = self.table[motion as usize].keys[0] as usize;
-        self.keys[first] = Key { time: start, value: DVec3::ZERO };
-        self.keys[first + 1] = Key { time: end, value: to - DVec3::from(to_f64(from)) };
-        self.vertices.push(vertex);
-        self.axes.push(0b111);
-        self.anchors.push(from);
-        self.motions.push(motion);
+    /// times, s. Just before, it had the velocity `before`, m/s. Replaces earlier pins of the vertex.
+    pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], from: Vec3, to: DVec3, before: DVec3) {
+        let pin = self.take_slot(vertex, from);
+        let first = self.table[self.motions[pin] as usize].keys[0] as usize;
+        // The first key gives the velocity just before the start.
+        let value = to - DVec3::from(to_f64(from));
+        self.keys[first] = Key { time: start - 1.0, value: -before };
+        self.keys[first + 1] = Key { time: start, value: DVec3::ZERO };
+        self.keys[first + 2] = Key { time: end, value };
     }
 
-    /// Removes all pins of a vertex. Returns whether there were any.
+    /// Pins all axes of a vertex to a collider. `anchor` is the place of the vertex before any motion of the collider, m.
+    /// Replaces earlier pins of the vertex.
+    pub fn attach(&mut self, vertex: u32, anchor: Vec3, collider: u32) {
+        let pin = self.take_slot(vertex, anchor);
+        self.carriers.resize(self.vertices.len(), NO_CARRIER);
+        self.carriers[pin] = collider;
+    }
+
+    /// Lets a vertex go. Returns whether it was held, or would have been later.
     pub fn release(&mut self, vertex: u32) -> bool {
-        let before = self.vertices.len();
-        while let Some(pin) = self.vertices.iter().position(|&held| held == vertex) {
-            self.vertices.remove(pin);
-            self.axes.remove(pin);
-            self.anchors.remove(pin);
-            self.motions.remove(pin);
-            if pin < self.holds.len() {
-                self.holds.remove(pin);
+        let mut any = false;
+        for pin in 0..self.vertices.len() {
+            if self.vertices[pin] == vertex {
+                any |= self.axes[pin] != 0;
+                self.axes[pin] = 0;
+                if let Some(hold) = self.holds.get_mut(pin) {
+                    any |= hold.axes != 0;
+                    hold.axes = 0;
+                }
             }
         }
-        self.vertices.len() < before
+        any
     }
 
-    /// Returns a motion with two keys that no pin uses, or adds a new one. Reuse bounds the memory of repeated
-    /// calls to `move_to` and `release`.
-    fn spare_motion(&mut self) -> u32 {
-        let is_free = |&motion: &u32| {
-            let Motion { keys, turn } = self.table[motion as usize];
-            keys[1] == 2 && turn.is_none() && !self.motions.contains(&motion)
-        };
-        let free = (0..self.table.len() as u32).find(is_free);
-        free.unwrap_or_else(|| {
-            self.table.push(Motion { keys: [self.keys.len() as u32, 2], turn: None });
-            self.keys.extend([Key { time: 0.0, value: DVec3::ZERO }; 2]);
-            self.table.len() as u32 - 1
-        })
+    /// Lets a vertex go, and pins all its axes by a pin of the host that no collider carries. Returns the number of the
+    /// pin. Pins that hold nothing are used again: this bounds the memory.
+    fn take_slot(&mut self, vertex: u32, anchor: Vec3) -> usize {
+        self.release(vertex);
+        let free = (self.of_scene..self.vertices.len()).find(|&pin| self.axes[pin] == 0);
+        let pin = free.unwrap_or_else(|| {
+            self.motions.push(self.table.len() as u32);
+            self.table.push(Motion { keys: [self.keys.len() as u32, 3], turn: None });
+            self.keys.extend([Key { time: 0.0, value: DVec3::ZERO }; 3]);
+            self.vertices.push(vertex);
+            self.axes.push(0);
+            self.anchors.push(anchor);
+            self.vertices.len() - 1
+        });
+        (self.vertices[pin], self.axes[pin], self.anchors[pin]) = (vertex, 0b111, anchor);
+        if let Some(carrier) = self.carriers.get_mut(pin) {
+            *carrier = NO_CARRIER;
+        }
+        pin
     }
 }

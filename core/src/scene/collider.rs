@@ -170,7 +170,7 @@ pub(super) fn add(
 ) -> Result<(), SceneError> {
     let keys = Keys { desc, index, origin };
     let rounded = |point: DVec3| vec3(point.into());
-    let body = |form| Body { form, vertices: [0; 2], drive: Drive::Rest, radius: 0.0, law };
+    let body = |form| Body { form, vertices: [0; 2], drive: Drive::Rest, radius: 0.0, law, is_off: false };
     let radius = || positive("collider.radius", keys.needed("radius", &desc.radius)?).map(|r| r as Real);
     let (body, centre, anchors, triangles): (Body, DVec3, Vec<Vec3>, Vec<[u32; 3]>) = match desc.shape {
         Shape::Plane => {
@@ -252,7 +252,7 @@ fn drive(
             if columns.frames[first..].iter().any(|x| !x.is_finite()) {
                 return Err(SceneError::ColliderMotion { collider: index, error: ColliderMotionError::Cache });
             }
-            Ok(Drive::Cache(Cache { first, frames: cache.frames(), rate }))
+            Ok(Drive::Cache(Cache { first, frames: cache.frames(), rate, start: 0.0 }))
         }
     }
 }

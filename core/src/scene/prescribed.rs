@@ -42,8 +42,10 @@ impl BuiltScene {
         let of_bodies = colliders.bodies.iter().map(|body| body.drive);
         for drive in of_bodies.chain(pins.table.iter().map(|&motion| Drive::Motion(motion))) {
             match drive {
-                Drive::Rest => {}
-                Drive::Cache(cache) => (0..cache.frames).for_each(|frame| see(frame as Sum / cache.rate)),
+                Drive::Rest | Drive::Host(_) => {}
+                Drive::Cache(cache) => {
+                    (0..cache.frames).for_each(|frame| see(cache.start + frame as Sum / cache.rate));
+                }
                 Drive::Motion(Motion { turn, .. }) => {
                     see(turn.map(|turn| turn.until).filter(|until| until.is_finite()).unwrap_or_default());
                 }

@@ -12,7 +12,6 @@ use crate::dispatch::{Dispatch, block_on};
 use crate::error::SceneError;
 use crate::forces::{Energy, Model};
 use crate::implicit_contact::multiplier::Multiplier;
-use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Method, Scheme, StepInput};
 use crate::mesh::SurfaceColumns;
 use crate::particles::ParticleColumns;
@@ -28,9 +27,18 @@ use crate::step::{self, History, StepContact, Work};
 use crate::traffic::{self, TrafficSizes};
 use crate::work_done::{Ledger, WorkDone};
 
-mod move_to;
+mod colliders;
+mod forces;
+mod pins;
+mod query;
+mod snapshot;
 mod substeps;
+mod teleport;
 mod untangling;
+
+pub use forces::MaterialError;
+pub use query::{Hit, Side, SurfacePoint, Touch};
+pub use snapshot::Snapshot;
 
 pub use crate::refusal::{Cause, StepError};
 
@@ -60,6 +68,8 @@ pub struct Simulation {
     reactions: Option<ReactionColumns>,
     /// Number of candidates found in this step, over all attempts.
     searched: u64,
+    /// Length of the last substep, s.
+    substep: Sum,
     scheme: Scheme,
     step: Real,
     steps: u64,
@@ -127,6 +137,10 @@ impl Simulation {
     /// Makes a simulation of a scene that is already built. Pins start with their prescribed velocities.
     #[cfg_attr(small, optimize(size))]
     pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
+        built.pins.of_scene = built.pins.vertices.len();
+        if let Some(loads) = &mut built.model.loads {
+            loads.of_scene = loads.groups.len();
+        }
         built.pins.view().set_out(0.0, &mut built.particles.velocities);
         let scratch = ScratchColumns::build(&built, &scheme);
         let room = PAIRS_PER_VERTEX * built.particles.positions.len();
@@ -149,6 +163,7 @@ impl Simulation {
             work_done: WorkDone::default(),
             reactions: None,
             searched: 0,
+            substep: 0.0,
             scheme,
             step,
             steps: 0,
@@ -204,10 +219,11 @@ impl Simulation {
             reactions,
             ..
         } = self;
+        let colliders = built.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default();
         let mut particles = built.particles.view();
         let input = StepInput {
             model: built.model.view(),
-            pins: &built.pins.view(),
+            pins: &built.pins.carried_by(colliders),
             masses: particles.masses,
             inverse_masses: particles.inverse_masses,
             time,
@@ -224,7 +240,11 @@ impl Simulation {
         let reactions = reactions.as_mut().map(|columns| columns.view(&built.pin_groups));
         let done = measures_work.then_some(Ledger { done: work_done, reactions });
         let work = Work { integrator: statistics, contact: contact_statistics, searched, done };
-        step::take(&input, &mut particles, &mut scratch.view(), contact, history, work).await
+        let taken = step::take(&input, &mut particles, &mut scratch.view(), contact, history, work).await;
+        if taken.is_ok() {
+            self.substep = input.step.into();
+        }
+        taken
     }
 
     fn diverged(&mut self, Obstacle { cause, particle }: Obstacle, dispatch: &impl Dispatch) -> StepError {
@@ -394,11 +414,6 @@ impl Simulation {
         self.built.model.view().at(self.time())
     }
 
-    /// The pinned vertices.
-    pub fn pins(&self) -> Pins<'_> {
-        self.built.pins.view()
-    }
-
     /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. Allocates columns
     /// that the method may not have. Each step in which pins move or overlapping surfaces are moved apart takes one
     /// more evaluation of the forces.
@@ -409,9 +424,12 @@ impl Simulation {
     }
 
     /// Measures the [reactions](crate::reactions) of pins and colliders too, and the work of contacts and damping.
-    /// Allocates the columns; each step takes one or two more evaluations of the forces. Does nothing unless the work
-    /// is [measured](Self::measure_work).
+    /// Allocates the columns; each step takes one or two more evaluations of the forces. [Measures the
+    /// work](Self::measure_work) too if it was not measured.
     pub fn measure_reactions(&mut self) {
+        if !self.measures_work {
+            self.measure_work(WorkDone::default());
+        }
         let colliders = self.built.contact.as_ref().map_or(0, |contact| contact.colliders.bodies.len());
         let pins = vec![Impulse::default(); self.built.pin_groups.len()];
         let columns = ReactionColumns { pins, colliders: vec![Impulse::default(); colliders] };

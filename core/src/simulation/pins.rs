@@ -1,0 +1,119 @@
+//! Pins that change: the host pins a vertex, moves it or attaches it to a collider, and releases it; or the time of a pin
+//! begins or ends.
+
+use glam::DVec3;
+
+use super::Simulation;
+use crate::error::LiveError;
+use crate::integrate::pins::Pins;
+use crate::motion::JumpSide;
+use crate::real::{Sum, Vec3, to_f64, vec3};
+use crate::scene::BuiltScene;
+use crate::work_done::{self, Ledger};
+
+impl Simulation {
+    /// Moves a vertex, pinned or free, at constant velocity to `place`, in the world, m, within `seconds`, or at once
+    /// for 0. It stays pinned there.
+    pub fn move_to(&mut self, vertex: u32, place: [Sum; 3], seconds: Sum) -> Result<(), LiveError> {
+        let from = self.checked_vertex(vertex)?;
+        let place = checked_vector("the place", place)? - self.built.origin;
+        if !(0.0..Sum::INFINITY).contains(&seconds) {
+            return Err(LiveError::Seconds { seconds });
+        }
+        let now = self.time();
+        let before = self.held_velocity(vertex);
+        self.built.pins.move_to(vertex, [now, now + seconds], from, place, before.unwrap_or_default());
+        self.hold_anew(before.is_none());
+        Ok(())
+    }
+
+    /// Pins a vertex to a collider where it is now: it moves with the collider.
+    pub fn attach(&mut self, vertex: u32, collider: u32) -> Result<(), LiveError> {
+        let place = DVec3::from(to_f64(self.checked_vertex(vertex)?));
+        let body = self.rigid_collider(collider)?;
+        let colliders = self.colliders();
+        let anchor = vec3(colliders.bodies[body].drive.undo(colliders.keys, place, self.time()).into());
+        self.built.pins.attach(vertex, anchor, collider);
+        self.hold_anew(true);
+        Ok(())
+    }
+
+    /// Removes all pins of a vertex. Returns false if it has no pin.
+    pub fn release(&mut self, vertex: u32) -> bool {
+        let released = self.built.pins.release(vertex);
+        if released {
+            self.take_over_pins();
+            self.history.cut();
+        }
+        released
+    }
+
+    /// Lets the pins begin and end whose time has come at the start of this step.
+    pub(super) fn change_pins(&mut self) {
+        let now = self.time();
+        if self.built.pins.change(now, &self.built.particles.positions) {
+            self.hold_anew(true);
+        }
+    }
+
+    /// The velocity just before now of a vertex that is held along all axes, m/s.
+    fn held_velocity(&self, vertex: u32) -> Option<DVec3> {
+        let pins = self.pins();
+        let mut own = pins.vertices.iter().zip(pins.axes);
+        let pin = own.position(|(&held, &axes)| held == vertex && axes == 0b111)?;
+        Some(to_f64(pins.target(pin, self.time(), JumpSide::Before).1).into())
+    }
+
+    /// Takes over pins that have changed. If one holds what was free, a two-step method cannot use the state from before
+    /// it. If one has another velocity now, the step sees this itself.
+    pub(super) fn hold_anew(&mut self, held_more: bool) {
+        self.take_over_pins();
+        if held_more {
+            self.history.cut();
+        }
+        self.take_hold(self.time());
+    }
+
+    /// Gives pinned vertices the velocities of their pins.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    fn take_hold(&mut self, now: Sum) {
+        let BuiltScene { pins, particles, pin_groups: groups, contact, .. } = &mut self.built;
+        let pins = &pins.carried_by(contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default());
+        if self.measures_work {
+            let reactions = self.reactions.as_mut().map(|reactions| reactions.view(groups));
+            work_done::by_taking_hold(pins, now, &particles.view(), Ledger { done: &mut self.work_done, reactions });
+        }
+        pins.set_out(now, &mut particles.velocities);
+    }
+
+    /// Copies the held axes to contact and the preconditioner.
+    pub(super) fn take_over_pins(&mut self) {
+        let BuiltScene { particles, pins, contact, .. } = &mut self.built;
+        let pins = &pins.view();
+        self.scratch.set_pins(pins);
+        if self.measures_work {
+            self.scratch.add_work(pins.vertices.len());
+        }
+        if let Some(contact) = contact {
+            let cloth = particles.positions.len();
+            pins.write_inverse_masses(&particles.inverse_masses, &mut contact.inverse_masses[..cloth]);
+        }
+    }
+
+    /// The pinned vertices.
+    pub fn pins(&self) -> Pins<'_> {
+        self.built.pins.carried_by(self.colliders())
+    }
+
+    /// The position of a vertex that exists, m.
+    pub(super) fn checked_vertex(&self, vertex: u32) -> Result<Vec3, LiveError> {
+        let missing = LiveError::NoVertex { vertex, count: self.positions().len() as u32 };
+        self.positions().get(vertex as usize).copied().ok_or(missing)
+    }
+}
+
+/// A vector that is finite; `name` is for the error.
+pub(super) fn checked_vector(name: &'static str, vector: [Sum; 3]) -> Result<DVec3, LiveError> {
+    let vector = DVec3::from(vector);
+    if vector.is_finite() { Ok(vector) } else { Err(LiveError::NotFinite { name }) }
+}

@@ -1,0 +1,141 @@
+//! Questions of a host between steps: what touches what, where a point of the cloth is, and what a ray hits.
+
+use glam::DVec3;
+
+use super::Simulation;
+use super::pins::checked_vector;
+use crate::error::LiveError;
+use crate::real::{Sum, to_f64};
+use crate::response::constraint::Constraint;
+
+/// A surface that something touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The cloth with this index.
+    Cloth(u32),
+    /// The collider with this index.
+    Collider(u32),
+}
+
+/// A contact that pushes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// The two surfaces.
+    pub sides: [Side; 2],
+    /// Vertices of both features. Those of colliders come after those of the cloth.
+    pub vertices: [u32; 4],
+    /// Their weights in the nearest points: positive on the first side, negative on the second.
+    pub weights: [Sum; 4],
+    /// The nearest point of a cloth, in the world, m.
+    pub position: [Sum; 3],
+    /// Unit vector from the second side to the first.
+    pub normal: [Sum; 3],
+    /// Force on the first side, with friction, N.
+    pub force: [Sum; 3],
+}
+
+/// A point of a cloth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Position in the world, m.
+    pub position: [Sum; 3],
+    /// Velocity, m/s.
+    pub velocity: [Sum; 3],
+    /// Unit normal of its triangle; zero if the triangle has no area.
+    pub normal: [Sum; 3],
+}
+
+/// Where a ray hits a cloth first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The triangle.
+    pub triangle: u32,
+    /// Barycentric coordinates on it.
+    pub weights: [Sum; 3],
+    /// Distance from the origin of the ray, m.
+    pub distance: Sum,
+}
+
+impl Simulation {
+    /// The contacts that push, in the last step, or in its last substep if it was divided.
+    pub fn touches(&self) -> impl Iterator<Item = Touch> {
+        let constraints = self.contact.as_ref().map(|contact| contact.constraints()).unwrap_or_default();
+        let step = self.substep;
+        constraints.iter().filter(|constraint| constraint.normal_impulse > 0.0).map(move |it| self.touch(it, step))
+    }
+
+    fn touch(&self, constraint: &Constraint, step: Sum) -> Touch {
+        let contact = constraint.contact;
+        let (weights, normal) = (contact.weights.map(Sum::from), DVec3::from(to_f64(contact.normal)));
+        let sides = [1.0, -1.0].map(|sign| {
+            let vertex = (0..4).find(|&k| weights[k] * sign > 0.0).map_or(contact.vertices[0], |k| contact.vertices[k]);
+            self.side(vertex)
+        });
+        let sign = if matches!(sides[0], Side::Cloth(_)) { 1.0 } else { -1.0 };
+        let own =
+            (0..4).filter(|&k| weights[k] * sign > 0.0 && self.positions().get(contact.vertices[k] as usize).is_some());
+        let (sum, total) = own.fold((DVec3::ZERO, 0.0), |(sum, total), k| {
+            (sum + self.place(contact.vertices[k]) * weights[k].abs(), total + weights[k].abs())
+        });
+        let impulse = normal * Sum::from(constraint.normal_impulse) + DVec3::from(to_f64(constraint.friction_impulse));
+        Touch {
+            sides,
+            vertices: contact.vertices,
+            weights,
+            position: (sum / total).into(),
+            normal: normal.into(),
+            force: (impulse / (step * step)).into(),
+        }
+    }
+
+    /// The surface that a vertex belongs to.
+    fn side(&self, vertex: u32) -> Side {
+        match (vertex as usize).checked_sub(self.positions().len()) {
+            Some(of_colliders) => Side::Collider(self.colliders().body_of(of_colliders) as u32),
+            None => Side::Cloth(self.built.cloths.partition_point(|cloth| cloth.vertices.end <= vertex) as u32),
+        }
+    }
+
+    /// The point of a triangle with these barycentric coordinates, for example to hang something on it or to move a finer
+    /// mesh with it. The coordinates may be negative; their sum should be 1.
+    pub fn point(&self, triangle: u32, weights: [Sum; 3]) -> Result<SurfacePoint, LiveError> {
+        let missing = LiveError::NoTriangle { triangle, count: self.triangles().len() as u32 };
+        let corners = *self.triangles().get(triangle as usize).ok_or(missing)?;
+        checked_vector("a weight", weights)?;
+        let places = corners.map(|v| self.place(v));
+        let mean = |vectors: [DVec3; 3]| (0..3).map(|k| vectors[k] * weights[k]).sum::<DVec3>();
+        let normal = (places[1] - places[0]).cross(places[2] - places[0]).normalize_or_zero();
+        Ok(SurfacePoint {
+            position: mean(places).into(),
+            velocity: mean(corners.map(|v| to_f64(self.velocities()[v as usize]).into())).into(),
+            normal: normal.into(),
+        })
+    }
+
+    /// The first triangle of any cloth, from either side, that a ray hits [Möller 1997]. `direction` need not have unit
+    /// length.
+    pub fn hit(&self, origin: [Sum; 3], direction: [Sum; 3]) -> Result<Option<Hit>, LiveError> {
+        let (origin, direction) = (checked_vector("a ray", origin)?, checked_vector("a ray", direction)?);
+        let Some(along) = direction.try_normalize() else { return Ok(None) };
+        let mut first: Option<Hit> = None;
+        for (triangle, corners) in (0..).zip(self.triangles()) {
+            let [a, b, c] = corners.map(|v| self.place(v));
+            let [ab, ac, from] = [b - a, c - a, origin - a];
+            let across = along.cross(ac);
+            let volume = ab.dot(across);
+            let beside = from.cross(ab);
+            let [u, v, distance] = [from.dot(across), along.dot(beside), ac.dot(beside)].map(|x| x / volume);
+            // A comparison with NaN, of a ray in the plane of the triangle, is false.
+            let hits = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance >= 0.0;
+            if hits && first.is_none_or(|first| distance < first.distance) {
+                first = Some(Hit { triangle, weights: [1.0 - u - v, u, v], distance });
+            }
+        }
+        Ok(first)
+    }
+
+    /// Position of a vertex of the cloth in the world, m.
+    fn place(&self, vertex: u32) -> DVec3 {
+        self.built.origin + self.built.particles.exact_positions().place(vertex as usize)
+    }
+}

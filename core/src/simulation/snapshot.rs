@@ -1,0 +1,100 @@
+//! A copy of all that steps and the host change, to go back to.
+
+use alloc::vec::Vec;
+
+use super::Simulation;
+use crate::colliders::ColliderColumns;
+use crate::contact::ContactScratchColumns;
+use crate::error::LiveError;
+use crate::forces::ModelColumns;
+use crate::implicit_contact::multiplier::Multiplier;
+use crate::integrate::IntegratorStatistics;
+use crate::integrate::pins::PinColumns;
+use crate::particles::ParticleColumns;
+use crate::reactions::ReactionColumns;
+use crate::real::{Real, Sum, Vec3};
+use crate::response::ContactStatistics;
+use crate::response::friction::Law;
+use crate::step::History;
+use crate::work_done::WorkDone;
+
+/// State, pins, colliders, forces and materials of a simulation.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    particles: ParticleColumns,
+    model: ModelColumns,
+    pins: PinColumns,
+    rest_lengths: Vec<Real>,
+    colliders: Option<(ColliderColumns, Vec<Law>)>,
+    previous: [Vec<Vec3>; 2],
+    multipliers: Vec<Multiplier>,
+    reactions: Option<ReactionColumns>,
+    history: History,
+    halvings: u32,
+    estimate: Option<Real>,
+    work_done: WorkDone,
+    substep: Sum,
+    steps: u64,
+    statistics: (IntegratorStatistics, ContactStatistics),
+}
+
+impl Simulation {
+    /// A copy of all that steps and the host change. After [`go_back`](Self::go_back) to it the same steps give the same
+    /// bits.
+    pub fn snapshot(&self) -> Snapshot {
+        let scratch = &self.scratch;
+        let built = &self.built;
+        Snapshot {
+            particles: built.particles.clone(),
+            model: built.model.clone(),
+            pins: built.pins.clone(),
+            rest_lengths: built.rest_lengths.clone(),
+            colliders: built.contact.as_ref().map(|contact| (contact.colliders.clone(), contact.laws.clone())),
+            previous: [scratch.previous_displacements.clone(), scratch.previous_velocity_changes.clone()],
+            multipliers: self.contact.as_ref().map_or(&[][..], ContactScratchColumns::multipliers).to_vec(),
+            reactions: self.reactions.clone(),
+            history: self.history,
+            halvings: self.halvings,
+            estimate: self.estimate,
+            work_done: self.work_done,
+            substep: self.substep,
+            steps: self.steps,
+            statistics: (self.statistics, self.contact_statistics),
+        }
+    }
+
+    /// Goes back to a snapshot of this simulation, or of one of the same scene.
+    pub fn go_back(&mut self, to: &Snapshot) -> Result<(), LiveError> {
+        let (scratch, built) = (&mut self.scratch, &mut self.built);
+        let lengths = [to.particles.positions.len(), to.previous[0].len(), to.rest_lengths.len()];
+        let own = [built.particles.positions.len(), scratch.previous_displacements.len(), built.rest_lengths.len()];
+        let bodies = |colliders: Option<&ColliderColumns>| colliders.map(|it| (it.bodies.len(), it.anchors.len()));
+        let colliders = built.contact.as_ref().map(|contact| &contact.colliders);
+        if lengths != own || bodies(colliders) != bodies(to.colliders.as_ref().map(|(colliders, _)| colliders)) {
+            return Err(LiveError::OtherScene);
+        }
+        if self.contact.as_mut().is_some_and(|contact| !contact.grow_constraints(to.multipliers.len())) {
+            return Err(LiveError::Memory);
+        }
+        built.particles.clone_from(&to.particles);
+        built.model.clone_from(&to.model);
+        built.pins.clone_from(&to.pins);
+        built.rest_lengths.clone_from(&to.rest_lengths);
+        if let Some((contact, (colliders, laws))) = built.contact.as_mut().zip(to.colliders.as_ref()) {
+            contact.colliders.clone_from(colliders);
+            contact.laws.clone_from(laws);
+        }
+        scratch.previous_displacements.copy_from_slice(&to.previous[0]);
+        scratch.previous_velocity_changes.copy_from_slice(&to.previous[1]);
+        if let Some(contact) = &mut self.contact {
+            contact.set_multipliers(&to.multipliers);
+            contact.forget_pairs();
+        }
+        self.reactions.clone_from(&to.reactions);
+        (self.history, self.halvings, self.estimate) = (to.history, to.halvings, to.estimate);
+        (self.work_done, self.substep, self.steps) = (to.work_done, to.substep, to.steps);
+        (self.statistics, self.contact_statistics) = to.statistics;
+        self.take_over_pins();
+        Ok(())
+    }
+}
