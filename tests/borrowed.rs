@@ -62,7 +62,7 @@ both_precisions! {
     const AXES: [u8; 2] = [7, 5];
     /// The first pin is at rest, the second moves.
     const MOTIONS: [u32; 2] = [AT_REST, 0];
-    const TABLE: [Motion; 1] = [Motion { keys: [0, 2], turn: None }];
+    const TABLE: [Motion; 1] = [Motion::new([0, 2], None)];
     const KEYS: [Key; 2] =
         [Key { time: 0.0, value: DVec3::ZERO }, Key { time: 1.0, value: DVec3::new(-0.3, 0.1, 0.2) }];
 

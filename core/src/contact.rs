@@ -99,7 +99,8 @@ pub struct ContactScratch<'a> {
 }
 
 /// The kind of the candidates.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::CheckedBitPattern, bytemuck::NoUninit)]
+#[repr(u32)]
 pub enum Searched {
     /// No pairs have been searched in this step.
     #[default]
@@ -113,7 +114,8 @@ pub enum Searched {
 }
 
 /// The valid entries in the columns of [`ContactScratch`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Lengths {
     /// Constraints that the solve took part in; after the response, all constraints.
     pub constraints: usize,
@@ -124,6 +126,62 @@ pub struct Lengths {
 }
 
 impl ContactScratch<'_> {
+    /// The same columns for a shorter time.
+    pub fn reborrow(&mut self) -> ContactScratch<'_> {
+        let Grid {
+            triangle_boxes,
+            moving_boxes,
+            owned,
+            levels,
+            quantized_boxes,
+            spheres,
+            byte_boxes,
+            homes,
+            entries,
+            spare,
+        } = &mut self.grid;
+        let KeptPairs { boxes, vertex_triangle, edge_edge, counts } = &mut self.kept;
+        let kept = KeptPairs { boxes, vertex_triangle, edge_edge, counts };
+        let Room { boxes, bounds, edges, taken } = &mut self.room;
+        ContactScratch {
+            start: self.start,
+            predicted: self.predicted,
+            end: self.end,
+            predicted_displacements: self.predicted_displacements,
+            displacements: self.displacements,
+            corrections: self.corrections,
+            turns: self.turns,
+            rounds: self.rounds,
+            zones: self.zones,
+            boxes: self.boxes,
+            ends: self.ends,
+            searched: self.searched,
+            counts: self.counts,
+            lengths: self.lengths,
+            constraints: self.constraints,
+            contacts: self.contacts,
+            lines: self.lines,
+            multipliers: self.multipliers,
+            order: self.order,
+            vertex_triangle: self.vertex_triangle.reborrow(),
+            edge_edge: self.edge_edge.reborrow(),
+            grid: Grid {
+                triangle_boxes,
+                moving_boxes,
+                owned,
+                levels,
+                quantized_boxes,
+                spheres,
+                byte_boxes,
+                homes,
+                entries,
+                spare,
+            },
+            kept,
+            room: Room { boxes, bounds, edges, taken },
+        }
+    }
+
     /// Whether there is room for so many candidates.
     pub fn has_room(&self, counts: Counts) -> bool {
         let Counts { vertex_triangle, edge_edge } = counts;
@@ -168,6 +226,12 @@ pub struct Pairs<'a> {
     pub distances: &'a mut [Real],
     /// Time of impact.
     pub times: &'a mut [StoredTime],
+}
+
+impl Pairs<'_> {
+    fn reborrow(&mut self) -> Pairs<'_> {
+        Pairs { candidates: self.candidates, distances: self.distances, times: self.times }
+    }
 }
 
 #[cfg(feature = "alloc")]
@@ -341,6 +405,17 @@ mod owned {
             columns
         }
 
+        /// Columns with exactly this room.
+        pub(crate) fn fit(model: &ContactModel<'_>, room: crate::cooked::Room) -> Self {
+            let mut columns = Self::build(model, 0);
+            for pairs in [&mut columns.vertex_triangle, &mut columns.edge_edge] {
+                pairs.grow(room.pairs);
+            }
+            columns.kept = KeptPairColumns::build(model.radii.len(), room.pairs);
+            columns.fit_constraints(room.contacts);
+            columns
+        }
+
         /// Makes room for at least so many candidates. Returns false if there was enough, or if there is no memory.
         pub fn grow_pairs(&mut self, counts: Counts) -> bool {
             let mut grown = false;
@@ -360,14 +435,22 @@ mod owned {
         /// Makes room for at least so many constraints; false if there is no memory.
         #[cfg_attr(small, optimize(size))]
         pub fn grow_constraints(&mut self, needed: usize) -> bool {
-            let length = needed + needed / 4;
+            needed <= self.constraints.len() || self.fit_constraints(needed + needed / 4)
+        }
+
+        fn fit_constraints(&mut self, length: usize) -> bool {
             // The column that tells the capacity comes last.
-            needed <= self.constraints.len()
-                || grow(&mut self.order, 2 * length, 0)
-                    && grow(&mut self.contacts, length, AugmentedContact::default())
-                    && grow(&mut self.lines, length.div_ceil(4), ContactLines::default())
-                    && grow(&mut self.multipliers, length, Multiplier::default())
-                    && grow(&mut self.constraints, length, Constraint::default())
+            grow(&mut self.order, 2 * length, 0)
+                && grow(&mut self.contacts, length, AugmentedContact::default())
+                && grow(&mut self.lines, length.div_ceil(4), ContactLines::default())
+                && grow(&mut self.multipliers, length, Multiplier::default())
+                && grow(&mut self.constraints, length, Constraint::default())
+        }
+
+        /// The room for candidates of each kind, and for contacts.
+        pub fn room(&self) -> [usize; 2] {
+            let pairs = self.vertex_triangle.distances.len().max(self.edge_edge.distances.len());
+            [pairs, self.constraints.len()]
         }
 
         /// Forgets the pairs that last over many steps. Call it after a change of what can touch.

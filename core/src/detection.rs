@@ -168,7 +168,7 @@ pub fn place(
 /// Takes the boxes of colliders that are switched off away. A box that is empty overlaps nothing.
 fn leave_out(model: &ContactModel<'_>, boxes: &mut [Aabb]) {
     let cloth = model.cloth();
-    for body in model.colliders.bodies.iter().filter(|body| body.is_off) {
+    for body in model.colliders.bodies.iter().filter(|body| body.is_off()) {
         boxes[cloth..][body.range()].fill(Aabb::EMPTY);
     }
 }

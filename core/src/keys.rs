@@ -6,7 +6,8 @@ use glam::DVec3;
 use crate::real::{Real, Sum};
 
 /// A key: a vector at a time. For a motion the vector is an offset, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Key {
     /// Time, s.
     pub time: Sum,

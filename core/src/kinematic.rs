@@ -7,7 +7,8 @@ use crate::motion::JumpSide;
 use crate::real::{Sum, Vec3, vec3};
 
 /// Place and orientation of a rigid collider.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Pose {
     /// Position of its centre, m.
     pub position: DVec3,
@@ -43,7 +44,8 @@ impl Pose {
 }
 
 /// The velocity of a rigid body.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Twist {
     /// Velocity of its centre, m/s.
     pub linear: DVec3,
@@ -59,7 +61,8 @@ impl Twist {
 }
 
 /// An even motion from one pose to another. Before and after it, the body rests.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Kinematic {
     /// The centre of the collider before any motion, m.
     pub centre: DVec3,

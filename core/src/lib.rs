@@ -117,6 +117,8 @@ pub mod step;
 
 pub mod scratch;
 
+pub mod cooked;
+
 pub mod balance;
 pub mod diagnostics;
 #[cfg(feature = "alloc")]
@@ -136,6 +138,7 @@ pub mod simulation;
 
 pub mod dispatch;
 pub mod error;
+mod halving;
 pub mod keys;
 pub mod kinematic;
 pub mod lanes;

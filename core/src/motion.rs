@@ -11,7 +11,8 @@ use crate::kinematic::{Pose, Twist};
 use crate::real::{Sum, Vec3, to_f64, vec3};
 
 /// A steady rotation about an axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Turn {
     /// Unit vector along the axis.
     pub axis: DVec3,
@@ -24,15 +25,19 @@ pub struct Turn {
 }
 
 /// The motion of a point: the rotation is applied first, then the offset by keys.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Motion {
     /// Index of the first key of this motion, and number of keys.
     pub keys: [u32; 2],
-    /// Rotation; absent: no rotation.
-    pub turn: Option<Turn>,
+    /// Without an axis it is no rotation.
+    turn: Turn,
 }
 
 impl Turn {
+    /// No rotation.
+    const NONE: Self = Self { axis: DVec3::ZERO, centre: DVec3::ZERO, rate: 0.0, until: 0.0 };
+
     /// Angle at `time`, rad.
     pub fn angle(&self, time: Sum) -> Sum {
         self.rate * time.min(self.until)
@@ -48,11 +53,30 @@ impl Turn {
 }
 
 impl Motion {
+    /// A motion with these keys, and a rotation about an axis.
+    pub const fn new(keys: [u32; 2], turn: Option<Turn>) -> Self {
+        let turn = match turn {
+            Some(turn) => turn,
+            None => Turn::NONE,
+        };
+        Self { keys, turn }
+    }
+
+    /// The rotation.
+    pub fn turn(&self) -> Option<Turn> {
+        (self.turn.axis != DVec3::ZERO).then_some(self.turn)
+    }
+
+    /// Replaces the axis and the centre of the rotation.
+    pub fn set_axis(&mut self, axis: DVec3, centre: DVec3) {
+        (self.turn.axis, self.turn.centre) = (axis, centre);
+    }
+
     /// Position of a point at `time`, m, and its velocity on the given side of that time, m/s. `keys`
     /// are the keys of all motions.
     pub fn at(&self, keys: &[Key], point: Vec3, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
         let point = to_f64(point).into();
-        let (turned, spin) = self.turn.map_or((point, DVec3::ZERO), |turn| turned(&turn, point, time, side));
+        let (turned, spin) = self.turn().map_or((point, DVec3::ZERO), |turn| turned(&turn, point, time, side));
         let (offset, slope) = self.offset(keys, time, side);
         (turned + offset, vec3((spin + slope).into()))
     }
@@ -62,7 +86,7 @@ impl Motion {
     /// that are 1 in the mask, not 0.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn deviation(&self, keys: &[Key], radius: Sum, mask: DVec3, times: [Sum; 2]) -> Sum {
-        let of_turn = self.turn.map_or(0.0, |turn| turn.deviation(radius, times));
+        let of_turn = self.turn().map_or(0.0, |turn| turn.deviation(radius, times));
         of_turn + keys::deviation(self.own(keys), mask, times)
     }
 
@@ -70,7 +94,7 @@ impl Motion {
     /// rotation.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn reach(&self, points: &[Vec3], offset: DVec3) -> Sum {
-        let Some(turn) = self.turn else { return 0.0 };
+        let Some(turn) = self.turn() else { return 0.0 };
         let centre = turn.centre + offset;
         let radius = |&point: &Vec3| (DVec3::from(to_f64(point)) - centre).cross(turn.axis).length();
         points.iter().map(radius).fold(0.0, Sum::max)
@@ -86,7 +110,7 @@ impl Motion {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn pose(&self, keys: &[Key], centre: DVec3, time: Sum, side: JumpSide) -> (Pose, Twist) {
         let (offset, slope) = self.offset(keys, time, side);
-        let Some(turn) = self.turn else {
+        let Some(turn) = self.turn() else {
             return (Pose::at(centre + offset), Twist { linear: slope, ..Twist::default() });
         };
         let (position, spin) = turned(&turn, centre, time, side);
@@ -100,7 +124,7 @@ impl Motion {
     /// Whether the motion has come to its end at `time`, s.
     pub fn has_ended(&self, keys: &[Key], time: Sum) -> bool {
         let passed = |end| JumpSide::After.has_passed(end, time);
-        self.own(keys).last().is_none_or(|key| passed(key.time)) && self.turn.is_none_or(|turn| passed(turn.until))
+        self.own(keys).last().is_none_or(|key| passed(key.time)) && self.turn().is_none_or(|turn| passed(turn.until))
     }
 
     /// The keys of this motion among those of all motions.
@@ -111,19 +135,17 @@ impl Motion {
 
     /// Puts the axis of the rotation through the mean of points, m, if there are any.
     #[cfg_attr(small, optimize(size), inline(never))]
-    #[cfg(feature = "alloc")]
     pub(crate) fn set_centre(&mut self, points: impl Iterator<Item = DVec3>) {
-        let Some(turn) = &mut self.turn else { return };
         let (sum, count) = points.fold((DVec3::ZERO, 0.0), |(sum, count), point| (sum + point, count + 1.0));
         if count > 0.0 {
-            turn.centre = sum / count;
+            self.turn.centre = sum / count;
         }
     }
 
     /// The point that the motion brings to `place` at `time`.
     pub fn undo(&self, keys: &[Key], place: DVec3, time: Sum) -> DVec3 {
         let (offset, _) = self.offset(keys, time, JumpSide::After);
-        let back = self.turn.map(|turn| Turn { rate: -turn.rate, ..turn });
+        let back = self.turn().map(|turn| Turn { rate: -turn.rate, ..turn });
         back.map_or(place - offset, |back| turned(&back, place - offset, time, JumpSide::After).0)
     }
 }

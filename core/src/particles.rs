@@ -116,6 +116,20 @@ pub struct Particles<'a> {
     pub inverse_masses: &'a [Real],
 }
 
+impl Particles<'_> {
+    /// The same columns for a shorter time.
+    pub fn reborrow(&mut self) -> Particles<'_> {
+        Particles {
+            positions: self.positions,
+            velocities: self.velocities,
+            low_positions: self.low_positions,
+            low_velocities: self.low_velocities,
+            masses: self.masses,
+            inverse_masses: self.inverse_masses,
+        }
+    }
+}
+
 /// The owned columns of [`Particles`].
 #[cfg(feature = "alloc")]
 #[derive(Clone, Debug, Default)]

@@ -26,7 +26,8 @@ pub struct PinGroup {
 }
 
 /// An impulse on the cloth.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Impulse {
     /// The impulse, N s.
     pub linear: DVec3,

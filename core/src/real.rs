@@ -14,6 +14,9 @@ mod precision {
     /// Four scalars in one SIMD vector.
     pub type Lanes = wide::f32x4;
 
+    /// An unsigned integer as wide as the scalar.
+    pub type Bits = u32;
+
     pub use libm::{atan2f as atan2, expf as exp};
 
     pub(super) use libm::sqrtf as libm_sqrt;
@@ -36,6 +39,9 @@ mod precision {
     /// Four scalars in one SIMD vector.
     pub type Lanes = wide::f64x4;
 
+    /// An unsigned integer as wide as the scalar.
+    pub type Bits = u64;
+
     pub use libm::{atan2, exp};
 
     pub(super) use libm::sqrt as libm_sqrt;
@@ -48,6 +54,24 @@ mod precision {
 }
 
 pub use precision::*;
+
+/// A truth value as wide as the scalar, for structs without padding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
+pub struct Flag(Bits);
+
+impl From<bool> for Flag {
+    fn from(is_set: bool) -> Self {
+        Self(is_set.into())
+    }
+}
+
+impl Flag {
+    /// Whether it is set.
+    pub fn is_set(self) -> bool {
+        self.0 != 0
+    }
+}
 
 /// Square root, rounded correctly. That of libm is assembly on x86, in which code for AVX stalls.
 #[inline]

@@ -5,7 +5,8 @@ use glam::DVec3;
 use crate::real::{Real, Sum, Vec3, to_f64, vec3};
 
 /// A rigid body.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct RigidBody {
     /// Its mass, kg.
     pub mass: Sum,

@@ -76,6 +76,50 @@ pub struct Scratch<'a> {
     pub partials: &'a mut [Sums],
 }
 
+impl Scratch<'_> {
+    /// The same columns for a shorter time.
+    pub fn reborrow(&mut self) -> Scratch<'_> {
+        Scratch {
+            forces: self.forces,
+            elements: self.elements,
+            next_positions: self.next_positions,
+            next_velocities: self.next_velocities,
+            displacements: self.displacements,
+            velocity_changes: self.velocity_changes,
+            stage_velocities: self.stage_velocities,
+            pin_forces: self.pin_forces,
+            previous_displacements: self.previous_displacements,
+            previous_velocity_changes: self.previous_velocity_changes,
+            base_offsets: self.base_offsets,
+            base_velocities: self.base_velocities,
+            assembly_map: self.assembly_map,
+            tangents: self.tangents,
+            solution: self.solution,
+            residual: self.residual,
+            gradient: self.gradient,
+            base_residual: self.base_residual,
+            direction: self.direction,
+            products: self.products,
+            preconditioned: self.preconditioned,
+            inverse_diagonal: self.inverse_diagonal,
+            patches: self.patches,
+            cloths: self.cloths,
+            partials: self.partials,
+            last_step: self.last_step,
+            stage_positions: PositionsMut { rounded: self.stage_positions.rounded, low: self.stage_positions.low },
+            matrix: BlockMatrix { blocks: self.matrix.blocks, ..self.matrix },
+            coarse: CoarseFactor {
+                values: self.coarse.values,
+                own: self.coarse.own,
+                inverse_diagonal: self.coarse.inverse_diagonal,
+                rounded: self.coarse.rounded,
+                vector: self.coarse.vector,
+                motions: self.coarse.motions,
+            },
+        }
+    }
+}
+
 /// The owned columns of [`Scratch`].
 #[cfg(feature = "alloc")]
 pub use owned::ScratchColumns;
@@ -222,6 +266,11 @@ mod owned {
         /// Updates the fixed axes of the patches from the pins.
         pub(crate) fn set_pins(&mut self, pins: &Pins<'_>) {
             self.patches.set_pins(pins);
+        }
+
+        /// The held axes of each vertex; empty without patches.
+        pub(crate) fn held(&self) -> &[u8] {
+            self.patches.view().held
         }
 
         /// Sizes that the memory traffic depends on.

@@ -316,7 +316,7 @@ macro_rules! engine {
             fn solid(body: &Body, triangles: &[[u32; 3]]) -> Solid {
                 let [first, count] = body.vertices;
                 let own = || triangles.iter().filter(|t| body.range().contains(&(t[0] as usize))).copied().collect();
-                match body.form {
+                match body.form() {
                     Form::Plane(normal) => Solid::Plane { vertex: first, normal: to_single(&normal) },
                     Form::Sphere | Form::Capsule => {
                         Solid::Round { ends: [first, first + count - 1], radius: body.radius as f32 }

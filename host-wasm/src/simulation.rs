@@ -178,7 +178,7 @@ impl Simulation {
         let places: Vec<_> = self.own.colliders_in_world().map(|place| place.map(|x| x as f32)).collect();
         let mut out = Vec::new();
         for body in contact.colliders.view().bodies {
-            let (shape, normal) = match body.form {
+            let (shape, normal) = match body.form() {
                 Form::Plane(normal) => (0.0, normal),
                 Form::Sphere => (1.0, Vec3::ZERO),
                 Form::Capsule => (2.0, Vec3::ZERO),

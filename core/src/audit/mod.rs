@@ -64,7 +64,8 @@ pub fn new_crossing(surface: &Surface<'_>, before: &[Vec3], after: &[Vec3], room
 fn questions<'a>(surface: &Surface<'_>, positions: &[Vec3], room: &'a mut Room<'_>) -> [Question<'a>; 2] {
     let (mut cloth, mut total) = (0, 0);
     for (slot, triangle) in room.boxes.iter_mut().zip(faces(surface)) {
-        *slot = (triangle, around(&places(positions, surface.triangles[triangle as usize])));
+        let corners = places(positions, surface.triangles[triangle as usize]);
+        *slot = Boxed { number: triangle.into(), around: around(&corners) };
         cloth += usize::from(triangle < surface.first_passive);
         total += 1;
     }
@@ -105,8 +106,9 @@ fn visit(
     }
     let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
     for tree in trees.iter().flatten() {
-        tree.overlapping(&all, &mut |&(triangle, bounds)| {
-            for (&edge, _) in edges.iter().zip(&boxes).filter(|(_, own)| own.overlaps(&bounds)) {
+        tree.overlapping(&all, &mut |one| {
+            let triangle = one.number as u32;
+            for (&edge, _) in edges.iter().zip(&boxes).filter(|(_, own)| own.overlaps(&one.around)) {
                 if crosses(surface, positions, [edge, triangle]) {
                     found([edge, triangle]);
                 }
@@ -165,7 +167,7 @@ mod owned {
         pub fn build(surface: &Surface<'_>) -> Self {
             let (triangles, edges) = (surface.triangles.len(), surface.edges.len());
             Self {
-                boxes: vec![(0, Aabb::EMPTY); triangles],
+                boxes: vec![Boxed { number: 0, around: Aabb::EMPTY }; triangles],
                 bounds: vec![Aabb::EMPTY; 2 * tree::nodes(triangles)],
                 edges: vec![0; edges],
                 taken: vec![false; edges],

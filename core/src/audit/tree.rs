@@ -6,12 +6,20 @@
 //! sizes of the boxes.
 
 use crate::geometry::aabb::Aabb;
+use crate::real::Bits;
 
 /// The greatest number of boxes of a node without children.
 const LEAF: usize = 4;
 
 /// The index of a feature, and its box.
-pub type Boxed = (u32, Aabb);
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Boxed {
+    /// The index.
+    pub number: Bits,
+    /// The box.
+    pub around: Aabb,
+}
 
 /// A tree over boxes.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +45,7 @@ impl<'a> Tree<'a> {
     /// The indices of the features, in the order of the tree: boxes that are near each other are mostly close in
     /// this order.
     pub fn numbers(&self) -> impl Iterator<Item = u32> + use<'a> {
-        self.boxes.iter().map(|&(number, _)| number)
+        self.boxes.iter().map(|one| one.number as u32)
     }
 
     /// Calls `found` with every box that overlaps `one`, in no particular order. Returns the number of boxes that
@@ -51,7 +59,7 @@ impl<'a> Tree<'a> {
             return 1;
         }
         if 2 * node >= self.bounds.len() {
-            boxes.iter().filter(|(_, other)| other.overlaps(one)).for_each(found);
+            boxes.iter().filter(|other| other.around.overlaps(one)).for_each(found);
             return 1 + boxes.len();
         }
         let (low, high) = boxes.split_at(boxes.len() / 2);
@@ -61,7 +69,7 @@ impl<'a> Tree<'a> {
 
 /// Orders the boxes of a node and of its descendants, and writes their bounds.
 fn order(boxes: &mut [Boxed], node: usize, bounds: &mut [Aabb]) {
-    let all = boxes.iter().fold(Aabb::EMPTY, |all, (_, one)| all.union(one));
+    let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(&one.around));
     bounds[node] = all;
     let middle = boxes.len() / 2;
     if 2 * node < bounds.len() {
@@ -76,7 +84,7 @@ fn order(boxes: &mut [Boxed], node: usize, bounds: &mut [Aabb]) {
 /// Moves the boxes with the smallest centres along an axis to the positions before `middle` [Hoare 1961]. This is
 /// shorter than the selection in the standard library, which browsers would have to download.
 fn split(boxes: &mut [Boxed], middle: usize, axis: usize) {
-    let centre = |(_, one): &Boxed| 0.5 * one.min[axis] + 0.5 * one.max[axis];
+    let centre = |one: &Boxed| 0.5 * one.around.min[axis] + 0.5 * one.around.max[axis];
     let (mut first, mut end) = (0, boxes.len());
     while end > first + 1 {
         let pivot = centre(&boxes[middle]);

@@ -23,7 +23,8 @@ pub struct Motion<'a> {
 }
 
 /// The boxes of a triangle at both ends of its motion, and the mean displacement of its vertices.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct MovingBox {
     start: Aabb,
     end: Aabb,

@@ -14,14 +14,14 @@ pub struct KeptPairs<'a> {
     pub vertex_triangle: &'a mut [[u32; 2]],
     /// Pairs of edges.
     pub edge_edge: &'a mut [[u32; 2]],
-    /// Numbers of pairs; `None`: no pairs are kept. If one exceeds its capacity, the pairs are incomplete.
-    pub counts: &'a mut Option<Counts>,
+    /// Numbers of pairs; [`Counts::UNKNOWN`]: no pairs are kept. If one exceeds its capacity, the pairs are incomplete.
+    pub counts: &'a mut Counts,
 }
 
 impl KeptPairs<'_> {
     /// Whether the pairs contain all that are near while the vertices are in these boxes.
     pub fn cover(&self, boxes: &[Aabb]) -> bool {
-        let Some(Counts { vertex_triangle, edge_edge }) = *self.counts else { return false };
+        let Counts { vertex_triangle, edge_edge } = *self.counts;
         let is_complete = vertex_triangle <= self.vertex_triangle.len() && edge_edge <= self.edge_edge.len();
         is_complete && boxes.iter().zip(&*self.boxes).all(|(narrow, wide)| wide.contains(narrow))
     }
@@ -31,12 +31,17 @@ impl KeptPairs<'_> {
         for (wide, narrow) in self.boxes.iter_mut().zip(boxes) {
             *wide = Aabb { min: narrow.min - skin, max: narrow.max + skin };
         }
-        *self.counts = None;
+        self.forget();
+    }
+
+    /// Keeps no pairs any more.
+    pub fn forget(&mut self) {
+        *self.counts = Counts::UNKNOWN;
     }
 
     /// Keeps these pairs: of a vertex and a triangle, and of edges.
     pub fn put(&mut self, pairs: [&[[u32; 2]]; 2]) {
-        *self.counts = Some(Counts { vertex_triangle: pairs[0].len(), edge_edge: pairs[1].len() });
+        *self.counts = Counts { vertex_triangle: pairs[0].len(), edge_edge: pairs[1].len() };
         for (kept, pairs) in [&mut *self.vertex_triangle, &mut *self.edge_edge].into_iter().zip(pairs) {
             if let Some(kept) = kept.get_mut(..pairs.len()) {
                 kept.copy_from_slice(pairs);
@@ -46,7 +51,7 @@ impl KeptPairs<'_> {
 
     /// Writes the pairs as candidates, as many as fit, and returns their numbers.
     pub fn take(&self, out: &mut Candidates<'_>) -> Counts {
-        let Counts { vertex_triangle, edge_edge } = self.counts.unwrap_or_default();
+        let Counts { vertex_triangle, edge_edge } = *self.counts;
         for (kept, out) in [
             (&self.vertex_triangle[..vertex_triangle], &mut *out.vertex_triangle),
             (&self.edge_edge[..edge_edge], &mut *out.edge_edge),
@@ -66,7 +71,7 @@ pub struct KeptPairColumns {
     boxes: alloc::vec::Vec<Aabb>,
     vertex_triangle: alloc::vec::Vec<[u32; 2]>,
     edge_edge: alloc::vec::Vec<[u32; 2]>,
-    counts: Option<Counts>,
+    counts: Counts,
 }
 
 #[cfg(feature = "alloc")]
@@ -77,25 +82,28 @@ impl KeptPairColumns {
             boxes: alloc::vec![Aabb::EMPTY; vertices],
             vertex_triangle: alloc::vec![[0; 2]; pairs],
             edge_edge: alloc::vec![[0; 2]; pairs],
-            counts: None,
+            counts: Counts::UNKNOWN,
         }
     }
 
     /// Makes room for the pairs if they lacked some and there is memory. No pairs are kept then, until they are put
     /// again.
     pub fn grow(&mut self) {
-        let Some(Counts { vertex_triangle, edge_edge }) = self.counts else { return };
+        if self.counts == Counts::UNKNOWN {
+            return;
+        }
+        let Counts { vertex_triangle, edge_edge } = self.counts;
         for (pairs, needed) in [(&mut self.vertex_triangle, vertex_triangle), (&mut self.edge_edge, edge_edge)] {
             if needed > pairs.len() {
                 crate::contact::grow(pairs, needed + needed / 4, [0; 2]);
-                self.counts = None;
+                self.counts = Counts::UNKNOWN;
             }
         }
     }
 
     /// Keeps no pairs any more.
     pub fn forget(&mut self) {
-        self.counts = None;
+        self.counts = Counts::UNKNOWN;
     }
 
     /// Borrows the columns.

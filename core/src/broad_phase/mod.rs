@@ -126,12 +126,18 @@ pub struct Candidates<'a> {
 
 /// The numbers of candidates. If a count exceeds its capacity, only the candidates that fit were written, and the
 /// caller must repeat the call with larger slices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Counts {
     /// Pairs of a vertex and a triangle.
     pub vertex_triangle: usize,
     /// Pairs of edges.
     pub edge_edge: usize,
+}
+
+impl Counts {
+    /// Stands for numbers that are not known.
+    pub const UNKNOWN: Self = Self { vertex_triangle: usize::MAX, edge_edge: usize::MAX };
 }
 
 impl Candidates<'_> {

@@ -8,6 +8,7 @@ pub mod cuboid;
 pub mod plane;
 pub mod round;
 
+use bytemuck::Zeroable;
 use glam::DVec3;
 
 use crate::kinematic::{Kinematic, Pose, Twist};
@@ -103,12 +104,13 @@ impl Drive {
 }
 
 /// The frames of a point cache: linear between frames, constant before the first and after the last.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Cache {
     /// Index of the first vertex of the first frame in [`Colliders::frames`].
-    pub first: usize,
+    pub first: u32,
     /// Number of frames.
-    pub frames: usize,
+    pub frames: u32,
     /// Frames per second.
     pub rate: Sum,
     /// Time of the first frame, s.
@@ -120,11 +122,11 @@ impl Cache {
     /// of its vertices.
     #[cfg_attr(small, optimize(size), inline(never))]
     fn place(&self, frames: &[Vec3], [vertex, count]: [usize; 2], time: Sum) -> Vec3 {
-        let last = self.frames - 1;
+        let (first, last) = (self.first as usize, self.frames as usize - 1);
         let at = ((time - self.start) * self.rate).clamp(0.0, last as Sum);
         let frame = at as usize;
         let part = (at - frame as Sum) as Real;
-        let [now, next] = [frame, (frame + 1).min(last)].map(|frame| frames[self.first + frame * count + vertex]);
+        let [now, next] = [frame, (frame + 1).min(last)].map(|frame| frames[first + frame * count + vertex]);
         now + (next - now) * part
     }
 
@@ -154,35 +156,119 @@ impl Cache {
     }
 }
 
-/// One collider.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// One collider. It has no padding and no invalid bits, so that it can lie in a [cooked](crate::cooked) scene.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Body {
-    /// Its shape.
-    pub form: Form,
-    /// Index of its first vertex, and number of vertices.
-    pub vertices: [usize; 2],
-    /// Motion of its vertices.
-    pub drive: Drive,
+    drive: StoredDrive,
+    /// Normal of a plane.
+    normal: Vec3,
     /// Radius around its vertices and edges, m.
     pub radius: Real,
+    /// Index of its first vertex, and number of vertices.
+    pub vertices: [u32; 2],
+    form: u32,
     /// Index of its law of friction.
     pub law: u32,
-    /// Whether it is switched off: nothing touches it.
-    pub is_off: bool,
+    off: u32,
+    reserved: u32,
+}
+
+/// A [`Drive`] in plain bits: the number of its kind, and its bytes.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct StoredDrive {
+    kind: u64,
+    words: [u64; size_of::<Kinematic>() / size_of::<u64>()],
+}
+
+impl From<Drive> for StoredDrive {
+    fn from(drive: Drive) -> Self {
+        let mut stored = Self::zeroed();
+        let room = bytemuck::bytes_of_mut(&mut stored.words);
+        let (kind, bytes): (u64, &[u8]) = match &drive {
+            Drive::Rest => (0, &[]),
+            Drive::Motion(motion) => (1, bytemuck::bytes_of(motion)),
+            Drive::Cache(cache) => (2, bytemuck::bytes_of(cache)),
+            Drive::Host(kinematic) => (3, bytemuck::bytes_of(kinematic)),
+        };
+        room[..bytes.len()].copy_from_slice(bytes);
+        Self { kind, ..stored }
+    }
+}
+
+impl From<&StoredDrive> for Drive {
+    fn from(stored: &StoredDrive) -> Self {
+        fn read<T: bytemuck::Pod>(stored: &StoredDrive) -> T {
+            bytemuck::pod_read_unaligned(&bytemuck::bytes_of(&stored.words)[..size_of::<T>()])
+        }
+        match stored.kind {
+            1 => Self::Motion(read(stored)),
+            2 => Self::Cache(read(stored)),
+            3 => Self::Host(read(stored)),
+            _ => Self::Rest,
+        }
+    }
 }
 
 impl Body {
+    /// A collider without vertices.
+    pub fn new(form: Form, drive: Drive, radius: Real, law: u32) -> Self {
+        let (form, normal) = match form {
+            Form::Plane(normal) => (0, normal),
+            Form::Sphere => (1, Vec3::ZERO),
+            Form::Capsule => (2, Vec3::ZERO),
+            Form::Box => (3, Vec3::ZERO),
+            Form::Mesh => (4, Vec3::ZERO),
+        };
+        Self { drive: drive.into(), normal, radius, vertices: [0; 2], form, law, off: 0, reserved: 0 }
+    }
+
+    /// Its shape.
+    pub fn form(&self) -> Form {
+        match self.form {
+            0 => Form::Plane(self.normal),
+            1 => Form::Sphere,
+            2 => Form::Capsule,
+            3 => Form::Box,
+            _ => Form::Mesh,
+        }
+    }
+
+    /// Motion of its vertices.
+    pub fn drive(&self) -> Drive {
+        (&self.drive).into()
+    }
+
+    /// Replaces the motion.
+    pub fn set_drive(&mut self, drive: Drive) {
+        self.drive = drive.into();
+    }
+
+    /// Whether it is switched off: nothing touches it.
+    pub fn is_off(&self) -> bool {
+        self.off != 0
+    }
+
+    /// Switches it off or on.
+    pub fn set_off(&mut self, is_off: bool) {
+        self.off = is_off.into();
+    }
+
     /// Indices of its vertices.
     pub fn range(&self) -> core::ops::Range<usize> {
-        self.vertices[0]..self.vertices[0] + self.vertices[1]
+        let [first, count] = self.vertices.map(|number| number as usize);
+        first..first + count
     }
 
     /// Its rotation in a step that starts at `time` and takes `step`, s, rad. That of a point cache is not known.
     pub fn turns(&self, [time, step]: [Sum; 2]) -> Vec3 {
-        let turned = match self.drive {
-            Drive::Motion(Motion { turn: Some(turn), .. }) => turn.axis * (turn.angle(time + step) - turn.angle(time)),
+        let turned = match self.drive() {
+            Drive::Motion(motion) => {
+                motion.turn().map_or(DVec3::ZERO, |turn| turn.axis * (turn.angle(time + step) - turn.angle(time)))
+            }
             Drive::Host(kinematic) => kinematic.turned([time, time + step]),
-            Drive::Rest | Drive::Motion(_) | Drive::Cache(_) => DVec3::ZERO,
+            Drive::Rest | Drive::Cache(_) => DVec3::ZERO,
         };
         vec3(turned.into())
     }
@@ -192,7 +278,7 @@ impl Body {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn centre(&self, anchors: &[Vec3], zero: DVec3) -> DVec3 {
         let own = &anchors[self.range()];
-        match self.form {
+        match self.form() {
             Form::Mesh => zero,
             Form::Plane(_) | Form::Sphere | Form::Capsule | Form::Box => {
                 own.iter().map(|&x| DVec3::from(to_f64(x))).sum::<DVec3>() / own.len() as Sum
@@ -225,12 +311,13 @@ impl Colliders<'_> {
     pub fn place(&self, time: Sum, out: &mut [Vec3]) {
         for body in self.bodies {
             let (anchors, out) = (&self.anchors[body.range()], &mut out[body.range()]);
-            match body.drive {
-                _ if body.is_off => out.fill(anchors[0]),
+            let drive = body.drive();
+            match drive {
+                _ if body.is_off() => out.fill(anchors[0]),
                 Drive::Rest => out.copy_from_slice(anchors),
                 Drive::Motion(_) | Drive::Host(_) => {
                     for (out, &anchor) in out.iter_mut().zip(anchors) {
-                        *out = vec3(body.drive.at(self.keys, anchor, time, JumpSide::After).0.into());
+                        *out = vec3(drive.at(self.keys, anchor, time, JumpSide::After).0.into());
                     }
                 }
                 Drive::Cache(cache) => {
@@ -247,9 +334,9 @@ impl Colliders<'_> {
     /// `cloth` are the positions of the cloth, m.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn deviation(&self, cloth: &[Vec3], times: [Sum; 2]) -> Sum {
-        let of = |body: &Body| match body.drive {
-            _ if body.is_off => 0.0,
-            Drive::Cache(cache) => cache.deviation(self.frames, body.vertices[1], times),
+        let of = |body: &Body| match body.drive() {
+            _ if body.is_off() => 0.0,
+            Drive::Cache(cache) => cache.deviation(self.frames, body.range().len(), times),
             drive => {
                 drive.deviation(self.keys, &self.anchors[body.range()], Sum::from(body.radius), Some(cloth), times)
             }
@@ -260,9 +347,9 @@ impl Colliders<'_> {
     /// Greatest depth of a point inside the colliders, m; 0 if it is outside all of them. `places` are
     /// the vertex positions. Meshes may be open, so they count as surfaces without an inside.
     pub fn depth(&self, places: &[Vec3], point: Vec3) -> Real {
-        let depths = self.bodies.iter().filter(|body| !body.is_off).map(|body| {
+        let depths = self.bodies.iter().filter(|body| !body.is_off()).map(|body| {
             let vertices = &places[body.range()];
-            match body.form {
+            match body.form() {
                 Form::Plane(normal) => plane::depth(vertices[0], normal, point),
                 Form::Sphere => round::depth(vertices[0], vertices[0], body.radius, point),
                 Form::Capsule => round::depth(vertices[0], vertices[1], body.radius, point),
@@ -316,7 +403,7 @@ impl ColliderColumns {
     /// Index of the first of two frames for a collider, which are added where there are none; `None` if there is no
     /// memory.
     pub fn room_for_frames(&mut self, body: usize) -> Option<usize> {
-        let count = 2 * self.bodies[body].vertices[1];
+        let count = 2 * self.bodies[body].range().len();
         if self.own_frames.is_empty() {
             self.own_frames.resize(self.bodies.len(), None);
         }
@@ -332,7 +419,7 @@ impl ColliderColumns {
     /// Adds a collider. `triangles` index into `anchors`.
     pub fn add(&mut self, body: Body, anchors: &[Vec3], triangles: &[[u32; 3]]) {
         let first = self.anchors.len() as u32;
-        self.bodies.push(Body { vertices: [self.anchors.len(), anchors.len()], ..body });
+        self.bodies.push(Body { vertices: [first, anchors.len() as u32], ..body });
         self.anchors.extend_from_slice(anchors);
         self.triangles.extend(triangles.iter().map(|t| t.map(|v| first + v)));
     }

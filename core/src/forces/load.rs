@@ -26,7 +26,8 @@ pub struct Loads<'a> {
 }
 
 /// A force that some vertices share.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct LoadGroup {
     /// Index of its first vertex among the loaded ones, and number of vertices.
     pub vertices: [u32; 2],

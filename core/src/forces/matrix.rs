@@ -58,7 +58,8 @@ pub fn to_vec3(lanes: Lanes) -> Vec3 {
 }
 
 /// A block left of the diagonal.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Mirrored {
     /// Its column, which is also the row that stores its mirror image.
     pub column: u32,

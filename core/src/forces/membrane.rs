@@ -9,7 +9,8 @@ use crate::mesh::Incidence;
 use crate::real::{DEGENERATE, Mat3, Real, Vec3, outer, scaled_identity, sqrt};
 
 /// The in-plane material of a sheet.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct MembraneMaterial {
     /// Stretch stiffness along the warp, N/m.
     pub warp: Real,

@@ -23,10 +23,11 @@ pub const STIFFNESS: Real = 0.3;
 const HARDENING: Real = 10.0;
 
 /// How often a contact becomes stiffer in a step. Stiffer ones would only make the solve slow.
-const MOST_HARDENINGS: u32 = 8;
+const MOST_HARDENINGS: u16 = 8;
 
 /// Whether a contact slides.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::CheckedBitPattern, bytemuck::NoUninit)]
+#[repr(u16)]
 pub enum Friction {
     /// It was at rest before the step. The static coefficient bounds its friction, even if it slides now.
     #[default]
@@ -38,7 +39,8 @@ pub enum Friction {
 }
 
 /// A contact in the augmented Lagrangian of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::CheckedBitPattern, bytemuck::NoUninit)]
+#[repr(C)]
 pub struct AugmentedContact {
     /// Vertices of both features. Those that are not the cloth's have a prescribed motion.
     pub vertices: [u32; 4],
@@ -61,14 +63,14 @@ pub struct AugmentedContact {
     pub coefficients: [Real; 2],
     /// Index of the contact's constraint in the response.
     pub constraint: u32,
-    /// s, kg; computed.
-    pub stiffness: Real,
     /// How often the stiffness was raised; computed.
-    pub hardenings: u32,
-    /// b, kg m/s; computed.
-    pub bound: Real,
+    pub hardenings: u16,
     /// Whether it slides; computed.
     pub friction: Friction,
+    /// s, kg; computed.
+    pub stiffness: Real,
+    /// b, kg m/s; computed.
+    pub bound: Real,
     /// p n + q, kg m/s; computed.
     pub impulse: Vec3,
     /// Change of u along the search direction; computed.
@@ -89,7 +91,8 @@ pub struct ContactLine {
 }
 
 /// Four [contacts along a search direction](ContactLine), one in each lane. A line of zeros adds nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct ContactLines {
     along: Lanes,
     change_along: Lanes,

@@ -88,7 +88,7 @@ pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>
                 Friction::Slips if solved.slide(solved.velocity) * length < SMALL * model.thickness => kinetic,
                 Friction::Slips => kinetic.min((1.0 + SLACK) * sqrt(across.length_squared()) / along),
             });
-            constraint.is_solved = true;
+            constraint.is_solved = true.into();
             constraint.normal_impulse = along * length;
             constraint.friction_impulse = constraint.coefficients.limit(across, along) * length;
         }

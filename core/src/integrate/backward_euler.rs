@@ -46,7 +46,7 @@ fn turn<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch
     per_cloth::start(s.cloths, c.masses, from.positions, c.pins);
     for index in 0..s.cloths.len() {
         let own = per_cloth::range(s.cloths, index);
-        if s.cloths[index].is_free {
+        if s.cloths[index].is_free() {
             let [x, v] = [&*from.positions, &*from.velocities].map(|column| &column[own.clone()]);
             let rotation = s.cloths[index].body.rotation(&c.masses[own.clone()], x, v);
             rotation.turn(c.step.into(), &mut s.next_velocities[own]);

@@ -169,7 +169,7 @@ pub(crate) fn solve<D: Dispatch>(
     } else if leaves_much && matches!(goal, Goal::Within(_)) && i.aim(term) {
         rho = i.translate(term, statistics, c.dispatch);
         // The fall is solved, and the rest is small beside it.
-        i.cloths.iter_mut().filter(|cloth| cloth.is_free).for_each(|cloth| cloth.target *= STILL);
+        i.cloths.iter_mut().filter(|cloth| cloth.is_free()).for_each(|cloth| cloth.target *= STILL);
     }
     i.set_targets(goal, c.scheme.method);
     let (mut updated_at, mut iterations, mut since_update) = (rho, 0, 0);

@@ -84,13 +84,8 @@ impl PatchColumns {
 
     /// Copies the held axes of all pins.
     pub fn set_pins(&mut self, pins: &Pins<'_>) {
-        self.held.fill(0);
-        for (&vertex, &axes) in pins.vertices.iter().zip(pins.axes) {
-            // Without patches the column is empty.
-            if let Some(held) = self.held.get_mut(vertex as usize) {
-                *held |= axes;
-            }
-        }
+        // Without patches the column is empty.
+        pins.write_held(&mut self.held);
     }
 
     /// The borrowed view.

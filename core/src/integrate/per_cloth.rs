@@ -16,12 +16,13 @@ use crate::rigid_body::RigidBody;
 const QUIET: Sum = 1e-4;
 
 /// A cloth in a solve.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct ClothSolve {
     /// The number after its last vertex.
     end: u32,
-    /// Whether no pin holds an axis of it.
-    pub(super) is_free: bool,
+    /// Whether no pin holds an axis of it: 1, else 0.
+    free: u32,
     /// The cloth as if it were rigid.
     pub(super) body: RigidBody,
     /// The square of the preconditioned residual at which it is solved; before the solve the reference for it.
@@ -37,6 +38,11 @@ impl ClothSolve {
     /// A cloth of the vertices up to `end`, from the end of the cloth before.
     pub fn up_to(end: u32) -> Self {
         Self { end, ..Self::default() }
+    }
+
+    /// Whether no pin holds an axis of it.
+    pub(super) fn is_free(&self) -> bool {
+        self.free != 0
     }
 
     /// The place of a vertex relative to the centre, in radii.
@@ -68,12 +74,12 @@ pub fn start(cloths: &mut [ClothSolve], masses: &[Real], x: &[Vec3], pins: &Pins
         let [a, b, c] = body.inertia;
         // Of cloth that lies in a point, all moments are zero.
         let radius = libm::sqrt((a.x + b.y + c.z) / (3.0 * body.mass)).max(Sum::MIN_POSITIVE);
-        cloths[index] = ClothSolve { is_free: true, body, radius, ..ClothSolve::up_to(cloths[index].end) };
+        cloths[index] = ClothSolve { free: 1, body, radius, ..ClothSolve::up_to(cloths[index].end) };
     }
     for (&vertex, _) in pins.vertices.iter().zip(pins.axes).filter(|&(_, &axes)| axes != 0) {
         let index = cloth_of(cloths, vertex);
         if let Some(cloth) = cloths.get_mut(index) {
-            cloth.is_free = false;
+            cloth.free = 0;
         }
     }
 }

@@ -19,10 +19,11 @@ pub const AT_REST: u32 = u32::MAX;
 pub const NO_CARRIER: u32 = u32::MAX;
 
 /// The time in which a pin holds its axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Hold {
     /// The axes: bits 0, 1, 2 for x, y, z.
-    pub axes: u8,
+    axes: u64,
     /// Time from which it holds, s. A pin holds from the start if this is 0.
     pub from: Sum,
     /// Time until which it holds, s.
@@ -30,10 +31,15 @@ pub struct Hold {
 }
 
 impl Hold {
+    /// Holds axes between two times, s.
+    pub fn new(axes: u8, from: Sum, until: Sum) -> Self {
+        Self { axes: axes.into(), from, until }
+    }
+
     /// The axes that are held just after `time`.
     pub fn axes_after(&self, time: Sum) -> u8 {
         let has_passed = |change| JumpSide::After.has_passed(change, time);
-        if has_passed(self.from) && !has_passed(self.until) { self.axes } else { 0 }
+        if has_passed(self.from) && !has_passed(self.until) { self.axes as u8 } else { 0 }
     }
 
     /// Whether both hold an axis at the same time.
@@ -81,7 +87,7 @@ impl Pins<'_> {
     pub fn target(&self, pin: usize, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
         let anchor = self.anchors[pin];
         if let Some(carrier) = self.carrier(pin) {
-            return self.colliders.bodies[carrier].drive.at(self.colliders.keys, anchor, time, side);
+            return self.colliders.bodies[carrier].drive().at(self.colliders.keys, anchor, time, side);
         }
         match self.table.get(self.motions[pin] as usize) {
             Some(motion) => motion.at(self.keys, anchor, time, side),
@@ -110,7 +116,7 @@ impl Pins<'_> {
         let of = |(pin, ..): (usize, usize, _)| {
             if let Some(carrier) = self.carrier(pin) {
                 let own = &self.anchors[pin..=pin];
-                return Some(self.colliders.bodies[carrier].drive.deviation(
+                return Some(self.colliders.bodies[carrier].drive().deviation(
                     self.colliders.keys,
                     own,
                     0.0,
@@ -199,6 +205,16 @@ impl Pins<'_> {
         }
     }
 
+    /// Writes the held axes of each vertex.
+    pub fn write_held(&self, out: &mut [u8]) {
+        out.fill(0);
+        for (&vertex, &axes) in self.vertices.iter().zip(self.axes) {
+            if let Some(held) = out.get_mut(vertex as usize) {
+                *held |= axes;
+            }
+        }
+    }
+
     /// Writes the inverse mass along each axis for contact, 1/kg; 0 along held axes.
     pub fn write_inverse_masses(&self, of_particles: &[Real], out: &mut [Vec3]) {
         for (out, &inverse_mass) in out.iter_mut().zip(of_particles) {
@@ -237,85 +253,62 @@ fn held(axes: u8) -> impl Iterator<Item = usize> {
     (0..3).filter(move |axis| axes >> axis & 1 == 1)
 }
 
-/// The owned columns of [`Pins`]. The pins of the scene come first, then those of the host. A pin that is let go keeps its
-/// place: it holds no axes.
-#[cfg(feature = "alloc")]
-#[derive(Clone, Debug, Default)]
-pub struct PinColumns {
+/// Pins that change, borrowed. Those of the scene come first, then slots for those of the host. A pin that is let go keeps
+/// its place: it holds no axes. Each slot of the host has a motion with three keys of its own.
+#[derive(Debug)]
+pub struct PinSlots<'a> {
     /// The vertices.
-    pub vertices: alloc::vec::Vec<u32>,
+    pub vertices: &'a mut [u32],
     /// Held axes of each pin.
-    pub axes: alloc::vec::Vec<u8>,
+    pub axes: &'a mut [u8],
     /// Position of each pin before any motion, m.
-    pub anchors: alloc::vec::Vec<Vec3>,
+    pub anchors: &'a mut [Vec3],
     /// Index of each pin's motion in `table`, or [`AT_REST`].
-    pub motions: alloc::vec::Vec<u32>,
+    pub motions: &'a mut [u32],
     /// The motions.
-    pub table: alloc::vec::Vec<Motion>,
+    pub table: &'a mut [Motion],
     /// The keys of all motions.
-    pub keys: alloc::vec::Vec<Key>,
+    pub keys: &'a mut [Key],
     /// When the first of the pins hold; those after them always do.
-    pub holds: alloc::vec::Vec<Hold>,
-    /// Collider that carries each pin, or [`NO_CARRIER`]; empty until a collider carries one.
-    pub carriers: alloc::vec::Vec<u32>,
-    /// Index of the first pin of the host.
-    pub of_scene: usize,
+    pub holds: &'a mut [Hold],
+    /// Collider that carries each pin, or [`NO_CARRIER`]; empty: no collider carries one.
+    pub carriers: &'a mut [u32],
+    /// Index of the first slot of the host.
+    pub of_scene: u32,
 }
 
-#[cfg(feature = "alloc")]
-impl PinColumns {
-    /// The borrowed view that kernels take, of pins that no collider carries.
-    pub fn view(&self) -> Pins<'_> {
-        self.carried_by(Colliders::default())
-    }
-
-    /// The borrowed view that kernels take.
-    pub fn carried_by<'a>(&'a self, colliders: Colliders<'a>) -> Pins<'a> {
-        Pins {
-            vertices: &self.vertices,
-            axes: &self.axes,
-            anchors: &self.anchors,
-            motions: &self.motions,
-            table: &self.table,
-            keys: &self.keys,
-            carriers: &self.carriers,
-            colliders,
-        }
-    }
-
-    /// Whether two pins of a vertex move it alike.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    pub(crate) fn move_alike(&self, a: usize, b: usize) -> bool {
-        let of = |pin: usize| self.table.get(self.motions[pin] as usize);
-        let motion = |pin: usize| of(pin).map(|motion| (motion.turn, motion.own(&self.keys)));
-        self.motions[a] == self.motions[b] || motion(a) == motion(b)
+impl PinSlots<'_> {
+    /// The pins, to read.
+    pub fn carried_by<'b>(&'b self, colliders: Colliders<'b>) -> Pins<'b> {
+        let Self { vertices, axes, anchors, motions, table, keys, carriers, .. } = self;
+        Pins { vertices, axes, anchors, motions, table, keys, carriers, colliders }
     }
 
     /// Sets the held axes to those just after `time`, s. A pin that begins holds its vertex where it is; pins that begin
     /// turn about the mean of these places. Returns whether any axes changed.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn change(&mut self, time: Sum, positions: &[Vec3]) -> bool {
-        let axes = |pin: usize| self.holds[pin].axes_after(time);
-        let changed: alloc::vec::Vec<_> = (0..self.holds.len()).filter(|&pin| axes(pin) != self.axes[pin]).collect();
-        if changed.is_empty() {
+        let Self { vertices, axes, anchors, motions, table, keys, holds, .. } = self;
+        let changes = |pin: usize| holds[pin].axes_after(time) != axes[pin];
+        if !(0..holds.len()).any(changes) {
             return false;
         }
-        for &pin in &changed {
-            self.axes[pin] = self.holds[pin].axes_after(time);
-        }
-        let begun = || changed.iter().copied().filter(|&pin| self.axes[pin] != 0);
+        let begun = || (0..holds.len()).filter(|&pin| changes(pin) && holds[pin].axes_after(time) != 0);
         for pin in begun() {
-            self.anchors[pin] = positions[self.vertices[pin] as usize];
+            anchors[pin] = positions[vertices[pin] as usize];
         }
-        for (motion, described) in self.table.iter_mut().enumerate() {
-            let own = || begun().filter(|&pin| self.motions[pin] as usize == motion);
-            let (offset, _) = described.offset(&self.keys, time, JumpSide::After);
-            described.set_centre(own().map(|pin| DVec3::from(to_f64(self.anchors[pin])) - offset));
+        for (motion, described) in table.iter_mut().enumerate() {
+            let own = || begun().filter(|&pin| motions[pin] as usize == motion);
+            let (offset, _) = described.offset(keys, time, JumpSide::After);
+            described.set_centre(own().map(|pin| DVec3::from(to_f64(anchors[pin])) - offset));
             for pin in own() {
-                let place = to_f64(self.anchors[pin]).into();
-                self.anchors[pin] = vec3(described.undo(&self.keys, place, time).into());
+                let place = to_f64(anchors[pin]).into();
+                anchors[pin] = vec3(described.undo(keys, place, time).into());
             }
-            described.set_centre(own().map(|pin| to_f64(self.anchors[pin]).into()));
+            described.set_centre(own().map(|pin| to_f64(anchors[pin]).into()));
+        }
+        for (axes, hold) in axes.iter_mut().zip(&**holds) {
+            *axes = hold.axes_after(time);
         }
         true
     }
@@ -338,23 +331,31 @@ impl PinColumns {
     }
 
     /// Pins all axes of a vertex and moves it at constant velocity from one position to another, m, between two
-    /// times, s. Just before, it had the velocity `before`, m/s. Replaces earlier pins of the vertex.
-    pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], from: Vec3, to: DVec3, before: DVec3) {
-        let pin = self.take_slot(vertex, from);
+    /// times, s. Just before, it had the velocity `before`, m/s. Replaces earlier pins of the vertex. Returns false, and
+    /// does nothing, if there is no [free slot](Self::free).
+    pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], from: Vec3, to: DVec3, before: DVec3) -> bool {
+        let Some(pin) = self.take(vertex, from) else { return false };
         let first = self.table[self.motions[pin] as usize].keys[0] as usize;
         // The first key gives the velocity just before the start.
         let value = to - DVec3::from(to_f64(from));
         self.keys[first] = Key { time: start - 1.0, value: -before };
         self.keys[first + 1] = Key { time: start, value: DVec3::ZERO };
         self.keys[first + 2] = Key { time: end, value };
+        true
     }
 
     /// Pins all axes of a vertex to a collider. `anchor` is the place of the vertex before any motion of the collider, m.
-    /// Replaces earlier pins of the vertex.
-    pub fn attach(&mut self, vertex: u32, anchor: Vec3, collider: u32) {
-        let pin = self.take_slot(vertex, anchor);
-        self.carriers.resize(self.vertices.len(), NO_CARRIER);
-        self.carriers[pin] = collider;
+    /// Replaces earlier pins of the vertex. Returns false, and does nothing, if there is no [free slot](Self::free) that a
+    /// collider can carry.
+    pub fn attach(&mut self, vertex: u32, anchor: Vec3, collider: u32) -> bool {
+        if self.carriers.is_empty() {
+            return false;
+        }
+        let pin = self.take(vertex, anchor);
+        if let Some(pin) = pin {
+            self.carriers[pin] = collider;
+        }
+        pin.is_some()
     }
 
     /// Lets a vertex go. Returns whether it was held, or would have been later.
@@ -373,24 +374,96 @@ impl PinColumns {
         any
     }
 
-    /// Lets a vertex go, and pins all its axes by a pin of the host that no collider carries. Returns the number of the
-    /// pin. Pins that hold nothing are used again: this bounds the memory.
-    fn take_slot(&mut self, vertex: u32, anchor: Vec3) -> usize {
+    /// A slot of the host that is free once the vertex has been let go.
+    pub fn free(&self, vertex: u32) -> Option<usize> {
+        (self.of_scene as usize..self.vertices.len()).find(|&pin| self.axes[pin] == 0 || self.vertices[pin] == vertex)
+    }
+
+    /// Lets a vertex go, and holds it in a free slot, without a carrier. Returns the number of the pin.
+    fn take(&mut self, vertex: u32, anchor: Vec3) -> Option<usize> {
+        let pin = self.free(vertex)?;
         self.release(vertex);
-        let free = (self.of_scene..self.vertices.len()).find(|&pin| self.axes[pin] == 0);
-        let pin = free.unwrap_or_else(|| {
-            self.motions.push(self.table.len() as u32);
-            self.table.push(Motion { keys: [self.keys.len() as u32, 3], turn: None });
-            self.keys.extend([Key { time: 0.0, value: DVec3::ZERO }; 3]);
-            self.vertices.push(vertex);
-            self.axes.push(0);
-            self.anchors.push(anchor);
-            self.vertices.len() - 1
-        });
         (self.vertices[pin], self.axes[pin], self.anchors[pin]) = (vertex, 0b111, anchor);
         if let Some(carrier) = self.carriers.get_mut(pin) {
             *carrier = NO_CARRIER;
         }
-        pin
+        Some(pin)
+    }
+}
+
+/// The owned columns of [`Pins`] and [`PinSlots`].
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug, Default)]
+pub struct PinColumns {
+    /// The vertices.
+    pub vertices: alloc::vec::Vec<u32>,
+    /// Held axes of each pin.
+    pub axes: alloc::vec::Vec<u8>,
+    /// Position of each pin before any motion, m.
+    pub anchors: alloc::vec::Vec<Vec3>,
+    /// Index of each pin's motion in `table`, or [`AT_REST`].
+    pub motions: alloc::vec::Vec<u32>,
+    /// The motions.
+    pub table: alloc::vec::Vec<Motion>,
+    /// The keys of all motions.
+    pub keys: alloc::vec::Vec<Key>,
+    /// When the first of the pins hold; those after them always do.
+    pub holds: alloc::vec::Vec<Hold>,
+    /// Collider that carries each pin, or [`NO_CARRIER`]; empty until a collider carries one.
+    pub carriers: alloc::vec::Vec<u32>,
+    /// Index of the first slot of the host.
+    pub of_scene: u32,
+}
+
+#[cfg(feature = "alloc")]
+impl PinColumns {
+    /// The borrowed view that kernels take, of pins that no collider carries.
+    pub fn view(&self) -> Pins<'_> {
+        self.carried_by(Colliders::default())
+    }
+
+    /// The borrowed view that kernels take.
+    pub fn carried_by<'a>(&'a self, colliders: Colliders<'a>) -> Pins<'a> {
+        let Self { vertices, axes, anchors, motions, table, keys, carriers, .. } = self;
+        Pins { vertices, axes, anchors, motions, table, keys, carriers, colliders }
+    }
+
+    /// The borrowed pins, to change them.
+    pub fn slots(&mut self) -> PinSlots<'_> {
+        let Self { vertices, axes, anchors, motions, table, keys, holds, carriers, of_scene } = self;
+        PinSlots { vertices, axes, anchors, motions, table, keys, holds, carriers, of_scene: *of_scene }
+    }
+
+    /// Whether two pins of a vertex move it alike.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub(crate) fn move_alike(&self, a: usize, b: usize) -> bool {
+        let of = |pin: usize| self.table.get(self.motions[pin] as usize);
+        let motion = |pin: usize| of(pin).map(|motion| (motion.turn(), motion.own(&self.keys)));
+        self.motions[a] == self.motions[b] || motion(a) == motion(b)
+    }
+
+    /// Adds a slot of the host if none is free for a vertex.
+    pub fn make_room(&mut self, vertex: u32) {
+        if self.slots().free(vertex).is_none() {
+            self.add_slot();
+        }
+    }
+
+    /// Adds a slot of the host, which holds nothing.
+    pub fn add_slot(&mut self) {
+        self.motions.push(self.table.len() as u32);
+        self.table.push(Motion::new([self.keys.len() as u32, 3], None));
+        self.keys.extend([Key { time: 0.0, value: DVec3::ZERO }; 3]);
+        self.vertices.push(0);
+        self.axes.push(0);
+        self.anchors.push(Vec3::ZERO);
+        if !self.carriers.is_empty() {
+            self.carriers.push(NO_CARRIER);
+        }
+    }
+
+    /// Lets colliders carry pins.
+    pub fn allow_carriers(&mut self) {
+        self.carriers.resize(self.vertices.len(), NO_CARRIER);
     }
 }

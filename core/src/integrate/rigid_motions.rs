@@ -24,7 +24,7 @@ const ROUNDED: Real = 16.0;
 pub(crate) fn pass_on(s: &mut Scratch<'_>, to_velocity: Real) {
     for index in 0..s.cloths.len() {
         let (cloth, range) = (&s.cloths[index], per_cloth::range(s.cloths, index));
-        if !cloth.is_free {
+        if !cloth.is_free() {
             continue;
         }
         let x = &s.stage_positions.rounded[range.clone()];
@@ -43,8 +43,9 @@ impl Iterate<'_, '_> {
     #[cfg_attr(small, optimize(size))]
     #[inline(never)]
     pub(super) fn aim(&mut self, term: &dyn ConvexTerm) -> bool {
-        let moves =
-            |i: &Self, index: usize| i.cloths[index].is_free && (term.is_zero() || !i.leaves_little(index, UNBALANCED));
+        let moves = |i: &Self, index: usize| {
+            i.cloths[index].is_free() && (term.is_zero() || !i.leaves_little(index, UNBALANCED))
+        };
         if !(0..self.cloths.len()).any(|index| moves(self, index)) {
             return false;
         }

@@ -135,6 +135,6 @@ impl Iterate<'_, '_> {
         let is_little = |k: usize, part: Sum| {
             left[k].length_squared() <= part * part * impulses[k] + SLOWLY * cloth.target * cloth.body.mass
         };
-        if cloth.is_free { is_little(0, unbalanced) && is_little(1, unbalanced) } else { is_little(0, HELD) }
+        if cloth.is_free() { is_little(0, unbalanced) && is_little(1, unbalanced) } else { is_little(0, HELD) }
     }
 }

@@ -4,10 +4,11 @@
 
 use super::friction::FrictionCoefficients;
 use crate::narrow_phase::Contact;
-use crate::real::{Real, Vec3, sqrt};
+use crate::real::{Flag, Real, Vec3, sqrt};
 
 /// A contact with its least gap and its impulses.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Constraint {
     /// The features, their nearest points and the normal.
     pub contact: Contact,
@@ -20,7 +21,7 @@ pub struct Constraint {
     /// The coefficients of friction.
     pub coefficients: FrictionCoefficients,
     /// Whether an implicit solve found its friction, which is not changed.
-    pub is_solved: bool,
+    pub is_solved: Flag,
     /// Impulse along the normal times the step, kg m.
     pub normal_impulse: Real,
     /// Impulse across it times the step, kg m.
@@ -113,7 +114,7 @@ pub fn solve(constraint: &mut Constraint, inverse_masses: &[Vec3], displacements
     }
     constraint.normal_impulse = impulse;
     let mut total = normal * change;
-    if constraint.coefficients.has_friction() && !constraint.is_solved {
+    if constraint.coefficients.has_friction() && !constraint.is_solved.is_set() {
         total += friction_change(constraint, relative - normal * relative.dot(normal), inverse_masses);
     }
     apply_impulse(&contact, total, inverse_masses, displacements);

@@ -38,7 +38,8 @@ impl Law {
 
 /// The coefficients of friction of a contact in a step. They are computed once per step: coefficients that followed the
 /// corrections of a step would make them oscillate.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct FrictionCoefficients {
     /// Of a contact that sticks.
     pub at_rest: Real,

@@ -129,9 +129,9 @@ pub(crate) fn find_planes(
     list: &mut List<'_>,
 ) {
     let round = motion.tested();
-    for body in model.colliders.bodies.iter().filter(|body| !body.is_off) {
-        let Form::Plane(normal) = body.form else { continue };
-        let plane = (model.cloth() + body.vertices[0]) as u32;
+    for body in model.colliders.bodies.iter().filter(|body| !body.is_off()) {
+        let Form::Plane(normal) = body.form() else { continue };
+        let plane = model.cloth() as u32 + body.vertices[0];
         for v in 0..model.cloth() as u32 {
             if round > 0 && motion.rounds[v as usize] != round {
                 continue;

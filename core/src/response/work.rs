@@ -133,7 +133,8 @@ pub(crate) fn relax(
         let mut worst: Real = 0.0;
         for k in 0..count {
             let constraint = &mut constraints[chosen.map_or(k, |chosen| chosen[k] as usize)];
-            constraint.is_solved = constraint.is_solved && constraint.is_within(tolerance, motion.displacements);
+            let is_solved = constraint.is_solved.is_set() && constraint.is_within(tolerance, motion.displacements);
+            constraint.is_solved = is_solved.into();
             let (violation, moved) = constraint::solve(constraint, model.inverse_masses, motion.displacements);
             worst = worst.max(violation.abs());
             if moved {

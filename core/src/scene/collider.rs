@@ -170,7 +170,8 @@ pub(super) fn add(
 ) -> Result<(), SceneError> {
     let keys = Keys { desc, index, origin };
     let rounded = |point: DVec3| vec3(point.into());
-    let body = |form| Body { form, vertices: [0; 2], drive: Drive::Rest, radius: 0.0, law, is_off: false };
+    let body = |form| Body::new(form, Drive::Rest, 0.0, law);
+    let round = |form, radius| Body::new(form, Drive::Rest, radius, law);
     let radius = || positive("collider.radius", keys.needed("radius", &desc.radius)?).map(|r| r as Real);
     let (body, centre, anchors, triangles): (Body, DVec3, Vec<Vec3>, Vec<[u32; 3]>) = match desc.shape {
         Shape::Plane => {
@@ -184,13 +185,13 @@ pub(super) fn add(
         Shape::Sphere => {
             keys.only(&["center", "radius"])?;
             let centre = keys.point("center", &desc.center)?;
-            let body = Body { radius: radius()?, ..body(Form::Sphere) };
+            let body = round(Form::Sphere, radius()?);
             (body, centre, [rounded(centre)].into(), round::SPHERE.into())
         }
         Shape::Capsule => {
             keys.only(&["a", "b", "radius"])?;
             let (a, b) = (keys.point("a", &desc.a)?, keys.point("b", &desc.b)?);
-            let body = Body { radius: radius()?, ..body(Form::Capsule) };
+            let body = round(Form::Capsule, radius()?);
             (body, (a + b) / 2.0, [rounded(a), rounded(b)].into(), round::CAPSULE.into())
         }
         Shape::Box => {
@@ -215,7 +216,9 @@ pub(super) fn add(
         }
     };
     let drive = drive(columns, &keys, centre, anchors.len(), resources)?;
-    columns.add(Body { drive, ..body }, &anchors, &triangles);
+    let mut body = body;
+    body.set_drive(drive);
+    columns.add(body, &anchors, &triangles);
     Ok(())
 }
 
@@ -246,13 +249,13 @@ fn drive(
             if found != expected || cache.frames() == 0 {
                 return Err(SceneError::CachePoints { collider: index, expected, found });
             }
-            let first = columns.frames.len();
+            let first = columns.frames.len() as u32;
             let from_origin = |p: &[f32; 3]| vec3((DVec3::from(p.map(f64::from)) - keys.origin).into());
             columns.frames.extend(cache.positions.iter().map(from_origin));
-            if columns.frames[first..].iter().any(|x| !x.is_finite()) {
+            if columns.frames[first as usize..].iter().any(|x| !x.is_finite()) {
                 return Err(SceneError::ColliderMotion { collider: index, error: ColliderMotionError::Cache });
             }
-            Ok(Drive::Cache(Cache { first, frames: cache.frames(), rate, start: 0.0 }))
+            Ok(Drive::Cache(Cache { first, frames: cache.frames() as u32, rate, start: 0.0 }))
         }
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn read_motion(motion: &MotionDesc, centre: DVec3, keys: &mut Vec<Key
     let turn = motion.turn.as_ref().map(|turn| read_turn(turn, centre).ok_or(MotionError::Turn)).transpose()?;
     let first = keys.len() as u32;
     keys.extend(motion.keys.iter().map(|&[time, x, y, z]| Key { time, value: DVec3::new(x, y, z) }));
-    Ok(Motion { keys: [first, motion.keys.len() as u32], turn })
+    Ok(Motion::new([first, motion.keys.len() as u32], turn))
 }
 
 /// Reads a rotation. `None` if the axis has no direction, the rate is not finite or `until` is NaN.

@@ -45,7 +45,7 @@ impl Parts {
         }
         let first = self.pins.vertices.len();
         for vertex in selected {
-            self.pins.holds.push(Hold { axes, from, until });
+            self.pins.holds.push(Hold::new(axes, from, until));
             self.pins.vertices.push(sheet.first + vertex);
             self.pins.axes.push(if from > 0.0 { 0 } else { axes });
             self.pins.anchors.push(vec3((placed[vertex as usize] - origin).into()));

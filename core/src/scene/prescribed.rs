@@ -4,7 +4,6 @@
 use super::BuiltScene;
 use crate::colliders::Drive;
 use crate::integrate::pins::Pins;
-use crate::motion::Motion;
 use crate::real::Sum;
 use crate::step;
 
@@ -13,7 +12,7 @@ impl BuiltScene {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn last_frame(&self) -> Sum {
         let bodies = self.contact.iter().flat_map(|contact| &contact.colliders.bodies);
-        let ends = bodies.map(|body| if let Drive::Cache(cache) = body.drive { cache.end() } else { 0.0 });
+        let ends = bodies.map(|body| if let Drive::Cache(cache) = body.drive() { cache.end() } else { 0.0 });
         ends.fold(0.0, Sum::max)
     }
 
@@ -39,15 +38,15 @@ impl BuiltScene {
             most = most.max(deviation);
         };
         see(0.0);
-        let of_bodies = colliders.bodies.iter().map(|body| body.drive);
+        let of_bodies = colliders.bodies.iter().map(|body| body.drive());
         for drive in of_bodies.chain(pins.table.iter().map(|&motion| Drive::Motion(motion))) {
             match drive {
                 Drive::Rest | Drive::Host(_) => {}
                 Drive::Cache(cache) => {
                     (0..cache.frames).for_each(|frame| see(cache.start + frame as Sum / cache.rate));
                 }
-                Drive::Motion(Motion { turn, .. }) => {
-                    see(turn.map(|turn| turn.until).filter(|until| until.is_finite()).unwrap_or_default());
+                Drive::Motion(motion) => {
+                    see(motion.turn().map(|turn| turn.until).filter(|until| until.is_finite()).unwrap_or_default());
                 }
             }
         }

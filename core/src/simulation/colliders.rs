@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Simulation;
 use super::pins::checked_vector;
-use crate::colliders::{Body, Cache, Colliders, Drive, Form};
+use crate::colliders::{Cache, Colliders, Drive, Form};
 use crate::error::LiveError;
 use crate::kinematic::{Kinematic, Pose};
 use crate::motion::JumpSide;
@@ -29,10 +29,10 @@ impl Simulation {
         let colliders = self.colliders();
         let of = &colliders.bodies[body];
         let centre = of.centre(colliders.anchors, -origin);
-        let (from, before) = of.drive.pose(colliders.keys, centre, now, JumpSide::Before);
+        let (from, before) = of.drive().pose(colliders.keys, centre, now, JumpSide::Before);
         let to = Pose { position: to.position - origin, ..to };
         let motion = Kinematic::between(centre, [from, to], [now, now + seconds], before);
-        if matches!(of.form, Form::Plane(_)) && motion.turns() {
+        if matches!(of.form(), Form::Plane(_)) && motion.turns() {
             return Err(LiveError::PlaneTurns { collider });
         }
         self.drive(body, Drive::Host(motion));
@@ -48,7 +48,7 @@ impl Simulation {
         let colliders = self.colliders();
         let of = &colliders.bodies[body];
         let centre = of.centre(colliders.anchors, -self.built.origin);
-        let (pose, _) = of.drive.pose(colliders.keys, centre, self.time(), JumpSide::After);
+        let (pose, _) = of.drive().pose(colliders.keys, centre, self.time(), JumpSide::After);
         Ok(Pose { position: pose.position + self.built.origin, ..pose })
     }
 
@@ -69,7 +69,8 @@ impl Simulation {
     /// call replaces the motion before. The first call for a collider allocates.
     pub fn deform_collider(&mut self, collider: u32, to: &[[Sum; 3]], seconds: Sum) -> Result<(), LiveError> {
         let body = self.checked_collider(collider)?;
-        let Body { form, vertices: [first_vertex, count], .. } = self.colliders().bodies[body];
+        let (form, range) = (self.colliders().bodies[body].form(), self.colliders().bodies[body].range());
+        let count = range.len();
         if form != Form::Mesh {
             return Err(LiveError::NoMesh { collider });
         }
@@ -89,11 +90,11 @@ impl Simulation {
         let Some(contact) = &mut self.built.contact else { return Ok(()) };
         let first = contact.colliders.room_for_frames(body).ok_or(LiveError::Memory)?;
         let (from, next) = contact.colliders.frames[first..first + 2 * count].split_at_mut(count);
-        from.copy_from_slice(&places[first_vertex..first_vertex + count]);
+        from.copy_from_slice(&places[range]);
         for (next, &place) in next.iter_mut().zip(to) {
             *next = vec3((DVec3::from(place) - origin).into());
         }
-        self.drive(body, Drive::Cache(Cache { first, frames: 2, rate: 1.0 / seconds, start: now }));
+        self.drive(body, Drive::Cache(Cache { first: first as u32, frames: 2, rate: 1.0 / seconds, start: now }));
         Ok(())
     }
 
@@ -129,7 +130,7 @@ impl Simulation {
 
     fn set_off(&mut self, body: usize, is_off: bool) {
         if let Some(contact) = &mut self.built.contact {
-            contact.colliders.bodies[body].is_off = is_off;
+            contact.colliders.bodies[body].set_off(is_off);
         }
         if let Some(contact) = &mut self.contact {
             contact.forget_pairs();
@@ -138,7 +139,7 @@ impl Simulation {
 
     fn drive(&mut self, body: usize, drive: Drive) {
         if let Some(contact) = &mut self.built.contact {
-            contact.colliders.bodies[body].drive = drive;
+            contact.colliders.bodies[body].set_drive(drive);
         }
     }
 
@@ -155,7 +156,7 @@ impl Simulation {
     /// A collider that moves as a rigid body.
     pub(super) fn rigid_collider(&self, collider: u32) -> Result<usize, LiveError> {
         let body = self.checked_collider(collider)?;
-        let deforms = matches!(self.colliders().bodies[body].drive, Drive::Cache(_));
+        let deforms = matches!(self.colliders().bodies[body].drive(), Drive::Cache(_));
         if deforms { Err(LiveError::Deforms { collider }) } else { Ok(body) }
     }
 }

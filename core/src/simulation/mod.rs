@@ -11,8 +11,9 @@ use crate::diagnostics::{self, Stretch};
 use crate::dispatch::{Dispatch, block_on};
 use crate::error::SceneError;
 use crate::forces::{Energy, Model};
+use crate::halving::{self, MOST_HALVINGS};
 use crate::implicit_contact::multiplier::Multiplier;
-use crate::integrate::{IntegratorStatistics, Method, Scheme, StepInput};
+use crate::integrate::{IntegratorStatistics, Method, Scheme};
 use crate::mesh::SurfaceColumns;
 use crate::particles::ParticleColumns;
 use crate::reactions::{Impulse, ReactionColumns};
@@ -23,9 +24,9 @@ use crate::rigid_body::{RigidBody, Rotation};
 use crate::scene::{self, BuiltScene, ClothRange, Resource, SceneDesc};
 use crate::scratch::ScratchColumns;
 use crate::stage::Term;
-use crate::step::{self, History, StepContact, Work};
+use crate::step::History;
 use crate::traffic::{self, TrafficSizes};
-use crate::work_done::{Ledger, WorkDone};
+use crate::work_done::WorkDone;
 
 mod colliders;
 mod forces;
@@ -42,7 +43,9 @@ pub use snapshot::Snapshot;
 
 pub use crate::refusal::{Cause, StepError};
 
-use substeps::{Kept, MOST_HALVINGS};
+pub use crate::halving::Substep;
+
+use substeps::Kept;
 
 /// Initial capacity: candidates of each kind per vertex.
 const PAIRS_PER_VERTEX: usize = 64;
@@ -74,16 +77,6 @@ pub struct Simulation {
     step: Real,
     steps: u64,
     statistics: IntegratorStatistics,
-}
-
-/// A part of a step. A step is divided into halves if it cannot be made free of intersections or its error is too
-/// large.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Substep {
-    /// Start, as a fraction of the step, 0..1.
-    pub from: Sum,
-    /// Length, as a fraction of the step, 0..1.
-    pub length: Sum,
 }
 
 /// The state that a checkpoint stores, borrowed.
@@ -137,7 +130,7 @@ impl Simulation {
     /// Makes a simulation of a scene that is already built. Pins start with their prescribed velocities.
     #[cfg_attr(small, optimize(size))]
     pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
-        built.pins.of_scene = built.pins.vertices.len();
+        built.pins.of_scene = built.pins.vertices.len() as u32;
         if let Some(loads) = &mut built.model.loads {
             loads.of_scene = loads.groups.len();
         }
@@ -185,64 +178,13 @@ impl Simulation {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;
         self.change_pins();
-        let taken = self.take_substeps(dispatch).await;
+        let taken = halving::take_substeps(self, dispatch).await;
+        let taken = taken.map_err(|obstacle| self.diverged(obstacle, dispatch));
         match taken {
             Ok(()) => self.steps += 1,
             // The host takes this step again, so its work is not counted.
             Err(StepError { cause: Cause::Stopped, .. }) => (self.statistics, self.contact_statistics) = counted,
             Err(_) => {}
-        }
-        taken
-    }
-
-    /// Takes a substep and returns its estimated error, m, if the scheme has a largest one. `last_resort` accepts every
-    /// error and allows the response to hold vertices back.
-    async fn try_substep<D: Dispatch>(
-        &mut self,
-        substep: Substep,
-        last_resort: bool,
-        dispatch: &D,
-    ) -> Result<Option<Real>, Obstacle> {
-        let time = self.time_at(substep.from);
-        let Self {
-            built,
-            scratch,
-            contact,
-            history,
-            scheme,
-            step,
-            statistics,
-            contact_statistics,
-            searched,
-            measures_work,
-            work_done,
-            reactions,
-            ..
-        } = self;
-        let colliders = built.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default();
-        let mut particles = built.particles.view();
-        let input = StepInput {
-            model: built.model.view(),
-            pins: &built.pins.carried_by(colliders),
-            masses: particles.masses,
-            inverse_masses: particles.inverse_masses,
-            time,
-            step: *step * substep.length as Real,
-            scheme,
-            follows_contact: false,
-            limit: scheme.error.map(|error| if last_resort { Real::INFINITY } else { error }),
-            has_contact: contact.is_some(),
-            dispatch,
-        };
-        let model = built.contact.as_ref().map(|model| model.view());
-        let columns = model.as_ref().zip(contact.as_mut());
-        let contact = columns.map(|(model, columns)| StepContact { model, columns, hold: last_resort });
-        let reactions = reactions.as_mut().map(|columns| columns.view(&built.pin_groups));
-        let done = measures_work.then_some(Ledger { done: work_done, reactions });
-        let work = Work { integrator: statistics, contact: contact_statistics, searched, done };
-        let taken = step::take(&input, &mut particles, &mut scratch.view(), contact, history, work).await;
-        if taken.is_ok() {
-            self.substep = input.step.into();
         }
         taken
     }
@@ -265,6 +207,11 @@ impl Simulation {
             scratch.forces,
             dispatch,
         )
+    }
+
+    /// The columns of the scene and of steps.
+    pub(crate) fn parts(&mut self) -> (&mut BuiltScene, &mut ScratchColumns) {
+        (&mut self.built, &mut self.scratch)
     }
 
     /// Simulated time, s.
@@ -574,7 +521,10 @@ impl Simulation {
             self.steps = state.steps;
             if !self.built.pins.holds.is_empty() {
                 // Those of the last step.
-                self.built.pins.restore(state.steps.saturating_sub(1) as Sum * Sum::from(self.step), state.anchors);
+                self.built
+                    .pins
+                    .slots()
+                    .restore(state.steps.saturating_sub(1) as Sum * Sum::from(self.step), state.anchors);
                 self.take_over_pins();
             }
             (self.statistics, self.contact_statistics) = (statistics, contact_statistics);

@@ -22,7 +22,8 @@ impl Simulation {
         }
         let now = self.time();
         let before = self.held_velocity(vertex);
-        self.built.pins.move_to(vertex, [now, now + seconds], from, place, before.unwrap_or_default());
+        self.built.pins.make_room(vertex);
+        self.built.pins.slots().move_to(vertex, [now, now + seconds], from, place, before.unwrap_or_default());
         self.hold_anew(before.is_none());
         Ok(())
     }
@@ -32,15 +33,17 @@ impl Simulation {
         let place = DVec3::from(to_f64(self.checked_vertex(vertex)?));
         let body = self.rigid_collider(collider)?;
         let colliders = self.colliders();
-        let anchor = vec3(colliders.bodies[body].drive.undo(colliders.keys, place, self.time()).into());
-        self.built.pins.attach(vertex, anchor, collider);
+        let anchor = vec3(colliders.bodies[body].drive().undo(colliders.keys, place, self.time()).into());
+        self.built.pins.make_room(vertex);
+        self.built.pins.allow_carriers();
+        self.built.pins.slots().attach(vertex, anchor, collider);
         self.hold_anew(true);
         Ok(())
     }
 
     /// Removes all pins of a vertex. Returns false if it has no pin.
     pub fn release(&mut self, vertex: u32) -> bool {
-        let released = self.built.pins.release(vertex);
+        let released = self.built.pins.slots().release(vertex);
         if released {
             self.take_over_pins();
             self.history.cut();
@@ -51,7 +54,7 @@ impl Simulation {
     /// Lets the pins begin and end whose time has come at the start of this step.
     pub(super) fn change_pins(&mut self) {
         let now = self.time();
-        if self.built.pins.change(now, &self.built.particles.positions) {
+        if self.built.pins.slots().change(now, &self.built.particles.positions) {
             self.hold_anew(true);
         }
     }

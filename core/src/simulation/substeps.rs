@@ -1,29 +1,19 @@
-//! Substeps: a step that fails, or whose error is too large, is divided into halves, and each half again if it fails.
-//!
-//! With a largest error ([`Scheme::error`](crate::integrate::Scheme::error)) the length of the substeps follows the
-//! estimated error: it is doubled where the error is below a quarter of the largest, because the error of backward
-//! Euler grows with the square of the length. The next step starts with the length of the last substep. Without a
-//! largest error, each step is first tried whole.
+//! The [division](crate::halving) of the steps of a simulation.
 
 use alloc::vec::Vec;
 
-use super::{Simulation, State, StepError, Substep};
+use super::{Simulation, State};
 use crate::contact::ContactScratchColumns;
 use crate::dispatch::Dispatch;
+use crate::halving::{Divided, Progress, Substep};
 use crate::implicit_contact::multiplier::Multiplier;
+use crate::integrate::StepInput;
 use crate::particles::ParticleColumns;
 use crate::reactions::ReactionColumns;
-use crate::real::{Real, Sum, Vec3};
-use crate::refusal::{Cause, Obstacle};
-use crate::step::History;
-use crate::work_done::WorkDone;
-
-/// Largest number of halvings. In the shortest substeps vertices that still collide are held back, and every error is
-/// accepted.
-pub(super) const MOST_HALVINGS: u32 = 6;
-
-/// The error below which substeps get twice as long, relative to the largest one.
-const SMALL_ERROR: Real = 0.25;
+use crate::real::{Real, Vec3};
+use crate::refusal::Obstacle;
+use crate::step::{self, History, StepContact, Work};
+use crate::work_done::{Ledger, WorkDone};
 
 /// Copy of the [`State`] before a step that is divided. The columns are allocated once.
 #[derive(Clone, Debug, Default)]
@@ -54,60 +44,65 @@ impl Kept {
     }
 }
 
-impl Simulation {
-    /// Takes a step, in as many substeps as necessary.
-    pub(super) async fn take_substeps<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
-        let begun = self.halvings;
-        let taken = self.advance(dispatch).await;
-        if taken.is_err() {
-            self.halvings = begun;
+impl Divided for Simulation {
+    fn progress(&mut self) -> Progress<'_> {
+        Progress {
+            halvings: &mut self.halvings,
+            estimate: &mut self.estimate,
+            limit: self.scheme.error,
+            statistics: &mut self.statistics,
+            contact_statistics: &mut self.contact_statistics,
         }
-        taken.map_err(|obstacle| self.diverged(obstacle, dispatch))
     }
 
-    /// Takes the substeps. Restores the state if one fails.
-    async fn advance<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Obstacle> {
-        let whole = 1u32 << MOST_HALVINGS;
-        let mut done = 0;
-        self.estimate = None;
-        while done < whole {
-            let length = whole >> self.halvings;
-            // A step that is tried whole does not change the state until it succeeds.
-            if done == 0 && self.halvings > 0 {
-                self.keep();
-            }
-            let substep = Substep { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
-            match self.try_substep(substep, self.halvings == MOST_HALVINGS, dispatch).await {
-                Ok(error) => {
-                    done += length;
-                    self.estimate = self.estimate.into_iter().chain(error).reduce(Real::max);
-                    let limited = error.zip(self.scheme.error);
-                    self.statistics.exceeding += u64::from(limited.is_some_and(|(error, most)| error > most));
-                    let may_grow = limited.is_none_or(|(error, most)| error < SMALL_ERROR * most);
-                    self.halvings -= u32::from(may_grow && self.halvings > 0 && done % (2 * length) == 0);
-                }
-                Err(obstacle) if self.halvings < MOST_HALVINGS && obstacle.cause.asks_for_shorter_step() => {
-                    self.halve(obstacle.cause);
-                }
-                Err(obstacle) => {
-                    if done > 0 {
-                        self.put_back();
-                    }
-                    return Err(obstacle);
-                }
-            }
+    async fn try_substep<D: Dispatch>(
+        &mut self,
+        substep: Substep,
+        last_resort: bool,
+        dispatch: &D,
+    ) -> Result<Option<Real>, Obstacle> {
+        let time = self.time_at(substep.from);
+        let Self {
+            built,
+            scratch,
+            contact,
+            history,
+            scheme,
+            step,
+            statistics,
+            contact_statistics,
+            searched,
+            measures_work,
+            work_done,
+            reactions,
+            ..
+        } = self;
+        let colliders = built.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default();
+        let mut particles = built.particles.view();
+        let input = StepInput {
+            model: built.model.view(),
+            pins: &built.pins.carried_by(colliders),
+            masses: particles.masses,
+            inverse_masses: particles.inverse_masses,
+            time,
+            step: *step * substep.length as Real,
+            scheme,
+            follows_contact: false,
+            limit: scheme.error.map(|error| if last_resort { Real::INFINITY } else { error }),
+            has_contact: contact.is_some(),
+            dispatch,
+        };
+        let model = built.contact.as_ref().map(|model| model.view());
+        let columns = model.as_ref().zip(contact.as_mut());
+        let contact = columns.map(|(model, columns)| StepContact { model, columns, hold: last_resort });
+        let reactions = reactions.as_mut().map(|columns| columns.view(&built.pin_groups));
+        let done = measures_work.then_some(Ledger { done: work_done, reactions });
+        let work = Work { integrator: statistics, contact: contact_statistics, searched, done };
+        let taken = step::take(&input, &mut particles, &mut scratch.view(), contact, history, work).await;
+        if taken.is_ok() {
+            self.substep = input.step.into();
         }
-        if self.scheme.error.is_none() {
-            self.halvings = 0;
-        }
-        Ok(())
-    }
-
-    /// Makes substeps half as long.
-    fn halve(&mut self, cause: Cause) {
-        self.contact_statistics.rejected += u64::from(cause != Cause::Inaccurate);
-        self.halvings += 1;
-        self.statistics.most_halvings = self.statistics.most_halvings.max(self.halvings.into());
+        taken
     }
 
     fn keep(&mut self) {

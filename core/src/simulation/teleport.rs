@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Simulation;
-use crate::colliders::{Body, ColliderColumns, Drive, Form};
+use crate::colliders::{ColliderColumns, Drive, Form};
 use crate::error::LiveError;
 use crate::integrate::pins::PinColumns;
 use crate::kinematic::{Kinematic, Pose, Twist};
@@ -25,10 +25,10 @@ impl Simulation {
         for &collider in colliders {
             let body = self.rigid_collider(collider)?;
             let all = self.colliders();
-            if matches!(all.bodies[body].drive, Drive::Motion(motion) if !motion.has_ended(all.keys, now)) {
+            if matches!(all.bodies[body].drive(), Drive::Motion(motion) if !motion.has_ended(all.keys, now)) {
                 return Err(LiveError::Scripted);
             }
-            if matches!(all.bodies[body].form, Form::Plane(_)) && by.turns() {
+            if matches!(all.bodies[body].form(), Form::Plane(_)) && by.turns() {
                 return Err(LiveError::PlaneTurns { collider });
             }
         }
@@ -114,15 +114,15 @@ impl Rigid {
     }
 
     fn carry_turn(&self, motion: &mut Motion) {
-        if let Some(turn) = &mut motion.turn {
-            (turn.axis, turn.centre) = (self.0.rotation * turn.axis, self.0.place(turn.centre));
+        if let Some(turn) = motion.turn() {
+            motion.set_axis(self.0.rotation * turn.axis, self.0.place(turn.centre));
         }
     }
 
     /// A collider at rest rests elsewhere; one that the host moves goes on moving there.
     fn carry_body(&self, columns: &mut ColliderColumns, body: usize, now: Sum, zero: DVec3) {
         let ColliderColumns { bodies, anchors, keys, .. } = columns;
-        let Body { drive, .. } = bodies[body];
+        let drive = bodies[body].drive();
         let moved = if let Drive::Host(kinematic) = drive {
             let twist = |Twist { linear, angular }| Twist {
                 linear: self.0.rotation * linear,
@@ -140,6 +140,6 @@ impl Rigid {
             let (pose, _) = drive.pose(keys, centre, now, crate::motion::JumpSide::After);
             Kinematic::rest(centre, pose.then(&self.0), now)
         };
-        bodies[body].drive = Drive::Host(moved);
+        bodies[body].set_drive(Drive::Host(moved));
     }
 }

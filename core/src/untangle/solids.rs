@@ -29,7 +29,7 @@ pub fn leave(scene: &Scene<'_>, topology: &Topology, places: &[Vec3], displaceme
     let (cloth, solids) = places.split_at(scene.model.cloth());
     for body in scene.model.colliders.bodies {
         let corners = &solids[body.range()];
-        match body.form {
+        match body.form() {
             Form::Box => leave_box(scene, topology, corners, places, displacements),
             Form::Mesh => {}
             Form::Plane(_) | Form::Sphere | Form::Capsule => push_out(scene, body, corners, cloth, displacements),
@@ -39,7 +39,7 @@ pub fn leave(scene: &Scene<'_>, topology: &Topology, places: &[Vec3], displaceme
 
 /// Height above the surface of a plane, sphere or capsule, and the direction up.
 fn above(body: &Body, corners: &[Vec3], x: Vec3) -> (Real, Vec3) {
-    match body.form {
+    match body.form() {
         Form::Plane(normal) => (normal.dot(x - corners[0]), normal),
         _ => {
             let (a, b) = (corners[0], corners[corners.len() - 1]);

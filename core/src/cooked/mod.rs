@@ -1,0 +1,144 @@
+//! Cooked scenes: all columns of a scene in one block of bytes, which a host opens where it lies, for example in flash
+//! memory, and steps in memory that it gives, without a heap.
+//!
+//! A block begins with a [`Header`]. The columns follow in the order of [`columns`], each with its length. Constant columns
+//! stay in the block. The columns of the state are copied to the memory of the host, and room for the work columns is
+//! taken from it. Numbers are little-endian, in the precision of the crate.
+
+mod check;
+pub mod cloth;
+mod columns;
+mod source;
+pub(crate) mod stored;
+
+#[cfg(feature = "alloc")]
+mod cook;
+#[cfg(feature = "alloc")]
+mod sink;
+
+pub use cloth::Cloth;
+#[cfg(feature = "alloc")]
+pub use cook::{Room, cook};
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::real::Real;
+
+/// Alignment of a block and of the memory for its work, bytes.
+pub const ALIGNMENT: usize = 32;
+
+/// The first bytes of a block.
+const MAGIC: [u8; 8] = *b"MuslinCl";
+
+/// Changes with every change of the columns.
+const VERSION: u32 = 1;
+
+/// The beginning of a block.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct Header {
+    magic: [u8; 8],
+    version: u32,
+    /// Bytes of a scalar.
+    scalar: u32,
+    /// Length of the block with this header, bytes.
+    length: u64,
+    /// Working memory, bytes.
+    memory: u64,
+    /// Of the bytes after this header.
+    checksum: u64,
+    reserved: [u64; 3],
+}
+
+const HEADER: usize = size_of::<Header>();
+
+/// Reason why a cooked scene cannot be opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CookedError {
+    /// The bytes are not a cooked scene.
+    NotCooked,
+    /// It was cooked by another version of the crate.
+    Version(
+        /// The version found.
+        u32,
+    ),
+    /// It was cooked in another precision.
+    Precision,
+    /// It is shorter than it says.
+    Truncated,
+    /// Bytes have changed since it was cooked.
+    Checksum,
+    /// The bytes, or the memory, do not begin at a multiple of [`ALIGNMENT`].
+    Alignment,
+    /// The memory is too small.
+    Memory {
+        /// Bytes needed.
+        needed: usize,
+    },
+    /// A number in it cannot be, for example the index of a vertex.
+    Malformed,
+    /// The processor stores numbers in another order of bytes.
+    BigEndian,
+}
+
+impl core::fmt::Display for CookedError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotCooked => write!(f, "the bytes are not a cooked scene; make one with `muslin cook`"),
+            Self::Version(found) => {
+                write!(f, "the scene was cooked in format {found}, this program reads format {VERSION}; cook it again")
+            }
+            Self::Precision => {
+                write!(f, "the scene was cooked in another precision; this program uses {}", crate::real::NAME)
+            }
+            Self::Truncated => write!(f, "the cooked scene is shorter than it says"),
+            Self::Checksum => write!(f, "the cooked scene is damaged: its checksum is wrong"),
+            Self::Alignment => {
+                write!(f, "the cooked scene and the memory must begin at a multiple of {ALIGNMENT} bytes")
+            }
+            Self::Memory { needed } => write!(f, "the scene needs {needed} bytes of memory"),
+            Self::Malformed => write!(f, "the cooked scene has a number that cannot be; cook it again"),
+            Self::BigEndian => write!(f, "cooked scenes work on little-endian processors only"),
+        }
+    }
+}
+
+impl core::error::Error for CookedError {}
+
+/// Working memory that a cooked scene needs, bytes. It reads the header alone.
+pub fn required_bytes(block: &[u8]) -> Result<usize, CookedError> {
+    header(block).map(|header| header.memory as usize)
+}
+
+/// The header of a block, if the block is one that this crate reads.
+fn header(block: &[u8]) -> Result<Header, CookedError> {
+    if cfg!(target_endian = "big") {
+        return Err(CookedError::BigEndian);
+    }
+    let bytes = block.get(..HEADER).ok_or(CookedError::NotCooked)?;
+    let header: Header = bytemuck::pod_read_unaligned(bytes);
+    if header.magic != MAGIC {
+        return Err(CookedError::NotCooked);
+    }
+    if header.version != VERSION {
+        return Err(CookedError::Version(header.version));
+    }
+    if header.scalar as usize != size_of::<Real>() {
+        return Err(CookedError::Precision);
+    }
+    if header.length != block.len() as u64 {
+        return Err(CookedError::Truncated);
+    }
+    Ok(header)
+}
+
+/// Checksum of bytes: FNV-1a over words.
+fn checksum(bytes: &[u8]) -> u64 {
+    let (words, rest) = bytes.as_chunks::<8>();
+    let add = |sum: u64, word: u64| {
+        let product = (sum ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+        product ^ product >> 32
+    };
+    let sum = words.iter().fold(0xcbf2_9ce4_8422_2325, |sum, &word| add(sum, u64::from_le_bytes(word)));
+    rest.iter().fold(sum, |sum, &byte| add(sum, byte.into()))
+}

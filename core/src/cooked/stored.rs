@@ -1,0 +1,178 @@
+//! The top level of a cooked scene, and the views that hold what a running cloth changes.
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+
+use super::CookedError;
+use super::columns::columns;
+use crate::broad_phase::Surface;
+use crate::colliders::{Body, Colliders};
+use crate::contact::{ContactModel, ContactScratch};
+use crate::forces::{Jacobian, Model};
+use crate::implicit_contact::multiplier::Multiplier;
+use crate::integrate::pins::PinSlots;
+use crate::integrate::{Method, Preconditioner, Scheme, Tolerance};
+use crate::keys::Key;
+use crate::particles::Particles;
+use crate::real::{Real, Vec3};
+use crate::response::friction::Law;
+use crate::scratch::Scratch;
+
+/// All columns.
+pub(crate) struct Stored<'a> {
+    pub settings: Settings,
+    /// Triangles of all cloths.
+    pub triangles: &'a [[u32; 3]],
+    pub particles: Particles<'a>,
+    pub model: Model<'a>,
+    pub pins: PinSlots<'a>,
+    pub scratch: Scratch<'a>,
+    /// Held axes of each vertex for the preconditioner; empty without patches.
+    pub held: &'a mut [u8],
+    /// Absent: surfaces pass through one another.
+    pub contact: Option<StoredContact<'a>>,
+    /// Columns for a step that is divided; absent: it never is.
+    pub kept: Option<Kept<'a>>,
+}
+
+/// Contact: what can touch, and the columns of a step.
+pub(crate) struct StoredContact<'a> {
+    pub model: Solids<'a>,
+    pub columns: ContactScratch<'a>,
+}
+
+/// A [`ContactModel`] of which some columns change.
+pub(crate) struct Solids<'a> {
+    pub thickness: Real,
+    pub continuous: bool,
+    pub surface: Surface<'a>,
+    pub bodies: &'a mut [Body],
+    pub anchors: &'a [Vec3],
+    pub keys: &'a [Key],
+    pub frames: &'a [Vec3],
+    pub firsts: &'a [u32],
+    pub material: &'a [Vec3],
+    pub radii: &'a [Real],
+    pub inverse_masses: &'a mut [Vec3],
+    pub law_of: &'a [u32],
+    pub laws: &'a [Law],
+}
+
+/// A copy of the state before a step that is divided.
+pub(crate) struct Kept<'a> {
+    pub positions: &'a mut [Vec3],
+    pub velocities: &'a mut [Vec3],
+    pub low_positions: &'a mut [Vec3],
+    pub low_velocities: &'a mut [Vec3],
+    pub previous_displacements: &'a mut [Vec3],
+    pub previous_velocity_changes: &'a mut [Vec3],
+    pub multipliers: &'a mut [Multiplier],
+}
+
+columns! { Stored {
+    value settings, constant triangles, part particles, part model, part pins, part scratch, state held, part contact,
+    part kept,
+} }
+columns! { PinSlots {
+    state vertices, state axes, state anchors, state motions, state table, state keys, state holds, state carriers,
+    value of_scene,
+} }
+columns! { StoredContact { part model, part columns } }
+columns! { Solids {
+    value thickness, flag continuous, part surface, state bodies, constant anchors, constant keys, constant frames,
+    constant firsts, constant material, constant radii, state inverse_masses, constant law_of, constant laws,
+} }
+columns! { Kept {
+    scratch positions, scratch velocities, scratch low_positions, scratch low_velocities, scratch previous_displacements,
+    scratch previous_velocity_changes, scratch multipliers,
+} }
+
+impl Solids<'_> {
+    /// The colliders, to read.
+    pub fn colliders(&self) -> Colliders<'_> {
+        Colliders { bodies: self.bodies, anchors: self.anchors, keys: self.keys, frames: self.frames }
+    }
+
+    /// The borrowed view that kernels take.
+    pub fn view(&self) -> ContactModel<'_> {
+        ContactModel {
+            thickness: self.thickness,
+            continuous: self.continuous,
+            surface: self.surface,
+            colliders: self.colliders(),
+            firsts: self.firsts,
+            material: self.material,
+            radii: self.radii,
+            inverse_masses: self.inverse_masses,
+            law_of: self.law_of,
+            laws: self.laws,
+        }
+    }
+}
+
+/// The scheme and the start, in plain numbers.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Settings {
+    /// The point in the world from which positions are measured, m.
+    pub origin: [f64; 3],
+    /// Length of a step, s.
+    pub step: f64,
+    /// Relative residual, or 0.
+    residual: f64,
+    /// Velocity, m/s, where the residual is 0.
+    velocity: f64,
+    /// Largest error of a step, m; 0: there is none.
+    error: f64,
+    /// Number of steps taken.
+    pub steps: u64,
+    method: u32,
+    newton: u32,
+    preconditioner: u32,
+    jacobian: u32,
+}
+
+impl Settings {
+    /// Those of a scheme.
+    #[cfg(feature = "alloc")]
+    pub fn new(scheme: &Scheme, step: Real, origin: DVec3, steps: u64) -> Self {
+        let [residual, velocity] = match scheme.tolerance {
+            Tolerance::Residual(residual) => [residual, 0.0],
+            Tolerance::Velocity(velocity) => [0.0, velocity],
+        };
+        Self {
+            origin: origin.into(),
+            step: step.into(),
+            residual: residual.into(),
+            velocity: velocity.into(),
+            error: scheme.error.unwrap_or(0.0).into(),
+            steps,
+            method: Method::ALL.iter().position(|&method| method == scheme.method).unwrap_or(0) as u32,
+            newton: scheme.newton,
+            preconditioner: u32::from(scheme.preconditioner == Preconditioner::TwoLevel),
+            jacobian: u32::from(scheme.jacobian == Jacobian::Exact),
+        }
+    }
+
+    /// The scheme.
+    pub fn scheme(&self) -> Result<Scheme, CookedError> {
+        let are_finite = [self.step, self.residual, self.velocity, self.error].iter().all(|x| x.is_finite());
+        if !are_finite || self.step <= 0.0 || !DVec3::from(self.origin).is_finite() {
+            return Err(CookedError::Malformed);
+        }
+        Ok(Scheme {
+            method: *Method::ALL.get(self.method as usize).ok_or(CookedError::Malformed)?,
+            newton: self.newton,
+            tolerance: match self.residual > 0.0 {
+                true => Tolerance::Residual(self.residual as Real),
+                false => Tolerance::Velocity(self.velocity as Real),
+            },
+            preconditioner: match self.preconditioner {
+                0 => Preconditioner::BlockJacobi,
+                _ => Preconditioner::TwoLevel,
+            },
+            jacobian: if self.jacobian == 0 { Jacobian::Projected } else { Jacobian::Exact },
+            error: (self.error > 0.0).then_some(self.error as Real),
+        })
+    }
+}
