@@ -7,10 +7,12 @@ use harness::both_precisions;
 
 both_precisions! {
     use harness::steps::Steps;
-    use muslin::cooked::{self, ALIGNMENT, Cloth, Room, cook};
+    use super::{SplitMix, checksum};
+    use muslin::cooked::{self, ALIGNMENT, Cloth, CookedError, Room, cook};
     use muslin::dispatch::Serial;
+    use muslin::integrate::{Method, Preconditioner};
     use muslin::scene::{BUILT_IN, SceneDesc};
-    use muslin::simulation::Simulation;
+    use muslin::simulation::{Cause, Simulation};
 
     /// Bytes that begin at a multiple of the alignment.
     struct Aligned {
@@ -37,10 +39,8 @@ both_precisions! {
     fn coarse(name: &str, change: impl FnOnce(&mut SceneDesc)) -> Simulation {
         let (_, text) = BUILT_IN.iter().find(|(known, _)| *known == name).expect("it is built in");
         let mut scene = kit::scene(text);
-        for cloth in &mut scene.cloth {
-            for grid in &mut cloth.grid {
-                grid.cells = grid.cells.map(|cells| (cells / 4).max(2));
-            }
+        for grid in scene.cloth.iter_mut().flat_map(|cloth| &mut cloth.grid) {
+            grid.cells = grid.cells.map(|cells| (cells / 4).max(2));
         }
         change(&mut scene);
         Simulation::new(&scene, &[]).expect("it builds")
@@ -59,6 +59,7 @@ both_precisions! {
         }
         assert_eq!(owned.statistics(), cloth.statistics(), "{what}");
         assert_eq!(owned.contact_statistics(), cloth.contact_statistics(), "{what}");
+        assert_eq!(owned.estimated_error(), cloth.estimated_error(), "{what}");
     }
 
     #[test]
@@ -67,4 +68,158 @@ both_precisions! {
             compare(name, coarse(name, |_| ()), steps);
         }
     }
+
+    #[test]
+    fn every_method_takes_the_same_steps() {
+        for method in Method::ALL {
+            let step = if method.is_implicit() { 0.002 } else { 2e-5 };
+            for (newton, preconditioner) in [(1, Preconditioner::TwoLevel), (3, Preconditioner::BlockJacobi)] {
+                let sim = coarse("ball", |scene| {
+                    scene.integrator.method = method;
+                    (scene.integrator.step, scene.integrator.error) = (Some(step), None);
+                    (scene.integrator.newton, scene.integrator.preconditioner) = (newton, preconditioner);
+                });
+                compare(method.name(), sim, 20);
+            }
+        }
+    }
+
+    /// A ball that is shot through a sheet makes substeps, and pins begin and end.
+    #[test]
+    fn substeps_and_pins_that_begin_and_end_are_the_same() {
+        let text = |integrator: &str| {
+            format!(
+                r#"
+                duration = 1.0
+                frame_rate = 50
+                gravity = [0, -9.81, 0]
+                contact = {{ thickness = 0.002, friction = 0.3 }}
+                integrator = {{ {integrator} }}
+                [[cloth]]
+                grid = {{ size = [0.4, 0.4], cells = [8, 8] }}
+                density = 0.2
+                stretch = {{ model = "membrane", stiffness = 500.0 }}
+                bend = {{ model = "hinge", rigidity = 1e-5 }}
+                pin = [
+                    {{ select = {{ edge = "left" }}, until = 0.1, motion = {{ keys = [[0, 0, 0, 0], [1, 0.2, 0, 0]] }} }},
+                    {{ select = {{ edge = "right" }}, from = 0.05, motion = {{ turn = {{ axis = [0, 1, 0], rate = 2 }} }} }},
+                ]
+                load = [{{ select = {{ vertices = [30] }}, force = [0, 0.01, 0] }}]
+                [[collider]]
+                shape = "box"
+                center = [0, -0.2, 0]
+                half = [0.05, 0.05, 0.05]
+                motion = {{ keys = [[0, 0, 0, 0], [0.1, 0, 0, 0], [0.15, 0, 0.5, 0]], turn = {{ axis = [1, 0, 0], rate = 9 }} }}
+                "#
+            )
+        };
+        for integrator in ["step = 0.02", "error = 0.0005", "method = \"bdf2\", error = 0.001"] {
+            let sim = kit::simulation(&text(integrator), &[]);
+            compare(integrator, sim, 12);
+        }
+    }
+
+    /// In a step with too little room, nothing changes, and the error says how much is needed.
+    #[test]
+    fn a_step_that_lacks_room_says_how_much() {
+        let mut owned = coarse("ball", |_| ());
+        let small = Room { pairs: 3_000, contacts: 20, hands: 0 };
+        let mut block = Aligned::new(&cook(&owned, small));
+        let mut memory = Aligned::new(&vec![0; cooked::required_bytes(block.all()).expect("it is cooked")]);
+        let mut cloth = Cloth::open(block.all(), memory.all()).expect("it opens");
+        let failed = loop {
+            owned.take_step().expect("it has room");
+            match cloth.step(&Serial) {
+                Ok(()) => assert_eq!(owned.positions(), cloth.positions()),
+                Err(failed) => break failed,
+            }
+        };
+        let (before, steps) = (cloth.positions().to_vec(), cloth.steps());
+        assert_eq!(cloth.step(&Serial), Err(failed));
+        assert_eq!((cloth.positions(), cloth.steps()), (&before[..], steps));
+        let Cause::Short { pairs, constraints } = failed.cause else { panic!("{failed}") };
+        assert!(pairs > small.pairs || constraints > small.contacts, "{failed}");
+        assert!(steps > 3, "it fails in step {steps} already: {failed}");
+    }
+
+    fn refused(block: &[u8], memory: usize) -> Option<CookedError> {
+        let (mut block, mut memory) = (Aligned::new(block), Aligned::new(&vec![0; memory]));
+        Cloth::open(block.all(), memory.all()).err()
+    }
+
+    #[test]
+    fn a_block_that_is_damaged_is_refused() {
+        let good = cook(&coarse("ball", |_| ()), Room { pairs: 100, contacts: 10, hands: 1 });
+        let needed = cooked::required_bytes(&good).expect("it is cooked");
+        assert_eq!(refused(&good, needed), None);
+        assert_eq!(refused(&good, needed - 1), Some(CookedError::Memory { needed }));
+        assert_eq!(refused(&good[..good.len() - 8], needed), Some(CookedError::Truncated));
+        assert_eq!(refused(&good[..7], needed), Some(CookedError::NotCooked));
+        assert_eq!(refused(b"", needed), Some(CookedError::NotCooked));
+        let changed = |at: usize| {
+            let mut bad = good.clone();
+            bad[at] ^= 1;
+            refused(&bad, needed)
+        };
+        assert_eq!(changed(0), Some(CookedError::NotCooked));
+        assert!(matches!(changed(8), Some(CookedError::Version(_))));
+        assert_eq!(changed(12), Some(CookedError::Precision));
+        assert_eq!(changed(16), Some(CookedError::Truncated));
+        for at in (64..good.len()).step_by(good.len() / 500) {
+            assert_eq!(changed(at), Some(CookedError::Checksum), "byte {at}");
+        }
+        let (mut block, mut memory) = (Aligned::new(&good), Aligned::new(&vec![0; needed + 8]));
+        let shifted = &mut memory.all()[8..];
+        assert_eq!(Cloth::open(block.all(), shifted).err(), Some(CookedError::Alignment));
+    }
+
+    /// Blocks with a right checksum and wrong numbers: they are refused, or their steps end, but nothing panics.
+    #[test]
+    fn wrong_numbers_never_panic() {
+        let mut refused = 0;
+        for (seed, name) in (0..if cfg!(debug_assertions) { 150 } else { 600 }).zip(["ball", "flag", "twist"].into_iter().cycle()) {
+            let good = cook(&coarse(name, |_| ()), Room { pairs: 3_000, contacts: 500, hands: 1 });
+            let mut random = SplitMix(seed);
+            let mut bad = good.clone();
+            for _ in 0..=random.next() % 3 {
+                let at = 64 + 4 * (random.next() as usize % ((good.len() - 64) / 4));
+                let word = match random.next() % 4 {
+                    0 => 0,
+                    1 => u32::MAX,
+                    2 => random.next() as u32,
+                    _ => u32::from_le_bytes(bad[at..at + 4].try_into().expect("four")) ^ 1 << (random.next() % 32),
+                };
+                bad[at..at + 4].copy_from_slice(&word.to_le_bytes());
+            }
+            let sum = checksum(&bad[64..]);
+            bad[32..40].copy_from_slice(&sum.to_le_bytes());
+            let needed = cooked::required_bytes(&bad).expect("the header is good");
+            let (mut block, mut memory) = (Aligned::new(&bad), Aligned::new(&vec![0; needed]));
+            match Cloth::open(block.all(), memory.all()) {
+                Ok(mut cloth) => _ = (0..3).try_for_each(|_| cloth.step(&Serial)),
+                Err(_) => refused += 1,
+            }
+        }
+        assert!(refused > 20, "{refused} blocks were refused");
+    }
+}
+
+/// [Steele 2014].
+struct SplitMix(u64);
+
+impl SplitMix {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ mixed >> 31
+    }
+}
+
+/// As a block has it.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.as_chunks::<8>().0.iter().fold(0xcbf2_9ce4_8422_2325, |sum: u64, &word| {
+        let product = (sum ^ u64::from_le_bytes(word)).wrapping_mul(0x0000_0100_0000_01b3);
+        product ^ product >> 32
+    })
 }

@@ -10,7 +10,7 @@ pub mod hinge;
 pub mod load;
 pub mod matrix;
 pub mod membrane;
-mod model;
+pub(crate) mod model;
 pub mod seam;
 #[cfg(feature = "alloc")]
 pub mod sparsity;

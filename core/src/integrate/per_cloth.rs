@@ -35,6 +35,11 @@ pub struct ClothSolve {
 }
 
 impl ClothSolve {
+    /// The number after its last vertex.
+    pub(crate) fn end(&self) -> u32 {
+        self.end
+    }
+
     /// A cloth of the vertices up to `end`, from the end of the cloth before.
     pub fn up_to(end: u32) -> Self {
         Self { end, ..Self::default() }
