@@ -13,6 +13,7 @@ both_precisions! {
     use muslin::integrate::{Method, Preconditioner};
     use muslin::scene::{BUILT_IN, SceneDesc};
     use muslin::simulation::{Cause, Simulation};
+    use std::time::Instant;
 
     /// Bytes that begin at a multiple of the alignment.
     struct Aligned {
@@ -46,7 +47,8 @@ both_precisions! {
         Simulation::new(&scene, &[]).expect("it builds")
     }
 
-    fn compare(what: &str, mut owned: Simulation, steps: u32) {
+    /// Takes the same steps; returns how often a step was halved at most.
+    fn compare(what: &str, mut owned: Simulation, steps: u32) -> u64 {
         let mut block = Aligned::new(&cook(&owned, ROOM));
         let needed = cooked::required_bytes(block.all()).expect("it is cooked");
         let mut memory = Aligned::new(&vec![0xA5; needed]);
@@ -60,6 +62,7 @@ both_precisions! {
         assert_eq!(owned.statistics(), cloth.statistics(), "{what}");
         assert_eq!(owned.contact_statistics(), cloth.contact_statistics(), "{what}");
         assert_eq!(owned.estimated_error(), cloth.estimated_error(), "{what}");
+        owned.statistics().most_halvings
     }
 
     #[test]
@@ -113,10 +116,12 @@ both_precisions! {
                 "#
             )
         };
+        let mut halvings = 0;
         for integrator in ["step = 0.02", "error = 0.0005", "method = \"bdf2\", error = 0.001"] {
             let sim = kit::simulation(&text(integrator), &[]);
-            compare(integrator, sim, 12);
+            halvings += compare(integrator, sim, 12);
         }
+        assert!(halvings > 0, "no step was divided");
     }
 
     /// In a step with too little room, nothing changes, and the error says how much is needed.
@@ -140,6 +145,29 @@ both_precisions! {
         let Cause::Short { pairs, constraints } = failed.cause else { panic!("{failed}") };
         assert!(pairs > small.pairs || constraints > small.contacts, "{failed}");
         assert!(steps > 3, "it fails in step {steps} already: {failed}");
+    }
+
+    /// Prints the time of a step of a cooked cloth over that of the owned one, taken in turns.
+    #[test]
+    #[ignore = "a measurement, not a check"]
+    fn long_form_speed() {
+        for (name, steps) in [("swing", 300), ("flag", 200), ("ball", 150)] {
+            let mut owned = coarse(name, |_| ());
+            let room = Room { pairs: 200_000, contacts: 20_000, hands: 2 };
+            let mut block = Aligned::new(&cook(&owned, room));
+            let mut memory = Aligned::new(&vec![0; cooked::required_bytes(block.all()).expect("it is cooked")]);
+            let mut cloth = Cloth::open(block.all(), memory.all()).expect("it opens");
+            let mut ratios = Vec::new();
+            for _ in 0..steps {
+                let start = Instant::now();
+                owned.take_step().expect("it steps");
+                let middle = Instant::now();
+                cloth.step(&Serial).expect("it steps");
+                ratios.push(middle.elapsed().as_secs_f64() / (middle - start).as_secs_f64());
+            }
+            ratios.sort_by(f64::total_cmp);
+            println!("{} {name}: {:.3} (median of {steps} steps)", muslin::real::NAME, ratios[ratios.len() / 2]);
+        }
     }
 
     fn refused(block: &[u8], memory: usize) -> Option<CookedError> {

@@ -254,27 +254,31 @@ pub enum LiveError {
     NoCollider { collider: u32, count: u32 },
     /// A number must be finite; `name` names it.
     NotFinite { name: &'static str },
-    /// A time is negative, not finite, or zero for a collider, which would jump.
+    /// A time is negative or not finite.
     Seconds { seconds: f64 },
+    /// A collider would jump: it needs a thousandth of a step at least.
+    TooFast { seconds: f64, least: f64 },
     /// A plane cannot turn.
     PlaneTurns { collider: u32 },
     /// The vertices of the collider move one by one.
     Deforms { collider: u32 },
+    /// A vertex is attached to the collider, which would deform.
+    Carries { collider: u32, vertex: u32 },
     /// Only meshes change their shape.
     NoMesh { collider: u32 },
     /// A list of positions does not have one for every vertex of the collider.
     Points { collider: u32, expected: u32, found: u32 },
-    /// A collider still moves by the keys of its scene, which name places in the world.
-    Scripted,
+    /// A collider still moves by the keys or the point cache of its scene, which name places in the world.
+    Scripted { collider: u32 },
     /// A vertex is held by a collider that stays, or along single axes that would have to turn.
     Held { vertex: u32 },
     /// Cloth would intersect a collider.
-    Overlaps,
+    Overlaps { collider: u32 },
     /// The scene has no wind, so there are no coefficients of it.
     NoWind,
     /// Impulses are not measured.
     NotMeasured,
-    /// Another scene has other meshes or other force terms.
+    /// Another scene has other meshes, colliders, force terms or laws of friction.
     OtherScene,
     /// There is not enough memory.
     Memory,
@@ -293,11 +297,15 @@ impl fmt::Display for LiveError {
             Self::NoCollider { collider, count } => missing(f, "collider", collider, count),
             Self::NotFinite { name } => write!(f, "{name} must be finite"),
             Self::Seconds { seconds } => {
+                write!(f, "{} seconds: the time must be finite and not negative", Number(seconds))
+            }
+            Self::TooFast { seconds, least } => {
                 write!(
                     f,
-                    "{} seconds: the time must be finite and not negative; a collider needs a time greater than zero, \
-                     because it would jump; teleport moves it together with the cloth",
-                    Number(seconds)
+                    "{} seconds: the time must be finite and at least {}, or the collider would jump through the cloth; \
+                     teleport moves it together with the cloth",
+                    Number(seconds),
+                    Number(least)
                 )
             }
             Self::PlaneTurns { collider } => {
@@ -306,25 +314,33 @@ impl fmt::Display for LiveError {
             Self::Deforms { collider } => {
                 write!(f, "collider {collider}: its vertices move one by one; give their positions (deform_collider)")
             }
+            Self::Carries { collider, vertex } => {
+                write!(f, "collider {collider} carries vertex {vertex}, so it cannot deform; release the vertex first")
+            }
             Self::NoMesh { collider } => write!(f, "collider {collider}: only a mesh changes its shape"),
             Self::Points { collider, expected, found } => {
                 write!(f, "collider {collider}: {found} positions are given, it has {expected} vertices")
             }
-            Self::Scripted => write!(
+            Self::Scripted { collider } => write!(
                 f,
-                "a collider still moves by the keys of the scene, which name places in the world; move it from the program \
-                 instead"
+                "collider {collider} still moves by keys or frames, which name places in the world; move it from the \
+                 program instead"
             ),
             Self::Held { vertex } => write!(
                 f,
                 "vertex {vertex} is held by a collider that stays, or along single axes that would have to turn; release it, \
                  or move the collider too"
             ),
-            Self::Overlaps => write!(f, "cloth would intersect a collider; move one of them away first"),
+            Self::Overlaps { collider } => {
+                write!(f, "cloth would intersect collider {collider}; move one of them away first")
+            }
             Self::NoWind => write!(f, "the scene has no wind; give it [drag.wind] with coefficients, at velocity 0"),
             Self::NotMeasured => write!(f, "impulses are not measured; call measure_reactions once before the steps"),
             Self::OtherScene => {
-                write!(f, "the scene has other meshes, force terms or laws of friction; only numbers may differ")
+                write!(
+                    f,
+                    "the scene has other meshes, colliders, force terms or laws of friction; only numbers may differ"
+                )
             }
             Self::Memory => write!(f, "there is not enough memory"),
         }

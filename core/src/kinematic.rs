@@ -78,6 +78,7 @@ pub struct Kinematic {
 
 impl Kinematic {
     /// The motion between poses, by the shorter of the two ways around. Its velocity before was `before`.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn between(centre: DVec3, poses: [Pose; 2], times: [Sum; 2], before: Twist) -> Self {
         let [from, to] = poses;
         let seconds = times[1] - times[0];
@@ -92,11 +93,12 @@ impl Kinematic {
     }
 
     /// The pose at a time, s.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn pose(&self, time: Sum) -> Pose {
         let [start, end] = self.times;
         let [from, to] = self.poses;
         let since = (time - start).max(0.0);
-        if JumpSide::After.has_passed(end, time) {
+        if has_passed(JumpSide::After, end, time) {
             return to;
         }
         let turned = self.during.angular * since;
@@ -108,8 +110,9 @@ impl Kinematic {
     }
 
     /// The velocity on the given side of a time.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn twist(&self, time: Sum, side: JumpSide) -> Twist {
-        let [has_begun, has_ended] = self.times.map(|change| side.has_passed(change, time));
+        let [has_begun, has_ended] = self.times.map(|change| has_passed(side, change, time));
         match (has_begun, has_ended) {
             (false, _) => self.before,
             (true, false) => self.during,
@@ -119,6 +122,7 @@ impl Kinematic {
 
     /// Position of a point of the collider, m, and its velocity on the given side of a time, m/s. `point` is its position
     /// before any motion.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn at(&self, point: DVec3, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
         let pose = self.pose(time);
         let arm = pose.rotation * (point - self.centre);
@@ -137,6 +141,7 @@ impl Kinematic {
     }
 
     /// The rotation between two times, rad.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn turned(&self, times: [Sum; 2]) -> DVec3 {
         let [from, to] = times.map(|time| time.clamp(self.times[0], self.times[1]));
         self.during.angular * (to - from)
@@ -154,6 +159,16 @@ impl Kinematic {
         let rest = if self.times[1] > start { (end - self.times[1]).max(0.0) } else { 0.0 };
         let half_angle = 0.5 * self.turned([start, end]).length();
         radius * (1.0 - libm::cos(half_angle)) + rest * (linear.length() + radius * angular.length())
+    }
+}
+
+/// Whether a change lies in the past of a time. Both are sums of the host's times in doubles, so they differ by less
+/// rounding than [keys](JumpSide::has_passed).
+fn has_passed(side: JumpSide, change: Sum, time: Sum) -> bool {
+    let rounding = 1e-14 * time.abs();
+    match side {
+        JumpSide::Before => change < time - rounding,
+        JumpSide::After => change <= time + rounding,
     }
 }
 

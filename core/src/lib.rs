@@ -27,7 +27,8 @@
 //!     and colliders; [`audit`]: an exact test for intersections; [`untangle`]: removes the intersections of a start
 //!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods; [`warning`]: settings that do
 //!     not suit a scene, and signs that a result is wrong.
-//! 12. [`simulation`]: all of it owned, for hosts that allocate.
+//! 12. [`simulation`]: all of it owned, for hosts that allocate; [`cooked`]: all of it in one block of bytes and in memory of
+//!     the host, without a heap. `halving` divides a step that fails, for both.
 //!
 //! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time), [`rigid_body`]
 //! (a cloth as if it were rigid),

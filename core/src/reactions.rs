@@ -128,6 +128,12 @@ impl ReactionColumns {
         Reactions { groups, pins: &mut self.pins, colliders: &mut self.colliders }
     }
 
+    /// Sets all sums to zero.
+    pub fn clear(&mut self) {
+        self.pins.fill(Impulse::default());
+        self.colliders.fill(Impulse::default());
+    }
+
     /// Copies the sums without an allocation; both have the same lengths.
     pub fn copy_from(&mut self, other: &Self) {
         self.pins.copy_from_slice(&other.pins);

@@ -223,6 +223,18 @@ pub trait Engine: Send {
     fn snapshot(&self) -> Snapshot;
     /// Restores a snapshot; returns false if it does not fit the scene.
     fn restore(&mut self, snapshot: &Snapshot) -> bool;
+    /// Gives columns of contact no room, so that they grow as far as steps need.
+    fn measure_room(&mut self);
+    /// The room of the columns of contact, for candidates and for contacts.
+    fn room(&self) -> [usize; 2];
+    /// The scene as a block of bytes, with room for candidates, contacts and vertices that a host holds.
+    fn cook(&self, room: [usize; 2], hands: u32) -> Vec<u8>;
+}
+
+/// Bytes of memory that a cooked scene needs, in the precision in which it was cooked; 0 if it is not one.
+pub fn required_bytes(block: &[u8]) -> usize {
+    let needed = [muslin_core::cooked::required_bytes(block).ok(), muslin_core_f64::cooked::required_bytes(block).ok()];
+    needed.into_iter().flatten().next().unwrap_or_default()
 }
 
 /// Builds the engine of a scene. Fails with a message for the user if the scene is wrong.
@@ -314,7 +326,7 @@ macro_rules! engine {
 
             /// A collider for drawing, with those of `triangles` that use its vertices.
             fn solid(body: &Body, triangles: &[[u32; 3]]) -> Solid {
-                let [first, count] = body.vertices;
+                let [first, count] = body.vertices.map(|number| number as usize);
                 let own = || triangles.iter().filter(|t| body.range().contains(&(t[0] as usize))).copied().collect();
                 match body.form() {
                     Form::Plane(normal) => Solid::Plane { vertex: first, normal: to_single(&normal) },
@@ -449,6 +461,18 @@ macro_rules! engine {
                 fn write_state(&self, out: &mut Vec<[f64; 3]>) {
                     out.clear();
                     out.extend(self.places_in_world());
+                }
+
+                fn measure_room(&mut self) {
+                    Simulation::measure_room(self);
+                }
+
+                fn room(&self) -> [usize; 2] {
+                    Simulation::room(self)
+                }
+
+                fn cook(&self, [pairs, contacts]: [usize; 2], hands: u32) -> Vec<u8> {
+                    $core::cooked::cook(self, $core::cooked::Room { pairs, contacts, hands })
                 }
 
                 fn masses(&self) -> Vec<f64> {

@@ -4,6 +4,7 @@
 mod args;
 mod bench;
 mod checkpoint;
+mod cook;
 mod detect;
 mod device;
 mod devices;
@@ -52,6 +53,7 @@ fn obey(command: Command) -> Result<(), Failure> {
         Command::Needs(arguments) => study::needs(&arguments),
         Command::Sweep(arguments) => study::sweep(&arguments),
         Command::Validate(arguments) => study::validate(&arguments),
+        Command::Cook(arguments) => cook::cook(&arguments),
         Command::Scenes(arguments) => scenes::print(&arguments),
         Command::Devices(arguments) => devices::print(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),

@@ -13,6 +13,7 @@ mod built_in;
 mod chart;
 mod choose;
 mod contact;
+mod cook;
 mod damage;
 #[path = "../../host-cli/src/preview/decode.rs"]
 mod decode;

@@ -3,7 +3,7 @@
 //! times the work.
 
 harness::both_precisions! {
-    use muslin::audit::tree::{Tree, nodes};
+    use muslin::audit::tree::{Boxed, Tree, nodes};
     use muslin::geometry::aabb::Aabb;
     use muslin::real::{Vec3, vec3};
     use harness::crumpled;
@@ -16,7 +16,7 @@ harness::both_precisions! {
             let points = vertices.iter().map(|&v| positions[v as usize]);
             points.fold(Aabb::EMPTY, |all, x| all.union(&Aabb { min: x, max: x }))
         };
-        let boxes = (0..).zip(&mesh.triangles).map(|(t, corners)| (t, around(corners)));
+        let boxes = (0..).zip(&mesh.triangles).map(|(t, corners)| Boxed::new(t, around(corners)));
         let (mut boxes, mut bounds) = (boxes.collect::<Vec<_>>(), vec![Aabb::EMPTY; nodes(mesh.triangles.len())]);
         let tree = Tree::build(&mut boxes, &mut bounds);
         let sides = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);

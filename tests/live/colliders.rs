@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 use harness::both_precisions;
 use muslin_core_f64::dispatch::Serial;
+use muslin_core_f64::error::LiveError;
 use muslin_core_f64::kinematic::Pose;
 use muslin_core_f64::scene::{Content, PointCache};
 
@@ -167,4 +168,93 @@ fn crossings_do_not_count_colliders_that_are_off() {
     assert_eq!(sim.switch_off(0), Ok(()));
     lead(&mut sim, 45, |_, _| ());
     assert_eq!((sim.crossings(&Serial), sim.penetration()), (0, Some(0.0)));
+}
+
+/// A small ball in the middle of a large triangle touches none of its vertices and edges.
+#[test]
+fn a_ball_within_a_triangle_is_not_switched_on() {
+    let small = ball("", "").replace("radius = 0.1", "radius = 0.005").replace("[12, 12]", "[2, 2]");
+    let mut sim = kit::simulation(&small.replace("gravity = [0, -9.81, 0]", ""), &[]);
+    let corners = sim.triangles()[0].map(|v| sim.positions()[v as usize]);
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    assert_eq!(sim.switch_off(0), Ok(()));
+    assert_eq!(sim.move_collider(0, Pose::at(middle), STEP), Ok(()));
+    lead(&mut sim, 1, |_, _| ());
+    assert_eq!(sim.switch_on(0), Err(LiveError::Overlaps { collider: 0 }));
+    assert_eq!(sim.move_collider(0, Pose::at(middle + 0.01 * DVec3::Y), STEP), Ok(()));
+    lead(&mut sim, 1, |_, _| ());
+    assert_eq!(sim.switch_on(0), Ok(()));
+}
+
+fn table(y: f64) -> [muslin_core_f64::scene::Resource; 1] {
+    let positions = vec![[-0.4, y, -0.4], [0.4, y, -0.4], [0.4, y, 0.4], [-0.4, y, 0.4]];
+    let mesh = harness::belt::Mesh { positions, uvs: Vec::new(), triangles: vec![[0, 2, 1], [0, 3, 2]] };
+    [kit::resource("table", mesh)]
+}
+
+const TABLE: &str = "[[collider]]\nshape = \"mesh\"\nfile = \"table\"";
+
+#[test]
+fn a_mesh_that_deforms_while_it_is_off_keeps_its_size() {
+    let mut sim = kit::simulation(&ball("", TABLE), &table(-0.5));
+    assert_eq!(sim.switch_off(1), Ok(()));
+    let to = [[-0.4, -0.6, -0.4], [0.4, -0.6, -0.4], [0.4, -0.6, 0.4], [-0.4, -0.6, 0.4]];
+    assert_eq!(sim.deform_collider(1, &to, 4.0 * STEP), Ok(()));
+    lead(&mut sim, 2, |_, _| ());
+    assert_eq!(sim.switch_on(1), Ok(()));
+    let corner = sim.colliders_in_world().nth(2).expect("it has four");
+    assert!(DVec3::from(corner).distance(DVec3::new(0.4, -0.55, -0.4)) < 1e-12, "{corner:?}");
+}
+
+#[test]
+fn a_mesh_deforms_again_once_its_vertices_are_released() {
+    let mut sim = kit::simulation(&ball("", TABLE), &table(-0.5));
+    let to = [[-0.4, -0.6, -0.4], [0.4, -0.6, -0.4], [0.4, -0.6, 0.4], [-0.4, -0.6, 0.4]];
+    assert_eq!(sim.attach(5, 1), Ok(()));
+    assert_eq!(sim.deform_collider(1, &to, STEP), Err(LiveError::Carries { collider: 1, vertex: 5 }));
+    assert!(sim.release(5));
+    assert_eq!(sim.deform_collider(1, &to[..3], STEP), Err(LiveError::Points { collider: 1, expected: 4, found: 3 }));
+    assert_eq!(sim.deform_collider(1, &to, STEP), Ok(()));
+    for refused in [sim.attach(5, 1), sim.move_collider(1, Pose::IDENTITY, STEP)] {
+        assert_eq!(refused, Err(LiveError::Deforms { collider: 1 }));
+    }
+}
+
+/// A mesh turns about the middle of its vertices, however far its zero is: on its way it does not swing aside.
+#[test]
+fn a_mesh_far_from_its_zero_turns_on_the_spot() {
+    let far = ball("", TABLE)
+        .replace("[[cloth]]", "[[cloth]]\nposition = [100, 0, 0]")
+        .replace("[0, -0.12, 0]", "[100, -9, 0]");
+    let mut resources = table(-0.5);
+    if let muslin_core_f64::scene::Content::Mesh(mesh) = &mut resources[0].1 {
+        mesh.positions.iter_mut().for_each(|x| x[0] += 100.0);
+    }
+    let mut sim = kit::simulation(&far, &resources);
+    let spot = DVec3::new(100.0, -0.5, 0.0);
+    let rotation = DQuat::from_rotation_y(1.0);
+    let to = Pose { position: spot - rotation * spot, rotation };
+    assert_eq!(sim.move_collider(1, to, 10.0 * STEP), Ok(()));
+    for n in 1..=10 {
+        lead(&mut sim, 1, |_, _| ());
+        let places: Vec<_> = sim.colliders_in_world().skip(1).map(DVec3::from).collect();
+        let middle = places.iter().sum::<DVec3>() / 4.0;
+        assert!(middle.distance(spot) < 1e-11, "step {n}: the middle is at {middle}");
+    }
+    let told = sim.collider_pose(1).expect("it exists");
+    assert!(told.position.distance(to.position) < 1e-11 && told.rotation.dot(to.rotation).abs() > 1.0 - 1e-14);
+}
+
+/// After hours of simulated time too.
+#[test]
+fn a_collider_is_swept_late_in_a_run() {
+    use harness::kit::single as kit;
+    use muslin_core::kinematic::Pose;
+    let mut sim = kit::simulation(&pierced(), &[]);
+    let start = sim.clone();
+    let state = muslin_core::simulation::State { steps: 20_000_000, ..start.state() };
+    assert!(sim.restore(&state, Default::default(), Default::default()));
+    let start = sim.collider_pose(0).expect("it exists").position;
+    assert_eq!(sim.move_collider(0, Pose::at(start + DVec3::Y * 0.1), sim.step_length().into()), Ok(()));
+    assert_eq!(sim.collider_pose(0).expect("it exists").position, start, "before the step it has not moved");
 }

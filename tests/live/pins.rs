@@ -94,8 +94,34 @@ fn a_timed_pin_that_is_let_go_does_not_come_back() {
 }
 
 #[test]
-fn nothing_is_attached_to_what_deforms() {
+fn nothing_is_attached_to_what_does_not_exist() {
     let mut sim = kit::simulation(&ball("", ""), &[]);
     assert_eq!(sim.attach(0, 3), Err(LiveError::NoCollider { collider: 3, count: 1 }));
     assert_eq!(sim.attach(999, 0), Err(LiveError::NoVertex { vertex: 999, count: 175 }));
+}
+
+/// What is thrown flies.
+#[test]
+fn a_vertex_that_is_let_go_keeps_its_velocity() {
+    let still = ball("", "").replace("gravity = [0, -9.81, 0]", "");
+    let velocity = DVec3::new(0.3, 2.0, -0.1);
+    let mut sim = kit::simulation(&still, &[]);
+    let count = sim.positions().len() as u32;
+    let start = sim.collider_pose(0).expect("it exists").position;
+    (0..count).for_each(|vertex| assert_eq!(sim.attach(vertex, 0), Ok(())));
+    lead(&mut sim, 10, |sim, n| {
+        let place = start + velocity * STEP * f64::from(n + 1);
+        assert_eq!(sim.move_collider(0, Pose::at(place), STEP), Ok(()));
+    });
+    (0..count).for_each(|vertex| assert!(sim.release(vertex)));
+    let mass: f64 = sim.scene().particles.masses.iter().sum();
+    assert!(DVec3::from(sim.momentum()).distance(velocity * mass) < 1e-12, "{:?}", sim.momentum());
+    let mut hand = kit::simulation(&still, &[]);
+    let from = DVec3::from(hand.places_in_world().nth(7).expect("it exists"));
+    lead(&mut hand, 5, |sim, n| {
+        let place = from + velocity * STEP * f64::from(n + 1);
+        assert_eq!(sim.move_to(7, place.into(), STEP), Ok(()));
+    });
+    assert!(hand.release(7));
+    assert!(hand.velocities()[7].distance(velocity) < 1e-12, "{}", hand.velocities()[7]);
 }

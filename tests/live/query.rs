@@ -83,3 +83,25 @@ fn a_ray_hits_what_is_in_front() {
     }
     assert_eq!(sim.hit([f64::NAN; 3], [0.0, 1.0, 0.0]), Err(LiveError::NotFinite { name: "a ray" }));
 }
+
+/// The sheet has no gaps: rays at its edges hit it.
+#[test]
+fn rays_do_not_slip_between_triangles() {
+    let tilted = ball("", "").replace("[[cloth]]", "[[cloth]]\nrotation = [20, 31, 12]").replace("-0.12", "-9");
+    let sim = kit::simulation(&tilted, &[]);
+    let at = |v: u32| sim.positions()[v as usize];
+    for corners in sim.triangles() {
+        for [a, b] in [[0, 1], [1, 2], [2, 0]].map(|ends| ends.map(|k| at(corners[k]))) {
+            let target = a + (b - a) * 0.37;
+            // The rim may be missed.
+            if target.abs().max_element() > 0.2 {
+                continue;
+            }
+            let eye = DVec3::new(0.3, 2.0, -0.4);
+            let hit = sim.hit(eye.into(), (target - eye).into()).expect("finite");
+            assert!(hit.is_some_and(|hit| (hit.distance - eye.distance(target)).abs() < 1e-9), "{hit:?}");
+        }
+    }
+    let scaled = [1e-200, 1e200].map(|size| sim.hit([0.0, 1.0, 0.0], [0.0, -size, 0.0]).expect("finite").is_some());
+    assert_eq!(scaled, [true; 2]);
+}

@@ -13,13 +13,16 @@ type Ask = fn(&mut Simulation) -> Result<(), LiveError>;
 
 #[test]
 fn what_cannot_be_is_refused_and_changes_nothing() {
-    let asks: [(&str, Ask); 17] = [
+    let asks: [(&str, Ask); 20] = [
         ("there is no collider 2: the last one is 1", |sim| sim.move_collider(2, Pose::IDENTITY, 1.0)),
         ("the pose must be finite", |sim| sim.move_collider(0, Pose::at([f64::NAN, 0.0, 0.0]), 1.0)),
         ("the pose must be finite", |sim| {
             sim.move_collider(0, Pose { rotation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), ..Pose::IDENTITY }, 1.0)
         }),
-        ("0 seconds", |sim| sim.move_collider(0, Pose::IDENTITY, 0.0)),
+        ("0 seconds: the time must be finite and at least 0.000005", |sim| sim.move_collider(0, Pose::IDENTITY, 0.0)),
+        ("at least", |sim| sim.move_collider(0, Pose::IDENTITY, 1e-17)),
+        ("the impulse must be finite", |sim| sim.push(0, [0.0, f64::INFINITY, 0.0])),
+        ("only a mesh changes its shape", |sim| sim.deform_collider(1, &[[0.0; 3]], 1.0)),
         ("NaN seconds", |sim| sim.move_collider(0, Pose::IDENTITY, f64::NAN)),
         ("a plane cannot turn", |sim| {
             sim.move_collider(1, Pose { rotation: DQuat::from_rotation_x(0.1), ..Pose::IDENTITY }, 1.0)
@@ -34,7 +37,7 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
         ("gravity must be finite", |sim| sim.set_gravity([f64::INFINITY; 3])),
         ("the scene has no wind", |sim| sim.set_wind([1.0; 3])),
         ("the force must be finite", |sim| sim.set_force(0, [f64::NAN; 3])),
-        ("cloth would intersect a collider", |sim| sim.teleport(Pose::at(DVec3::NEG_Y * 0.95), &[])),
+        ("cloth would intersect collider 1", |sim| sim.teleport(Pose::at(DVec3::NEG_Y * 0.95), &[])),
     ];
     let mut sim = kit::simulation(&ball("", PLANE), &[]);
     lead(&mut sim, 30, |_, _| ());
@@ -53,4 +56,14 @@ fn a_scene_without_contact_has_no_colliders() {
     assert_eq!(sim.move_collider(0, Pose::IDENTITY, 1.0), Err(missing));
     assert_eq!(missing.to_string(), "there is no collider 0: the scene has no collider");
     assert_eq!(sim.touches().count(), 0);
+}
+
+/// Numbers that a column in single precision cannot hold.
+#[test]
+fn what_single_precision_cannot_hold_is_refused() {
+    let mut sim = harness::kit::single::simulation(&ball("", ""), &[]);
+    assert!(sim.push(60, [1e39, 0.0, 0.0]).is_err());
+    assert!(sim.set_gravity([0.0, 1e39, 0.0]).is_err());
+    assert!(sim.set_force(60, [0.0, 1e39, 0.0]).is_err());
+    assert!(sim.velocities().iter().all(|v| v.is_finite()));
 }

@@ -92,4 +92,46 @@ fn a_snapshot_of_another_scene_is_refused() {
     let before = hanging.positions().to_vec();
     assert!(hanging.go_back(&ball.snapshot()).is_err());
     assert_eq!(hanging.positions(), before);
+    // The same mesh without bending.
+    let soft = harness::kit::double::simulation(&super::hanging("").replace("bend", "# bend"), &[]);
+    assert!(hanging.go_back(&soft.snapshot()).is_err());
+}
+
+/// What one simulation measures, another need not.
+#[test]
+fn a_snapshot_of_a_simulation_that_measures_more_or_less_fits() {
+    use harness::kit::double as kit;
+    let build = || kit::simulation(&scene("integrator = { error = 0.0001 }"), &[]);
+    let [mut measured, mut plain] = [build(), build()];
+    measured.measure_reactions();
+    super::lead(&mut measured, 5, |_, _| ());
+    super::lead(&mut plain, 8, |_, _| ());
+    let snapshot = measured.snapshot();
+    assert_eq!(plain.go_back(&snapshot), Ok(()));
+    super::lead(&mut plain, 10, |_, _| ());
+    super::lead(&mut measured, 10, |_, _| ());
+    assert_eq!(plain.positions(), measured.positions());
+    assert_eq!(measured.go_back(&plain.snapshot()), Ok(()));
+    assert!(measured.take_impulse(0).is_ok(), "it is still measured");
+    super::lead(&mut measured, 3, |_, _| ());
+}
+
+#[test]
+fn a_snapshot_holds_the_thickness_and_the_rest_shape() {
+    use harness::kit::double as kit;
+    let text = super::ball("", "");
+    let [mut changed, mut kept] = [(); 2].map(|()| kit::simulation(&text, &[]));
+    for sim in [&mut changed, &mut kept] {
+        super::lead(sim, 40, |_, _| ());
+    }
+    let snapshot = changed.snapshot();
+    let other = text.replace("thickness = 0.004", "thickness = 0.008").replace("[0.5, 0.5]", "[0.49, 0.5]");
+    assert_eq!(changed.set_materials(&kit::scene(&other), &[]), Ok(()));
+    super::lead(&mut changed, 3, |_, _| ());
+    assert_eq!(changed.go_back(&snapshot), Ok(()));
+    assert_eq!(changed.touches().count(), 0, "there was no step yet");
+    for sim in [&mut changed, &mut kept] {
+        super::lead(sim, 10, |_, _| ());
+    }
+    assert_eq!(changed.positions(), kept.positions());
 }

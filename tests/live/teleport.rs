@@ -75,11 +75,63 @@ fn a_teleport_gives_no_velocity() {
 #[test]
 fn a_teleport_into_a_collider_or_without_what_it_needs_is_refused() {
     let mut sim = kit::simulation(&ball("", ""), &[]);
-    assert_eq!(sim.teleport(Pose::at([0.0, -0.12, 0.0]), &[]), Err(LiveError::Overlaps));
+    assert_eq!(sim.teleport(Pose::at([0.0, -0.12, 0.0]), &[]), Err(LiveError::Overlaps { collider: 0 }));
     assert_eq!(sim.attach(5, 0), Ok(()));
     assert_eq!(sim.teleport(Pose::at([0.0, 1.0, 0.0]), &[]), Err(LiveError::Held { vertex: 5 }));
     let moving = "motion = { keys = [[0, 0, 0, 0], [1, 1, 0, 0]] }";
     let mut scripted = kit::simulation(&ball(moving, ""), &[]);
-    assert_eq!(scripted.teleport(Pose::at([0.0, 1.0, 0.0]), &[0]), Err(LiveError::Scripted));
+    assert_eq!(scripted.teleport(Pose::at([0.0, 1.0, 0.0]), &[0]), Err(LiveError::Scripted { collider: 0 }));
     assert_eq!(scripted.teleport(Pose::at([0.0, 1.0, 0.0]), &[]), Ok(()), "the sheet alone");
+}
+
+#[test]
+fn a_collider_that_is_named_twice_moves_once() {
+    let mut sim = kit::simulation(&ball("", ""), &[]);
+    let before = sim.collider_pose(0).expect("it exists").position;
+    assert_eq!(sim.teleport(Pose::at([10.0, 0.0, 0.0]), &[0, 0]), Ok(()));
+    assert!((sim.collider_pose(0).expect("it exists").position - before).distance(DVec3::X * 10.0) < 1e-14);
+    let missing = LiveError::NoCollider { collider: 7, count: 1 };
+    assert_eq!(sim.teleport(Pose::IDENTITY, &[7]), Err(missing));
+}
+
+/// What overlaps already may come along, however it turns.
+#[test]
+fn an_overlap_that_comes_along_is_no_reason_to_refuse() {
+    let pinned = ball("", "").replace("[[cloth]]", "[[cloth]]\npin = [{ select = { vertices = [87] } }]");
+    let sunk = pinned.replace("center = [0, -0.12, 0]", "center = [0, -0.07, 0]");
+    for n in 0..20 {
+        let mut sim = kit::simulation(&sunk, &[]);
+        let rotation = DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 0.3 * f64::from(n));
+        let by = Pose { position: DVec3::new(1.0, 2.0, 0.3), rotation };
+        assert_eq!(sim.teleport(by, &[0]), Ok(()), "turn {n}");
+    }
+}
+
+#[test]
+fn a_pin_that_will_hold_a_single_axis_cannot_turn() {
+    let later = "[[cloth]]\npin = [{ select = { vertices = [3] }, axes = \"x\", from = 0.5 }]";
+    let mut sim = kit::simulation(&ball("", "").replace("[[cloth]]", later), &[]);
+    assert_eq!(sim.teleport(elsewhere(), &[0]), Err(LiveError::Held { vertex: 3 }));
+    assert_eq!(sim.teleport(Pose::at([1.0, 0.0, 0.0]), &[0]), Ok(()), "without a turn");
+}
+
+/// A figure that has been deformed and rests.
+#[test]
+fn a_mesh_that_was_deformed_comes_along() {
+    let mesh = harness::belt::Mesh {
+        positions: vec![[-0.4, -0.3, -0.4], [0.4, -0.3, -0.4], [0.4, -0.3, 0.4], [-0.4, -0.3, 0.4]],
+        uvs: Vec::new(),
+        triangles: vec![[0, 2, 1], [0, 3, 2]],
+    };
+    let floor = "[[collider]]\nshape = \"mesh\"\nfile = \"floor\"";
+    let mut sim = kit::simulation(&ball("", floor), &[kit::resource("floor", mesh)]);
+    let to: Vec<[f64; 3]> = (0..4).map(|k| [0.1 * f64::from(k), -0.5, 0.2 * f64::from(k * k)]).collect();
+    assert_eq!(sim.deform_collider(1, &to, 0.01), Ok(()));
+    assert_eq!(sim.teleport(Pose::at([1.0, 0.0, 0.0]), &[0, 1]), Err(LiveError::Scripted { collider: 1 }));
+    lead(&mut sim, 2, |_, _| ());
+    assert_eq!(sim.teleport(Pose::at([1.0, 0.0, 0.0]), &[0, 1]), Ok(()));
+    let places: Vec<_> = sim.colliders_in_world().skip(1).collect();
+    for (now, was) in places.iter().zip(&to) {
+        assert!(DVec3::from(*now).distance(DVec3::from(*was) + DVec3::X) < 1e-12, "{now:?} from {was:?}");
+    }
 }

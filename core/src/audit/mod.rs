@@ -65,7 +65,7 @@ fn questions<'a>(surface: &Surface<'_>, positions: &[Vec3], room: &'a mut Room<'
     let (mut cloth, mut total) = (0, 0);
     for (slot, triangle) in room.boxes.iter_mut().zip(faces(surface)) {
         let corners = places(positions, surface.triangles[triangle as usize]);
-        *slot = Boxed { number: triangle.into(), around: around(&corners) };
+        *slot = Boxed::new(triangle, around(&corners));
         cloth += usize::from(triangle < surface.first_passive);
         total += 1;
     }
@@ -107,7 +107,7 @@ fn visit(
     let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
     for tree in trees.iter().flatten() {
         tree.overlapping(&all, &mut |one| {
-            let triangle = one.number as u32;
+            let triangle = one.number();
             for (&edge, _) in edges.iter().zip(&boxes).filter(|(_, own)| own.overlaps(&one.around)) {
                 if crosses(surface, positions, [edge, triangle]) {
                     found([edge, triangle]);
@@ -167,7 +167,7 @@ mod owned {
         pub fn build(surface: &Surface<'_>) -> Self {
             let (triangles, edges) = (surface.triangles.len(), surface.edges.len());
             Self {
-                boxes: vec![Boxed { number: 0, around: Aabb::EMPTY }; triangles],
+                boxes: vec![Boxed::new(0, Aabb::EMPTY); triangles],
                 bounds: vec![Aabb::EMPTY; 2 * tree::nodes(triangles)],
                 edges: vec![0; edges],
                 taken: vec![false; edges],

@@ -6,7 +6,7 @@
 //! sizes of the boxes.
 
 use crate::geometry::aabb::Aabb;
-use crate::real::Bits;
+use crate::real::Real;
 
 /// The greatest number of boxes of a node without children.
 const LEAF: usize = 4;
@@ -15,10 +15,24 @@ const LEAF: usize = 4;
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Boxed {
-    /// The index.
-    pub number: Bits,
+    /// The index, and as many words as make it as wide as a scalar: the struct has no padding.
+    number: [u32; size_of::<Real>() / size_of::<u32>()],
     /// The box.
     pub around: Aabb,
+}
+
+impl Boxed {
+    /// A box of a feature.
+    pub fn new(number: u32, around: Aabb) -> Self {
+        let mut words = [0; _];
+        words[0] = number;
+        Self { number: words, around }
+    }
+
+    /// The index.
+    pub fn number(&self) -> u32 {
+        self.number[0]
+    }
 }
 
 /// A tree over boxes.
@@ -45,7 +59,7 @@ impl<'a> Tree<'a> {
     /// The indices of the features, in the order of the tree: boxes that are near each other are mostly close in
     /// this order.
     pub fn numbers(&self) -> impl Iterator<Item = u32> + use<'a> {
-        self.boxes.iter().map(|one| one.number as u32)
+        self.boxes.iter().map(Boxed::number)
     }
 
     /// Calls `found` with every box that overlaps `one`, in no particular order. Returns the number of boxes that

@@ -47,6 +47,7 @@ impl Drive {
     /// Position of a point at `time`, m, and its velocity on the given side of that time, m/s. `point` is its position
     /// before any motion, and `keys` are the keys of all motions. The points of a cache have no common motion: they
     /// count as at rest.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn at(&self, keys: &[Key], point: Vec3, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
         match self {
             Self::Rest | Self::Cache(_) => (to_f64(point).into(), Vec3::ZERO),
@@ -56,6 +57,7 @@ impl Drive {
     }
 
     /// The point before any motion that is at `place` at `time`, m. A cache has no inverse.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn undo(&self, keys: &[Key], place: DVec3, time: Sum) -> DVec3 {
         match self {
             Self::Rest | Self::Cache(_) => place,
@@ -183,6 +185,7 @@ struct StoredDrive {
 }
 
 impl From<Drive> for StoredDrive {
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn from(drive: Drive) -> Self {
         let mut stored = Self::zeroed();
         let room = bytemuck::bytes_of_mut(&mut stored.words);
@@ -198,6 +201,7 @@ impl From<Drive> for StoredDrive {
 }
 
 impl From<&StoredDrive> for Drive {
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn from(stored: &StoredDrive) -> Self {
         fn read<T: bytemuck::Pod>(stored: &StoredDrive) -> T {
             bytemuck::pod_read_unaligned(&bytemuck::bytes_of(&stored.words)[..size_of::<T>()])
@@ -273,17 +277,16 @@ impl Body {
         vec3(turned.into())
     }
 
-    /// Its centre before any motion, m: the point of a plane, the middle of a sphere, a capsule or a box. That of a mesh
-    /// is the zero of its coordinates, which lies at `zero`.
+    /// The mean of its vertices before any motion, m, which moves straight when a host moves it.
     #[cfg_attr(small, optimize(size), inline(never))]
-    pub fn centre(&self, anchors: &[Vec3], zero: DVec3) -> DVec3 {
+    pub fn middle(&self, anchors: &[Vec3]) -> DVec3 {
         let own = &anchors[self.range()];
-        match self.form() {
-            Form::Mesh => zero,
-            Form::Plane(_) | Form::Sphere | Form::Capsule | Form::Box => {
-                own.iter().map(|&x| DVec3::from(to_f64(x))).sum::<DVec3>() / own.len() as Sum
-            }
-        }
+        own.iter().map(|&x| DVec3::from(to_f64(x))).sum::<DVec3>() / own.len() as Sum
+    }
+
+    /// From its centre to its middle, m. The centre of a mesh is the zero of its coordinates, which lies at `zero`.
+    pub fn arm(&self, anchors: &[Vec3], zero: DVec3) -> DVec3 {
+        if self.form() == Form::Mesh { self.middle(anchors) - zero } else { DVec3::ZERO }
     }
 }
 
@@ -310,21 +313,31 @@ impl Colliders<'_> {
     /// place of its first, so that nothing crosses it.
     pub fn place(&self, time: Sum, out: &mut [Vec3]) {
         for body in self.bodies {
-            let (anchors, out) = (&self.anchors[body.range()], &mut out[body.range()]);
-            let drive = body.drive();
-            match drive {
-                _ if body.is_off() => out.fill(anchors[0]),
-                Drive::Rest => out.copy_from_slice(anchors),
-                Drive::Motion(_) | Drive::Host(_) => {
-                    for (out, &anchor) in out.iter_mut().zip(anchors) {
-                        *out = vec3(drive.at(self.keys, anchor, time, JumpSide::After).0.into());
-                    }
+            let out = &mut out[body.range()];
+            if body.is_off() {
+                out.fill(self.anchors[body.range()][0]);
+            } else {
+                self.place_body(body, time, out);
+            }
+        }
+    }
+
+    /// Writes the positions of the vertices of a collider at `time`, s, whether or not it is switched off.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn place_body(&self, body: &Body, time: Sum, out: &mut [Vec3]) {
+        let anchors = &self.anchors[body.range()];
+        let drive = body.drive();
+        match drive {
+            Drive::Rest => out.copy_from_slice(anchors),
+            Drive::Motion(_) | Drive::Host(_) => {
+                for (out, &anchor) in out.iter_mut().zip(anchors) {
+                    *out = vec3(drive.at(self.keys, anchor, time, JumpSide::After).0.into());
                 }
-                Drive::Cache(cache) => {
-                    let count = out.len();
-                    for (vertex, out) in out.iter_mut().enumerate() {
-                        *out = cache.place(self.frames, [vertex, count], time);
-                    }
+            }
+            Drive::Cache(cache) => {
+                let count = out.len();
+                for (vertex, out) in out.iter_mut().enumerate() {
+                    *out = cache.place(self.frames, [vertex, count], time);
                 }
             }
         }

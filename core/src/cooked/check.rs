@@ -16,8 +16,7 @@ use crate::integrate::columns::PART;
 use crate::integrate::pins::{AT_REST, NO_CARRIER, PinSlots};
 use crate::integrate::{Method, Preconditioner, Scheme};
 use crate::keys::Key;
-use crate::mesh::Incidence;
-use crate::mesh::edges::NONE;
+use crate::mesh::{Incidence, NONE};
 use crate::motion::Motion;
 use crate::scratch::Scratch;
 
@@ -183,7 +182,7 @@ fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize) 
     ensure(s.partials.len() == when(implicit).div_ceil(PART))?;
     ensure(s.tangents.len() == if implicit { model.tangent_scratch() } else { 0 })?;
     let ends = || s.cloths.iter().map(|cloth| cloth.end() as usize);
-    ensure(ends().is_sorted() && ends().last() == Some(n))?;
+    ensure(ends().is_sorted() && ends().next_back() == Some(n))?;
     check_matrix(s, model, if implicit { n } else { 0 })?;
     let two_level = implicit && scheme.preconditioner == Preconditioner::TwoLevel;
     check_patches(s, two_level, n)
@@ -279,7 +278,7 @@ fn check_solids(solids: &Solids<'_>, n: usize) -> Checked {
             Drive::Rest | Drive::Host(_) => true,
             Drive::Motion(motion) => has_keys(&motion, solids.keys),
             Drive::Cache(cache) => {
-                let length = (cache.frames as usize).checked_mul(count).unwrap_or(usize::MAX);
+                let length = (cache.frames as usize).saturating_mul(count);
                 let is_timed = cache.rate > 0.0 && cache.rate.is_finite() && cache.start.is_finite();
                 is_timed && cache.frames > 0 && (cache.first as usize).saturating_add(length) <= solids.frames.len()
             }

@@ -1,7 +1,7 @@
 //! Cooked scenes: all columns of a scene in one block of bytes, which a host opens where it lies, for example in flash
 //! memory, and steps in memory that it gives, without a heap.
 //!
-//! A block begins with a [`Header`]. The columns follow in the order of [`columns`], each with its length. Constant columns
+//! A block begins with a header. The columns follow in the order of `columns.rs`, each with its length. Constant columns
 //! stay in the block. The columns of the state are copied to the memory of the host, and room for the work columns is
 //! taken from it. Numbers are little-endian, in the precision of the crate.
 
@@ -133,7 +133,7 @@ fn header(block: &[u8]) -> Result<Header, CookedError> {
 }
 
 /// Checksum of bytes: FNV-1a over words.
-fn checksum(bytes: &[u8]) -> u64 {
+pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     let (words, rest) = bytes.as_chunks::<8>();
     let add = |sum: u64, word: u64| {
         let product = (sum ^ word).wrapping_mul(0x0000_0100_0000_01b3);

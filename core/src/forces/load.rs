@@ -116,21 +116,22 @@ pub struct LoadColumns {
 
 #[cfg(feature = "alloc")]
 impl LoadColumns {
-    /// Replaces the force of the host on a vertex, N, which is now at `place`, m.
-    pub fn set(&mut self, vertex: u32, place: DVec3, force: DVec3) {
+    /// Replaces the force of the host on a vertex, N, which is now at `place`, m. Returns where the vertex was when the
+    /// force before was set, and that force.
+    pub fn set(&mut self, vertex: u32, place: DVec3, force: DVec3) -> (DVec3, DVec3) {
         let own = &mut self.groups[self.of_scene..];
         let known = own.iter_mut().find(|group| self.vertices[group.vertices[0] as usize] == vertex);
         let key = Key { time: 0.0, value: force };
         if let Some(group) = known {
-            group.start = place;
-            self.keys[group.keys[0] as usize] = key;
-            return;
+            let before = core::mem::replace(&mut self.keys[group.keys[0] as usize], key);
+            return (core::mem::replace(&mut group.start, place), before.value);
         }
         let [vertices, keys] = [self.vertices.len(), self.keys.len()].map(|first| [first as u32, 1]);
         self.groups.push(LoadGroup { vertices, keys, start: place });
         self.vertices.push(vertex);
         self.parts.push(1.0);
         self.keys.push(key);
+        (place, DVec3::ZERO)
     }
 
     /// The borrowed view that kernels take.

@@ -42,6 +42,11 @@ impl Hold {
         if has_passed(self.from) && !has_passed(self.until) { self.axes as u8 } else { 0 }
     }
 
+    /// The axes that it holds at some time.
+    pub fn axes(&self) -> u8 {
+        self.axes as u8
+    }
+
     /// Whether both hold an axis at the same time.
     #[cfg(feature = "alloc")]
     pub(crate) fn meets(&self, other: &Self) -> bool {
@@ -333,6 +338,7 @@ impl PinSlots<'_> {
     /// Pins all axes of a vertex and moves it at constant velocity from one position to another, m, between two
     /// times, s. Just before, it had the velocity `before`, m/s. Replaces earlier pins of the vertex. Returns false, and
     /// does nothing, if there is no [free slot](Self::free).
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], from: Vec3, to: DVec3, before: DVec3) -> bool {
         let Some(pin) = self.take(vertex, from) else { return false };
         let first = self.table[self.motions[pin] as usize].keys[0] as usize;
@@ -359,6 +365,7 @@ impl PinSlots<'_> {
     }
 
     /// Lets a vertex go. Returns whether it was held, or would have been later.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn release(&mut self, vertex: u32) -> bool {
         let mut any = false;
         for pin in 0..self.vertices.len() {
@@ -375,11 +382,13 @@ impl PinSlots<'_> {
     }
 
     /// A slot of the host that is free once the vertex has been let go.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn free(&self, vertex: u32) -> Option<usize> {
         (self.of_scene as usize..self.vertices.len()).find(|&pin| self.axes[pin] == 0 || self.vertices[pin] == vertex)
     }
 
     /// Lets a vertex go, and holds it in a free slot, without a carrier. Returns the number of the pin.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn take(&mut self, vertex: u32, anchor: Vec3) -> Option<usize> {
         let pin = self.free(vertex)?;
         self.release(vertex);
@@ -443,6 +452,7 @@ impl PinColumns {
     }
 
     /// Adds a slot of the host if none is free for a vertex.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn make_room(&mut self, vertex: u32) {
         if self.slots().free(vertex).is_none() {
             self.add_slot();
@@ -450,6 +460,7 @@ impl PinColumns {
     }
 
     /// Adds a slot of the host, which holds nothing.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn add_slot(&mut self) {
         self.motions.push(self.table.len() as u32);
         self.table.push(Motion::new([self.keys.len() as u32, 3], None));

@@ -4,8 +4,7 @@ use alloc::vec::Vec;
 
 use crate::error::MeshError;
 
-/// In [`Edge::triangles`] and [`Edge::opposite`]: the edge has no second triangle.
-pub const NONE: u32 = u32::MAX;
+pub use super::NONE;
 
 /// An edge with its triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

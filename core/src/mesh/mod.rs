@@ -22,3 +22,6 @@ pub use tri_mesh::{Stitch, TriMesh};
 
 #[cfg(feature = "alloc")]
 mod tri_mesh;
+
+/// Stands for an edge or a triangle that does not exist.
+pub const NONE: u32 = u32::MAX;

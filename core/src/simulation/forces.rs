@@ -34,7 +34,10 @@ impl Simulation {
     pub fn set_force(&mut self, vertex: u32, force: [Sum; 3]) -> Result<(), LiveError> {
         let place = DVec3::from(to_f64(self.checked_vertex(vertex)?));
         let force = checked_vector("the force", force)?;
-        self.count_potential(|sim| sim.built.model.loads.get_or_insert_default().set(vertex, place, force));
+        let loads = self.built.model.loads.get_or_insert_default();
+        let (start, before) = loads.set(vertex, place, force);
+        // The potential of a force is zero where it began to act.
+        self.work_done.gravity -= if self.measures_work { before.dot(start - place) } else { 0.0 };
         Ok(())
     }
 
@@ -98,11 +101,6 @@ impl Simulation {
     /// Whether a scene has the same meshes, force terms and laws of friction.
     fn is_alike(&self, next: &BuiltScene) -> bool {
         let own = &self.built;
-        let terms = |model: &ModelColumns| {
-            let view = model.view();
-            let has = Term::ALL.map(|term| term != Term::Gravity && term != Term::Load && view.only(term).is_some());
-            (has, view.force_scratch(), view.tangent_scratch())
-        };
         let laws =
             |scene: &BuiltScene| scene.contact.as_ref().map(|contact| (contact.laws.len(), contact.law_of.clone()));
         own.triangles == next.triangles
@@ -123,6 +121,13 @@ impl Simulation {
         let gained = total(self) - before;
         self.work_done.gravity = work + gained + self.lift();
     }
+}
+
+/// What the columns of a solver depend on: which terms there are, and the sizes of their work columns.
+pub(super) fn terms(model: &ModelColumns) -> impl PartialEq + use<> {
+    let view = model.view();
+    let has = Term::ALL.map(|term| term != Term::Gravity && term != Term::Load && view.only(term).is_some());
+    (has, view.force_scratch(), view.tangent_scratch())
 }
 
 /// Reason why [`Simulation::set_materials`] refuses a scene.

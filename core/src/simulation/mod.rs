@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::audit;
 use crate::contact::{ContactColumns, ContactScratchColumns};
+use crate::cooked;
 use crate::diagnostics::{self, Stretch};
 use crate::dispatch::{Dispatch, block_on};
 use crate::error::SceneError;
@@ -77,6 +78,8 @@ pub struct Simulation {
     step: Real,
     steps: u64,
     statistics: IntegratorStatistics,
+    /// Hash of the triangles, by which a snapshot knows its scene.
+    meshes: u64,
 }
 
 /// The state that a checkpoint stores, borrowed.
@@ -140,6 +143,7 @@ impl Simulation {
         let contact = built.contact.as_ref().map(|contact| ContactScratchColumns::build(&contact.view(), room));
         let kept = (contact.is_some() || scheme.error.is_some())
             .then(|| Kept::build(&built.particles.positions, &scratch.previous_displacements, room / 8));
+        let meshes = cooked::checksum(bytemuck::cast_slice(&built.triangles));
         // Material coordinates are needed only to cut the patches of the solver.
         built.material = Default::default();
         let (statistics, contact_statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
@@ -161,6 +165,7 @@ impl Simulation {
             step,
             steps: 0,
             statistics,
+            meshes,
         }
     }
 
@@ -176,6 +181,7 @@ impl Simulation {
     /// [`restore`](Self::restore) the [`state`](Self::state) from before the step.
     pub async fn await_step<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         let counted = (self.statistics, self.contact_statistics);
+        let estimate = self.estimate;
         self.searched = 0;
         self.change_pins();
         let taken = halving::take_substeps(self, dispatch).await;
@@ -185,6 +191,9 @@ impl Simulation {
             // The host takes this step again, so its work is not counted.
             Err(StepError { cause: Cause::Stopped, .. }) => (self.statistics, self.contact_statistics) = counted,
             Err(_) => {}
+        }
+        if taken.is_err() {
+            (self.estimate, self.substep) = (estimate, 0.0);
         }
         taken
     }
@@ -207,6 +216,18 @@ impl Simulation {
             scratch.forces,
             dispatch,
         )
+    }
+
+    /// Gives the columns of contact no room, so that they grow only as far as steps need, and by a quarter more.
+    pub fn measure_room(&mut self) {
+        if let Some(contact) = &self.built.contact {
+            self.contact = Some(ContactScratchColumns::build(&contact.view(), 0));
+        }
+    }
+
+    /// The room of the columns of contact: for candidates of each kind, and for contacts.
+    pub fn room(&self) -> [usize; 2] {
+        self.contact.as_ref().map(ContactScratchColumns::room).unwrap_or_default()
     }
 
     /// The columns of the scene and of steps.

@@ -7,6 +7,7 @@ use super::Simulation;
 use crate::error::LiveError;
 use crate::integrate::pins::Pins;
 use crate::motion::JumpSide;
+use crate::particles::ParticleColumns;
 use crate::real::{Sum, Vec3, to_f64, vec3};
 use crate::scene::BuiltScene;
 use crate::work_done::{self, Ledger};
@@ -14,6 +15,7 @@ use crate::work_done::{self, Ledger};
 impl Simulation {
     /// Moves a vertex, pinned or free, at constant velocity to `place`, in the world, m, within `seconds`, or at once
     /// for 0. It stays pinned there.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn move_to(&mut self, vertex: u32, place: [Sum; 3], seconds: Sum) -> Result<(), LiveError> {
         let from = self.checked_vertex(vertex)?;
         let place = checked_vector("the place", place)? - self.built.origin;
@@ -41,14 +43,40 @@ impl Simulation {
         Ok(())
     }
 
-    /// Removes all pins of a vertex. Returns false if it has no pin.
+    /// Removes all pins of a vertex. It keeps the velocity with which they moved it until now. Returns false if it has no
+    /// pin.
     pub fn release(&mut self, vertex: u32) -> bool {
+        self.let_fly(vertex);
         let released = self.built.pins.slots().release(vertex);
         if released {
             self.take_over_pins();
             self.history.cut();
         }
         released
+    }
+
+    /// Gives a held vertex back the velocity with which a motion has brought it to where that motion ended now. There,
+    /// the vertex stands still.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    fn let_fly(&mut self, vertex: u32) {
+        let now = self.time();
+        let pins = self.pins();
+        let (mut velocity, mut any) = (Vec3::ZERO, [false; 3]);
+        for (pin, held, axes) in pins.iter() {
+            let [before, after] = [JumpSide::Before, JumpSide::After].map(|side| pins.target(pin, now, side).1);
+            if held == vertex as usize && after == Vec3::ZERO && before != Vec3::ZERO {
+                axes.for_each(|axis| (velocity[axis], any[axis]) = (before[axis], true));
+            }
+        }
+        let ParticleColumns { velocities, low_velocities, masses, .. } = &mut self.built.particles;
+        for axis in (0..3).filter(|&axis| any[axis]) {
+            let v = vertex as usize;
+            let [old, new] = [velocities[v][axis], velocity[axis]].map(Sum::from);
+            (velocities[v][axis], low_velocities[v][axis]) = (velocity[axis], 0.0);
+            if self.measures_work {
+                self.work_done.pins += 0.5 * Sum::from(masses[v]) * (new * new - old * old);
+            }
+        }
     }
 
     /// Lets the pins begin and end whose time has come at the start of this step.
@@ -60,6 +88,7 @@ impl Simulation {
     }
 
     /// The velocity just before now of a vertex that is held along all axes, m/s.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn held_velocity(&self, vertex: u32) -> Option<DVec3> {
         let pins = self.pins();
         let mut own = pins.vertices.iter().zip(pins.axes);
@@ -118,5 +147,6 @@ impl Simulation {
 /// A vector that is finite; `name` is for the error.
 pub(super) fn checked_vector(name: &'static str, vector: [Sum; 3]) -> Result<DVec3, LiveError> {
     let vector = DVec3::from(vector);
-    if vector.is_finite() { Ok(vector) } else { Err(LiveError::NotFinite { name }) }
+    // Columns may have single precision.
+    if vec3(vector.into()).is_finite() { Ok(vector) } else { Err(LiveError::NotFinite { name }) }
 }

@@ -56,12 +56,17 @@ pub struct Hit {
     pub distance: Sum,
 }
 
+/// By how much a ray may miss a triangle, in barycentric coordinates: otherwise it could pass between neighbours.
+const SEAM: Sum = 1e-9;
+
 impl Simulation {
-    /// The contacts that push, in the last step, or in its last substep if it was divided.
+    /// The contacts that push, in the last step, or in its last substep if it was divided. There are none after a step
+    /// that failed, a teleport or [`go_back`](Self::go_back).
     pub fn touches(&self) -> impl Iterator<Item = Touch> {
         let constraints = self.contact.as_ref().map(|contact| contact.constraints()).unwrap_or_default();
         let step = self.substep;
-        constraints.iter().filter(|constraint| constraint.normal_impulse > 0.0).map(move |it| self.touch(it, step))
+        let pushes = move |constraint: &&Constraint| step > 0.0 && constraint.normal_impulse > 0.0;
+        constraints.iter().filter(pushes).map(move |it| self.touch(it, step))
     }
 
     fn touch(&self, constraint: &Constraint, step: Sum) -> Touch {
@@ -113,10 +118,11 @@ impl Simulation {
     }
 
     /// The first triangle of any cloth, from either side, that a ray hits [Möller 1997]. `direction` need not have unit
-    /// length.
+    /// length; a direction of zero hits nothing.
     pub fn hit(&self, origin: [Sum; 3], direction: [Sum; 3]) -> Result<Option<Hit>, LiveError> {
         let (origin, direction) = (checked_vector("a ray", origin)?, checked_vector("a ray", direction)?);
-        let Some(along) = direction.try_normalize() else { return Ok(None) };
+        // Scaled first, so that no square under- or overflows.
+        let Some(along) = (direction / direction.abs().max_element()).try_normalize() else { return Ok(None) };
         let mut first: Option<Hit> = None;
         for (triangle, corners) in (0..).zip(self.triangles()) {
             let [a, b, c] = corners.map(|v| self.place(v));
@@ -126,7 +132,7 @@ impl Simulation {
             let beside = from.cross(ab);
             let [u, v, distance] = [from.dot(across), along.dot(beside), ac.dot(beside)].map(|x| x / volume);
             // A comparison with NaN, of a ray in the plane of the triangle, is false.
-            let hits = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance >= 0.0;
+            let hits = u >= -SEAM && v >= -SEAM && u + v <= 1.0 + SEAM && distance >= 0.0;
             if hits && first.is_none_or(|first| distance < first.distance) {
                 first = Some(Hit { triangle, weights: [1.0 - u - v, u, v], distance });
             }

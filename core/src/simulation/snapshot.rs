@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use super::Simulation;
+use super::forces::terms;
 use crate::colliders::ColliderColumns;
 use crate::contact::ContactScratchColumns;
 use crate::error::LiveError;
@@ -12,7 +13,7 @@ use crate::integrate::IntegratorStatistics;
 use crate::integrate::pins::PinColumns;
 use crate::particles::ParticleColumns;
 use crate::reactions::ReactionColumns;
-use crate::real::{Real, Sum, Vec3};
+use crate::real::{Real, Vec3};
 use crate::response::ContactStatistics;
 use crate::response::friction::Law;
 use crate::step::History;
@@ -21,11 +22,13 @@ use crate::work_done::WorkDone;
 /// State, pins, colliders, forces and materials of a simulation.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
+    /// The hash of the meshes, and the length of a step, s.
+    scene: (u64, Real),
     particles: ParticleColumns,
     model: ModelColumns,
     pins: PinColumns,
     rest_lengths: Vec<Real>,
-    colliders: Option<(ColliderColumns, Vec<Law>)>,
+    contact: Option<Touching>,
     previous: [Vec<Vec3>; 2],
     multipliers: Vec<Multiplier>,
     reactions: Option<ReactionColumns>,
@@ -33,9 +36,17 @@ pub struct Snapshot {
     halvings: u32,
     estimate: Option<Real>,
     work_done: WorkDone,
-    substep: Sum,
     steps: u64,
     statistics: (IntegratorStatistics, ContactStatistics),
+}
+
+/// Colliders, and the numbers of contact that [`set_materials`](Simulation::set_materials) changes.
+#[derive(Clone, Debug)]
+struct Touching {
+    colliders: ColliderColumns,
+    laws: Vec<Law>,
+    thickness: Real,
+    material: Vec<Vec3>,
 }
 
 impl Simulation {
@@ -49,7 +60,13 @@ impl Simulation {
             model: built.model.clone(),
             pins: built.pins.clone(),
             rest_lengths: built.rest_lengths.clone(),
-            colliders: built.contact.as_ref().map(|contact| (contact.colliders.clone(), contact.laws.clone())),
+            contact: built.contact.as_ref().map(|contact| Touching {
+                colliders: contact.colliders.clone(),
+                laws: contact.laws.clone(),
+                thickness: contact.thickness,
+                material: contact.material.clone(),
+            }),
+            scene: (self.meshes, self.step),
             previous: [scratch.previous_displacements.clone(), scratch.previous_velocity_changes.clone()],
             multipliers: self.contact.as_ref().map_or(&[][..], ContactScratchColumns::multipliers).to_vec(),
             reactions: self.reactions.clone(),
@@ -57,20 +74,24 @@ impl Simulation {
             halvings: self.halvings,
             estimate: self.estimate,
             work_done: self.work_done,
-            substep: self.substep,
             steps: self.steps,
             statistics: (self.statistics, self.contact_statistics),
         }
     }
 
-    /// Goes back to a snapshot of this simulation, or of one of the same scene.
+    /// Goes back to a snapshot of this simulation, or of one of the same scene. What is measured stays measured. There are
+    /// no [`touches`](Self::touches) until the next step.
     pub fn go_back(&mut self, to: &Snapshot) -> Result<(), LiveError> {
         let (scratch, built) = (&mut self.scratch, &mut self.built);
         let lengths = [to.particles.positions.len(), to.previous[0].len(), to.rest_lengths.len()];
         let own = [built.particles.positions.len(), scratch.previous_displacements.len(), built.rest_lengths.len()];
-        let bodies = |colliders: Option<&ColliderColumns>| colliders.map(|it| (it.bodies.len(), it.anchors.len()));
-        let colliders = built.contact.as_ref().map(|contact| &contact.colliders);
-        if lengths != own || bodies(colliders) != bodies(to.colliders.as_ref().map(|(colliders, _)| colliders)) {
+        let sizes =
+            |colliders: &ColliderColumns, laws: &[Law]| (colliders.bodies.len(), colliders.anchors.len(), laws.len());
+        let touching = built.contact.as_ref().map(|contact| sizes(&contact.colliders, &contact.laws));
+        let same = (lengths, to.scene) == (own, (self.meshes, self.step))
+            && touching == to.contact.as_ref().map(|contact| sizes(&contact.colliders, &contact.laws))
+            && terms(&built.model) == terms(&to.model);
+        if !same {
             return Err(LiveError::OtherScene);
         }
         if self.contact.as_mut().is_some_and(|contact| !contact.grow_constraints(to.multipliers.len())) {
@@ -80,9 +101,11 @@ impl Simulation {
         built.model.clone_from(&to.model);
         built.pins.clone_from(&to.pins);
         built.rest_lengths.clone_from(&to.rest_lengths);
-        if let Some((contact, (colliders, laws))) = built.contact.as_mut().zip(to.colliders.as_ref()) {
-            contact.colliders.clone_from(colliders);
-            contact.laws.clone_from(laws);
+        if let Some((contact, to)) = built.contact.as_mut().zip(to.contact.as_ref()) {
+            contact.colliders.clone_from(&to.colliders);
+            contact.laws.clone_from(&to.laws);
+            contact.material.clone_from(&to.material);
+            contact.thickness = to.thickness;
         }
         scratch.previous_displacements.copy_from_slice(&to.previous[0]);
         scratch.previous_velocity_changes.copy_from_slice(&to.previous[1]);
@@ -90,9 +113,15 @@ impl Simulation {
             contact.set_multipliers(&to.multipliers);
             contact.forget_pairs();
         }
-        self.reactions.clone_from(&to.reactions);
+        // What is measured stays measured.
+        if let Some(reactions) = &mut self.reactions {
+            match &to.reactions {
+                Some(to) => reactions.copy_from(to),
+                None => reactions.clear(),
+            }
+        }
         (self.history, self.halvings, self.estimate) = (to.history, to.halvings, to.estimate);
-        (self.work_done, self.substep, self.steps) = (to.work_done, to.substep, to.steps);
+        (self.work_done, self.substep, self.steps) = (to.work_done, 0.0, to.steps);
         (self.statistics, self.contact_statistics) = to.statistics;
         self.take_over_pins();
         Ok(())

@@ -14,7 +14,7 @@ pub use studies::{
     ChartArguments, ChooseArguments, NeedsArguments, StabilityArguments, StudyArguments, SweepArguments,
     ValidateArguments,
 };
-pub use tools::{BenchArguments, DevicesArguments, ScenesArguments};
+pub use tools::{BenchArguments, CookArguments, DevicesArguments, ScenesArguments};
 pub use values::{Backend, Cost, DetectStage, Method, Precision, PreviewKind, series_name};
 
 /// A cloth simulator that says what each method costs and how large its error is.
@@ -50,6 +50,8 @@ pub enum Command {
     Validate(ValidateArguments),
     /// Choose the cheapest method, step and terms that meet a tolerance on a scene
     Choose(ChooseArguments),
+    /// Write a scene as one block of bytes for programs without a heap
+    Cook(CookArguments),
     /// List the built-in scenes, or print one
     Scenes(ScenesArguments),
     /// List the processor and the graphics adapters

@@ -1,9 +1,46 @@
-//! `muslin scenes`, `devices` and `bench`.
+//! `muslin cook`, `scenes`, `devices` and `bench`.
+
+use std::path::PathBuf;
 
 use clap::Args;
 
 use super::help;
-use super::values::threads;
+use super::values::{Precision, seconds, threads};
+
+/// `muslin cook`.
+#[derive(Debug, Args)]
+#[command(after_help = help(include_str!("help/cook.txt")))]
+pub struct CookArguments {
+    /// A scene file, or the name of a built-in scene
+    pub scene: String,
+    /// The file to write [default: SCENE.bin]
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Override a key of the scene, such as integrator.step=0.001
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Simulated seconds of the run that measures the room [default: the duration of the scene]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub duration: Option<f64>,
+    /// Precision in which the program computes
+    #[arg(long, value_enum, default_value = "f32")]
+    pub precision: Precision,
+    /// Vertices that the program can hold at the same time
+    #[arg(long, value_name = "N", default_value = "4")]
+    pub hands: u32,
+    /// Room for candidates of each kind [default: measured]
+    #[arg(long, value_name = "N")]
+    pub pairs: Option<usize>,
+    /// Room for contacts [default: measured]
+    #[arg(long, value_name = "N")]
+    pub contacts: Option<usize>,
+    /// Threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
+    pub threads: Option<usize>,
+    /// Show no progress
+    #[arg(long)]
+    pub quiet: bool,
+}
 
 /// `muslin scenes`.
 #[derive(Debug, Args)]

@@ -1,0 +1,86 @@
+//! `muslin cook`: writes a scene as one block of bytes for programs without a heap or a file system.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use crate::args::CookArguments;
+use crate::engine::{self, Engine, Halt};
+use crate::export::whole;
+use crate::failure::{Failure, print_data};
+use crate::pool::Pool;
+use crate::progress;
+use crate::run::start;
+use crate::scene_file::{self, SceneFile};
+use crate::stopwatch::Stopwatch;
+
+/// Room for candidates and for contacts, and the most that a run needed.
+struct Measured {
+    room: [usize; 2],
+    seconds: f64,
+}
+
+/// Cooks a scene and says what it needs.
+pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
+    let overrides: Vec<_> = arguments.duration.map(|s| format!("duration={s:?}")).into_iter().collect();
+    let overrides = [&arguments.set[..], &overrides].concat();
+    let scene = scene_file::load(&arguments.scene, &overrides)?;
+    let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
+    let engine = begin(&scene, arguments, &pool)?;
+    let measured = match (arguments.pairs, arguments.contacts) {
+        (Some(pairs), Some(contacts)) => Measured { room: [pairs, contacts], seconds: 0.0 },
+        (pairs, contacts) => {
+            let Measured { room, seconds } = measure(&scene, arguments, &pool)?;
+            Measured { room: [pairs.unwrap_or(room[0]), contacts.unwrap_or(room[1])], seconds }
+        }
+    };
+    let block = engine.cook(measured.room, arguments.hands);
+    let memory = engine::required_bytes(&block);
+    let file = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.bin", scene.desc.name)));
+    let file = whole::write(file, |out| out.write_all(&block))?;
+    print_data(&report(&block, memory, &measured, &file.display().to_string(), arguments.hands))
+}
+
+/// The engine at the start of the scene, untangled.
+fn begin(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<Box<dyn Engine>, Failure> {
+    let (mut engine, _) = engine::build(scene, arguments.precision).map_err(Failure::Usage)?;
+    let never = std::sync::atomic::AtomicBool::new(false);
+    if let Some((_, Some(warning))) = pool.install(|| start::untangle(engine.as_mut(), false, pool, &never)) {
+        warning.print();
+    }
+    Ok(engine)
+}
+
+/// Runs the scene and measures the room that its contacts need, with a quarter more.
+fn measure(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<Measured, Failure> {
+    let mut engine = begin(scene, arguments, pool)?;
+    engine.measure_room();
+    let timing = scene.desc.timing();
+    let steps = timing.frames * timing.steps_per_frame;
+    let stopwatch = Stopwatch::new(pool);
+    let template = "measuring the room for contacts {wide_bar} step {pos}/{len}, {eta} left";
+    let bar = progress::bar(steps, template, arguments.quiet);
+    for _ in 0..steps {
+        match pool.install(|| engine.step(&stopwatch)) {
+            Ok(()) => bar.inc(1),
+            Err(Halt::Diverged(divergence)) => return Err(Failure::Diverged(divergence.what)),
+            Err(Halt::Stopped) => break,
+        }
+    }
+    bar.finish_and_clear();
+    Ok(Measured { room: engine.room(), seconds: steps as f64 * timing.step })
+}
+
+fn report(block: &[u8], memory: usize, measured: &Measured, file: &str, hands: u32) -> String {
+    let [pairs, contacts] = measured.room;
+    let source = match measured.seconds {
+        0.0 => "as asked for".to_owned(),
+        seconds => format!("a quarter more than {seconds} s of the scene needed at most"),
+    };
+    format!(
+        "{file}: {} bytes, which may stay in flash memory\n\
+         {memory} bytes of memory, both aligned to 32 bytes\n\
+         room for {pairs} candidates of each kind and {contacts} contacts ({source}), and for {hands} vertices that the \
+         program holds",
+        block.len()
+    )
+}

@@ -1,0 +1,61 @@
+//! `muslin cook`: the block takes the steps of the scene, and a bad command leaves no file.
+
+use std::fs;
+
+use muslin_core::cooked::{ALIGNMENT, Cloth, required_bytes};
+use muslin_core::dispatch::Serial;
+use muslin_core::simulation::Simulation;
+
+use crate::kit::{Place, TINY};
+
+fn aligned(bytes: &[u8]) -> (Vec<u8>, usize) {
+    let mut own = vec![0; bytes.len() + ALIGNMENT];
+    let start = own.as_ptr().align_offset(ALIGNMENT);
+    own[start..start + bytes.len()].copy_from_slice(bytes);
+    (own, start)
+}
+
+const FLOOR: &str =
+    "[contact]\nthickness = 0.005\n[[collider]]\nshape = \"plane\"\npoint = [0, 0.9, 0]\nnormal = [0, 1, 0]\n";
+
+#[test]
+fn a_cooked_scene_takes_the_steps_of_the_scene() {
+    let place = Place::new();
+    let text = format!("{TINY}{FLOOR}");
+    place.write("floor.toml", &text);
+    let told = place.muslin("cook floor.toml -o sub/floor.bin --quiet").expect(0).stdout;
+    let file = fs::read(place.path("sub/floor.bin")).expect("it is written");
+    let needed = required_bytes(&file).expect("it is cooked");
+    assert!(told.contains(&format!("sub/floor.bin: {} bytes", file.len())), "{told}");
+    assert!(told.contains(&format!("{needed} bytes of memory")), "{told}");
+    let (block, start) = aligned(&file);
+    let (mut memory, first) = aligned(&vec![0; needed]);
+    let mut cloth =
+        Cloth::open(&block[start..start + file.len()], &mut memory[first..first + needed]).expect("it opens");
+    let desc = harness::kit::single::scene(&text);
+    let mut owned = Simulation::new(&desc, &[]).expect("it builds");
+    for n in 0..20 {
+        owned.step(&Serial).expect("it steps");
+        cloth.step(&Serial).expect("it has room");
+        assert_eq!(owned.positions(), cloth.positions(), "step {n}");
+    }
+}
+
+#[test]
+fn what_cannot_be_cooked_leaves_no_file() {
+    let place = Place::new();
+    for (words, code, said) in [
+        ("cook tiny.toml -o a.bin --set cloth.density=-1", 2, "density"),
+        ("cook nowhere.toml -o a.bin", 2, "nowhere.toml"),
+        ("cook tiny.toml -o a.bin --hands=-1", 2, "--hands"),
+        ("cook tiny.toml -o a.bin --set integrator.method=rk4 --set cloth.stretch.stiffness=1e7", 3, "diverged"),
+        ("cook tiny.toml -o tiny.toml/a.bin", 1, "a.bin"),
+    ] {
+        let told = place.muslin(words).expect(code).stderr;
+        assert!(told.contains(said), "{words}: {told}");
+        assert!(!place.path("a.bin").exists(), "{words}");
+    }
+    // With the room given, no step is taken.
+    place.muslin("cook tiny.toml -o b.bin --pairs 10 --contacts 5 --precision f64 --quiet").expect(0);
+    assert!(place.path("b.bin").exists());
+}
