@@ -87,6 +87,20 @@ both_precisions! {
         }
     }
 
+    /// A cooked cloth measures nothing, whatever the simulation does that is cooked.
+    #[test]
+    fn a_simulation_that_measures_work_is_cooked_without() {
+        for method in [Method::SymplecticEuler, Method::Rk4, Method::BackwardEuler] {
+            let mut sim = coarse("ball", |scene| {
+                scene.integrator.method = method;
+                let step = if method.is_implicit() { 0.002 } else { 2e-5 };
+                (scene.integrator.step, scene.integrator.error) = (Some(step), None);
+            });
+            sim.measure_reactions();
+            compare(method.name(), sim, 5);
+        }
+    }
+
     /// A ball that is shot through a sheet makes substeps, and pins begin and end.
     #[test]
     fn substeps_and_pins_that_begin_and_end_are_the_same() {

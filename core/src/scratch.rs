@@ -263,6 +263,16 @@ mod owned {
             }
         }
 
+        /// Removes the columns in which work is measured.
+        pub(crate) fn remove_work(&mut self, method: Method) {
+            let keep = |column: &mut Vec<Vec3>, is_used: bool| column.truncate(if is_used { column.len() } else { 0 });
+            let (rk4, implicit) = (method == Method::Rk4, method.is_implicit());
+            self.pin_forces.clear();
+            keep(&mut self.stage_positions, rk4 || implicit);
+            keep(&mut self.low_stage_positions, implicit);
+            keep(&mut self.stage_velocities, rk4);
+        }
+
         /// Updates the fixed axes of the patches from the pins.
         pub(crate) fn set_pins(&mut self, pins: &Pins<'_>) {
             self.patches.set_pins(pins);

@@ -188,10 +188,26 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         what: "A step allocates",
-        file: "core/src/simulation/mod.rs",
+        file: "core/src/simulation/substeps.rs",
         old: "        let mut particles = built.particles.view();",
         new: "        core::hint::black_box(alloc::boxed::Box::new(0u8));\n        let mut particles = built.particles.view();",
         everyday: &["allocation"],
+        all: &[],
+    },
+    Mutant {
+        what: "A collider that the host moves jumps to its end",
+        file: "core/src/kinematic.rs",
+        old: "position: from.position + self.during.linear * since",
+        new: "position: to.position",
+        everyday: &["live"],
+        all: &[],
+    },
+    Mutant {
+        what: "The indices of a cooked scene are not checked",
+        file: "core/src/cooked/check.rs",
+        old: "indices.iter().all(|&index| (index as usize) < end)",
+        new: "indices.iter().all(|&index| (index as usize) < end || true)",
+        everyday: &["cooked"],
         all: &[],
     },
     Mutant {

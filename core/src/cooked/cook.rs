@@ -29,6 +29,7 @@ pub fn cook(simulation: &Simulation, room: Room) -> Vec<u8> {
     let scheme = *sim.scheme();
     let settings = Settings::new(&scheme, sim.step_length(), sim.origin().into(), sim.state().steps);
     let (built, scratch) = sim.parts();
+    scratch.remove_work(scheme.method);
     for _ in 0..room.hands {
         built.pins.add_slot();
     }
