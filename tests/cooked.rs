@@ -10,6 +10,7 @@ both_precisions! {
     use super::{SplitMix, checksum};
     use muslin::cooked::{self, ALIGNMENT, Cloth, CookedError, Room, cook};
     use muslin::dispatch::Serial;
+    use muslin::error::LiveError;
     use muslin::integrate::{Method, Preconditioner};
     use muslin::scene::{BUILT_IN, SceneDesc};
     use muslin::simulation::{Cause, Simulation};
@@ -83,6 +84,40 @@ both_precisions! {
                     (scene.integrator.newton, scene.integrator.preconditioner) = (newton, preconditioner);
                 });
                 compare(method.name(), sim, 20);
+            }
+        }
+    }
+
+    /// Vertices that the host moves, attaches and lets go.
+    #[test]
+    fn hands_lead_a_cooked_cloth_as_the_owned_one() {
+        for method in [Method::BackwardEuler, Method::Bdf2] {
+            let mut owned = coarse("ball", |scene| {
+                scene.integrator.method = method;
+                (scene.integrator.step, scene.integrator.error) = (Some(0.002), None);
+            });
+            let mut block = Aligned::new(&cook(&owned, ROOM));
+            let mut memory = Aligned::new(&vec![0; cooked::required_bytes(block.all()).expect("it is cooked")]);
+            let mut cloth = Cloth::open(block.all(), memory.all()).expect("it opens");
+            let [a, b] = [20, 31];
+            let start = owned.places_in_world().nth(a as usize).expect("it exists");
+            for n in 0..30 {
+                let place = [start[0], start[1] + 0.0005 * f64::from(n), start[2]];
+                let done = match n {
+                    0..12 => [owned.move_to(a, place, 0.002), cloth.move_to(a, place, 0.002)],
+                    12 => [owned.attach(b, 0), cloth.attach(b, 0)],
+                    13 => [owned.move_to(999, place, 1.0), cloth.move_to(999, place, 1.0)],
+                    14 => [owned.attach(b, 9), cloth.attach(b, 9)],
+                    _ => [Ok(()); 2],
+                };
+                assert_eq!(done[0], done[1], "step {n}");
+                if n == 20 {
+                    assert_eq!(cloth.move_to(40, place, 1.0), Err(LiveError::NoSlot), "both slots are taken");
+                    assert_eq!([owned.release(a), cloth.release(a)], [true; 2]);
+                    assert_eq!([owned.release(a), cloth.release(a)], [false; 2]);
+                }
+                assert_eq!([owned.take_step(), cloth.step(&Serial)], [Ok(()); 2], "step {n}");
+                assert_eq!(owned.positions(), cloth.positions(), "{} step {n}", method.name());
             }
         }
     }

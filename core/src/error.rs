@@ -282,6 +282,8 @@ pub enum LiveError {
     OtherScene,
     /// There is not enough memory.
     Memory,
+    /// A cooked cloth holds as many vertices as it has slots for.
+    NoSlot,
 }
 
 impl fmt::Display for LiveError {
@@ -343,11 +345,21 @@ impl fmt::Display for LiveError {
                 )
             }
             Self::Memory => write!(f, "there is not enough memory"),
+            Self::NoSlot => {
+                write!(f, "all slots for held vertices are taken; release one, or cook the scene with more (--hands)")
+            }
         }
     }
 }
 
 impl core::error::Error for LiveError {}
+
+/// A vector that is finite; `name` is for the error.
+pub(crate) fn checked_vector(name: &'static str, vector: [f64; 3]) -> Result<glam::DVec3, LiveError> {
+    let vector = glam::DVec3::from(vector);
+    // Columns may have single precision.
+    if crate::real::vec3(vector.into()).is_finite() { Ok(vector) } else { Err(LiveError::NotFinite { name }) }
+}
 
 /// Displays a number without an exponent, unless it is so large or so small that it would need many zeros.
 struct Number(f64);

@@ -27,6 +27,7 @@ pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
     let engine = begin(&scene, arguments, &pool)?;
     let measured = match (arguments.pairs, arguments.contacts) {
+        _ if scene.desc.contact.is_none() => Measured { room: [0; 2], seconds: 0.0 },
         (Some(pairs), Some(contacts)) => Measured { room: [pairs, contacts], seconds: 0.0 },
         (pairs, contacts) => {
             let Measured { room, seconds } = measure(&scene, arguments, &pool)?;
@@ -76,11 +77,14 @@ fn report(block: &[u8], memory: usize, measured: &Measured, file: &str, hands: u
         0.0 => "as asked for".to_owned(),
         seconds => format!("a quarter more than {seconds} s of the scene needed at most"),
     };
+    let contact = match measured.room {
+        [0, 0] => "no contacts".to_owned(),
+        _ => format!("room for {pairs} candidates of each kind and {contacts} contacts ({source})"),
+    };
     format!(
         "{file}: {} bytes, which may stay in flash memory\n\
          {memory} bytes of memory, both aligned to 32 bytes\n\
-         room for {pairs} candidates of each kind and {contacts} contacts ({source}), and for {hands} vertices that the \
-         program holds",
+         {contact}; room for {hands} vertices that the program holds",
         block.len()
     )
 }

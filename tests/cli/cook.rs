@@ -44,11 +44,12 @@ fn a_cooked_scene_takes_the_steps_of_the_scene() {
 #[test]
 fn what_cannot_be_cooked_leaves_no_file() {
     let place = Place::new();
+    place.write("floor.toml", format!("{TINY}{FLOOR}"));
     for (words, code, said) in [
         ("cook tiny.toml -o a.bin --set cloth.density=-1", 2, "density"),
         ("cook nowhere.toml -o a.bin", 2, "nowhere.toml"),
         ("cook tiny.toml -o a.bin --hands=-1", 2, "--hands"),
-        ("cook tiny.toml -o a.bin --set integrator.method=rk4 --set cloth.stretch.stiffness=1e7", 3, "diverged"),
+        ("cook floor.toml -o a.bin --set integrator.method=rk4 --set cloth.stretch.stiffness=1e7", 3, "step"),
         ("cook tiny.toml -o tiny.toml/a.bin", 1, "a.bin"),
     ] {
         let told = place.muslin(words).expect(code).stderr;

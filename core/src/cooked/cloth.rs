@@ -8,14 +8,15 @@ use super::source::{Columns, Source};
 use super::stored::{Kept, Stored, StoredContact};
 use super::{ALIGNMENT, CookedError, HEADER, check, checksum, header};
 use crate::broad_phase::Counts;
-use crate::colliders::Colliders;
+use crate::colliders::{Colliders, Drive};
 use crate::contact::{ContactRoom, ContactScratch};
 use crate::diagnostics;
 use crate::dispatch::{Dispatch, block_on};
+use crate::error::{LiveError, checked_vector};
 use crate::halving::{self, Divided, Progress, Substep};
 use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Scheme, StepInput};
-use crate::real::{Real, Sum, Vec3};
+use crate::real::{Real, Sum, Vec3, to_f64, vec3};
 use crate::refusal::{Cause, Obstacle, StepError};
 use crate::response::ContactStatistics;
 use crate::step::{self, History, StepContact, Work};
@@ -128,19 +129,96 @@ impl<'a> Cloth<'a> {
     /// Lets the pins begin and end whose time has come at the start of this step.
     fn change_pins(&mut self) {
         let time = self.time();
-        let Stored { pins, particles, contact, held, .. } = &mut self.stored;
+        let Stored { pins, particles, .. } = &mut self.stored;
         if !pins.change(time, particles.positions) {
             return;
         }
-        let colliders = contact.as_ref().map(|contact| contact.model.colliders()).unwrap_or_default();
-        let view = pins.carried_by(colliders);
-        view.set_out(time, particles.velocities);
+        self.take_over_pins();
+        self.hold(true);
+    }
+
+    /// Moves a vertex, pinned or free, at constant velocity to `place`, in the world, m, within `seconds`, or at once
+    /// for 0. It stays pinned there. A cooked scene has a fixed number of slots for such vertices.
+    pub fn move_to(&mut self, vertex: u32, place: [Sum; 3], seconds: Sum) -> Result<(), LiveError> {
+        let from = self.checked_vertex(vertex)?;
+        let place = checked_vector("the place", place)? - self.origin();
+        if !(0.0..Sum::INFINITY).contains(&seconds) {
+            return Err(LiveError::Seconds { seconds });
+        }
+        let now = self.time();
+        let before = self.pins().held_velocity(vertex, now);
+        let pins = &mut self.stored.pins;
+        if !pins.move_to(vertex, [now, now + seconds], from, place, before.unwrap_or_default()) {
+            return Err(LiveError::NoSlot);
+        }
+        self.take_over_pins();
+        self.hold(before.is_none());
+        Ok(())
+    }
+
+    /// Pins a vertex to a collider where it is now: it moves with the collider.
+    pub fn attach(&mut self, vertex: u32, collider: u32) -> Result<(), LiveError> {
+        let place = DVec3::from(to_f64(self.checked_vertex(vertex)?));
+        let colliders = self.colliders();
+        let missing = LiveError::NoCollider { collider, count: colliders.bodies.len() as u32 };
+        let drive = colliders.bodies.get(collider as usize).ok_or(missing)?.drive();
+        if matches!(drive, Drive::Cache(_)) {
+            return Err(LiveError::Deforms { collider });
+        }
+        let anchor = vec3(drive.undo(colliders.keys, place, self.time()).into());
+        if !self.stored.pins.attach(vertex, anchor, collider) {
+            return Err(LiveError::NoSlot);
+        }
+        self.take_over_pins();
+        self.hold(true);
+        Ok(())
+    }
+
+    /// Removes all pins of a vertex. It keeps the velocity with which they moved it until now. Returns false if it has no
+    /// pin.
+    pub fn release(&mut self, vertex: u32) -> bool {
+        let last = self.pins().last_velocity(vertex, self.time());
+        let Stored { pins, particles, .. } = &mut self.stored;
+        for (axis, last) in last.into_iter().enumerate() {
+            if let Some(last) = last {
+                particles.velocities[vertex as usize][axis] = last;
+                particles.low_velocities[vertex as usize][axis] = 0.0;
+            }
+        }
+        let released = pins.release(vertex);
+        if released {
+            self.take_over_pins();
+            self.history.cut();
+        }
+        released
+    }
+
+    fn checked_vertex(&self, vertex: u32) -> Result<Vec3, LiveError> {
+        let missing = LiveError::NoVertex { vertex, count: self.positions().len() as u32 };
+        self.positions().get(vertex as usize).copied().ok_or(missing)
+    }
+
+    /// Copies the held axes to contact and the preconditioner.
+    fn take_over_pins(&mut self) {
+        let Stored { pins, particles, contact, held, .. } = &mut self.stored;
+        let view = pins.carried_by(Colliders::default());
         view.write_held(held);
         if let Some(contact) = contact {
             let (cloth, _) = contact.model.inverse_masses.split_at_mut(particles.inverse_masses.len());
-            pins.carried_by(Colliders::default()).write_inverse_masses(particles.inverse_masses, cloth);
+            view.write_inverse_masses(particles.inverse_masses, cloth);
         }
-        self.history.cut();
+    }
+
+    /// Gives pinned vertices the velocities of their pins. If one holds what was free, a two-step method cannot use the
+    /// state from before it.
+    fn hold(&mut self, held_more: bool) {
+        if held_more {
+            self.history.cut();
+        }
+        let time = self.time();
+        let Stored { pins, particles, contact, .. } = &mut self.stored;
+        let colliders = contact.as_ref().map(|contact| contact.model.colliders()).unwrap_or_default();
+        pins.carried_by(colliders).set_out(time, particles.velocities);
     }
 
     /// Simulated time, s.

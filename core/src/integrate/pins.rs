@@ -115,6 +115,28 @@ impl Pins<'_> {
         self.vertices.iter().zip(self.axes).filter(|(_, axes)| **axes != 0).map(|(&vertex, _)| vertex)
     }
 
+    /// The velocity just before `time` of a vertex that is held along all axes, m/s.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn held_velocity(&self, vertex: u32, time: Sum) -> Option<DVec3> {
+        let mut own = self.vertices.iter().zip(self.axes);
+        let pin = own.position(|(&held, &axes)| held == vertex && axes == 0b111)?;
+        Some(to_f64(self.target(pin, time, JumpSide::Before).1).into())
+    }
+
+    /// The velocity with which a motion that ended at `time` has moved a vertex until then, m/s, along each axis along
+    /// which it did. There, the vertex stands still.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn last_velocity(&self, vertex: u32, time: Sum) -> [Option<Real>; 3] {
+        let mut velocity = [None; 3];
+        for (pin, held, axes) in self.iter() {
+            let [before, after] = [JumpSide::Before, JumpSide::After].map(|side| self.target(pin, time, side).1);
+            if held == vertex as usize && after == Vec3::ZERO && before != Vec3::ZERO {
+                axes.for_each(|axis| velocity[axis] = Some(before[axis]));
+            }
+        }
+        velocity
+    }
+
     /// How far any pin moves, between two times, from the straight and even way, m.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn deviation(&self, times: [Sum; 2]) -> Sum {

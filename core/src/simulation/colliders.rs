@@ -3,11 +3,10 @@
 use glam::DVec3;
 
 use super::Simulation;
-use super::pins::checked_vector;
 use crate::audit;
 use crate::colliders::{Body, Cache, Colliders, Drive, Form};
 use crate::dispatch::Serial;
-use crate::error::LiveError;
+use crate::error::{LiveError, checked_vector};
 use crate::geometry::intersect::edge_meets_triangle;
 use crate::kinematic::{Kinematic, Pose};
 use crate::motion::JumpSide;

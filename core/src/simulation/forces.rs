@@ -3,8 +3,7 @@
 use glam::DVec3;
 
 use super::Simulation;
-use super::pins::checked_vector;
-use crate::error::{LiveError, SceneError};
+use crate::error::{LiveError, SceneError, checked_vector};
 use crate::forces::gravity::GravityColumns;
 use crate::forces::{ModelColumns, Term};
 use crate::particles::ParticleColumns;

@@ -4,9 +4,8 @@
 use glam::DVec3;
 
 use super::Simulation;
-use crate::error::LiveError;
+use crate::error::{LiveError, checked_vector};
 use crate::integrate::pins::Pins;
-use crate::motion::JumpSide;
 use crate::particles::ParticleColumns;
 use crate::real::{Sum, Vec3, to_f64, vec3};
 use crate::scene::BuiltScene;
@@ -23,7 +22,7 @@ impl Simulation {
             return Err(LiveError::Seconds { seconds });
         }
         let now = self.time();
-        let before = self.held_velocity(vertex);
+        let before = self.pins().held_velocity(vertex, now);
         self.built.pins.make_room(vertex);
         self.built.pins.slots().move_to(vertex, [now, now + seconds], from, place, before.unwrap_or_default());
         self.hold_anew(before.is_none());
@@ -59,20 +58,13 @@ impl Simulation {
     /// the vertex stands still.
     #[cfg_attr(small, optimize(size), inline(never))]
     fn let_fly(&mut self, vertex: u32) {
-        let now = self.time();
-        let pins = self.pins();
-        let (mut velocity, mut any) = (Vec3::ZERO, [false; 3]);
-        for (pin, held, axes) in pins.iter() {
-            let [before, after] = [JumpSide::Before, JumpSide::After].map(|side| pins.target(pin, now, side).1);
-            if held == vertex as usize && after == Vec3::ZERO && before != Vec3::ZERO {
-                axes.for_each(|axis| (velocity[axis], any[axis]) = (before[axis], true));
-            }
-        }
+        let last = self.pins().last_velocity(vertex, self.time());
         let ParticleColumns { velocities, low_velocities, masses, .. } = &mut self.built.particles;
-        for axis in (0..3).filter(|&axis| any[axis]) {
+        for (axis, last) in last.into_iter().enumerate() {
+            let Some(last) = last else { continue };
             let v = vertex as usize;
-            let [old, new] = [velocities[v][axis], velocity[axis]].map(Sum::from);
-            (velocities[v][axis], low_velocities[v][axis]) = (velocity[axis], 0.0);
+            let [old, new] = [velocities[v][axis], last].map(Sum::from);
+            (velocities[v][axis], low_velocities[v][axis]) = (last, 0.0);
             if self.measures_work {
                 self.work_done.pins += 0.5 * Sum::from(masses[v]) * (new * new - old * old);
             }
@@ -85,15 +77,6 @@ impl Simulation {
         if self.built.pins.slots().change(now, &self.built.particles.positions) {
             self.hold_anew(true);
         }
-    }
-
-    /// The velocity just before now of a vertex that is held along all axes, m/s.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    fn held_velocity(&self, vertex: u32) -> Option<DVec3> {
-        let pins = self.pins();
-        let mut own = pins.vertices.iter().zip(pins.axes);
-        let pin = own.position(|(&held, &axes)| held == vertex && axes == 0b111)?;
-        Some(to_f64(pins.target(pin, self.time(), JumpSide::Before).1).into())
     }
 
     /// Takes over pins that have changed. If one holds what was free, a two-step method cannot use the state from before
@@ -142,11 +125,4 @@ impl Simulation {
         let missing = LiveError::NoVertex { vertex, count: self.positions().len() as u32 };
         self.positions().get(vertex as usize).copied().ok_or(missing)
     }
-}
-
-/// A vector that is finite; `name` is for the error.
-pub(super) fn checked_vector(name: &'static str, vector: [Sum; 3]) -> Result<DVec3, LiveError> {
-    let vector = DVec3::from(vector);
-    // Columns may have single precision.
-    if vec3(vector.into()).is_finite() { Ok(vector) } else { Err(LiveError::NotFinite { name }) }
 }

@@ -3,8 +3,7 @@
 use glam::DVec3;
 
 use super::Simulation;
-use super::pins::checked_vector;
-use crate::error::LiveError;
+use crate::error::{LiveError, checked_vector};
 use crate::real::{Sum, to_f64};
 use crate::response::constraint::Constraint;
 
