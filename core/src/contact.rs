@@ -128,21 +128,6 @@ pub struct Lengths {
 impl ContactScratch<'_> {
     /// The same columns for a shorter time.
     pub fn reborrow(&mut self) -> ContactScratch<'_> {
-        let Grid {
-            triangle_boxes,
-            moving_boxes,
-            owned,
-            levels,
-            quantized_boxes,
-            spheres,
-            byte_boxes,
-            homes,
-            entries,
-            spare,
-        } = &mut self.grid;
-        let KeptPairs { boxes, vertex_triangle, edge_edge, counts } = &mut self.kept;
-        let kept = KeptPairs { boxes, vertex_triangle, edge_edge, counts };
-        let Room { boxes, bounds, edges, taken } = &mut self.room;
         ContactScratch {
             start: self.start,
             predicted: self.predicted,
@@ -165,20 +150,9 @@ impl ContactScratch<'_> {
             order: self.order,
             vertex_triangle: self.vertex_triangle.reborrow(),
             edge_edge: self.edge_edge.reborrow(),
-            grid: Grid {
-                triangle_boxes,
-                moving_boxes,
-                owned,
-                levels,
-                quantized_boxes,
-                spheres,
-                byte_boxes,
-                homes,
-                entries,
-                spare,
-            },
-            kept,
-            room: Room { boxes, bounds, edges, taken },
+            grid: self.grid.reborrow(),
+            kept: self.kept.reborrow(),
+            room: self.room.reborrow(),
         }
     }
 
@@ -453,7 +427,7 @@ mod owned {
             [pairs, self.constraints.len()]
         }
 
-        /// Forgets the pairs that last over many steps. Call it after a change of what can touch.
+        /// Forgets the pairs that last over many steps. Call it when other surfaces can touch than before.
         pub fn forget_pairs(&mut self) {
             self.kept.forget();
         }

@@ -28,7 +28,7 @@ pub struct Substep {
     pub length: Sum,
 }
 
-/// What the division of steps reads and writes.
+/// The values that the division of steps reads and writes.
 pub(crate) struct Progress<'a> {
     /// How often the substeps are halved.
     pub halvings: &'a mut u32,
@@ -62,10 +62,12 @@ pub(crate) trait Divided {
 
 /// Takes a step, in as many substeps as necessary. A step that fails does not change the state.
 pub(crate) async fn take_substeps<S: Divided, D: Dispatch>(owner: &mut S, dispatch: &D) -> Result<(), Obstacle> {
-    let begun = *owner.progress().halvings;
+    let Progress { halvings, estimate, .. } = owner.progress();
+    let before = (*halvings, *estimate);
     let taken = advance(owner, dispatch).await;
     if taken.is_err() {
-        *owner.progress().halvings = begun;
+        let Progress { halvings, estimate, .. } = owner.progress();
+        (*halvings, *estimate) = before;
     }
     taken
 }

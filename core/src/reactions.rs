@@ -26,8 +26,7 @@ pub struct PinGroup {
 }
 
 /// An impulse on the cloth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impulse {
     /// The impulse, N s.
     pub linear: DVec3,

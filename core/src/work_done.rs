@@ -143,18 +143,39 @@ pub fn in_step<D: Dispatch>(
 pub fn by_taking_hold(pins: &Pins<'_>, time: Sum, particles: &Particles<'_>, ledger: Ledger<'_>) {
     let Ledger { done, mut reactions } = ledger;
     for (pin, vertex, axes) in pins.iter() {
-        let (mass, v) = (Sum::from(particles.masses[vertex]), particles.velocities[vertex]);
         let (_, target) = pins.target(pin, time, JumpSide::After);
-        let (mut impulse, mut work) = (DVec3::ZERO, 0.0);
-        for axis in axes {
-            let [before, after] = [v, target].map(|v| Sum::from(v[axis]));
-            impulse[axis] = mass * (after - before);
-            work += 0.5 * mass * (after * after - before * before);
-        }
-        (done.pins, done.exchanged) = (done.pins + work, done.exchanged + work.abs());
-        if let Some(reactions) = &mut reactions {
-            reactions.add_pin(pin, pins.carrier(pin), particles.positions[vertex], impulse);
-        }
+        by_kick(pins, (pin, vertex, axes), target, particles, done, reactions.as_mut());
+    }
+}
+
+/// Adds the impulses by which pins [let a vertex fly](Pins::let_fly) at `time`, and their work.
+#[cfg_attr(small, optimize(size), inline(never))]
+pub fn by_letting_fly(pins: &Pins<'_>, vertex: u32, time: Sum, particles: &Particles<'_>, ledger: Ledger<'_>) {
+    let Ledger { done, mut reactions } = ledger;
+    for (pin, axes, velocity) in pins.ended(vertex, time) {
+        by_kick(pins, (pin, vertex as usize, axes), velocity, particles, done, reactions.as_mut());
+    }
+}
+
+/// Adds the impulse by which a pin gives its vertex a velocity, m/s, and its work.
+fn by_kick(
+    pins: &Pins<'_>,
+    (pin, vertex, axes): (usize, usize, impl Iterator<Item = usize>),
+    velocity: Vec3,
+    particles: &Particles<'_>,
+    done: &mut WorkDone,
+    reactions: Option<&mut Reactions<'_>>,
+) {
+    let (mass, v) = (Sum::from(particles.masses[vertex]), particles.velocities[vertex]);
+    let (mut impulse, mut work) = (DVec3::ZERO, 0.0);
+    for axis in axes {
+        let [before, after] = [v, velocity].map(|v| Sum::from(v[axis]));
+        impulse[axis] = mass * (after - before);
+        work += 0.5 * mass * (after * after - before * before);
+    }
+    (done.pins, done.exchanged) = (done.pins + work, done.exchanged + work.abs());
+    if let Some(reactions) = reactions {
+        reactions.add_pin(pin, pins.carrier(pin), particles.positions[vertex], impulse);
     }
 }
 

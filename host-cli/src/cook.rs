@@ -19,7 +19,7 @@ struct Measured {
     seconds: f64,
 }
 
-/// Cooks a scene and says what it needs.
+/// Cooks a scene and prints its needs.
 pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
     let overrides: Vec<_> = arguments.duration.map(|s| format!("duration={s:?}")).into_iter().collect();
     let overrides = [&arguments.set[..], &overrides].concat();

@@ -57,6 +57,25 @@ both_precisions! {
         assert!(worst < bound, "{}: {worst} kg m/s of {before} are lost", muslin::real::NAME);
     }
 
+    /// The ball carries the whole sheet, throws it, and lets it go: both keep their momentum together.
+    #[test]
+    fn what_a_ball_carries_and_lets_go_keeps_the_momentum() {
+        let mut sim = measured(&super::scene());
+        let count = sim.positions().len() as u32;
+        (0..count).for_each(|vertex| assert_eq!(sim.attach(vertex, 0), Ok(())));
+        let mut place = sim.collider_pose(0).expect("it exists").position;
+        let mut velocity = DVec3::new(0.2, 1.5, 0.0);
+        let before = velocity * MASS;
+        (0..5).for_each(|_| _ = step(&mut sim, &mut place, &mut velocity, MASS));
+        (0..count).for_each(|vertex| assert!(sim.release(vertex)));
+        velocity += sim.take_impulse(0).expect("measured").linear / MASS;
+        let own = DVec3::from(sim.momentum());
+        let off = (velocity * MASS + own).distance(before);
+        assert!(own.y > 0.2 * before.y, "the sheet does not fly: {own} kg m/s");
+        let bound = 40.0 * f64::from(Real::EPSILON) * before.length();
+        assert!(off < bound, "{}: {off} kg m/s of {before} are lost", muslin::real::NAME);
+    }
+
     #[test]
     fn a_ball_hangs_at_the_cloth_that_is_pinned_to_it() {
         let mut sim = measured(&super::carried());

@@ -36,6 +36,14 @@ pub struct Room<'a> {
     pub taken: &'a mut [bool],
 }
 
+impl Room<'_> {
+    /// The same columns for a shorter time.
+    pub fn reborrow(&mut self) -> Room<'_> {
+        let Self { boxes, bounds, edges, taken } = self;
+        Room { boxes, bounds, edges, taken }
+    }
+}
+
 /// Edges of faces, with near edges next to each other, and the trees of the triangles that they may cross.
 struct Question<'a> {
     edges: &'a [u32],

@@ -41,6 +41,24 @@ pub struct Grid<'a> {
     pub spare: &'a mut [Entry],
 }
 
+impl Grid<'_> {
+    /// The same columns for a shorter time.
+    pub fn reborrow(&mut self) -> Grid<'_> {
+        Grid {
+            triangle_boxes: self.triangle_boxes,
+            moving_boxes: self.moving_boxes,
+            owned: self.owned,
+            levels: self.levels,
+            quantized_boxes: self.quantized_boxes,
+            spheres: self.spheres,
+            byte_boxes: self.byte_boxes,
+            homes: self.homes,
+            entries: self.entries,
+            spare: self.spare,
+        }
+    }
+}
+
 /// Writes the candidates of a surface and returns their numbers. `boxes` has one box per vertex, which the caller has
 /// swept and inflated as needed. Given a `motion`, pairs of triangles that share it and stay [apart](super::comoving)
 /// are left out. Nothing is reallocated: a count above its capacity is the capacity that was needed. `None` if

@@ -19,6 +19,12 @@ pub struct KeptPairs<'a> {
 }
 
 impl KeptPairs<'_> {
+    /// The same columns for a shorter time.
+    pub fn reborrow(&mut self) -> KeptPairs<'_> {
+        let Self { boxes, vertex_triangle, edge_edge, counts } = self;
+        KeptPairs { boxes, vertex_triangle, edge_edge, counts }
+    }
+
     /// Whether the pairs contain all that are near while the vertices are in these boxes.
     pub fn cover(&self, boxes: &[Aabb]) -> bool {
         let Counts { vertex_triangle, edge_edge } = *self.counts;

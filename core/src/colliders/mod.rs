@@ -413,8 +413,7 @@ impl ColliderColumns {
             + size_of_val(&self.triangles[..])
     }
 
-    /// Index of the first of two frames for a collider, which are added where there are none; `None` if there is no
-    /// memory.
+    /// Index of the first of two frames for a collider. The first call for a collider adds them. `None`: memory is short.
     pub fn room_for_frames(&mut self, body: usize) -> Option<usize> {
         let count = 2 * self.bodies[body].range().len();
         if self.own_frames.is_empty() {

@@ -177,14 +177,10 @@ impl<'a> Cloth<'a> {
     /// Removes all pins of a vertex. It keeps the velocity with which they moved it until now. Returns false if it has no
     /// pin.
     pub fn release(&mut self, vertex: u32) -> bool {
-        let last = self.pins().last_velocity(vertex, self.time());
-        let Stored { pins, particles, .. } = &mut self.stored;
-        for (axis, last) in last.into_iter().enumerate() {
-            if let Some(last) = last {
-                particles.velocities[vertex as usize][axis] = last;
-                particles.low_velocities[vertex as usize][axis] = 0.0;
-            }
-        }
+        let time = self.time();
+        let Stored { pins, particles, contact, .. } = &mut self.stored;
+        let colliders = contact.as_ref().map(|contact| contact.model.colliders()).unwrap_or_default();
+        pins.carried_by(colliders).let_fly(vertex, time, particles);
         let released = pins.release(vertex);
         if released {
             self.take_over_pins();

@@ -1,4 +1,4 @@
-//! The top level of a cooked scene, and the views that hold what a running cloth changes.
+//! The top level of a cooked scene, and the views of columns that a running cloth changes.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -122,7 +122,7 @@ pub(crate) struct Settings {
     residual: f64,
     /// Velocity, m/s, where the residual is 0.
     velocity: f64,
-    /// Largest error of a step, m; 0: there is none.
+    /// Largest error of a step, m; 0: no limit.
     error: f64,
     /// Number of steps taken.
     pub steps: u64,

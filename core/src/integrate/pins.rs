@@ -83,7 +83,7 @@ pub struct Pins<'a> {
 
 impl Pins<'_> {
     /// The pins: the number of each, its vertex, and its held axes, 0..3.
-    pub fn iter(&self) -> impl Iterator<Item = (usize, usize, impl Iterator<Item = usize>)> {
+    pub fn iter(&self) -> impl Iterator<Item = (usize, usize, impl Iterator<Item = usize> + use<>)> {
         let pins = self.vertices.iter().zip(self.axes).enumerate();
         pins.map(|(pin, (&vertex, &axes))| (pin, vertex as usize, held(axes)))
     }
@@ -123,18 +123,28 @@ impl Pins<'_> {
         Some(to_f64(self.target(pin, time, JumpSide::Before).1).into())
     }
 
-    /// The velocity with which a motion that ended at `time` has moved a vertex until then, m/s, along each axis along
-    /// which it did. There, the vertex stands still.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    pub fn last_velocity(&self, vertex: u32, time: Sum) -> [Option<Real>; 3] {
-        let mut velocity = [None; 3];
-        for (pin, held, axes) in self.iter() {
+    /// The pins that have moved a vertex until their motion ended at `time`: the number of each, its held axes, and the
+    /// velocity before, m/s. There, the vertex stands still.
+    pub fn ended(
+        &self,
+        vertex: u32,
+        time: Sum,
+    ) -> impl Iterator<Item = (usize, impl Iterator<Item = usize> + use<>, Vec3)> {
+        self.iter().filter(move |(_, held, _)| *held == vertex as usize).filter_map(move |(pin, _, axes)| {
             let [before, after] = [JumpSide::Before, JumpSide::After].map(|side| self.target(pin, time, side).1);
-            if held == vertex as usize && after == Vec3::ZERO && before != Vec3::ZERO {
-                axes.for_each(|axis| velocity[axis] = Some(before[axis]));
+            (after == Vec3::ZERO && before != Vec3::ZERO).then_some((pin, axes, before))
+        })
+    }
+
+    /// Gives a vertex back the velocity of the pins that have [moved](Self::ended) it until `time`.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn let_fly(&self, vertex: u32, time: Sum, particles: &mut Particles<'_>) {
+        for (_, axes, velocity) in self.ended(vertex, time) {
+            for axis in axes {
+                particles.velocities[vertex as usize][axis] = velocity[axis];
+                particles.low_velocities[vertex as usize][axis] = 0.0;
             }
         }
-        velocity
     }
 
     /// How far any pin moves, between two times, from the straight and even way, m.
@@ -276,7 +286,7 @@ pub fn filter_block(block: &mut Mat3, axes: u8) {
 }
 
 /// The held axes, 0..3.
-fn held(axes: u8) -> impl Iterator<Item = usize> {
+fn held(axes: u8) -> impl Iterator<Item = usize> + use<> {
     (0..3).filter(move |axis| axes >> axis & 1 == 1)
 }
 

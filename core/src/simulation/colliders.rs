@@ -41,7 +41,7 @@ impl Simulation {
         }
         self.drive(body, Drive::Host(motion));
         if self.built.pins.carriers.contains(&collider) {
-            self.hold_anew(false);
+            self.take_hold(now);
         }
         Ok(())
     }

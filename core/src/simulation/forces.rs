@@ -100,8 +100,9 @@ impl Simulation {
     /// Whether a scene has the same meshes, force terms and laws of friction.
     fn is_alike(&self, next: &BuiltScene) -> bool {
         let own = &self.built;
-        let laws =
-            |scene: &BuiltScene| scene.contact.as_ref().map(|contact| (contact.laws.len(), contact.law_of.clone()));
+        fn laws(scene: &BuiltScene) -> Option<(usize, &[u32])> {
+            scene.contact.as_ref().map(|contact| (contact.laws.len(), &contact.law_of[..]))
+        }
         own.triangles == next.triangles
             && own.cloths == next.cloths
             && own.sewn() == next.sewn()
@@ -122,7 +123,7 @@ impl Simulation {
     }
 }
 
-/// What the columns of a solver depend on: which terms there are, and the sizes of their work columns.
+/// The columns of a solver depend on this: the terms of the model, and the sizes of their work columns.
 pub(super) fn terms(model: &ModelColumns) -> impl PartialEq + use<> {
     let view = model.view();
     let has = Term::ALL.map(|term| term != Term::Gravity && term != Term::Load && view.only(term).is_some());

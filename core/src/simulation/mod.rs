@@ -181,7 +181,6 @@ impl Simulation {
     /// [`restore`](Self::restore) the [`state`](Self::state) from before the step.
     pub async fn await_step<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         let counted = (self.statistics, self.contact_statistics);
-        let estimate = self.estimate;
         self.searched = 0;
         self.change_pins();
         let taken = halving::take_substeps(self, dispatch).await;
@@ -193,7 +192,7 @@ impl Simulation {
             Err(_) => {}
         }
         if taken.is_err() {
-            (self.estimate, self.substep) = (estimate, 0.0);
+            self.substep = 0.0;
         }
         taken
     }

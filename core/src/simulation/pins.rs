@@ -6,7 +6,6 @@ use glam::DVec3;
 use super::Simulation;
 use crate::error::{LiveError, checked_vector};
 use crate::integrate::pins::Pins;
-use crate::particles::ParticleColumns;
 use crate::real::{Sum, Vec3, to_f64, vec3};
 use crate::scene::BuiltScene;
 use crate::work_done::{self, Ledger};
@@ -58,17 +57,15 @@ impl Simulation {
     /// the vertex stands still.
     #[cfg_attr(small, optimize(size), inline(never))]
     fn let_fly(&mut self, vertex: u32) {
-        let last = self.pins().last_velocity(vertex, self.time());
-        let ParticleColumns { velocities, low_velocities, masses, .. } = &mut self.built.particles;
-        for (axis, last) in last.into_iter().enumerate() {
-            let Some(last) = last else { continue };
-            let v = vertex as usize;
-            let [old, new] = [velocities[v][axis], last].map(Sum::from);
-            (velocities[v][axis], low_velocities[v][axis]) = (last, 0.0);
-            if self.measures_work {
-                self.work_done.pins += 0.5 * Sum::from(masses[v]) * (new * new - old * old);
-            }
+        let now = self.time();
+        let BuiltScene { pins, particles, pin_groups: groups, contact, .. } = &mut self.built;
+        let pins = &pins.carried_by(contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default());
+        if self.measures_work {
+            let reactions = self.reactions.as_mut().map(|reactions| reactions.view(groups));
+            let ledger = Ledger { done: &mut self.work_done, reactions };
+            work_done::by_letting_fly(pins, vertex, now, &particles.view(), ledger);
         }
+        pins.let_fly(vertex, now, &mut particles.view());
     }
 
     /// Lets the pins begin and end whose time has come at the start of this step.
@@ -91,7 +88,7 @@ impl Simulation {
 
     /// Gives pinned vertices the velocities of their pins.
     #[cfg_attr(small, optimize(size), inline(never))]
-    fn take_hold(&mut self, now: Sum) {
+    pub(super) fn take_hold(&mut self, now: Sum) {
         let BuiltScene { pins, particles, pin_groups: groups, contact, .. } = &mut self.built;
         let pins = &pins.carried_by(contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default());
         if self.measures_work {

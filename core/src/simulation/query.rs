@@ -1,4 +1,4 @@
-//! Questions of a host between steps: what touches what, where a point of the cloth is, and what a ray hits.
+//! A host reads between steps: contacts, points of the cloth, and the first hit of a ray.
 
 use glam::DVec3;
 
@@ -59,7 +59,7 @@ pub struct Hit {
 const SEAM: Sum = 1e-9;
 
 impl Simulation {
-    /// The contacts that push, in the last step, or in its last substep if it was divided. There are none after a step
+    /// The contacts that push, in the last step, or in its last substep if it was divided. The list is empty after a step
     /// that failed, a teleport or [`go_back`](Self::go_back).
     pub fn touches(&self) -> impl Iterator<Item = Touch> {
         let constraints = self.contact.as_ref().map(|contact| contact.constraints()).unwrap_or_default();

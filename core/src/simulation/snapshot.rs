@@ -79,8 +79,8 @@ impl Simulation {
         }
     }
 
-    /// Goes back to a snapshot of this simulation, or of one of the same scene. What is measured stays measured. There are
-    /// no [`touches`](Self::touches) until the next step.
+    /// Goes back to a snapshot of this simulation, or of one of the same scene. It neither begins nor stops to measure
+    /// work and impulses. The list of [`touches`](Self::touches) is empty until the next step.
     pub fn go_back(&mut self, to: &Snapshot) -> Result<(), LiveError> {
         let (scratch, built) = (&mut self.scratch, &mut self.built);
         let lengths = [to.particles.positions.len(), to.previous[0].len(), to.rest_lengths.len()];
@@ -113,7 +113,7 @@ impl Simulation {
             contact.set_multipliers(&to.multipliers);
             contact.forget_pairs();
         }
-        // What is measured stays measured.
+        // The snapshot may lack impulses that this simulation measures.
         if let Some(reactions) = &mut self.reactions {
             match &to.reactions {
                 Some(to) => reactions.copy_from(to),

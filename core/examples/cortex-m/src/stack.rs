@@ -1,4 +1,4 @@
-//! How much of the stack is used: it is filled with a pattern, and what has lost the pattern was used.
+//! Measures the stack: fills it with a pattern, and later counts the words that have lost the pattern.
 
 use core::ptr::addr_of_mut;
 
