@@ -111,6 +111,7 @@ async fn advance<S: Divided, D: Dispatch>(owner: &mut S, dispatch: &D) -> Result
 
 impl Progress<'_> {
     /// Notes the error of a substep. The next one may be twice as long if this one was the second half.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn accept(&mut self, error: Option<Real>, was_second: bool) {
         let most = *self.estimate;
         *self.estimate = most.into_iter().chain(error).reduce(Real::max);
@@ -121,6 +122,7 @@ impl Progress<'_> {
     }
 
     /// Makes substeps half as long.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn halve(&mut self, cause: Cause) {
         self.contact_statistics.rejected += u64::from(cause != Cause::Inaccurate);
         *self.halvings += 1;

@@ -158,6 +158,7 @@ pub fn by_letting_fly(pins: &Pins<'_>, vertex: u32, time: Sum, particles: &Parti
 }
 
 /// Adds the impulse by which a pin gives its vertex a velocity, m/s, and its work.
+#[cfg_attr(small, optimize(size), inline(never))]
 fn by_kick(
     pins: &Pins<'_>,
     (pin, vertex, axes): (usize, usize, impl Iterator<Item = usize>),

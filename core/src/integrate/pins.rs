@@ -89,6 +89,7 @@ impl Pins<'_> {
     }
 
     /// Prescribed position of a pin at `time`, m, and its velocity on the given side of that time, m/s.
+    #[cfg_attr(small, inline(never))]
     pub fn target(&self, pin: usize, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
         let anchor = self.anchors[pin];
         if let Some(carrier) = self.carrier(pin) {

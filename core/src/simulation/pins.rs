@@ -43,6 +43,7 @@ impl Simulation {
 
     /// Removes all pins of a vertex. It keeps the velocity with which they moved it until now. Returns false if it has no
     /// pin.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn release(&mut self, vertex: u32) -> bool {
         self.let_fly(vertex);
         let released = self.built.pins.slots().release(vertex);
@@ -78,6 +79,7 @@ impl Simulation {
 
     /// Takes over pins that have changed. If one holds what was free, a two-step method cannot use the state from before
     /// it. If one has another velocity now, the step sees this itself.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub(super) fn hold_anew(&mut self, held_more: bool) {
         self.take_over_pins();
         if held_more {
@@ -99,6 +101,7 @@ impl Simulation {
     }
 
     /// Copies the held axes to contact and the preconditioner.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub(super) fn take_over_pins(&mut self) {
         let BuiltScene { particles, pins, contact, .. } = &mut self.built;
         let pins = &pins.view();
@@ -113,6 +116,7 @@ impl Simulation {
     }
 
     /// The pinned vertices.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn pins(&self) -> Pins<'_> {
         self.built.pins.carried_by(self.colliders())
     }
