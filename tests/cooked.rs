@@ -6,37 +6,20 @@
 use harness::both_precisions;
 
 both_precisions! {
+    use harness::aligned::Aligned;
+    use harness::rng::Rng;
     use harness::steps::Steps;
-    use super::{SplitMix, checksum};
-    use muslin::cooked::{self, ALIGNMENT, Cloth, CookedError, Room, cook};
+    use super::checksum;
+    use muslin::cooked::{self, Cloth, CookedError, Room, cook};
     use muslin::dispatch::Serial;
     use muslin::error::LiveError;
+    use muslin::live::Live as _;
     use muslin::integrate::{Method, Preconditioner};
     use muslin::scene::{BUILT_IN, SceneDesc};
     use muslin::simulation::{Cause, Simulation};
     use std::time::Instant;
 
-    /// Bytes that begin at a multiple of the alignment.
-    struct Aligned {
-        bytes: Vec<u8>,
-        start: usize,
-    }
-
-    impl Aligned {
-        fn new(bytes: &[u8]) -> Self {
-            let mut own = vec![0; bytes.len() + ALIGNMENT];
-            let start = own.as_ptr().align_offset(ALIGNMENT);
-            own[start..start + bytes.len()].copy_from_slice(bytes);
-            Self { bytes: own, start }
-        }
-
-        fn all(&mut self) -> &mut [u8] {
-            let end = self.bytes.len() - ALIGNMENT + self.start;
-            &mut self.bytes[self.start..end]
-        }
-    }
-
-    const ROOM: Room = Room { pairs: 20_000, contacts: 4_000, hands: 2 };
+    const ROOM: Room = Room { pairs: 20_000, contacts: 4_000, hands: 2, forces: 2, deforms: false, impulses: false };
 
     fn coarse(name: &str, change: impl FnOnce(&mut SceneDesc)) -> Simulation {
         let (_, text) = BUILT_IN.iter().find(|(known, _)| *known == name).expect("it is built in");
@@ -52,7 +35,7 @@ both_precisions! {
     fn compare(what: &str, mut owned: Simulation, steps: u32) -> u64 {
         let mut block = Aligned::new(&cook(&owned, ROOM));
         let needed = cooked::required_bytes(block.all()).expect("it is cooked");
-        let mut memory = Aligned::new(&vec![0xA5; needed]);
+        let mut memory = Aligned::filled(needed, 0xA5);
         let mut cloth = Cloth::open(block.all(), memory.all()).unwrap_or_else(|error| panic!("{what}: {error}"));
         for n in 0..steps {
             let taken = [owned.take_step(), cloth.step(&Serial)];
@@ -97,7 +80,7 @@ both_precisions! {
                 (scene.integrator.step, scene.integrator.error) = (Some(0.002), None);
             });
             let mut block = Aligned::new(&cook(&owned, ROOM));
-            let mut memory = Aligned::new(&vec![0; cooked::required_bytes(block.all()).expect("it is cooked")]);
+            let mut memory = Aligned::filled(cooked::required_bytes(block.all()).expect("it is cooked"), 0);
             let mut cloth = Cloth::open(block.all(), memory.all()).expect("it opens");
             let [a, b] = [20, 31];
             let start = owned.places_in_world().nth(a as usize).expect("it exists");
@@ -177,9 +160,9 @@ both_precisions! {
     #[test]
     fn a_step_that_lacks_room_says_how_much() {
         let mut owned = coarse("ball", |_| ());
-        let small = Room { pairs: 3_000, contacts: 20, hands: 0 };
+        let small = Room { pairs: 3_000, contacts: 20, ..Room::default() };
         let mut block = Aligned::new(&cook(&owned, small));
-        let mut memory = Aligned::new(&vec![0; cooked::required_bytes(block.all()).expect("it is cooked")]);
+        let mut memory = Aligned::filled(cooked::required_bytes(block.all()).expect("it is cooked"), 0);
         let mut cloth = Cloth::open(block.all(), memory.all()).expect("it opens");
         let failed = loop {
             owned.take_step().expect("it has room");
@@ -202,9 +185,9 @@ both_precisions! {
     fn long_form_speed() {
         for (name, steps) in [("swing", 300), ("flag", 200), ("ball", 150)] {
             let mut owned = coarse(name, |_| ());
-            let room = Room { pairs: 200_000, contacts: 20_000, hands: 2 };
+            let room = Room { pairs: 200_000, contacts: 20_000, hands: 2, ..Room::default() };
             let mut block = Aligned::new(&cook(&owned, room));
-            let mut memory = Aligned::new(&vec![0; cooked::required_bytes(block.all()).expect("it is cooked")]);
+            let mut memory = Aligned::filled(cooked::required_bytes(block.all()).expect("it is cooked"), 0);
             let mut cloth = Cloth::open(block.all(), memory.all()).expect("it opens");
             let mut ratios = Vec::new();
             for _ in 0..steps {
@@ -220,13 +203,13 @@ both_precisions! {
     }
 
     fn refused(block: &[u8], memory: usize) -> Option<CookedError> {
-        let (mut block, mut memory) = (Aligned::new(block), Aligned::new(&vec![0; memory]));
+        let (mut block, mut memory) = (Aligned::new(block), Aligned::filled(memory, 0));
         Cloth::open(block.all(), memory.all()).err()
     }
 
     #[test]
     fn a_block_that_is_damaged_is_refused() {
-        let good = cook(&coarse("ball", |_| ()), Room { pairs: 100, contacts: 10, hands: 1 });
+        let good = cook(&coarse("ball", |_| ()), Room { pairs: 100, contacts: 10, hands: 1, ..Room::default() });
         let needed = cooked::required_bytes(&good).expect("it is cooked");
         assert_eq!(refused(&good, needed), None);
         assert_eq!(refused(&good, needed - 1), Some(CookedError::Memory { needed }));
@@ -245,7 +228,7 @@ both_precisions! {
         for at in (64..good.len()).step_by(good.len() / 500) {
             assert_eq!(changed(at), Some(CookedError::Checksum), "byte {at}");
         }
-        let (mut block, mut memory) = (Aligned::new(&good), Aligned::new(&vec![0; needed + 8]));
+        let (mut block, mut memory) = (Aligned::new(&good), Aligned::filled(needed + 8, 0));
         let shifted = &mut memory.all()[8..];
         assert_eq!(Cloth::open(block.all(), shifted).err(), Some(CookedError::Alignment));
     }
@@ -265,27 +248,27 @@ both_precisions! {
     fn wrong_numbers(seeds: core::ops::Range<u64>) {
         let (mut refused, count) = (0, seeds.end - seeds.start);
         for (seed, name) in seeds.zip(["ball", "flag", "twist"].into_iter().cycle()) {
-            let good = cook(&coarse(name, |_| ()), Room { pairs: 3_000, contacts: 500, hands: 1 });
-            let mut random = SplitMix(seed);
+            let good = cook(&coarse(name, |_| ()), Room { pairs: 3_000, contacts: 500, hands: 1, ..Room::default() });
+            let mut random = Rng::new(seed);
             let mut bad = good.clone();
-            for _ in 0..=random.next() % 3 {
+            for _ in 0..=random.bits() % 3 {
                 let word_at = |at: usize| u32::from_le_bytes(bad[at..at + 4].try_into().expect("four"));
-                let mut places = (0..200).map(|_| 64 + 4 * (random.next() as usize % ((good.len() - 64) / 4)));
+                let mut places = (0..200).map(|_| 64 + 4 * (random.bits() as usize % ((good.len() - 64) / 4)));
                 // Every other time a small number: an index or a length.
                 let first = places.next().expect("there are many");
                 let at = if seed % 2 == 0 { first } else { places.find(|&at| word_at(at) < 10_000).unwrap_or(first) };
-                let word = match random.next() % 4 {
+                let word = match random.bits() % 4 {
                     0 => 0,
                     1 => u32::MAX,
-                    2 => random.next() as u32,
-                    _ => word_at(at) ^ 1 << (random.next() % 32),
+                    2 => random.bits() as u32,
+                    _ => word_at(at) ^ 1 << (random.bits() % 32),
                 };
                 bad[at..at + 4].copy_from_slice(&word.to_le_bytes());
             }
             let sum = checksum(&bad[64..]);
             bad[32..40].copy_from_slice(&sum.to_le_bytes());
             let needed = cooked::required_bytes(&bad).expect("the header is good");
-            let (mut block, mut memory) = (Aligned::new(&bad), Aligned::new(&vec![0; needed]));
+            let (mut block, mut memory) = (Aligned::new(&bad), Aligned::filled(needed, 0));
             match Cloth::open(block.all(), memory.all()) {
                 Ok(mut cloth) => _ = (0..3).try_for_each(|_| cloth.step(&Serial)),
                 Err(_) => refused += 1,
@@ -293,18 +276,6 @@ both_precisions! {
         }
         println!("{refused} of {count} blocks were refused");
         assert!(refused > count / 10, "{refused} of {count} blocks were refused");
-    }
-}
-
-/// [Steele 2014].
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ mixed >> 31
     }
 }
 

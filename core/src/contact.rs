@@ -3,10 +3,11 @@
 
 use crate::audit::Room;
 use crate::broad_phase::{Counts, Grid, KeptPairs, Surface};
-use crate::colliders::Colliders;
+use crate::colliders::{Body, Colliders};
 use crate::geometry::aabb::Aabb;
 use crate::implicit_contact::augmented_contact::{AugmentedContact, ContactLines};
 use crate::implicit_contact::multiplier::Multiplier;
+use crate::keys::Key;
 use crate::narrow_phase::time_of_impact::StoredTime;
 use crate::real::{Real, Vec3};
 use crate::response::constraint::Constraint;
@@ -42,6 +43,65 @@ impl ContactModel<'_> {
     /// Number of vertices of the cloth.
     pub fn cloth(&self) -> usize {
         self.material.len()
+    }
+}
+
+/// A [`ContactModel`] of which the host changes some columns between steps.
+#[derive(Debug)]
+pub struct Solids<'a> {
+    /// m.
+    pub thickness: Real,
+    /// Whether collisions during the step are tested.
+    pub continuous: bool,
+    /// The surfaces that can touch.
+    pub surface: Surface<'a>,
+    /// The colliders.
+    pub bodies: &'a mut [Body],
+    /// Position of each vertex of them before any motion, m.
+    pub anchors: &'a [Vec3],
+    /// The keys of their motions.
+    pub keys: &'a [Key],
+    /// Vertex positions of all caches, frame after frame, m.
+    pub frames: &'a mut [Vec3],
+    /// First vertex of each cloth and, last, of the colliders.
+    pub firsts: &'a [u32],
+    /// m.
+    pub material: &'a [Vec3],
+    /// m.
+    pub radii: &'a [Real],
+    /// 1/kg.
+    pub inverse_masses: &'a mut [Vec3],
+    /// Index of each vertex's law.
+    pub law_of: &'a [u32],
+    /// The laws.
+    pub laws: &'a [Law],
+}
+
+impl Solids<'_> {
+    /// The same columns for a shorter time.
+    pub fn reborrow(&mut self) -> Solids<'_> {
+        Solids { bodies: self.bodies, frames: self.frames, inverse_masses: self.inverse_masses, ..*self }
+    }
+
+    /// The colliders, to read.
+    pub fn colliders(&self) -> Colliders<'_> {
+        Colliders { bodies: self.bodies, anchors: self.anchors, keys: self.keys, frames: self.frames }
+    }
+
+    /// The borrowed view that kernels take.
+    pub fn view(&self) -> ContactModel<'_> {
+        ContactModel {
+            thickness: self.thickness,
+            continuous: self.continuous,
+            surface: self.surface,
+            colliders: self.colliders(),
+            firsts: self.firsts,
+            material: self.material,
+            radii: self.radii,
+            inverse_masses: self.inverse_masses,
+            law_of: self.law_of,
+            laws: self.laws,
+        }
     }
 }
 
@@ -221,7 +281,7 @@ mod owned {
 
     use super::{
         Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactRoom, ContactScratch, Counts, Law,
-        Lengths, Multiplier, Pairs, Real, Searched, StoredTime, Vec3,
+        Lengths, Multiplier, Pairs, Real, Searched, Solids, StoredTime, Vec3,
     };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
@@ -267,6 +327,26 @@ mod owned {
                 material: &self.material,
                 radii: &self.radii,
                 inverse_masses: &self.inverse_masses,
+                law_of: &self.law_of,
+                laws: &self.laws,
+            }
+        }
+
+        /// The borrowed view that a host changes.
+        #[cfg_attr(small, optimize(size), inline(never))]
+        pub(crate) fn solids(&mut self) -> Solids<'_> {
+            Solids {
+                thickness: self.thickness,
+                continuous: self.continuous,
+                surface: self.surface.view(),
+                bodies: &mut self.colliders.bodies,
+                anchors: &self.colliders.anchors,
+                keys: &self.colliders.keys,
+                frames: &mut self.colliders.frames,
+                firsts: &self.firsts,
+                material: &self.material,
+                radii: &self.radii,
+                inverse_masses: &mut self.inverse_masses,
                 law_of: &self.law_of,
                 laws: &self.laws,
             }
@@ -467,6 +547,7 @@ mod owned {
         }
 
         /// The borrowed view that a step takes.
+        #[cfg_attr(small, optimize(size), inline(never))]
         pub fn view(&mut self) -> ContactScratch<'_> {
             ContactScratch {
                 start: &mut self.start,

@@ -28,7 +28,8 @@
 //!     state; [`spectrum`]: the fastest modes, which limit the steps of explicit methods; [`warning`]: settings that do
 //!     not suit a scene, and signs that a result is wrong.
 //! 12. [`simulation`]: all of it owned, for hosts that allocate; [`cooked`]: all of it in one block of bytes and in memory of
-//!     the host, without a heap. `halving` divides a step that fails, for both.
+//!     the host, without a heap. [`live`]: the calls by which a host drives both. `halving` divides a step that fails, for
+//!     both.
 //!
 //! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time), [`rigid_body`]
 //! (a cloth as if it were rigid),
@@ -134,6 +135,7 @@ pub mod untangle;
 #[cfg(feature = "alloc")]
 pub mod spectrum;
 
+pub mod live;
 #[cfg(feature = "alloc")]
 pub mod simulation;
 

@@ -26,7 +26,8 @@ pub struct PinGroup {
 }
 
 /// An impulse on the cloth.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Impulse {
     /// The impulse, N s.
     pub linear: DVec3,
@@ -53,6 +54,11 @@ pub struct Reactions<'a> {
 }
 
 impl Reactions<'_> {
+    /// The same sums for a shorter time.
+    pub fn reborrow(&mut self) -> Reactions<'_> {
+        Reactions { groups: self.groups, pins: self.pins, colliders: self.colliders }
+    }
+
     /// Adds the impulses of the pins in the step to the candidate state in `s`. Its forces contain those of contacts,
     /// and along held axes those of the [equations](crate::integrate::pin_forces) of an implicit step. The positions of
     /// its stage are those in the middle of the step.

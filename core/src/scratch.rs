@@ -136,7 +136,6 @@ mod owned {
     use crate::integrate::coarse::{Dense, MODES};
     use crate::integrate::columns::{PART, Sums};
     use crate::integrate::patches::PatchColumns;
-    use crate::integrate::pins::Pins;
     use crate::integrate::{Method, Preconditioner, Scheme};
     use crate::real::{Lanes, Sum, to_f64};
     use crate::scene::BuiltScene;
@@ -273,14 +272,10 @@ mod owned {
             keep(&mut self.stage_velocities, rk4);
         }
 
-        /// Updates the fixed axes of the patches from the pins.
-        pub(crate) fn set_pins(&mut self, pins: &Pins<'_>) {
-            self.patches.set_pins(pins);
-        }
-
-        /// The held axes of each vertex; empty without patches.
-        pub(crate) fn held(&self) -> &[u8] {
-            self.patches.view().held
+        /// The held axes of each vertex, empty without patches, and the changes in the last step.
+        pub(crate) fn of_pins(&mut self) -> (&mut [u8], [&mut [Vec3]; 2]) {
+            let previous = [&mut self.previous_displacements, &mut self.previous_velocity_changes];
+            (self.patches.held_mut(), previous.map(|column| &mut column[..]))
         }
 
         /// Sizes that the memory traffic depends on.

@@ -25,7 +25,8 @@ use crate::response::constraint::Constraint;
 use crate::scratch::Scratch;
 
 /// Work done on the cloth, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct WorkDone {
     /// By pins that move.
     pub pins: Sum,
@@ -75,6 +76,13 @@ pub struct Ledger<'a> {
     pub done: &'a mut WorkDone,
     /// The reactions; `None`: neither they nor the work of damping are measured.
     pub reactions: Option<Reactions<'a>>,
+}
+
+impl Ledger<'_> {
+    /// The same sums for a shorter time.
+    pub fn reborrow(&mut self) -> Ledger<'_> {
+        Ledger { done: self.done, reactions: self.reactions.as_mut().map(Reactions::reborrow) }
+    }
 }
 
 /// Adds the work, and the reactions, in the step to the candidate state in `s`. Overwrites the columns of the stage and

@@ -3,6 +3,8 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use muslin_core::cooked::Room;
+
 use crate::args::CookArguments;
 use crate::engine::{self, Engine, Halt};
 use crate::export::whole;
@@ -34,11 +36,13 @@ pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
             Measured { room: [pairs.unwrap_or(room[0]), contacts.unwrap_or(room[1])], seconds }
         }
     };
-    let block = engine.cook(measured.room, arguments.hands);
+    let [pairs, contacts] = measured.room;
+    let CookArguments { hands, forces, deform: deforms, impulses, .. } = *arguments;
+    let block = engine.cook(&Room { pairs, contacts, hands, forces, deforms, impulses });
     let memory = engine::required_bytes(&block);
     let file = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.bin", scene.desc.name)));
     let file = whole::write(file, |out| out.write_all(&block))?;
-    print_data(&report(&block, memory, &measured, &file.display().to_string(), arguments.hands))
+    print_data(&report(&block, memory, &measured, &file.display().to_string(), arguments))
 }
 
 /// The engine at the start of the scene, untangled.
@@ -71,7 +75,7 @@ fn measure(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<
     Ok(Measured { room: engine.room(), seconds: steps as f64 * timing.step })
 }
 
-fn report(block: &[u8], memory: usize, measured: &Measured, file: &str, hands: u32) -> String {
+fn report(block: &[u8], memory: usize, measured: &Measured, file: &str, arguments: &CookArguments) -> String {
     let [pairs, contacts] = measured.room;
     let source = match measured.seconds {
         0.0 => "as asked for".to_owned(),
@@ -84,7 +88,9 @@ fn report(block: &[u8], memory: usize, measured: &Measured, file: &str, hands: u
     format!(
         "{file}: {} bytes, which may stay in flash memory\n\
          {memory} bytes of memory, both aligned to 32 bytes\n\
-         {contact}; room for {hands} vertices that the program holds",
-        block.len()
+         {contact}; room for {} vertices that the program holds, and for {} on which it sets forces",
+        block.len(),
+        arguments.hands,
+        arguments.forces
     )
 }

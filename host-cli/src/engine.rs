@@ -1,6 +1,7 @@
 //! A simulation in either precision behind one trait. The single and double precision crates compile the
 //! same sources, so one macro implements the trait for both.
 
+use muslin_core::cooked::Room;
 use muslin_core::integrate::stability::Mode;
 use muslin_core::scene::Timing;
 use muslin_core::work_done::WorkDone;
@@ -228,7 +229,7 @@ pub trait Engine: Send {
     /// The room of the columns of contact, for candidates and for contacts.
     fn room(&self) -> [usize; 2];
     /// The scene as a block of bytes, with room for candidates, contacts and vertices that a host holds.
-    fn cook(&self, room: [usize; 2], hands: u32) -> Vec<u8>;
+    fn cook(&self, room: &Room) -> Vec<u8>;
 }
 
 /// Bytes of memory that a cooked scene needs, in the precision in which it was cooked; 0 if it is not one.
@@ -471,8 +472,9 @@ macro_rules! engine {
                     Simulation::room(self)
                 }
 
-                fn cook(&self, [pairs, contacts]: [usize; 2], hands: u32) -> Vec<u8> {
-                    $core::cooked::cook(self, $core::cooked::Room { pairs, contacts, hands })
+                fn cook(&self, room: &muslin_core::cooked::Room) -> Vec<u8> {
+                    let muslin_core::cooked::Room { pairs, contacts, hands, forces, deforms, impulses } = *room;
+                    $core::cooked::cook(self, $core::cooked::Room { pairs, contacts, hands, forces, deforms, impulses })
                 }
 
                 fn masses(&self) -> Vec<f64> {

@@ -2,6 +2,7 @@
 
 use muslin_core::colliders::Form;
 use muslin_core::diagnostics::StateHash;
+use muslin_core::live::Live as _;
 use muslin_core::real::Vec3;
 use muslin_core::scene::SceneDesc;
 use muslin_core::simulation::{Simulation as Cloth, State, StepError};

@@ -1,5 +1,6 @@
 //! Code that the test suites share.
 
+pub mod aligned;
 pub mod belt;
 pub mod case;
 pub mod cloth_ball;

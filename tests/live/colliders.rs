@@ -5,6 +5,7 @@ use harness::both_precisions;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::error::LiveError;
 use muslin_core_f64::kinematic::Pose;
+use muslin_core_f64::live::Live as _;
 use muslin_core_f64::scene::{Content, PointCache};
 
 use super::{apart, ball, kit, lead};
@@ -137,6 +138,7 @@ fn pierced() -> String {
 both_precisions! {
     use glam::DVec3;
     use harness::steps::Steps;
+    use muslin::live::Live as _;
     use muslin::dispatch::Serial;
     use muslin::kinematic::Pose;
 
@@ -250,6 +252,7 @@ fn a_mesh_far_from_its_zero_turns_on_the_spot() {
 fn a_collider_is_swept_late_in_a_run() {
     use harness::kit::single as kit;
     use muslin_core::kinematic::Pose;
+    use muslin_core::live::Live as _;
     let mut sim = kit::simulation(&pierced(), &[]);
     let start = sim.clone();
     let state = muslin_core::simulation::State { steps: 20_000_000, ..start.state() };

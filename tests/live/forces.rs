@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use muslin_core_f64::error::LiveError;
+use muslin_core_f64::live::Live as _;
 use muslin_core_f64::simulation::MaterialError;
 use muslin_core_f64::work_done::WorkDone;
 

@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 use muslin_core_f64::error::LiveError;
 use muslin_core_f64::kinematic::Pose;
+use muslin_core_f64::live::Live as _;
 
 use super::{apart, ball, hanging, kit, lead};
 

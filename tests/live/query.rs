@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use muslin_core_f64::error::LiveError;
-use muslin_core_f64::simulation::Side;
+use muslin_core_f64::live::{Live as _, Side};
 
 use super::{ball, kit, lead};
 

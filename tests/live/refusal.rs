@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 use muslin_core_f64::error::LiveError;
 use muslin_core_f64::kinematic::Pose;
+use muslin_core_f64::live::Live as _;
 use muslin_core_f64::simulation::Simulation;
 
 use super::{ball, kit, lead};
@@ -45,7 +46,7 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
         let before = format!("{:?}", sim.snapshot());
         let refused = ask(&mut sim).expect_err(words);
         assert!(refused.to_string().contains(words), "{refused}, not {words}");
-        assert_eq!(format!("{:?}", sim.snapshot()), before, "{words}");
+        assert!(format!("{:?}", sim.snapshot()) == before, "{words}: the state changed");
     }
 }
 
@@ -61,6 +62,7 @@ fn a_scene_without_contact_has_no_colliders() {
 /// Numbers that a column in single precision cannot hold.
 #[test]
 fn what_single_precision_cannot_hold_is_refused() {
+    use muslin_core::live::Live as _;
     let mut sim = harness::kit::single::simulation(&ball("", ""), &[]);
     assert!(sim.push(60, [1e39, 0.0, 0.0]).is_err());
     assert!(sim.set_gravity([0.0, 1e39, 0.0]).is_err());

@@ -16,6 +16,7 @@ both_precisions! {
     use muslin::diagnostics::StateHash;
     use muslin::dispatch::Serial;
     use muslin::kinematic::Pose;
+    use muslin::live::Live as _;
     use muslin::simulation::Simulation;
     use muslin::work_done::WorkDone;
 
@@ -101,6 +102,7 @@ fn a_snapshot_of_another_scene_is_refused() {
 #[test]
 fn a_snapshot_of_a_simulation_that_measures_more_or_less_fits() {
     use harness::kit::double as kit;
+    use muslin_core_f64::live::Live as _;
     let build = || kit::simulation(&scene("integrator = { error = 0.0001 }"), &[]);
     let [mut measured, mut plain] = [build(), build()];
     measured.measure_reactions();
@@ -119,6 +121,7 @@ fn a_snapshot_of_a_simulation_that_measures_more_or_less_fits() {
 #[test]
 fn a_snapshot_holds_the_thickness_and_the_rest_shape() {
     use harness::kit::double as kit;
+    use muslin_core_f64::live::Live as _;
     let text = super::ball("", "");
     let [mut changed, mut kept] = [(); 2].map(|()| kit::simulation(&text, &[]));
     for sim in [&mut changed, &mut kept] {

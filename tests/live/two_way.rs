@@ -20,6 +20,7 @@ both_precisions! {
     use harness::steps::Steps;
     use muslin::kinematic::Pose;
     use muslin::real::Real;
+    use muslin::live::Live as _;
     use muslin::simulation::Simulation;
 
     const MASS: f64 = 0.05;
@@ -106,6 +107,7 @@ both_precisions! {
 #[test]
 fn the_moment_turns_a_body_that_is_hit_off_its_centre() {
     use harness::kit::double as kit;
+    use muslin_core_f64::live::Live as _;
     let shape = "shape = \"box\"\n        center = [0.3, -0.12, 0]\n        half = [0.2, 0.1, 0.3]";
     let sphere = "shape = \"sphere\"\n        center = [0, -0.12, 0]\n        radius = 0.1";
     let mut sim = kit::simulation(&super::ball("", "").replace(sphere, shape), &[]);
@@ -132,6 +134,7 @@ fn the_moment_turns_a_body_that_is_hit_off_its_centre() {
 #[test]
 fn impulses_must_be_measured() {
     use muslin_core_f64::error::LiveError;
+    use muslin_core_f64::live::Live as _;
     let mut sim = harness::kit::double::simulation(&super::ball("", ""), &[]);
     assert_eq!(sim.take_impulse(0).map(|_| ()), Err(LiveError::NotMeasured));
     assert!(sim.take_impulse(1).is_err());

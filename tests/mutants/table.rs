@@ -132,9 +132,9 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         what: "What is let go stays immovable to contact",
-        file: "core/src/simulation/pins.rs",
-        old: "pins.write_inverse_masses(&particles.inverse_masses, &mut contact.inverse_masses[..cloth]);",
-        new: "pins.write_inverse_masses(&particles.inverse_masses, &mut contact.inverse_masses[..cloth].to_vec());",
+        file: "core/src/live/pins.rs",
+        old: "pins.write_inverse_masses(self.particles.inverse_masses, cloth);",
+        new: "pins.write_inverse_masses(self.particles.inverse_masses, &mut cloth.to_vec());",
         everyday: &["response"],
         all: &[],
     },

@@ -33,6 +33,7 @@ both_precisions! {
     use glam::DVec3;
     use harness::steps::Steps;
     use muslin::real::{Real, to_f64};
+    use muslin::live::Live as _;
     use muslin::simulation::Simulation;
 
     fn build(height: f64, pins: &str) -> Simulation {

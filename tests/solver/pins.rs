@@ -7,6 +7,7 @@ use harness::net::{converged, linearised};
 use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::integrate::{Method, Scheme};
+use muslin_core_f64::live::Live as _;
 use muslin_core_f64::simulation::Simulation;
 
 const STEP: f64 = 0.001;

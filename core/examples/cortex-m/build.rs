@@ -28,7 +28,7 @@ fn main() {
         write!(hashes, "{:#018x}, ", hash.0).expect("a string takes all text");
     }
     let [pairs, contacts] = sim.room();
-    let block = cook(&start, Room { pairs, contacts, hands: 0 });
+    let block = cook(&start, Room { pairs, contacts, ..Room::default() });
     let memory = required_bytes(&block).expect("it is cooked");
     fs::write(out.join("cloth.bin"), &block).expect("it can be written");
     let table = format!(

@@ -54,16 +54,33 @@ struct Question<'a> {
 /// positions `before`. Crossings that disappear do not matter.
 pub fn new_crossing(surface: &Surface<'_>, before: &[Vec3], after: &[Vec3], room: &mut Room<'_>) -> Option<[u32; 2]> {
     let mut least: Option<[u32; 2]> = None;
-    for Question { edges, trees } in questions(surface, after, room) {
+    for_each(surface, after, room, &mut |crossing| {
+        if !crosses(surface, before, crossing) {
+            least = Some(least.map_or(crossing, |least| least.min(crossing)));
+        }
+    });
+    least
+}
+
+/// Whether there is a crossing, `[edge, triangle]`, that a condition holds for.
+pub fn any_crossing(
+    surface: &Surface<'_>,
+    positions: &[Vec3],
+    room: &mut Room<'_>,
+    holds: impl Fn([u32; 2]) -> bool,
+) -> bool {
+    let mut any = false;
+    for_each(surface, positions, room, &mut |crossing| any |= holds(crossing));
+    any
+}
+
+/// Calls `found` with all crossings.
+fn for_each(surface: &Surface<'_>, positions: &[Vec3], room: &mut Room<'_>, found: &mut dyn FnMut([u32; 2])) {
+    for Question { edges, trees } in questions(surface, positions, room) {
         for group in edges.chunks(GROUP) {
-            visit(surface, after, group, &trees, &mut |crossing| {
-                if !crosses(surface, before, crossing) {
-                    least = Some(least.map_or(crossing, |least| least.min(crossing)));
-                }
-            });
+            visit(surface, positions, group, &trees, found);
         }
     }
-    least
 }
 
 /// All edges of faces that may cross a triangle, in two parts: the edges of the cloth and the passive edges.

@@ -152,6 +152,13 @@ impl Cache {
         sqrt(farthest).into()
     }
 
+    /// Whether its frames, of a collider with `count` vertices, lie in a column of a length.
+    pub fn fits(&self, count: usize, length: usize) -> bool {
+        let own = (self.frames as usize).saturating_mul(count);
+        let is_timed = self.rate > 0.0 && self.rate.is_finite() && self.start.is_finite();
+        is_timed && self.frames > 0 && (self.first as usize).saturating_add(own) <= length
+    }
+
     /// Time of the last frame, s.
     pub fn end(&self) -> Sum {
         self.start + (self.frames - 1) as Sum / self.rate

@@ -2,11 +2,12 @@
 //! length. Kernels rely on it.
 
 use super::CookedError;
-use super::stored::{Kept, Solids, Stored};
+use super::stored::{Kept, NO_FRAMES, Stored, StoredContact};
 use crate::audit::tree;
 use crate::broad_phase::{Grid, Surface};
-use crate::colliders::{Drive, Form};
-use crate::contact::{ContactScratch, Pairs};
+use crate::colliders::{Body, Drive, Form};
+use crate::contact::{ContactScratch, Pairs, Solids};
+use crate::forces::load::VertexForce;
 use crate::forces::matrix::{BlockMatrix, NOT_STORED};
 use crate::forces::model::for_each_term;
 use crate::forces::term::ForceTerm as _;
@@ -36,6 +37,10 @@ fn all_below(indices: &[u32], end: usize) -> bool {
     indices.iter().all(|&index| (index as usize) < end)
 }
 
+fn all_below_forces(forces: &[VertexForce], end: usize) -> bool {
+    forces.iter().all(|it| (it.vertex as usize) < end)
+}
+
 /// Whether offsets divide a column of a length into so many rows.
 fn divides(offsets: &[u32], rows: usize, length: usize) -> bool {
     offsets.len() == rows + 1
@@ -63,15 +68,24 @@ pub(super) fn all(stored: &Stored<'_>, scheme: &Scheme) -> Checked {
     check_model(model, n)?;
     let bodies = contact.as_ref().map_or(0, |contact| contact.model.bodies.len());
     check_pins(pins, n, bodies)?;
-    check_scratch(scratch, model, scheme, n)?;
+    let measures = stored.reactions.is_some();
+    check_scratch(scratch, model, scheme, n, measures.then_some(pins.vertices.len()))?;
+    ensure(all_below_forces(stored.forces, n))?;
+    let impulses = if measures { bodies } else { 0 };
+    if let Some(reactions) = &stored.reactions {
+        ensure(reactions.pins.is_empty() && reactions.colliders.len() == impulses)?;
+    }
     ensure(held.len() == if scratch.patches.labels.is_empty() { 0 } else { n })?;
     if let Some(contact) = contact {
         check_solids(&contact.model, n)?;
         check_columns(&contact.columns, &contact.model)?;
+        check_own_frames(contact)?;
     }
     let constraints = contact.as_ref().map_or(0, |contact| contact.columns.constraints.len());
     ensure(kept.is_some() == (contact.is_some() || scheme.error.is_some()))?;
-    kept.as_ref().map_or(Ok(()), |kept| check_kept(kept, n, scratch.previous_displacements.len(), constraints))
+    let Some(kept) = kept else { return Ok(()) };
+    ensure(kept.reactions.len() == impulses)?;
+    check_kept(kept, n, scratch.previous_displacements.len(), constraints)
 }
 
 fn check_kept(kept: &Kept<'_>, n: usize, previous: usize, constraints: usize) -> Checked {
@@ -151,7 +165,8 @@ fn check_pins(pins: &PinSlots<'_>, n: usize, bodies: usize) -> Checked {
     ensure([0, count].contains(&pins.carriers.len()) && pins.carriers.iter().all(is_carrier))
 }
 
-fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize) -> Checked {
+/// `pins` is the number of pins if work is measured.
+fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize, pins: Option<usize>) -> Checked {
     let when = |is_used: bool| if is_used { n } else { 0 };
     let implicit = scheme.method.is_implicit();
     let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
@@ -164,7 +179,6 @@ fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize) 
         s.velocity_changes.len(),
     ];
     let solve = [
-        s.stage_positions.low.len(),
         s.solution.len(),
         s.residual.len(),
         s.gradient.len(),
@@ -174,8 +188,12 @@ fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize) 
         s.inverse_diagonal.len(),
     ];
     ensure(are(&always, n) && are(&solve, when(implicit)))?;
-    ensure(s.elements.len() == model.force_scratch() && s.pin_forces.is_empty())?;
-    ensure(s.stage_positions.rounded.len() == when(rk4 || implicit) && s.stage_velocities.len() == when(rk4))?;
+    ensure(s.elements.len() == model.force_scratch())?;
+    ensure(s.pin_forces.len() == if implicit { pins.unwrap_or(0) } else { 0 })?;
+    let measures = pins.is_some();
+    ensure(s.stage_positions.low.len() == when(implicit || measures))?;
+    ensure(s.stage_positions.rounded.len() == when(rk4 || implicit || measures))?;
+    ensure(s.stage_velocities.len() == when(rk4 || measures))?;
     ensure(are(&[s.previous_displacements.len(), s.previous_velocity_changes.len()], when(history)))?;
     ensure(are(&[s.base_offsets.len(), s.base_velocities.len()], when(bdf2)))?;
     ensure(s.base_residual.len() == when(implicit && scheme.newton > 1))?;
@@ -277,17 +295,22 @@ fn check_solids(solids: &Solids<'_>, n: usize) -> Checked {
         let moves = match body.drive() {
             Drive::Rest | Drive::Host(_) => true,
             Drive::Motion(motion) => has_keys(&motion, solids.keys),
-            Drive::Cache(cache) => {
-                let length = (cache.frames as usize).saturating_mul(count);
-                let is_timed = cache.rate > 0.0 && cache.rate.is_finite() && cache.start.is_finite();
-                is_timed && cache.frames > 0 && (cache.first as usize).saturating_add(length) <= solids.frames.len()
-            }
+            Drive::Cache(cache) => cache.fits(count, solids.frames.len()),
         };
         ensure(body.vertices[0] as usize == next && fits && moves)?;
         next += count;
     }
     ensure(next == solids.anchors.len())?;
     check_surface(&solids.surface, vertices)
+}
+
+fn check_own_frames(StoredContact { model, own_frames, .. }: &StoredContact<'_>) -> Checked {
+    ensure([0, model.bodies.len()].contains(&own_frames.len()))?;
+    let fits = |(&first, body): (&u32, &Body)| {
+        let length = 2 * body.range().len();
+        first == NO_FRAMES || (first as usize).checked_add(length).is_some_and(|end| end <= model.frames.len())
+    };
+    ensure(own_frames.iter().zip(&*model.bodies).all(fits))
 }
 
 fn check_columns(c: &ContactScratch<'_>, solids: &Solids<'_>) -> Checked {

@@ -5,36 +5,43 @@
 use glam::DVec3;
 
 use super::source::{Columns, Source};
-use super::stored::{Kept, Stored, StoredContact};
-use super::{ALIGNMENT, CookedError, HEADER, check, checksum, header};
+use super::stored::{Kept, NO_FRAMES, Stored, StoredContact};
+use super::{ALIGNMENT, CookedError, HEADER, check, checksum, header, snapshot};
 use crate::broad_phase::Counts;
-use crate::colliders::{Colliders, Drive};
+use crate::colliders::Colliders;
 use crate::contact::{ContactRoom, ContactScratch};
 use crate::diagnostics;
 use crate::dispatch::{Dispatch, block_on};
-use crate::error::{LiveError, checked_vector};
+use crate::error::LiveError;
 use crate::halving::{self, Divided, Progress, Substep};
 use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Scheme, StepInput};
-use crate::real::{Real, Sum, Vec3, to_f64, vec3};
+use crate::live::{HostForces, Owner, Parts, PartsMut, Slot};
+use crate::real::{Real, Sum, Vec3};
 use crate::refusal::{Cause, Obstacle, StepError};
 use crate::response::ContactStatistics;
 use crate::step::{self, History, StepContact, Work};
+use crate::work_done::{Ledger, WorkDone};
 
 /// A cloth in borrowed memory.
 pub struct Cloth<'a> {
-    stored: Stored<'a>,
-    scheme: Scheme,
-    step: Real,
-    history: History,
-    kept_history: History,
-    kept_multipliers: usize,
-    halvings: u32,
-    estimate: Option<Real>,
-    searched: u64,
-    steps: u64,
-    statistics: IntegratorStatistics,
-    contact_statistics: ContactStatistics,
+    pub(super) stored: Stored<'a>,
+    pub(super) scheme: Scheme,
+    pub(super) step: Real,
+    pub(super) history: History,
+    pub(super) kept_history: History,
+    pub(super) kept_multipliers: usize,
+    pub(super) halvings: u32,
+    pub(super) estimate: Option<Real>,
+    pub(super) searched: u64,
+    pub(super) steps: u64,
+    pub(super) substep: Sum,
+    pub(super) host: HostForces,
+    pub(super) work_done: WorkDone,
+    pub(super) kept_work: WorkDone,
+    pub(super) statistics: IntegratorStatistics,
+    pub(super) contact_statistics: ContactStatistics,
+    pub(super) snapshot_bytes: usize,
 }
 
 /// Columns of contact that cannot grow.
@@ -78,6 +85,7 @@ impl<'a> Cloth<'a> {
             scheme,
             step: stored.settings.step as Real,
             steps: stored.settings.steps,
+            snapshot_bytes: snapshot::size(&mut stored),
             stored,
             history: History::Start,
             kept_history: History::Start,
@@ -85,6 +93,10 @@ impl<'a> Cloth<'a> {
             halvings: 0,
             estimate: None,
             searched: 0,
+            substep: 0.0,
+            host: HostForces::default(),
+            work_done: WorkDone::default(),
+            kept_work: WorkDone::default(),
             statistics: IntegratorStatistics::default(),
             contact_statistics: ContactStatistics::default(),
         })
@@ -95,13 +107,14 @@ impl<'a> Cloth<'a> {
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;
-        self.change_pins();
+        self.parts_mut().change_pins();
         match block_on(halving::take_substeps(self, dispatch)) {
             Ok(()) => {
                 self.steps += 1;
                 Ok(())
             }
             Err(Obstacle { cause, particle }) => {
+                self.substep = 0.0;
                 if cause == Cause::Stopped {
                     (self.statistics, self.contact_statistics) = counted;
                 }
@@ -113,7 +126,9 @@ impl<'a> Cloth<'a> {
 
     fn hardest_term(&mut self, particle: u32, dispatch: &impl Dispatch) -> Option<crate::stage::Term> {
         let time = self.time();
-        let Stored { particles, model, scratch, .. } = &mut self.stored;
+        let Stored { particles, model, scratch, forces, .. } = &mut self.stored;
+        let mut model = *model;
+        self.host.add_to(&mut model, forces);
         diagnostics::hardest_term(
             &model.at(time),
             particles.masses,
@@ -124,97 +139,6 @@ impl<'a> Cloth<'a> {
             scratch.forces,
             dispatch,
         )
-    }
-
-    /// Lets the pins begin and end whose time has come at the start of this step.
-    fn change_pins(&mut self) {
-        let time = self.time();
-        let Stored { pins, particles, .. } = &mut self.stored;
-        if !pins.change(time, particles.positions) {
-            return;
-        }
-        self.take_over_pins();
-        self.hold(true);
-    }
-
-    /// Moves a vertex, pinned or free, at constant velocity to `place`, in the world, m, within `seconds`, or at once
-    /// for 0. It stays pinned there. A cooked scene has a fixed number of slots for such vertices.
-    pub fn move_to(&mut self, vertex: u32, place: [Sum; 3], seconds: Sum) -> Result<(), LiveError> {
-        let from = self.checked_vertex(vertex)?;
-        let place = checked_vector("the place", place)? - self.origin();
-        if !(0.0..Sum::INFINITY).contains(&seconds) {
-            return Err(LiveError::Seconds { seconds });
-        }
-        let now = self.time();
-        let before = self.pins().held_velocity(vertex, now);
-        let pins = &mut self.stored.pins;
-        if !pins.move_to(vertex, [now, now + seconds], from, place, before.unwrap_or_default()) {
-            return Err(LiveError::NoSlot);
-        }
-        self.take_over_pins();
-        self.hold(before.is_none());
-        Ok(())
-    }
-
-    /// Pins a vertex to a collider where it is now: it moves with the collider.
-    pub fn attach(&mut self, vertex: u32, collider: u32) -> Result<(), LiveError> {
-        let place = DVec3::from(to_f64(self.checked_vertex(vertex)?));
-        let colliders = self.colliders();
-        let missing = LiveError::NoCollider { collider, count: colliders.bodies.len() as u32 };
-        let drive = colliders.bodies.get(collider as usize).ok_or(missing)?.drive();
-        if matches!(drive, Drive::Cache(_)) {
-            return Err(LiveError::Deforms { collider });
-        }
-        let anchor = vec3(drive.undo(colliders.keys, place, self.time()).into());
-        if !self.stored.pins.attach(vertex, anchor, collider) {
-            return Err(LiveError::NoSlot);
-        }
-        self.take_over_pins();
-        self.hold(true);
-        Ok(())
-    }
-
-    /// Removes all pins of a vertex. It keeps the velocity with which they moved it until now. Returns false if it has no
-    /// pin.
-    pub fn release(&mut self, vertex: u32) -> bool {
-        let time = self.time();
-        let Stored { pins, particles, contact, .. } = &mut self.stored;
-        let colliders = contact.as_ref().map(|contact| contact.model.colliders()).unwrap_or_default();
-        pins.carried_by(colliders).let_fly(vertex, time, particles);
-        let released = pins.release(vertex);
-        if released {
-            self.take_over_pins();
-            self.history.cut();
-        }
-        released
-    }
-
-    fn checked_vertex(&self, vertex: u32) -> Result<Vec3, LiveError> {
-        let missing = LiveError::NoVertex { vertex, count: self.positions().len() as u32 };
-        self.positions().get(vertex as usize).copied().ok_or(missing)
-    }
-
-    /// Copies the held axes to contact and the preconditioner.
-    fn take_over_pins(&mut self) {
-        let Stored { pins, particles, contact, held, .. } = &mut self.stored;
-        let view = pins.carried_by(Colliders::default());
-        view.write_held(held);
-        if let Some(contact) = contact {
-            let (cloth, _) = contact.model.inverse_masses.split_at_mut(particles.inverse_masses.len());
-            view.write_inverse_masses(particles.inverse_masses, cloth);
-        }
-    }
-
-    /// Gives pinned vertices the velocities of their pins. If one holds what was free, a two-step method cannot use the
-    /// state from before it.
-    fn hold(&mut self, held_more: bool) {
-        if held_more {
-            self.history.cut();
-        }
-        let time = self.time();
-        let Stored { pins, particles, contact, .. } = &mut self.stored;
-        let colliders = contact.as_ref().map(|contact| contact.model.colliders()).unwrap_or_default();
-        pins.carried_by(colliders).set_out(time, particles.velocities);
     }
 
     /// Simulated time, s.
@@ -283,6 +207,69 @@ impl<'a> Cloth<'a> {
     }
 }
 
+impl Owner for Cloth<'_> {
+    fn parts(&self) -> Parts<'_> {
+        let Stored { particles, triangles, contact, .. } = &self.stored;
+        Parts {
+            origin: self.origin(),
+            time: self.time(),
+            step: self.step.into(),
+            substep: self.substep,
+            positions: particles.into(),
+            velocities: particles.velocities,
+            triangles,
+            firsts: contact.as_ref().map_or(&[], |contact| contact.model.firsts),
+            pins: self.pins(),
+            colliders: self.colliders(),
+            constraints: contact
+                .as_ref()
+                .map_or(&[], |StoredContact { columns, .. }| &columns.constraints[..columns.lengths.constraints]),
+        }
+    }
+
+    fn parts_mut(&mut self) -> PartsMut<'_> {
+        let (origin, time, step) = (self.origin(), self.time(), self.step.into());
+        let Stored { particles, triangles, model, pins, scratch, held, contact, forces, reactions, .. } =
+            &mut self.stored;
+        let (solids, columns) = match contact {
+            Some(StoredContact { model, columns, .. }) => (Some(model.reborrow()), Some(columns.reborrow())),
+            None => (None, None),
+        };
+        let done = &mut self.work_done;
+        PartsMut {
+            origin,
+            time,
+            step,
+            substep: &mut self.substep,
+            particles: particles.reborrow(),
+            triangles,
+            model: *model,
+            host: &mut self.host,
+            forces,
+            pins: pins.reborrow(),
+            held,
+            solids,
+            contact: columns,
+            previous: [scratch.previous_displacements, scratch.previous_velocity_changes],
+            history: &mut self.history,
+            ledger: reactions.as_mut().map(|it| Ledger { done, reactions: Some(it.reborrow()) }),
+        }
+    }
+
+    /// A cooked cloth has its slots from the start.
+    fn add_slot(&mut self, _: Slot) -> bool {
+        false
+    }
+
+    fn make_frames(&mut self, body: usize) -> Result<usize, LiveError> {
+        let contact = self.stored.contact.as_ref().ok_or(LiveError::NoSlot)?;
+        match contact.own_frames.get(body) {
+            Some(&first) if first != NO_FRAMES => Ok(first as usize),
+            _ => Err(LiveError::NoSlot),
+        }
+    }
+}
+
 impl Divided for Cloth<'_> {
     fn progress(&mut self) -> Progress<'_> {
         Progress {
@@ -301,16 +288,19 @@ impl Divided for Cloth<'_> {
         dispatch: &D,
     ) -> Result<Option<Real>, Obstacle> {
         let time = self.time() + substep.from * Sum::from(self.step);
-        let Self { stored, scheme, step, history, searched, statistics, contact_statistics, .. } = self;
-        let Stored { particles, model, pins, scratch, held, contact, .. } = stored;
+        let Self { stored, scheme, step, history, searched, statistics, contact_statistics, host, work_done, .. } =
+            self;
+        let Stored { particles, model, pins, scratch, held, contact, forces, reactions, .. } = stored;
         let mut particles = particles.reborrow();
         let (solids, columns) = match contact {
-            Some(StoredContact { model, columns }) => (Some(&*model), Some(columns)),
+            Some(StoredContact { model, columns, .. }) => (Some(&*model), Some(columns)),
             None => (None, None),
         };
         let colliders = solids.map(|solids| solids.colliders()).unwrap_or_default();
+        let mut model = *model;
+        host.add_to(&mut model, forces);
         let input = StepInput {
-            model: *model,
+            model,
             pins: &pins.carried_by(colliders),
             masses: particles.masses,
             inverse_masses: particles.inverse_masses,
@@ -324,16 +314,21 @@ impl Divided for Cloth<'_> {
         };
         let mut scratch = scratch.reborrow();
         scratch.patches.held = held;
-        let work = Work { integrator: statistics, contact: contact_statistics, searched, done: None };
+        let done = reactions.as_mut().map(|it| Ledger { done: work_done, reactions: Some(it.reborrow()) });
+        let work = Work { integrator: statistics, contact: contact_statistics, searched, done };
         let model = solids.map(|solids| solids.view());
         let mut columns = columns.map(Fixed);
         let contact = model.as_ref().zip(columns.as_mut());
         let contact = contact.map(|(model, columns)| StepContact { model, columns, hold: last_resort });
-        step::take(&input, &mut particles, &mut scratch, contact, history, work).await
+        let taken = step::take(&input, &mut particles, &mut scratch, contact, history, work).await;
+        if taken.is_ok() {
+            self.substep = input.step.into();
+        }
+        taken
     }
 
     fn keep(&mut self) {
-        let Stored { particles, scratch, contact, kept: Some(kept), .. } = &mut self.stored else { return };
+        let Stored { particles, scratch, contact, reactions, kept: Some(kept), .. } = &mut self.stored else { return };
         let Kept { positions, velocities, low_positions, low_velocities, multipliers, .. } = kept;
         positions.copy_from_slice(particles.positions);
         velocities.copy_from_slice(particles.velocities);
@@ -347,11 +342,14 @@ impl Divided for Cloth<'_> {
             let count = self.kept_multipliers;
             multipliers[..count].copy_from_slice(&contact.columns.multipliers[..count]);
         }
-        self.kept_history = self.history;
+        if let Some(reactions) = reactions {
+            kept.reactions.copy_from_slice(reactions.colliders);
+        }
+        (self.kept_history, self.kept_work) = (self.history, self.work_done);
     }
 
     fn put_back(&mut self) {
-        let Stored { particles, scratch, contact, kept: Some(kept), .. } = &mut self.stored else { return };
+        let Stored { particles, scratch, contact, reactions, kept: Some(kept), .. } = &mut self.stored else { return };
         let Kept { positions, velocities, low_positions, low_velocities, multipliers, .. } = kept;
         particles.positions.copy_from_slice(positions);
         particles.velocities.copy_from_slice(velocities);
@@ -364,6 +362,9 @@ impl Divided for Cloth<'_> {
             contact.columns.multipliers[..count].copy_from_slice(&multipliers[..count]);
             contact.columns.lengths.multipliers = count;
         }
-        self.history = self.kept_history;
+        if let Some(reactions) = reactions {
+            reactions.colliders.copy_from_slice(kept.reactions);
+        }
+        (self.history, self.work_done) = (self.kept_history, self.kept_work);
     }
 }

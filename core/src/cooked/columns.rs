@@ -27,6 +27,7 @@ use crate::forces::{Model, Term};
 use crate::integrate::coarse::{CoarseFactor, Patches};
 use crate::mesh::Incidence;
 use crate::particles::{Particles, PositionsMut};
+use crate::reactions::Reactions;
 use crate::scratch::Scratch;
 
 /// Reads and writes a view by the list of its fields.
@@ -97,7 +98,7 @@ columns! { Hinges {
 } }
 columns! { Seams { constant vertices, constant weights, constant stiffness, constant damping, part incidence } }
 columns! { Wind { constant vertices, value velocity, constant keys, value normal, value tangential, part incidence } }
-columns! { Loads { constant vertices, constant parts, constant groups, constant keys, fresh moment } }
+columns! { Loads { constant vertices, constant parts, constant groups, constant keys, fresh moment, fresh of_host } }
 columns! { Incidence { constant offsets, constant slots } }
 
 columns! { Scratch {
@@ -108,6 +109,7 @@ columns! { Scratch {
     scratch gradient, scratch base_residual, scratch direction, scratch products, scratch preconditioned,
     scratch inverse_diagonal, part patches, part coarse, state cloths, scratch partials,
 } }
+columns! { Reactions { fresh groups, scratch pins, scratch colliders } }
 columns! { PositionsMut { scratch rounded, scratch low } }
 columns! { BlockMatrix {
     constant offsets, constant columns, constant mirrored_offsets, constant mirrored, scratch blocks,

@@ -8,6 +8,7 @@
 mod check;
 pub mod cloth;
 mod columns;
+mod snapshot;
 mod source;
 pub(crate) mod stored;
 
@@ -31,7 +32,7 @@ pub const ALIGNMENT: usize = 32;
 const MAGIC: [u8; 8] = *b"MuslinCl";
 
 /// Changes with every change of the columns.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The beginning of a block.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -5,17 +5,15 @@ use glam::DVec3;
 
 use super::CookedError;
 use super::columns::columns;
-use crate::broad_phase::Surface;
-use crate::colliders::{Body, Colliders};
-use crate::contact::{ContactModel, ContactScratch};
+use crate::contact::{ContactScratch, Solids};
+use crate::forces::load::VertexForce;
 use crate::forces::{Jacobian, Model};
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::pins::PinSlots;
 use crate::integrate::{Method, Preconditioner, Scheme, Tolerance};
-use crate::keys::Key;
 use crate::particles::Particles;
+use crate::reactions::{Impulse, Reactions};
 use crate::real::{Real, Vec3};
-use crate::response::friction::Law;
 use crate::scratch::Scratch;
 
 /// All columns.
@@ -31,31 +29,23 @@ pub(crate) struct Stored<'a> {
     pub held: &'a mut [u8],
     /// Absent: surfaces pass through one another.
     pub contact: Option<StoredContact<'a>>,
+    /// Slots for forces of the host on vertices.
+    pub forces: &'a mut [VertexForce],
+    /// Impulses of the colliders; absent: they are not measured.
+    pub reactions: Option<Reactions<'a>>,
     /// Columns for a step that is divided; absent: it never is.
     pub kept: Option<Kept<'a>>,
 }
+
+/// Value in [`StoredContact::own_frames`] of a collider that the host cannot deform.
+pub(crate) const NO_FRAMES: u32 = u32::MAX;
 
 /// Contact: what can touch, and the columns of a step.
 pub(crate) struct StoredContact<'a> {
     pub model: Solids<'a>,
     pub columns: ContactScratch<'a>,
-}
-
-/// A [`ContactModel`] of which some columns change.
-pub(crate) struct Solids<'a> {
-    pub thickness: Real,
-    pub continuous: bool,
-    pub surface: Surface<'a>,
-    pub bodies: &'a mut [Body],
-    pub anchors: &'a [Vec3],
-    pub keys: &'a [Key],
-    pub frames: &'a [Vec3],
-    pub firsts: &'a [u32],
-    pub material: &'a [Vec3],
-    pub radii: &'a [Real],
-    pub inverse_masses: &'a mut [Vec3],
-    pub law_of: &'a [u32],
-    pub laws: &'a [Law],
+    /// Index of the first of two frames of each collider that the host may deform, or [`NO_FRAMES`]; may be empty.
+    pub own_frames: &'a [u32],
 }
 
 /// A copy of the state before a step that is divided.
@@ -67,48 +57,26 @@ pub(crate) struct Kept<'a> {
     pub previous_displacements: &'a mut [Vec3],
     pub previous_velocity_changes: &'a mut [Vec3],
     pub multipliers: &'a mut [Multiplier],
+    pub reactions: &'a mut [Impulse],
 }
 
 columns! { Stored {
     value settings, constant triangles, part particles, part model, part pins, part scratch, state held, part contact,
-    part kept,
+    state forces, part reactions, part kept,
 } }
 columns! { PinSlots {
     state vertices, state axes, state anchors, state motions, state table, state keys, state holds, state carriers,
     value of_scene,
 } }
-columns! { StoredContact { part model, part columns } }
+columns! { StoredContact { part model, part columns, constant own_frames } }
 columns! { Solids {
-    value thickness, flag continuous, part surface, state bodies, constant anchors, constant keys, constant frames,
+    value thickness, flag continuous, part surface, state bodies, constant anchors, constant keys, state frames,
     constant firsts, constant material, constant radii, state inverse_masses, constant law_of, constant laws,
 } }
 columns! { Kept {
     scratch positions, scratch velocities, scratch low_positions, scratch low_velocities, scratch previous_displacements,
-    scratch previous_velocity_changes, scratch multipliers,
+    scratch previous_velocity_changes, scratch multipliers, scratch reactions,
 } }
-
-impl Solids<'_> {
-    /// The colliders, to read.
-    pub fn colliders(&self) -> Colliders<'_> {
-        Colliders { bodies: self.bodies, anchors: self.anchors, keys: self.keys, frames: self.frames }
-    }
-
-    /// The borrowed view that kernels take.
-    pub fn view(&self) -> ContactModel<'_> {
-        ContactModel {
-            thickness: self.thickness,
-            continuous: self.continuous,
-            surface: self.surface,
-            colliders: self.colliders(),
-            firsts: self.firsts,
-            material: self.material,
-            radii: self.radii,
-            inverse_masses: self.inverse_masses,
-            law_of: self.law_of,
-            laws: self.laws,
-        }
-    }
-}
 
 /// The scheme and the start, in plain numbers.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

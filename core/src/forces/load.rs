@@ -11,7 +11,7 @@ use crate::real::{Real, Sum, Vec3, vec3};
 use crate::traffic::VECTOR;
 
 /// Loads on some vertices.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Loads<'a> {
     /// The loaded vertices. A vertex may carry several loads.
     pub vertices: &'a [u32],
@@ -23,6 +23,8 @@ pub struct Loads<'a> {
     pub keys: &'a [Key],
     /// When they act.
     pub moment: Moment,
+    /// Constant forces of the host.
+    pub of_host: &'a [VertexForce],
 }
 
 /// A force that some vertices share.
@@ -35,6 +37,32 @@ pub struct LoadGroup {
     pub keys: [u32; 2],
     /// The sum of its parts times the positions at the start, m.
     pub start: DVec3,
+}
+
+/// A force of the host on a vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct VertexForce {
+    /// The vertex.
+    pub vertex: u32,
+    unused: u32,
+    /// The force, N. A slot without a force is free.
+    pub force: DVec3,
+    /// Where the vertex was when the force began to act, m.
+    pub start: DVec3,
+}
+
+impl VertexForce {
+    /// A force on a vertex that is at `start`.
+    pub fn new(vertex: u32, force: DVec3, start: DVec3) -> Self {
+        Self { vertex, unused: 0, force, start }
+    }
+
+    /// Index of the slot for a vertex: its own, or a free one.
+    pub fn slot(all: &[Self], vertex: u32) -> Option<usize> {
+        let own = all.iter().position(|it| it.vertex == vertex && it.force != DVec3::ZERO);
+        own.or_else(|| all.iter().position(|it| it.force == DVec3::ZERO))
+    }
 }
 
 impl<'a> Loads<'a> {
@@ -51,10 +79,16 @@ impl<'a> Loads<'a> {
     /// The loaded vertices with their forces, N.
     pub fn forces(&self) -> impl Iterator<Item = (usize, Vec3)> + use<'a> {
         let loads = *self;
-        loads.groups.iter().flat_map(move |group| {
+        let of_scene = loads.groups.iter().flat_map(move |group| {
             let force = loads.force(group);
             loads.of(group).map(move |(vertex, part)| (vertex, vec3((force * part).into())))
-        })
+        });
+        of_scene.chain(loads.acting().map(|it| (it.vertex as usize, vec3(it.force.into()))))
+    }
+
+    /// The forces of the host that are not zero.
+    fn acting(&self) -> impl Iterator<Item = &'a VertexForce> + use<'a> {
+        self.of_host.iter().filter(|it| it.force != DVec3::ZERO)
     }
 
     /// The force of a group, N.
@@ -85,16 +119,17 @@ impl ForceTerm for Loads<'_> {
             let now: DVec3 = self.of(group).map(|(vertex, part)| x.place(vertex) * part).sum();
             self.force(group).dot(group.start - now)
         };
-        Energy { gravity: self.groups.iter().map(of_group).sum(), ..Energy::default() }
+        let of_host: Sum = self.acting().map(|it| it.force.dot(it.start - x.place(it.vertex as usize))).sum();
+        Energy { gravity: self.groups.iter().map(of_group).sum::<Sum>() + of_host, ..Energy::default() }
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(self.vertices) + size_of_val(self.parts)
+        size_of_val(self.vertices) + size_of_val(self.parts) + size_of_val(self.of_host)
     }
 
     /// Reads the loads, reads and writes the forces of their vertices.
     fn force_traffic(&self, _: usize) -> usize {
-        self.bytes() + 2 * self.vertices.len() * VECTOR
+        self.bytes() + 2 * (self.vertices.len() + self.of_host.len()) * VECTOR
     }
 }
 
@@ -110,30 +145,10 @@ pub struct LoadColumns {
     pub groups: alloc::vec::Vec<LoadGroup>,
     /// The forces of all groups over time, N.
     pub keys: alloc::vec::Vec<Key>,
-    /// Number of groups of the scene. Those after them are of the host: each is a constant force on one vertex.
-    pub of_scene: usize,
 }
 
 #[cfg(feature = "alloc")]
 impl LoadColumns {
-    /// Replaces the force of the host on a vertex, N, which is now at `place`, m. Returns where the vertex was when the
-    /// force before was set, and that force.
-    pub fn set(&mut self, vertex: u32, place: DVec3, force: DVec3) -> (DVec3, DVec3) {
-        let own = &mut self.groups[self.of_scene..];
-        let known = own.iter_mut().find(|group| self.vertices[group.vertices[0] as usize] == vertex);
-        let key = Key { time: 0.0, value: force };
-        if let Some(group) = known {
-            let before = core::mem::replace(&mut self.keys[group.keys[0] as usize], key);
-            return (core::mem::replace(&mut group.start, place), before.value);
-        }
-        let [vertices, keys] = [self.vertices.len(), self.keys.len()].map(|first| [first as u32, 1]);
-        self.groups.push(LoadGroup { vertices, keys, start: place });
-        self.vertices.push(vertex);
-        self.parts.push(1.0);
-        self.keys.push(key);
-        (place, DVec3::ZERO)
-    }
-
     /// The borrowed view that kernels take.
     pub fn view(&self) -> Loads<'_> {
         Loads {
@@ -142,6 +157,7 @@ impl LoadColumns {
             groups: &self.groups,
             keys: &self.keys,
             moment: Moment::default(),
+            of_host: &[],
         }
     }
 }

@@ -168,7 +168,8 @@ impl Tolerance {
 }
 
 /// Counts of the integrator's work, independent of the machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct IntegratorStatistics {
     /// Evaluations of all forces.
     pub force_evaluations: u64,

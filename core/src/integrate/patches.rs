@@ -44,7 +44,7 @@ impl PatchColumns {
         let size = PATCH.max(count.div_ceil(MOST_PATCHES));
         let mut built = Self { held: vec![0; count], ..Self::default() };
         built.offsets.push(0);
-        built.set_pins(pins);
+        pins.write_held(&mut built.held);
         let whole = cloths.iter().map(|cloth| cloth.clone().collect()).collect();
         let large = built.add_level(material, whole, size, pattern, &[]);
         if count >= PATCH * MOST_PATCHES {
@@ -82,10 +82,9 @@ impl PatchColumns {
         patches
     }
 
-    /// Copies the held axes of all pins.
-    pub fn set_pins(&mut self, pins: &Pins<'_>) {
-        // Without patches the column is empty.
-        pins.write_held(&mut self.held);
+    /// The held axes of each vertex, to change them; empty without patches.
+    pub fn held_mut(&mut self) -> &mut [u8] {
+        &mut self.held
     }
 
     /// The borrowed view.

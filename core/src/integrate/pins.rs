@@ -316,6 +316,12 @@ pub struct PinSlots<'a> {
 }
 
 impl PinSlots<'_> {
+    /// The same columns for a shorter time.
+    pub fn reborrow(&mut self) -> PinSlots<'_> {
+        let Self { vertices, axes, anchors, motions, table, keys, holds, carriers, of_scene } = self;
+        PinSlots { vertices, axes, anchors, motions, table, keys, holds, carriers, of_scene: *of_scene }
+    }
+
     /// The pins, to read.
     pub fn carried_by<'b>(&'b self, colliders: Colliders<'b>) -> Pins<'b> {
         let Self { vertices, axes, anchors, motions, table, keys, carriers, .. } = self;
@@ -482,14 +488,6 @@ impl PinColumns {
         let of = |pin: usize| self.table.get(self.motions[pin] as usize);
         let motion = |pin: usize| of(pin).map(|motion| (motion.turn(), motion.own(&self.keys)));
         self.motions[a] == self.motions[b] || motion(a) == motion(b)
-    }
-
-    /// Adds a slot of the host if none is free for a vertex.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    pub fn make_room(&mut self, vertex: u32) {
-        if self.slots().free(vertex).is_none() {
-            self.add_slot();
-        }
     }
 
     /// Adds a slot of the host, which holds nothing.

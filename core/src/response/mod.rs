@@ -68,7 +68,8 @@ pub enum Outcome {
 }
 
 /// Counts of contact, over all steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct ContactStatistics {
     /// Candidates that the response had to test.
     pub candidates: u64,

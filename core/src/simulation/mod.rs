@@ -6,15 +6,19 @@ use alloc::vec::Vec;
 use glam::DVec3;
 
 use crate::audit;
+use crate::colliders::Colliders;
 use crate::contact::{ContactColumns, ContactScratchColumns};
 use crate::cooked;
 use crate::diagnostics::{self, Stretch};
 use crate::dispatch::{Dispatch, block_on};
 use crate::error::SceneError;
+use crate::forces::load::VertexForce;
 use crate::forces::{Energy, Model};
 use crate::halving::{self, MOST_HALVINGS};
 use crate::implicit_contact::multiplier::Multiplier;
+use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Method, Scheme};
+use crate::live::{HostForces, Owner as _};
 use crate::mesh::SurfaceColumns;
 use crate::particles::ParticleColumns;
 use crate::reactions::{Impulse, ReactionColumns};
@@ -29,17 +33,13 @@ use crate::step::History;
 use crate::traffic::{self, TrafficSizes};
 use crate::work_done::WorkDone;
 
-mod colliders;
-mod forces;
-mod pins;
-mod query;
+mod materials;
+mod parts;
 mod snapshot;
 mod substeps;
-mod teleport;
 mod untangling;
 
-pub use forces::MaterialError;
-pub use query::{Hit, Side, SurfacePoint, Touch};
+pub use materials::MaterialError;
 pub use snapshot::Snapshot;
 
 pub use crate::refusal::{Cause, StepError};
@@ -78,6 +78,9 @@ pub struct Simulation {
     step: Real,
     steps: u64,
     statistics: IntegratorStatistics,
+    /// Forces of the host.
+    host: HostForces,
+    forces: Vec<VertexForce>,
     /// Hash of the triangles, by which a snapshot knows its scene.
     meshes: u64,
 }
@@ -134,9 +137,6 @@ impl Simulation {
     #[cfg_attr(small, optimize(size))]
     pub fn from_columns(mut built: BuiltScene, scheme: Scheme, step: Real) -> Self {
         built.pins.of_scene = built.pins.vertices.len() as u32;
-        if let Some(loads) = &mut built.model.loads {
-            loads.of_scene = loads.groups.len();
-        }
         built.pins.view().set_out(0.0, &mut built.particles.velocities);
         let scratch = ScratchColumns::build(&built, &scheme);
         let room = PAIRS_PER_VERTEX * built.particles.positions.len();
@@ -165,6 +165,8 @@ impl Simulation {
             step,
             steps: 0,
             statistics,
+            host: HostForces::default(),
+            forces: Vec::new(),
             meshes,
         }
     }
@@ -182,7 +184,7 @@ impl Simulation {
     pub async fn await_step<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), StepError> {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;
-        self.change_pins();
+        self.parts_mut().change_pins();
         let taken = halving::take_substeps(self, dispatch).await;
         let taken = taken.map_err(|obstacle| self.diverged(obstacle, dispatch));
         match taken {
@@ -203,10 +205,12 @@ impl Simulation {
     }
 
     fn hardest_term(&mut self, particle: u32, dispatch: &impl Dispatch) -> Option<Term> {
-        let model = self.built.model.view().at(self.time());
+        let mut model = self.built.model.view();
+        self.host.add_to(&mut model, &self.forces);
+        let model = &model.at(self.time());
         let (particles, scratch) = (&self.built.particles, self.scratch.view());
         diagnostics::hardest_term(
-            &model,
+            model,
             &particles.masses,
             &particles.positions,
             &particles.velocities,
@@ -229,8 +233,13 @@ impl Simulation {
         self.contact.as_ref().map(ContactScratchColumns::room).unwrap_or_default()
     }
 
+    /// The forces of the host.
+    pub(crate) fn host_forces(&self) -> (HostForces, Vec<VertexForce>) {
+        (self.host, self.forces.clone())
+    }
+
     /// The columns of the scene and of steps.
-    pub(crate) fn parts(&mut self) -> (&mut BuiltScene, &mut ScratchColumns) {
+    pub(crate) fn columns(&mut self) -> (&mut BuiltScene, &mut ScratchColumns) {
         (&mut self.built, &mut self.scratch)
     }
 
@@ -364,6 +373,24 @@ impl Simulation {
         (&mut self.built.particles.positions, &mut self.built.particles.velocities)
     }
 
+    /// Copies the held axes to contact and the preconditioner.
+    fn take_over_pins(&mut self) {
+        if self.measures_work {
+            self.scratch.add_work(self.built.pins.vertices.len());
+        }
+        self.parts_mut().take_over_pins();
+    }
+
+    /// The pinned vertices.
+    pub fn pins(&self) -> Pins<'_> {
+        self.built.pins.carried_by(self.colliders())
+    }
+
+    /// The colliders.
+    pub fn colliders(&self) -> Colliders<'_> {
+        self.built.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default()
+    }
+
     /// Clears all data about previous steps, because the new state does not follow from them.
     fn forget_the_past(&mut self) {
         self.built.particles.low_positions.fill(Vec3::ZERO);
@@ -378,7 +405,9 @@ impl Simulation {
 
     /// The forces of now.
     pub fn model(&self) -> Model<'_> {
-        self.built.model.view().at(self.time())
+        let mut model = self.built.model.view();
+        self.host.add_to(&mut model, &self.forces);
+        model.at(self.time())
     }
 
     /// Measures the [work](crate::work_done) done on the cloth from now on, and counts it from here. Allocates columns

@@ -3,14 +3,16 @@
 use alloc::vec::Vec;
 
 use super::Simulation;
-use super::forces::terms;
+use super::materials::terms;
 use crate::colliders::ColliderColumns;
 use crate::contact::ContactScratchColumns;
 use crate::error::LiveError;
 use crate::forces::ModelColumns;
+use crate::forces::load::VertexForce;
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::IntegratorStatistics;
 use crate::integrate::pins::PinColumns;
+use crate::live::HostForces;
 use crate::particles::ParticleColumns;
 use crate::reactions::ReactionColumns;
 use crate::real::{Real, Vec3};
@@ -27,6 +29,8 @@ pub struct Snapshot {
     particles: ParticleColumns,
     model: ModelColumns,
     pins: PinColumns,
+    host: HostForces,
+    forces: Vec<VertexForce>,
     rest_lengths: Vec<Real>,
     contact: Option<Touching>,
     previous: [Vec<Vec3>; 2],
@@ -59,6 +63,8 @@ impl Simulation {
             particles: built.particles.clone(),
             model: built.model.clone(),
             pins: built.pins.clone(),
+            host: self.host,
+            forces: self.forces.clone(),
             rest_lengths: built.rest_lengths.clone(),
             contact: built.contact.as_ref().map(|contact| Touching {
                 colliders: contact.colliders.clone(),
@@ -80,7 +86,7 @@ impl Simulation {
     }
 
     /// Goes back to a snapshot of this simulation, or of one of the same scene. It neither begins nor stops to measure
-    /// work and impulses. The list of [`touches`](Self::touches) is empty until the next step.
+    /// work and impulses. The list of [`touches`](crate::live::Live::touches) is empty until the next step.
     pub fn go_back(&mut self, to: &Snapshot) -> Result<(), LiveError> {
         let (scratch, built) = (&mut self.scratch, &mut self.built);
         let lengths = [to.particles.positions.len(), to.previous[0].len(), to.rest_lengths.len()];
@@ -100,6 +106,8 @@ impl Simulation {
         built.particles.clone_from(&to.particles);
         built.model.clone_from(&to.model);
         built.pins.clone_from(&to.pins);
+        self.host = to.host;
+        self.forces.clone_from(&to.forces);
         built.rest_lengths.clone_from(&to.rest_lengths);
         if let Some((contact, to)) = built.contact.as_mut().zip(to.contact.as_ref()) {
             contact.colliders.clone_from(&to.colliders);

@@ -8,6 +8,7 @@ use crate::dispatch::Dispatch;
 use crate::halving::{Divided, Progress, Substep};
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::StepInput;
+use crate::live::Owner as _;
 use crate::particles::ParticleColumns;
 use crate::reactions::ReactionColumns;
 use crate::real::{Real, Vec3};
@@ -75,12 +76,16 @@ impl Divided for Simulation {
             measures_work,
             work_done,
             reactions,
+            host,
+            forces,
             ..
         } = self;
         let colliders = built.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default();
         let mut particles = built.particles.view();
+        let mut model = built.model.view();
+        host.add_to(&mut model, forces);
         let input = StepInput {
-            model: built.model.view(),
+            model,
             pins: &built.pins.carried_by(colliders),
             masses: particles.masses,
             inverse_masses: particles.inverse_masses,
@@ -135,6 +140,6 @@ impl Divided for Simulation {
         }
         self.kept = kept;
         // Those that began at the start of this step.
-        self.change_pins();
+        self.parts_mut().change_pins();
     }
 }

@@ -28,6 +28,15 @@ pub struct CookArguments {
     /// Vertices that the program can hold at the same time
     #[arg(long, value_name = "N", default_value = "4")]
     pub hands: u32,
+    /// Vertices on which the program can set forces at the same time
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub forces: u32,
+    /// Let the program deform colliders that are meshes
+    #[arg(long)]
+    pub deform: bool,
+    /// Measure the impulses that the cloth gives to colliders; each step costs one or two evaluations of the forces more
+    #[arg(long)]
+    pub impulses: bool,
     /// Room for candidates of each kind [default: measured]
     #[arg(long, value_name = "N")]
     pub pairs: Option<usize>,

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use muslin_core::dispatch::Serial;
 use muslin_core::kinematic::Pose;
+use muslin_core::live::Live as _;
 use muslin_core::scene::SceneDesc;
 use muslin_core::simulation::Simulation;
 use rapier3d::prelude::{PhysicsWorld, RigidBodyHandle, Vector};

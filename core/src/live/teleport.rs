@@ -1,37 +1,46 @@
 //! Moves all cloth and some colliders at once, without a velocity: a figure that appears elsewhere.
 
-use alloc::vec::Vec;
-
 use glam::DVec3;
 
-use super::Simulation;
-use crate::colliders::{ColliderColumns, Drive, Form};
+use super::parts::PartsMut;
+use crate::colliders::{Drive, Form};
+use crate::contact::Solids;
 use crate::error::LiveError;
-use crate::integrate::pins::{Hold, NO_CARRIER, PinColumns};
+use crate::integrate::pins::{Hold, NO_CARRIER, PinSlots};
 use crate::kinematic::{Kinematic, Pose, Twist};
 use crate::motion::{JumpSide, Key, Motion};
-use crate::particles::ParticleColumns;
+use crate::particles::Particles;
 use crate::real::{Sum, Vec3, to_f64, vec3};
 
-impl Simulation {
-    /// Moves all cloth, its pins and the given colliders by a rotation about the world's origin, and then by a
-    /// displacement, m. Velocities turn with them; the cloth feels nothing of it. Other colliders, gravity and wind stay.
-    ///
-    /// Refuses where cloth would intersect a collider that stays, where one that comes along still moves by keys or by a
-    /// point cache, where a pin holds single axes that would have to turn, and where a collider that stays carries a pin.
+impl PartsMut<'_> {
     pub fn teleport(&mut self, by: Pose, colliders: &[u32]) -> Result<(), LiveError> {
         let by = by.checked().ok_or(LiveError::NotFinite { name: "the pose" })?;
-        let (now, origin) = (self.time(), self.built.origin);
         // From the origin of the positions.
-        let by = Rigid(Pose { position: by.place(origin) - origin, ..by });
+        let by = Rigid(Pose { position: by.place(self.origin) - self.origin, ..by });
         let count = self.colliders().bodies.len() as u32;
-        let moved: Vec<usize> = (0..count as usize).filter(|&body| colliders.contains(&(body as u32))).collect();
         if let Some(&collider) = colliders.iter().find(|&&collider| collider >= count) {
             return Err(LiveError::NoCollider { collider, count });
         }
-        for &body in &moved {
-            let (all, collider) = (self.colliders(), body as u32);
-            let has_ended = match all.bodies[body].drive() {
+        self.check_moved(&by, colliders)?;
+        self.check_held(&by, colliders)?;
+        for collider in (0..count).filter(|body| !colliders.contains(body)) {
+            let body = collider as usize;
+            if self.overlaps(body, |x| by.moved(x)) && !self.overlaps(body, |x| x) {
+                return Err(LiveError::Overlaps { collider });
+            }
+        }
+        let before = self.counted_energy();
+        self.carry(&by, colliders);
+        self.count_change(before);
+        Ok(())
+    }
+
+    /// Whether colliders can be moved: none goes on moving to a place in the world.
+    fn check_moved(&self, by: &Rigid, colliders: &[u32]) -> Result<(), LiveError> {
+        let (all, now) = (self.colliders(), self.time);
+        for &collider in colliders {
+            let body = &all.bodies[collider as usize];
+            let has_ended = match body.drive() {
                 Drive::Rest | Drive::Host(_) => true,
                 Drive::Motion(motion) => motion.has_ended(all.keys, now),
                 Drive::Cache(cache) => cache.end() <= now * (1.0 + 1e-14),
@@ -39,48 +48,45 @@ impl Simulation {
             if !has_ended {
                 return Err(LiveError::Scripted { collider });
             }
-            if matches!(all.bodies[body].form(), Form::Plane(_)) && by.turns() {
+            if matches!(body.form(), Form::Plane(_)) && by.turns() {
                 return Err(LiveError::PlaneTurns { collider });
             }
-        }
-        let pins = self.pins();
-        for pin in 0..pins.vertices.len() {
-            // A pin may hold later.
-            let axes = self.built.pins.holds.get(pin).map_or(pins.axes[pin], Hold::axes);
-            let stays = pins.carrier(pin).is_some_and(|carrier| !moved.contains(&carrier));
-            if axes != 0 && (stays || axes != 0b111 && by.turns()) {
-                return Err(LiveError::Held { vertex: pins.vertices[pin] });
-            }
-        }
-        let staying = || (0..count as usize).filter(|body| !moved.contains(body));
-        let before: Vec<bool> = staying().map(|body| self.overlaps(body)).collect();
-        let snapshot = self.snapshot();
-        self.count_potential(|sim| sim.carry(&by, &moved, now));
-        let struck = staying().zip(before).find(|&(body, before)| !before && self.overlaps(body));
-        if let Some((body, _)) = struck {
-            self.go_back(&snapshot)?;
-            return Err(LiveError::Overlaps { collider: body as u32 });
         }
         Ok(())
     }
 
-    fn carry(&mut self, by: &Rigid, bodies: &[usize], now: Sum) {
-        // The contacts of the last step are elsewhere.
-        self.substep = 0.0;
-        by.carry_particles(&mut self.built.particles);
-        by.carry_pins(&mut self.built.pins);
-        if let Some(contact) = &mut self.built.contact {
-            for &body in bodies {
-                by.carry_body(&mut contact.colliders, body, now);
+    /// Whether pins can come along.
+    fn check_held(&self, by: &Rigid, colliders: &[u32]) -> Result<(), LiveError> {
+        let pins = self.read().pins;
+        for (pin, &vertex) in pins.vertices.iter().enumerate() {
+            // A pin may hold later.
+            let axes = self.pins.holds.get(pin).map_or(pins.axes[pin], Hold::axes);
+            let stays = pins.carrier(pin).is_some_and(|carrier| !colliders.contains(&(carrier as u32)));
+            if axes != 0 && (stays || axes != 0b111 && by.turns()) {
+                return Err(LiveError::Held { vertex });
             }
         }
-        by.turn(&mut self.scratch.previous_displacements);
-        by.turn(&mut self.scratch.previous_velocity_changes);
+        Ok(())
+    }
+
+    fn carry(&mut self, by: &Rigid, colliders: &[u32]) {
+        // The contacts of the last step are elsewhere.
+        *self.substep = 0.0;
+        by.carry_particles(&mut self.particles);
+        by.carry_pins(&mut self.pins);
+        if let Some(solids) = &mut self.solids {
+            for body in (0..solids.bodies.len()).filter(|&body| colliders.contains(&(body as u32))) {
+                by.carry_body(solids, body, self.time);
+            }
+        }
+        for column in &mut self.previous {
+            by.turn(column);
+        }
         if let Some(contact) = &mut self.contact {
-            let mut multipliers = contact.multipliers().to_vec();
-            multipliers.iter_mut().for_each(|multiplier| multiplier.force = by.turned(multiplier.force));
-            contact.set_multipliers(&multipliers);
-            contact.forget_pairs();
+            for multiplier in &mut contact.multipliers[..contact.lengths.multipliers] {
+                multiplier.force = by.turned(multiplier.force);
+            }
+            contact.kept.forget();
         }
     }
 }
@@ -93,6 +99,10 @@ impl Rigid {
         self.0.rotation.xyz().length() > 1e-9
     }
 
+    fn moved(&self, place: Vec3) -> Vec3 {
+        vec3(self.0.place(to_f64(place).into()).into())
+    }
+
     fn turned(&self, vector: Vec3) -> Vec3 {
         vec3((self.0.rotation * DVec3::from(to_f64(vector))).into())
     }
@@ -101,10 +111,10 @@ impl Rigid {
         column.iter_mut().for_each(|vector| *vector = self.turned(*vector));
     }
 
-    fn carry_particles(&self, particles: &mut ParticleColumns) {
-        let ParticleColumns { positions, velocities, low_positions, low_velocities, .. } = particles;
+    fn carry_particles(&self, particles: &mut Particles<'_>) {
+        let Particles { positions, velocities, low_positions, low_velocities, .. } = particles;
         let exact = |high: Vec3, low: Vec3| DVec3::from(to_f64(high)) + DVec3::from(to_f64(low));
-        for (high, low) in positions.iter_mut().zip(low_positions) {
+        for (high, low) in positions.iter_mut().zip(&mut **low_positions) {
             let place = self.0.place(exact(*high, *low));
             *high = vec3(place.into());
             *low = vec3((place - DVec3::from(to_f64(*high))).into());
@@ -114,14 +124,14 @@ impl Rigid {
     }
 
     /// Those that a collider carries move with it.
-    fn carry_pins(&self, pins: &mut PinColumns) {
+    fn carry_pins(&self, pins: &mut PinSlots<'_>) {
         for (pin, anchor) in pins.anchors.iter_mut().enumerate() {
             if pins.carriers.get(pin).is_none_or(|&carrier| carrier == NO_CARRIER) {
-                *anchor = vec3(self.0.place(to_f64(*anchor).into()).into());
+                *anchor = self.moved(*anchor);
             }
         }
-        self.turn_keys(&mut pins.keys);
-        for motion in &mut pins.table {
+        self.turn_keys(pins.keys);
+        for motion in &mut *pins.table {
             self.carry_turn(motion);
         }
     }
@@ -137,14 +147,14 @@ impl Rigid {
     }
 
     /// A collider at rest rests elsewhere; one that the host moves goes on moving there.
-    fn carry_body(&self, columns: &mut ColliderColumns, body: usize, now: Sum) {
-        let ColliderColumns { bodies, anchors, keys, frames, .. } = columns;
+    fn carry_body(&self, solids: &mut Solids<'_>, body: usize, now: Sum) {
+        let Solids { bodies, anchors, keys, frames, .. } = solids;
         let of = &mut bodies[body];
         let moved = match of.drive() {
             Drive::Cache(cache) => {
                 let first = cache.first as usize;
                 let all = &mut frames[first..first + cache.frames as usize * of.range().len()];
-                all.iter_mut().for_each(|place| *place = vec3(self.0.place(to_f64(*place).into()).into()));
+                all.iter_mut().for_each(|place| *place = self.moved(*place));
                 return;
             }
             Drive::Host(kinematic) => {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Simulation;
+use super::parts::Parts;
 use crate::error::{LiveError, checked_vector};
 use crate::real::{Sum, to_f64};
 use crate::response::constraint::Constraint;
@@ -58,14 +58,11 @@ pub struct Hit {
 /// By how much a ray may miss a triangle, in barycentric coordinates: otherwise it could pass between neighbours.
 const SEAM: Sum = 1e-9;
 
-impl Simulation {
-    /// The contacts that push, in the last step, or in its last substep if it was divided. The list is empty after a step
-    /// that failed, a teleport or [`go_back`](Self::go_back).
-    pub fn touches(&self) -> impl Iterator<Item = Touch> {
-        let constraints = self.contact.as_ref().map(|contact| contact.constraints()).unwrap_or_default();
+impl<'a> Parts<'a> {
+    pub fn touches(self) -> impl Iterator<Item = Touch> + use<'a> {
         let step = self.substep;
         let pushes = move |constraint: &&Constraint| step > 0.0 && constraint.normal_impulse > 0.0;
-        constraints.iter().filter(pushes).map(move |it| self.touch(it, step))
+        self.constraints.iter().filter(pushes).map(move |it| self.touch(it, step))
     }
 
     fn touch(&self, constraint: &Constraint, step: Sum) -> Touch {
@@ -76,8 +73,7 @@ impl Simulation {
             self.side(vertex)
         });
         let sign = if matches!(sides[0], Side::Cloth(_)) { 1.0 } else { -1.0 };
-        let own =
-            (0..4).filter(|&k| weights[k] * sign > 0.0 && self.positions().get(contact.vertices[k] as usize).is_some());
+        let own = (0..4).filter(|&k| weights[k] * sign > 0.0 && (contact.vertices[k] as usize) < self.velocities.len());
         let (sum, total) = own.fold((DVec3::ZERO, 0.0), |(sum, total), k| {
             (sum + self.place(contact.vertices[k]) * weights[k].abs(), total + weights[k].abs())
         });
@@ -94,36 +90,32 @@ impl Simulation {
 
     /// The surface that a vertex belongs to.
     fn side(&self, vertex: u32) -> Side {
-        match (vertex as usize).checked_sub(self.positions().len()) {
-            Some(of_colliders) => Side::Collider(self.colliders().body_of(of_colliders) as u32),
-            None => Side::Cloth(self.built.cloths.partition_point(|cloth| cloth.vertices.end <= vertex) as u32),
+        match (vertex as usize).checked_sub(self.velocities.len()) {
+            Some(of_colliders) => Side::Collider(self.colliders.body_of(of_colliders) as u32),
+            None => Side::Cloth(self.firsts.partition_point(|&first| first <= vertex).saturating_sub(1) as u32),
         }
     }
 
-    /// The point of a triangle with these barycentric coordinates, for example to hang something on it or to move a finer
-    /// mesh with it. The coordinates may be negative; their sum should be 1.
     pub fn point(&self, triangle: u32, weights: [Sum; 3]) -> Result<SurfacePoint, LiveError> {
-        let missing = LiveError::NoTriangle { triangle, count: self.triangles().len() as u32 };
-        let corners = *self.triangles().get(triangle as usize).ok_or(missing)?;
+        let missing = LiveError::NoTriangle { triangle, count: self.triangles.len() as u32 };
+        let corners = *self.triangles.get(triangle as usize).ok_or(missing)?;
         checked_vector("a weight", weights)?;
         let places = corners.map(|v| self.place(v));
         let mean = |vectors: [DVec3; 3]| (0..3).map(|k| vectors[k] * weights[k]).sum::<DVec3>();
         let normal = (places[1] - places[0]).cross(places[2] - places[0]).normalize_or_zero();
         Ok(SurfacePoint {
             position: mean(places).into(),
-            velocity: mean(corners.map(|v| to_f64(self.velocities()[v as usize]).into())).into(),
+            velocity: mean(corners.map(|v| to_f64(self.velocities[v as usize]).into())).into(),
             normal: normal.into(),
         })
     }
 
-    /// The first triangle of any cloth, from either side, that a ray hits [Möller 1997]. `direction` need not have unit
-    /// length; a direction of zero hits nothing.
     pub fn hit(&self, origin: [Sum; 3], direction: [Sum; 3]) -> Result<Option<Hit>, LiveError> {
         let (origin, direction) = (checked_vector("a ray", origin)?, checked_vector("a ray", direction)?);
         // Scaled first, so that no square under- or overflows.
         let Some(along) = (direction / direction.abs().max_element()).try_normalize() else { return Ok(None) };
         let mut first: Option<Hit> = None;
-        for (triangle, corners) in (0..).zip(self.triangles()) {
+        for (triangle, corners) in (0..).zip(self.triangles) {
             let [a, b, c] = corners.map(|v| self.place(v));
             let [ab, ac, from] = [b - a, c - a, origin - a];
             let across = along.cross(ac);
@@ -141,6 +133,6 @@ impl Simulation {
 
     /// Position of a vertex of the cloth in the world, m.
     fn place(&self, vertex: u32) -> DVec3 {
-        self.built.origin + self.built.particles.exact_positions().place(vertex as usize)
+        self.origin + self.positions.place(vertex as usize)
     }
 }
