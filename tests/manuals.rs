@@ -18,9 +18,10 @@ const RUNNING: &str = include_str!("../host-cli/manual/running.md");
 const METHODS: &str = include_str!("../host-cli/manual/methods.md");
 
 /// All manuals, relative to the root of the project.
-const MANUALS: [&str; 14] = [
+const MANUALS: [&str; 15] = [
     "README.md",
     "core/README.md",
+    "core/c/README.md",
     "gpu/README.md",
     "host-cli/README.md",
     "host-cli/manual/cost.md",

@@ -6,6 +6,8 @@
 
 use core::future::{Future, ready};
 use core::pin::pin;
+use core::sync::atomic::AtomicU32;
+use core::sync::atomic::Ordering::Relaxed;
 use core::task::{Context, Poll, Waker};
 
 use crate::broad_phase::Counts;
@@ -72,10 +74,69 @@ pub trait Dispatch: Sync {
     #[inline]
     fn enter(&self, _: Stage) {}
 
-    /// Whether to give up the step. Called where a step can take long.
+    /// Counts iterations, of a linear solve or of the response, and candidates when the step begins to work on them.
+    #[inline]
+    fn spend(&self, _iterations: u32, _candidates: u32) {}
+
+    /// Whether to give up the step. Called where a step can take long, and before the state changes. Once it is true, it must
+    /// stay so until the step returns.
     #[inline]
     fn stopped(&self) -> bool {
         false
+    }
+}
+
+/// A dispatch that gives up a step once it has spent more than a budget. The work of a step does not depend on the machine,
+/// so the same steps are given up everywhere.
+#[derive(Debug)]
+pub struct Limited<'a, D> {
+    inner: &'a D,
+    budget: [u32; 2],
+    spent: [AtomicU32; 2],
+}
+
+impl<'a, D> Limited<'a, D> {
+    /// A budget of iterations and of candidates.
+    pub fn new(inner: &'a D, iterations: u32, candidates: u32) -> Self {
+        Self { inner, budget: [iterations, candidates], spent: Default::default() }
+    }
+
+    /// The iterations and the candidates spent.
+    pub fn spent(&self) -> [u32; 2] {
+        self.spent.each_ref().map(|count| count.load(Relaxed))
+    }
+}
+
+impl<D: Dispatch> Dispatch for Limited<'_, D> {
+    #[inline]
+    fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K) {
+        self.inner.run(out, kernel);
+    }
+
+    #[inline]
+    fn detect(
+        &self,
+        model: &ContactModel<'_>,
+        contact: &mut ContactScratch<'_>,
+    ) -> impl Future<Output = Option<Counts>> {
+        self.inner.detect(model, contact)
+    }
+
+    #[inline]
+    fn enter(&self, stage: Stage) {
+        self.inner.enter(stage);
+    }
+
+    fn spend(&self, iterations: u32, candidates: u32) {
+        for (spent, more) in self.spent.iter().zip([iterations, candidates]) {
+            // One step spends by one thread; it must not wrap.
+            spent.store(spent.load(Relaxed).saturating_add(more), Relaxed);
+        }
+        self.inner.spend(iterations, candidates);
+    }
+
+    fn stopped(&self) -> bool {
+        self.spent().iter().zip(&self.budget).any(|(spent, most)| spent > most) || self.inner.stopped()
     }
 }
 
@@ -92,6 +153,11 @@ impl<D: Dispatch> Dispatch for Here<'_, D> {
     #[inline]
     fn enter(&self, stage: Stage) {
         self.0.enter(stage);
+    }
+
+    #[inline]
+    fn spend(&self, iterations: u32, candidates: u32) {
+        self.0.spend(iterations, candidates);
     }
 
     #[inline]

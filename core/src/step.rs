@@ -136,12 +136,14 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     let mut corrected = false;
     if let Some(contact) = &mut contact {
         corrected = resolve(input, particles, scratch, contact, &mut work).await?;
+        test_stopped(input)?;
         // The response decides by comparisons, which do not detect NaN.
         test_finite(scratch)?;
     }
     let contact_model = contact.as_ref().map(|contact| contact.model);
     let mut columns = contact.as_mut().map(|contact| contact.columns.columns());
     let error = test_error(input, particles, corrected, columns.as_ref(), scratch, work.integrator)?;
+    test_stopped(input)?;
     if let Some(ledger) = work.done {
         work_done::in_step(input, particles, contact_model.zip(columns.as_ref()), ledger, scratch);
     }
@@ -200,7 +202,12 @@ fn predict<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) -> Result<(), Obstacle> {
     integrate::advance(input, particles, scratch, statistics);
+    test_stopped(input)?;
     test_finite(scratch)
+}
+
+fn test_stopped<D: Dispatch>(input: &StepInput<'_, D>) -> Result<(), Obstacle> {
+    if input.dispatch.stopped() { Err(Obstacle::STOPPED) } else { Ok(()) }
 }
 
 fn test_finite(scratch: &Scratch<'_>) -> Result<(), Obstacle> {
@@ -228,6 +235,7 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
     if input.scheme.method.is_implicit() {
         let coupled = couple(input, particles, scratch, model, *columns, work.integrator).await;
         coupled.map_err(|cause| farthest(cause, particles, scratch))?;
+        test_stopped(input)?;
     }
     for widened in 0..=if *hold { LAST_WIDENINGS } else { MOST_WIDENINGS } {
         dispatch.enter(Stage::BroadPhase);
@@ -235,13 +243,12 @@ async fn resolve<D: Dispatch, R: ContactRoom>(
         let counts = found.map_err(|cause| farthest(cause, particles, scratch))?;
         let count = (counts.vertex_triangle + counts.edge_edge) as u64;
         work.contact.candidates += count;
+        dispatch.spend(0, count as u32);
         *work.searched += count;
         if *work.searched > MOST_SEARCHED * detection::most_pairs(model) as u64 {
             break;
         }
-        if dispatch.stopped() {
-            return Err(Obstacle::STOPPED);
-        }
+        test_stopped(input)?;
         dispatch.enter(Stage::Response);
         let responded = with_room(*columns, |contact| {
             exchange::write_impulses(model, contact, input.stage_length(scratch.last_step));

@@ -2,6 +2,7 @@
 
 use muslin_core::colliders::Form;
 use muslin_core::diagnostics::StateHash;
+use muslin_core::geometry::normals::write_normals;
 use muslin_core::live::Live as _;
 use muslin_core::real::Vec3;
 use muslin_core::scene::SceneDesc;
@@ -13,7 +14,7 @@ use muslin_gpu::step::StepDetector;
 use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};
 
 use crate::clock::{Clock, PARTS};
-use crate::surface::{write_normals, write_strains};
+use crate::surface::write_strains;
 use crate::watch::Watch;
 
 /// A simulation. It gives its columns as addresses and lengths in the memory of the module, where a page reads them.

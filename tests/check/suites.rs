@@ -8,9 +8,10 @@ use serde_json::Value;
 use crate::plan::Level;
 
 /// Packages whose suites are run, and the lowest level that runs them.
-const PACKAGES: [(&str, Level); 5] = [
+const PACKAGES: [(&str, Level); 6] = [
     ("muslin-tests", Level::Everyday),
     ("muslin-cli", Level::Everyday),
+    ("muslin-c", Level::All),
     ("muslin-gpu", Level::All),
     ("muslin-tests-gpu", Level::All),
     ("muslin-example-rapier", Level::All),

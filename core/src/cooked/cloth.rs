@@ -78,6 +78,9 @@ impl<'a> Cloth<'a> {
         let mut stored = Stored::open(&mut source)?;
         let scheme = stored.settings.scheme()?;
         check::all(&stored, &scheme)?;
+        if header.vertices != stored.particles.positions.len() as u64 {
+            return Err(CookedError::Malformed);
+        }
         if let Some(contact) = &mut stored.contact {
             contact.columns.kept.forget();
         }

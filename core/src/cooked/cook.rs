@@ -105,7 +105,8 @@ pub fn cook(simulation: &Simulation, room: Room) -> Vec<u8> {
         length: (HEADER + sink.block.len()) as u64,
         memory: sink.memory as u64,
         checksum: checksum(&sink.block),
-        reserved: [0; 3],
+        vertices: simulation.positions().len() as u64,
+        reserved: [0; 2],
     };
     let mut block = bytemuck::bytes_of(&header).to_vec();
     block.append(&mut sink.block);

@@ -48,7 +48,9 @@ struct Header {
     memory: u64,
     /// Of the bytes after this header.
     checksum: u64,
-    reserved: [u64; 3],
+    /// Number of vertices of the cloth.
+    vertices: u64,
+    reserved: [u64; 2],
 }
 
 const HEADER: usize = size_of::<Header>();
@@ -109,6 +111,11 @@ impl core::error::Error for CookedError {}
 /// Working memory that a cooked scene needs, bytes. It reads the header alone.
 pub fn required_bytes(block: &[u8]) -> Result<usize, CookedError> {
     header(block).map(|header| header.memory as usize)
+}
+
+/// Number of vertices of a cooked scene. It reads the header alone.
+pub fn vertices(block: &[u8]) -> Result<usize, CookedError> {
+    header(block).map(|header| header.vertices as usize)
 }
 
 /// The header of a block, if the block is one that this crate reads.

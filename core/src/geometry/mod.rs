@@ -4,6 +4,7 @@
 pub mod aabb;
 pub mod edge_edge;
 pub mod intersect;
+pub mod normals;
 pub mod point_edge;
 pub mod point_triangle;
 

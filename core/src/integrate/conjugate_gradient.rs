@@ -215,6 +215,10 @@ pub(crate) fn solve<D: Dispatch>(
             i.restart(rho);
             (updated_at, since_update) = (rho, 0);
         }
+        if c.dispatch.stopped() {
+            // The driver gives up the step before anything is made of this.
+            break;
+        }
         if !rho.is_finite() || iterations >= most {
             let asked = matches!(goal, Goal::Iterations(_));
             statistics.unconverged += u64::from(rho.is_finite() && !asked);
@@ -223,6 +227,7 @@ pub(crate) fn solve<D: Dispatch>(
         (iterations, since_update, is_translated) = (iterations + 1, since_update + 1, false);
         statistics.cg_iterations += 1;
         statistics.matrix_products += 1;
+        c.dispatch.spend(1, 0);
         let curvature = i.multiply(c.dispatch);
         let Some(length) = i.search(term, curvature) else {
             statistics.negative_curvature += 1;

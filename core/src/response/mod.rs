@@ -206,6 +206,7 @@ pub fn respond<D: Dispatch>(
         if stuck.is_some() || work.motion.round == most {
             return Ok(Outcome::Collides(stuck.unwrap_or(last).contact.vertices));
         }
+        dispatch.spend(1, 0);
         if dispatch.stopped() {
             return Ok(Outcome::Stopped);
         }

@@ -1,0 +1,45 @@
+//! Copies of the state in bytes of the caller.
+
+use core::slice;
+
+use crate::handle::{MuslinCloth, change, seen};
+use crate::read::column;
+use crate::status::MuslinStatus;
+
+/// Size of a snapshot, bytes; 0 if the handle is bad.
+///
+/// # Safety
+/// `cloth` is null or a handle.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn muslin_snapshot_bytes(cloth: *const MuslinCloth) -> usize {
+    // SAFETY: the caller's promise is that of `seen`.
+    unsafe { seen(cloth) }.map_or(0, |own| own.cloth.snapshot_bytes())
+}
+
+/// Writes a copy of all that steps and calls change. `length` is `muslin_snapshot_bytes`.
+///
+/// # Safety
+/// `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn muslin_snapshot(cloth: *mut MuslinCloth, bytes: *mut u8, length: usize) -> MuslinStatus {
+    if bytes.is_null() {
+        return MuslinStatus::NullPointer;
+    }
+    // SAFETY: the pointer is not null, and the caller gives this length.
+    let out = unsafe { slice::from_raw_parts_mut(bytes, length) };
+    // SAFETY: the caller's promise is that of `change`.
+    unsafe { change(cloth, |own| Ok(own.cloth.snapshot(out)?)) }
+}
+
+/// Goes back to a snapshot of this cloth, or of another one with the same meshes, colliders, pins and room, whose materials
+/// may differ: to change materials, take a snapshot, open a scene with other materials in the same memory, and go back.
+///
+/// # Safety
+/// `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn muslin_go_back(cloth: *mut MuslinCloth, bytes: *const u8, length: usize) -> MuslinStatus {
+    // SAFETY: the caller says that it is null or points to so many bytes.
+    let Some(from) = (unsafe { column(bytes, length) }) else { return MuslinStatus::NullPointer };
+    // SAFETY: the caller's promise is that of `change`.
+    unsafe { change(cloth, |own| Ok(own.cloth.go_back(from)?)) }
+}

@@ -1,0 +1,80 @@
+//! Steps within a budget.
+
+use muslin_core::dispatch::{Limited, Serial};
+use muslin_core::refusal::{Cause, StepError};
+
+use crate::handle::{MuslinCloth, change};
+use crate::status::MuslinStatus;
+
+/// The most work that a step may take. It does not depend on the machine.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct MuslinBudget {
+    /// Iterations of the linear solver and of the response to contacts.
+    pub iterations: u32,
+    /// Pairs of features that the response has to test.
+    pub candidates: u32,
+}
+
+/// The work of a step, whether or not it succeeded.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MuslinReport {
+    /// Iterations of the linear solver and of the response to contacts.
+    pub iterations: u32,
+    /// Pairs of features that the response had to test.
+    pub candidates: u32,
+    /// Contacts that push.
+    pub contacts: u32,
+    /// Times that the step, or a part of it, was halved because surfaces would have collided.
+    pub halved: u32,
+    /// The vertex where a step failed.
+    pub vertex: u32,
+    /// Candidates of each kind that need room; 0 if there is enough.
+    pub candidates_needed: u32,
+    /// Contacts that need room; 0 if there is enough.
+    pub contacts_needed: u32,
+}
+
+/// Takes one step of the length that the scene has. A step that fails leaves the state as it was. `budget` may be null:
+/// then there is no limit. `report` may be null.
+///
+/// # Safety
+/// `cloth` is null or a handle that nothing else uses meanwhile; `budget` and `report` are null or point to such structs.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn muslin_step(
+    cloth: *mut MuslinCloth,
+    budget: *const MuslinBudget,
+    report: *mut MuslinReport,
+) -> MuslinStatus {
+    // SAFETY: the caller says that it is null or points to a budget.
+    let budget = unsafe { budget.as_ref() };
+    let MuslinBudget { iterations, candidates } =
+        budget.copied().unwrap_or(MuslinBudget { iterations: u32::MAX, candidates: u32::MAX });
+    let mut done = MuslinReport::default();
+    // SAFETY: the caller's promise is that of `change`.
+    let status = unsafe {
+        change(cloth, |own| {
+            let limited = Limited::new(&Serial, iterations, candidates);
+            let halved = own.cloth.contact_statistics().rejected;
+            let taken = own.cloth.step(&limited);
+            [done.iterations, done.candidates] = limited.spent();
+            done.halved = own.cloth.contact_statistics().rejected.saturating_sub(halved) as u32;
+            done.contacts = muslin_core::live::Live::touches(&own.cloth).count() as u32;
+            taken.inspect_err(|failed| note(failed, &mut done))?;
+            Ok(())
+        })
+    };
+    // SAFETY: the caller says that it is null or points to a report.
+    if let Some(report) = unsafe { report.as_mut() } {
+        *report = done;
+    }
+    status
+}
+
+fn note(failed: &StepError, report: &mut MuslinReport) {
+    report.vertex = failed.particle;
+    if let Cause::Short { pairs, constraints } = failed.cause {
+        (report.candidates_needed, report.contacts_needed) = (pairs as u32, constraints as u32);
+    }
+}
