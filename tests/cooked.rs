@@ -7,19 +7,22 @@ use harness::both_precisions;
 
 both_precisions! {
     use harness::aligned::Aligned;
+    use harness::cooked::mend;
     use harness::rng::Rng;
     use harness::steps::Steps;
-    use super::checksum;
     use muslin::cooked::{self, Cloth, CookedError, Room, cook};
     use muslin::dispatch::Serial;
     use muslin::error::LiveError;
     use muslin::live::Live as _;
     use muslin::integrate::{Method, Preconditioner};
+    use muslin::response::ContactStatistics;
     use muslin::scene::{BUILT_IN, SceneDesc};
     use muslin::simulation::{Cause, Simulation};
     use std::time::Instant;
 
-    const ROOM: Room = Room { pairs: 20_000, contacts: 4_000, hands: 2, forces: 2, deforms: false, impulses: false };
+    const EMPTY: Room =
+        Room { pairs: 0, contacts: 0, hands: 0, forces: 0, deforms: false, impulses: false, is_lean: false };
+    const ROOM: Room = Room { pairs: 20_000, contacts: 4_000, hands: 2, ..EMPTY };
 
     fn coarse(name: &str, change: impl FnOnce(&mut SceneDesc)) -> Simulation {
         let (_, text) = BUILT_IN.iter().find(|(known, _)| *known == name).expect("it is built in");
@@ -32,8 +35,13 @@ both_precisions! {
     }
 
     /// Takes the same steps; returns how often a step was halved at most.
-    fn compare(what: &str, mut owned: Simulation, steps: u32) -> u64 {
-        let mut block = Aligned::new(&cook(&owned, ROOM));
+    fn compare(what: &str, owned: Simulation, steps: u32) -> u64 {
+        compare_in(what, owned.clone(), steps, Room { is_lean: true, ..ROOM });
+        compare_in(what, owned, steps, ROOM)
+    }
+
+    fn compare_in(what: &str, mut owned: Simulation, steps: u32, room: Room) -> u64 {
+        let mut block = Aligned::new(&cook(&owned, room));
         let needed = cooked::required_bytes(block.all()).expect("it is cooked");
         let mut memory = Aligned::filled(needed, 0xA5);
         let mut cloth = Cloth::open(block.all(), memory.all()).unwrap_or_else(|error| panic!("{what}: {error}"));
@@ -44,7 +52,9 @@ both_precisions! {
             assert_eq!(owned.velocities(), cloth.velocities(), "{} {what}, step {n}", muslin::real::NAME);
         }
         assert_eq!(owned.statistics(), cloth.statistics(), "{what}");
-        assert_eq!(owned.contact_statistics(), cloth.contact_statistics(), "{what}");
+        // Without room for the motion of triangles, the response tests a few candidates more.
+        let tested = |it: ContactStatistics| if room.is_lean { ContactStatistics { candidates: 0, ..it } } else { it };
+        assert_eq!(tested(owned.contact_statistics()), tested(cloth.contact_statistics()), "{what}");
         assert_eq!(owned.estimated_error(), cloth.estimated_error(), "{what}");
         owned.statistics().most_halvings
     }
@@ -202,6 +212,74 @@ both_precisions! {
         }
     }
 
+    /// Springs and hinges over a ball, as a microcontroller may have them.
+    fn small(cells: u32, method: &str, own_contact: bool) -> Simulation {
+        let step = if method == "symplectic-euler" { 0.0005 } else { 0.005 };
+        let text = format!(
+            r#"
+            name = "small"
+            duration = 1.0
+            gravity = [0, -9.81, 0]
+            integrator = {{ step = {step}, method = "{method}" }}
+            contact = {{ thickness = 0.01, friction = 0.3, self = {own_contact} }}
+            [[collider]]
+            shape = "sphere"
+            center = [0, -0.16, 0]
+            radius = 0.15
+            [[cloth]]
+            grid = {{ size = [0.5, 0.5], cells = [{cells}, {cells}], pattern = "diagonal" }}
+            density = 0.2
+            stretch = {{ model = "spring", stiffness = 50.0, damping = 0.01 }}
+            bend = {{ model = "hinge", rigidity = 1e-5, damping = 0.0001 }}
+            "#
+        );
+        Simulation::new(&kit::scene(&text), &[]).expect("it builds")
+    }
+
+    /// The block and the memory of a small scene that falls for half a second, bytes. The cooked cloth takes the same steps.
+    fn needs(cells: u32, method: &str, own_contact: bool, is_lean: bool) -> [usize; 2] {
+        let start = small(cells, method, own_contact);
+        let mut run = start.clone();
+        run.measure_room();
+        let steps = if method == "symplectic-euler" { 1_000 } else { 100 };
+        (0..steps).for_each(|_| run.take_step().expect("it steps"));
+        let [pairs, contacts] = run.room();
+        let mut block = Aligned::new(&cook(&start, Room { pairs, contacts, is_lean, ..EMPTY }));
+        let needed = cooked::required_bytes(block.all()).expect("it is cooked");
+        let mut memory = Aligned::filled(needed, 0xA5);
+        let mut cloth = Cloth::open(block.all(), memory.all()).expect("it opens");
+        // All pairs of a larger cloth would take minutes.
+        if !is_lean || cells < 10 {
+            (0..steps).for_each(|_| cloth.step(&Serial).expect("it has room"));
+            assert_eq!(cloth.positions(), run.positions(), "{cells} {method}");
+        }
+        [block.all().len(), needed]
+    }
+
+    #[test]
+    fn a_small_cloth_needs_little_memory() {
+        let [_, explicit] = needs(7, "symplectic-euler", false, true);
+        println!("{}: 8 x 8 vertices, lean: {explicit} bytes", muslin::real::NAME);
+        assert!(explicit < size_of::<muslin::real::Real>() << 14, "{explicit} bytes");
+    }
+
+    #[test]
+    #[ignore = "a command of its own"]
+    fn long_form_memory() {
+        for cells in [7, 15] {
+            for (method, own_contact) in
+                [("symplectic-euler", false), ("symplectic-euler", true), ("backward-euler", true)]
+            {
+                let [plain, lean] = [false, true].map(|is_lean| needs(cells, method, own_contact, is_lean));
+                let n = cells + 1;
+                println!(
+                    "{}: {n} x {n}, {method}, self-contact {own_contact}: block {}, memory {}, lean {}",
+                    muslin::real::NAME, plain[0], plain[1], lean[1]
+                );
+            }
+        }
+    }
+
     fn refused(block: &[u8], memory: usize) -> Option<CookedError> {
         let (mut block, mut memory) = (Aligned::new(block), Aligned::filled(memory, 0));
         Cloth::open(block.all(), memory.all()).err()
@@ -265,8 +343,7 @@ both_precisions! {
                 };
                 bad[at..at + 4].copy_from_slice(&word.to_le_bytes());
             }
-            let sum = checksum(&bad[64..]);
-            bad[32..40].copy_from_slice(&sum.to_le_bytes());
+            mend(&mut bad);
             let needed = cooked::required_bytes(&bad).expect("the header is good");
             let (mut block, mut memory) = (Aligned::new(&bad), Aligned::filled(needed, 0));
             match Cloth::open(block.all(), memory.all()) {
@@ -277,12 +354,4 @@ both_precisions! {
         println!("{refused} of {count} blocks were refused");
         assert!(refused > count / 10, "{refused} of {count} blocks were refused");
     }
-}
-
-/// As a block has it.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.as_chunks::<8>().0.iter().fold(0xcbf2_9ce4_8422_2325, |sum: u64, &word| {
-        let product = (sum ^ u64::from_le_bytes(word)).wrapping_mul(0x0000_0100_0000_01b3);
-        product ^ product >> 32
-    })
 }

@@ -459,14 +459,22 @@ mod owned {
             columns
         }
 
-        /// Columns with exactly this room.
-        pub(crate) fn fit(model: &ContactModel<'_>, room: crate::cooked::Room) -> Self {
+        /// Columns with exactly this room. Only implicit methods solve a step together with its contacts.
+        pub(crate) fn fit(model: &ContactModel<'_>, room: crate::cooked::Room, is_implicit: bool) -> Self {
             let mut columns = Self::build(model, 0);
             for pairs in [&mut columns.vertex_triangle, &mut columns.edge_edge] {
                 pairs.grow(room.pairs);
             }
             columns.kept = KeptPairColumns::build(model.radii.len(), room.pairs);
             columns.fit_constraints(room.contacts);
+            if !is_implicit {
+                (columns.contacts, columns.lines, columns.multipliers) = Default::default();
+            }
+            if room.is_lean {
+                columns.kept = KeptPairColumns::default();
+                columns.grid = columns.grid.lean();
+                columns.room = RoomColumns::default();
+            }
             columns
         }
 

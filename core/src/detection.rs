@@ -20,6 +20,7 @@ use crate::narrow_phase::{EdgeEdge, VertexTriangle, proximity, slab};
 use crate::real::{Real, Sum, Vec3, sqrt};
 use crate::refusal::Cause;
 use crate::response::repulsion::REACH;
+use crate::scratch::MAY_BE_LEAN;
 use crate::stage::Stage;
 
 /// In a [quiet](is_quiet) step no vertex moves farther than this along an axis, relative to the thickness. It leaves
@@ -276,7 +277,8 @@ pub fn detect(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, dispat
         kept.take(&mut out)
     } else if **searched == Searched::Near {
         kept.widen(boxes, SKIN * model.thickness);
-        broad_phase::candidates(kept.boxes, &model.surface, grid, None, &mut out, dispatch)?
+        let wide: &[Aabb] = if MAY_BE_LEAN && kept.boxes.is_empty() { boxes } else { kept.boxes };
+        broad_phase::candidates(wide, &model.surface, grid, None, &mut out, dispatch)?
     } else {
         kept.widen(ends, 0.0);
         broad_phase::candidates(boxes, &model.surface, grid, motion, &mut out, dispatch)?

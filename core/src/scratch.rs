@@ -8,6 +8,9 @@ use crate::integrate::per_cloth::ClothSolve;
 use crate::particles::PositionsMut;
 use crate::real::{Mat3, Real, Vec3};
 
+/// Whether columns may be left out to save memory. The page leaves none out, and is smaller without the code.
+pub(crate) const MAY_BE_LEAN: bool = !cfg!(small);
+
 /// Work columns, borrowed. They have one entry per vertex unless stated otherwise.
 #[derive(Debug, Default)]
 pub struct Scratch<'a> {
@@ -270,6 +273,11 @@ mod owned {
             keep(&mut self.stage_positions, rk4 || implicit);
             keep(&mut self.low_stage_positions, implicit);
             keep(&mut self.stage_velocities, rk4);
+        }
+
+        /// Removes the column of the forces of elements: they are computed for each vertex.
+        pub(crate) fn remove_elements(&mut self) {
+            self.elements.clear();
         }
 
         /// The held axes of each vertex, empty without patches, and the changes in the last step.

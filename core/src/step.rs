@@ -147,7 +147,7 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     if let Some(ledger) = work.done {
         work_done::in_step(input, particles, contact_model.zip(columns.as_ref()), ledger, scratch);
     }
-    if let Some(columns) = &mut columns {
+    if let Some(columns) = columns.as_mut().filter(|_| input.scheme.method.is_implicit()) {
         keep_forces(input.step, columns);
     }
     commit(particles, scratch, work.integrator);

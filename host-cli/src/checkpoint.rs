@@ -83,7 +83,7 @@ pub enum CheckpointError {
 
 /// Writes a checkpoint atomically.
 pub fn write(path: &Path, checkpoint: &Checkpoint) -> Result<(), WriteError> {
-    let bytes = encode(checkpoint, VERSION);
+    let bytes = encode(checkpoint);
     whole::write(path.into(), |file| file.write_all(&bytes)).map(drop)
 }
 
@@ -154,7 +154,12 @@ pub fn scene_crc(scene: &SceneFile) -> u32 {
     crc.finalize()
 }
 
-fn encode(checkpoint: &Checkpoint, version: &str) -> Vec<u8> {
+/// The bytes of a checkpoint.
+pub fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
+    encode_as(checkpoint, VERSION)
+}
+
+fn encode_as(checkpoint: &Checkpoint, version: &str) -> Vec<u8> {
     let Checkpoint { precision, scene, chain, record, snapshot, impulses } = checkpoint;
     let mut bytes = MAGIC.to_vec();
     bytes.extend(FORMAT.to_le_bytes());
@@ -182,7 +187,8 @@ fn push(bytes: &mut Vec<u8>, more: &[u8]) {
     bytes.extend(more);
 }
 
-fn decode(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
+/// Reads the bytes of a checkpoint.
+pub fn decode(bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
     let mut rest = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::Foreign)?;
     let format = take(&mut rest).map(u32::from_le_bytes).ok_or(CheckpointError::Damaged)?;
     if format != FORMAT {
@@ -269,18 +275,18 @@ mod tests {
 
     #[test]
     fn a_checkpoint_reads_back_as_written() {
-        assert_eq!(decode(&encode(&example(), VERSION)).unwrap(), example());
+        assert_eq!(decode(&encode(&example())).unwrap(), example());
     }
 
     #[test]
     fn a_checkpoint_of_another_version_names_both() {
-        let message = decode(&encode(&example(), "0.0.9")).unwrap_err().to_string();
+        let message = decode(&encode_as(&example(), "0.0.9")).unwrap_err().to_string();
         assert!(message.contains("muslin 0.0.9") && message.contains(&format!("muslin {VERSION}")), "{message}");
     }
 
     #[test]
     fn every_truncation_and_every_flipped_bit_is_an_error() {
-        let good = encode(&example(), VERSION);
+        let good = encode(&example());
         for length in 0..good.len() {
             assert!(decode(&good[..length]).is_err(), "truncated to {length} bytes it was read");
         }

@@ -37,8 +37,8 @@ pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
         }
     };
     let [pairs, contacts] = measured.room;
-    let CookArguments { hands, forces, deform: deforms, impulses, .. } = *arguments;
-    let block = engine.cook(&Room { pairs, contacts, hands, forces, deforms, impulses });
+    let CookArguments { hands, forces, deform: deforms, impulses, lean: is_lean, .. } = *arguments;
+    let block = engine.cook(&Room { pairs, contacts, hands, forces, deforms, impulses, is_lean });
     let memory = engine::required_bytes(&block);
     let file = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.bin", scene.desc.name)));
     let file = whole::write(file, |out| out.write_all(&block))?;

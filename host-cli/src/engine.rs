@@ -473,8 +473,12 @@ macro_rules! engine {
                 }
 
                 fn cook(&self, room: &muslin_core::cooked::Room) -> Vec<u8> {
-                    let muslin_core::cooked::Room { pairs, contacts, hands, forces, deforms, impulses } = *room;
-                    $core::cooked::cook(self, $core::cooked::Room { pairs, contacts, hands, forces, deforms, impulses })
+                    let muslin_core::cooked::Room { pairs, contacts, hands, forces, deforms, impulses, is_lean } =
+                        *room;
+                    $core::cooked::cook(
+                        self,
+                        $core::cooked::Room { pairs, contacts, hands, forces, deforms, impulses, is_lean },
+                    )
                 }
 
                 fn masses(&self) -> Vec<f64> {

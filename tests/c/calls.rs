@@ -79,7 +79,8 @@ fn simulation(cells: u32) -> Simulation {
     sim
 }
 
-const ROOM: Room = Room { pairs: 4_000, contacts: 500, hands: 2, forces: 2, deforms: true, impulses: true };
+const ROOM: Room =
+    Room { pairs: 4_000, contacts: 500, hands: 2, forces: 2, deforms: true, impulses: true, is_lean: false };
 
 /// An opened scene with its memory.
 struct Opened {

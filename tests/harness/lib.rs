@@ -4,6 +4,7 @@ pub mod aligned;
 pub mod belt;
 pub mod case;
 pub mod cloth_ball;
+pub mod cooked;
 #[path = "../../host-cli/src/bench/crumpled.rs"]
 pub mod crumpled;
 pub mod data;
@@ -12,6 +13,7 @@ pub mod differences;
 pub mod exact;
 pub mod head_on;
 pub mod kit;
+pub mod live_calls;
 pub mod net;
 pub mod oscillator;
 pub mod pieces;

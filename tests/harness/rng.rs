@@ -4,18 +4,35 @@ use glam::{DMat3, DVec3};
 
 /// A generator; equal seeds give equal numbers.
 #[derive(Clone, Debug)]
-pub struct Rng(u64);
+pub struct Rng<'a> {
+    state: u64,
+    bytes: &'a [u8],
+}
 
-impl Rng {
+impl<'a> Rng<'a> {
     /// Starts a sequence.
     pub const fn new(seed: u64) -> Self {
-        Self(seed)
+        Self { state: seed, bytes: &[] }
+    }
+
+    /// A sequence in which each number depends on one byte, and then on the place alone.
+    pub const fn of(bytes: &'a [u8]) -> Self {
+        Self { state: 0, bytes }
+    }
+
+    /// Number of bytes that are left.
+    pub const fn left(&self) -> usize {
+        self.bytes.len()
     }
 
     /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
+        if let Some((&byte, rest)) = self.bytes.split_first() {
+            self.bytes = rest;
+            return Self::new(byte.into()).bits();
+        }
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)

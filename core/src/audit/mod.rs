@@ -18,6 +18,7 @@ use crate::broad_phase::{IS_FACE, Surface};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::intersect::edge_meets_triangle;
 use crate::real::Vec3;
+use crate::scratch::MAY_BE_LEAN;
 use tree::{Boxed, Tree};
 
 /// Number of edges that query a tree together.
@@ -74,11 +75,37 @@ pub fn any_crossing(
     any
 }
 
-/// Calls `found` with all crossings.
+/// Calls `found` with all crossings. Without room, all edges are compared with all triangles.
 fn for_each(surface: &Surface<'_>, positions: &[Vec3], room: &mut Room<'_>, found: &mut dyn FnMut([u32; 2])) {
+    if MAY_BE_LEAN && room.edges.is_empty() {
+        return compare_all(surface, positions, found);
+    }
     for Question { edges, trees } in questions(surface, positions, room) {
         for group in edges.chunks(GROUP) {
             visit(surface, positions, group, &trees, found);
+        }
+    }
+}
+
+/// Calls `found` with all crossings, without room.
+#[inline(never)]
+fn compare_all(surface: &Surface<'_>, positions: &[Vec3], found: &mut dyn FnMut([u32; 2])) {
+    let is_passive = |triangle: u32| triangle >= surface.first_passive;
+    for (edge, &ends) in (0..).zip(surface.edges) {
+        // An edge of both parts counts as an edge of the cloth, which comes first.
+        let owner = faces(surface).find(|&face| surface.triangle_edges[face as usize].contains(&edge));
+        let Some(owner) = owner else { continue };
+        let own = around(&places(positions, ends));
+        for triangle in faces(surface) {
+            let may_meet = match [is_passive(owner), is_passive(triangle)] {
+                [true, true] => false,
+                [false, false] => surface.own_contact,
+                _ => true,
+            };
+            let corners = || places(positions, surface.triangles[triangle as usize]);
+            if may_meet && own.overlaps(&around(&corners())) && crosses(surface, positions, [edge, triangle]) {
+                found([edge, triangle]);
+            }
         }
     }
 }

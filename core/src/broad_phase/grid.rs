@@ -15,8 +15,10 @@ use super::spheres::{Sphere, write_spheres};
 use super::{Candidates, Counts, Surface};
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
+use crate::scratch::MAY_BE_LEAN;
 
-/// Borrowed work columns, with one slot per triangle unless stated otherwise.
+/// Borrowed work columns, with one slot per triangle unless stated otherwise. If [`entries`](Self::entries) and the columns
+/// of cells are empty, all triangles are compared with all: less memory, the same candidates.
 #[derive(Debug)]
 pub struct Grid<'a> {
     /// Boxes of the triangles.
@@ -85,11 +87,15 @@ pub fn candidates(
     } = work;
     write_bounds(boxes, surface, triangle_boxes, owned, dispatch);
     leave_out_far(triangle_boxes, surface.first_passive as usize);
-    let moving_boxes = motion.map(|motion| {
+    let is_lean = MAY_BE_LEAN && entries.is_empty();
+    let moving_boxes = motion.filter(|_| !is_lean).map(|motion| {
         write_moving_boxes(motion, surface.triangles, moving_boxes, dispatch);
         &**moving_boxes
     });
-    let sizes = levels::assign(triangle_boxes, levels);
+    let mut sizes = levels::assign(triangle_boxes, levels);
+    if is_lean {
+        sizes = sizes.without_cells(levels);
+    }
     let mut counts = Counts::default();
     for level in 0..sizes.graded {
         let quantization = Quantization::new(&sizes.scene, sizes.extents[level as usize]);
@@ -165,6 +171,12 @@ impl GridColumns {
             entries: vec![Entry::default(); 8 * triangles],
             spare: vec![Entry::default(); 8 * triangles],
         }
+    }
+
+    /// Only the columns that a search without cells needs.
+    pub(crate) fn lean(&self) -> Self {
+        let Self { triangle_boxes, owned, levels, .. } = self;
+        Self { triangle_boxes: triangle_boxes.clone(), owned: owned.clone(), levels: levels.clone(), ..Self::default() }
     }
 
     /// Borrows the columns for [`candidates`].

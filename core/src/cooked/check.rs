@@ -78,20 +78,20 @@ pub(super) fn all(stored: &Stored<'_>, scheme: &Scheme) -> Checked {
     ensure(held.len() == if scratch.patches.labels.is_empty() { 0 } else { n })?;
     if let Some(contact) = contact {
         check_solids(&contact.model, n)?;
-        check_columns(&contact.columns, &contact.model)?;
+        check_columns(&contact.columns, &contact.model, scheme.method.is_implicit())?;
         check_own_frames(contact)?;
     }
-    let constraints = contact.as_ref().map_or(0, |contact| contact.columns.constraints.len());
+    let multipliers = contact.as_ref().map_or(0, |contact| contact.columns.multipliers.len());
     ensure(kept.is_some() == (contact.is_some() || scheme.error.is_some()))?;
     let Some(kept) = kept else { return Ok(()) };
     ensure(kept.reactions.len() == impulses)?;
-    check_kept(kept, n, scratch.previous_displacements.len(), constraints)
+    check_kept(kept, n, scratch.previous_displacements.len(), multipliers)
 }
 
-fn check_kept(kept: &Kept<'_>, n: usize, previous: usize, constraints: usize) -> Checked {
+fn check_kept(kept: &Kept<'_>, n: usize, previous: usize, multipliers: usize) -> Checked {
     let state = [kept.positions.len(), kept.velocities.len(), kept.low_positions.len(), kept.low_velocities.len()];
     let before = [kept.previous_displacements.len(), kept.previous_velocity_changes.len()];
-    ensure(are(&state, n) && are(&before, previous) && kept.multipliers.len() == constraints)
+    ensure(are(&state, n) && are(&before, previous) && kept.multipliers.len() == multipliers)
 }
 
 fn check_incidence<const K: usize>(incidence: &Incidence<'_>, elements: &[[u32; K]], n: usize) -> Checked {
@@ -188,7 +188,7 @@ fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize, 
         s.inverse_diagonal.len(),
     ];
     ensure(are(&always, n) && are(&solve, when(implicit)))?;
-    ensure(s.elements.len() == model.force_scratch())?;
+    ensure([0, model.force_scratch()].contains(&s.elements.len()))?;
     ensure(s.pin_forces.len() == if implicit { pins.unwrap_or(0) } else { 0 })?;
     let measures = pins.is_some();
     ensure(s.stage_positions.low.len() == when(implicit || measures))?;
@@ -313,7 +313,7 @@ fn check_own_frames(StoredContact { model, own_frames, .. }: &StoredContact<'_>)
     ensure(own_frames.iter().zip(&*model.bodies).all(fits))
 }
 
-fn check_columns(c: &ContactScratch<'_>, solids: &Solids<'_>) -> Checked {
+fn check_columns(c: &ContactScratch<'_>, solids: &Solids<'_>, is_implicit: bool) -> Checked {
     let (vertices, triangles, edges) = (solids.radii.len(), solids.surface.triangles.len(), solids.surface.edges.len());
     let of_vertices = [
         c.start.len(),
@@ -326,26 +326,22 @@ fn check_columns(c: &ContactScratch<'_>, solids: &Solids<'_>) -> Checked {
         c.zones.len(),
         c.boxes.len(),
         c.ends.len(),
-        c.kept.boxes.len(),
-        c.grid.quantized_boxes.len(),
     ];
     ensure(are(&of_vertices, vertices) && c.turns.len() == solids.bodies.len())?;
     let are_pairs = |pairs: &Pairs<'_>| are(&[pairs.distances.len(), pairs.times.len()], pairs.candidates.len());
     ensure(are_pairs(&c.vertex_triangle) && are_pairs(&c.edge_edge))?;
     let room = c.constraints.len();
-    ensure(are(&[c.contacts.len(), c.multipliers.len()], room) && c.lines.len() == room.div_ceil(4))?;
+    let solved = if is_implicit { room } else { 0 };
+    ensure(are(&[c.contacts.len(), c.multipliers.len()], solved) && c.lines.len() == solved.div_ceil(4))?;
+    // Without room for cells, all are compared with all.
+    let is_lean = c.grid.entries.is_empty();
+    let when = |count: usize| if is_lean { 0 } else { count };
+    ensure(are(&[c.kept.boxes.len(), c.grid.quantized_boxes.len()], when(vertices)))?;
     ensure(c.order.len() == 2 * room)?;
     let Grid { triangle_boxes, moving_boxes, owned, levels, spheres, byte_boxes, homes, entries, spare, .. } = &c.grid;
-    let of_triangles = [
-        triangle_boxes.len(),
-        moving_boxes.len(),
-        owned.len(),
-        levels.len(),
-        spheres.len(),
-        byte_boxes.len(),
-        homes.len(),
-        c.room.boxes.len(),
-    ];
-    ensure(are(&of_triangles, triangles) && are(&[entries.len(), spare.len()], 8 * triangles))?;
-    ensure(c.room.bounds.len() == 2 * tree::nodes(triangles) && are(&[c.room.edges.len(), c.room.taken.len()], edges))
+    ensure(are(&[triangle_boxes.len(), owned.len(), levels.len()], triangles))?;
+    let of_triangles = [moving_boxes.len(), spheres.len(), byte_boxes.len(), homes.len(), c.room.boxes.len()];
+    ensure(are(&of_triangles, when(triangles)) && are(&[entries.len(), spare.len()], when(8 * triangles)))?;
+    ensure(c.room.bounds.len() == when(2 * tree::nodes(triangles)))?;
+    ensure(are(&[c.room.edges.len(), c.room.taken.len()], when(edges)))
 }

@@ -30,6 +30,9 @@ pub struct Room {
     pub deforms: bool,
     /// Whether impulses on colliders are measured.
     pub impulses: bool,
+    /// Whether to save memory and take more time: forces of elements are computed for each of their vertices, and all
+    /// triangles are compared with all. The steps are the same.
+    pub is_lean: bool,
 }
 
 /// Cooks a simulation in its present state. Steps that it has taken count, but the first step of the cooked cloth does not
@@ -53,14 +56,20 @@ pub fn cook(simulation: &Simulation, room: Room) -> Vec<u8> {
     } else {
         scratch.remove_work(scheme.method);
     }
+    if room.is_lean {
+        scratch.remove_elements();
+    }
+    let is_implicit = scheme.method.is_implicit();
     let bodies = built.contact.as_ref().map_or(0, |contact| contact.colliders.bodies.len());
     let impulses = alloc::vec![Impulse::default(); if room.impulses { bodies } else { 0 }];
     let (mut measured, mut kept_impulses) = (impulses.clone(), impulses);
-    let mut columns = built.contact.as_ref().map(|contact| ContactScratchColumns::fit(&contact.view(), room));
+    let mut columns =
+        built.contact.as_ref().map(|contact| ContactScratchColumns::fit(&contact.view(), room, is_implicit));
     let divides = built.contact.is_some() || scheme.error.is_some();
     let mut copy: [Vec<Vec3>; 4] = [(); 4].map(|()| built.particles.positions.clone());
     let mut copy_before: [Vec<Vec3>; 2] = [(); 2].map(|()| scratch.previous_displacements.clone());
-    let mut multipliers = alloc::vec![Multiplier::default(); if built.contact.is_some() { room.contacts } else { 0 }];
+    let mut multipliers =
+        alloc::vec![Multiplier::default(); if is_implicit && built.contact.is_some() { room.contacts } else { 0 }];
     let kept = divides.then(|| {
         let [positions, velocities, low_positions, low_velocities] = copy.each_mut().map(Vec::as_mut_slice);
         let [previous_displacements, previous_velocity_changes] = copy_before.each_mut().map(Vec::as_mut_slice);

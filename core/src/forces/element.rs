@@ -11,6 +11,7 @@ use crate::dispatch::Dispatch;
 use crate::mesh::Incidence;
 use crate::particles::Positions;
 use crate::real::{Mat3, Real, Vec3};
+use crate::scratch::MAY_BE_LEAN;
 use crate::traffic::{SCALAR, TrafficSizes, VECTOR};
 
 /// A force term over elements with `K` corners. `x` and `v` are the positions and velocities of the
@@ -67,6 +68,26 @@ fn corners<const K: usize>(ids: &[u32; K], column: &[Vec3]) -> [Vec3; K] {
     ids.map(|i| column[i as usize])
 }
 
+/// Adds the forces without scratch: computes those of an element for each of its corners.
+fn add_recomputed<E: Element<K>, const K: usize>(
+    term: &E,
+    x: Positions<'_>,
+    v: &[Vec3],
+    f: &mut [Vec3],
+    dispatch: &impl Dispatch,
+) {
+    let (vertices, incidence) = (term.vertices(), term.incidence());
+    dispatch.run(f, |start, part| {
+        for (vertex, f) in part.iter_mut().enumerate() {
+            for &slot in incidence.at(start + vertex) {
+                let (element, corner) = (slot as usize / K, slot as usize % K);
+                let ids = &vertices[element];
+                *f += term.force(element, &x.relative(ids), &corners(ids, v))[corner];
+            }
+        }
+    });
+}
+
 /// Not inlined for size: it would be there twice, for positions with and without rounding errors.
 #[cfg_attr(small, inline(never))]
 fn energy_at<E: Element<K>, const K: usize>(term: &E, element: usize, ids: &[u32; K], x: Positions<'_>) -> Energy {
@@ -84,6 +105,9 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
         dispatch: &impl Dispatch,
     ) {
         let vertices = self.vertices();
+        if MAY_BE_LEAN && scratch.len() < vertices.len() * K {
+            return add_recomputed(self, x, v, f, dispatch);
+        }
         let (slots, _) = scratch[..vertices.len() * K].as_chunks_mut::<K>();
         dispatch.run(slots, |start, part| {
             for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {

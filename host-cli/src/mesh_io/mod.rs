@@ -75,6 +75,16 @@ pub enum MeshFileError {
     },
 }
 
+/// Reads a mesh in the format OBJ.
+pub fn parse_obj(bytes: &[u8]) -> Result<TriMesh, ObjError> {
+    obj::parse(&String::from_utf8_lossy(bytes))
+}
+
+/// Reads a mesh in the format PLY.
+pub fn parse_ply(bytes: &[u8]) -> Result<TriMesh, PlyError> {
+    ply::parse(bytes)
+}
+
 /// Loads the mesh in `path`, in the format that its extension names (`obj` or `ply`, any case).
 pub fn load(path: &Path) -> Result<TriMesh, MeshFileError> {
     let owned = || path.to_path_buf();
@@ -87,12 +97,12 @@ pub fn load(path: &Path) -> Result<TriMesh, MeshFileError> {
         Some("obj") => {
             let bytes = read()?;
             other(kind::not_obj(&bytes), "obj")?;
-            obj::parse(&String::from_utf8_lossy(&bytes)).map_err(|cause| MeshFileError::Obj { path: owned(), cause })
+            parse_obj(&bytes).map_err(|cause| MeshFileError::Obj { path: owned(), cause })
         }
         Some("ply") => {
             let bytes = read()?;
             other(kind::not_ply(&bytes), "ply")?;
-            ply::parse(&bytes).map_err(|cause| MeshFileError::Ply { path: owned(), cause })
+            parse_ply(&bytes).map_err(|cause| MeshFileError::Ply { path: owned(), cause })
         }
         _ => Err(MeshFileError::UnknownFormat { path: owned() }),
     }

@@ -13,7 +13,7 @@ mod partial;
 mod reference;
 mod results;
 mod stability;
-mod sweep;
+pub mod sweep;
 mod terms;
 mod trajectory;
 mod validate;

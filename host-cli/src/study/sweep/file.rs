@@ -94,6 +94,11 @@ impl Sweep {
         let label = path.display().to_string();
         let text = limits::read_text(path);
         let text = text.map_err(|error| Failure::Usage(format!("cannot read {label}: {error}")))?;
+        Self::parse(label, text, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads a sweep and its scene from a text. Scenes that it names lie in `directory`.
+    pub fn parse(label: String, text: String, directory: &Path) -> Result<Self, Failure> {
         let file = Text { label, text };
         let explained = |error| file.failed(&scene_file::explain(&error));
         let desc: Desc = toml::from_str(&file.text).map_err(explained)?;
@@ -111,7 +116,7 @@ impl Sweep {
             return Err(file.failed(&format!("{} is given twice", file.line(again))));
         }
         Ok(Self {
-            scene: Source::read(&desc.scene, path.parent().unwrap_or(Path::new("")))?,
+            scene: Source::read(&desc.scene, directory)?,
             precisions: precisions(desc.precision).map_err(|why| file.failed(&why))?,
             set: set.iter().map(|entry| file.change(entry, &entry.value)).collect(),
             grid: grid.iter().map(|entry| file.axis(entry)).collect::<Result<_, _>>()?,

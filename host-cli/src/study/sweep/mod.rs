@@ -15,7 +15,7 @@ use crate::limits;
 use crate::pool::Pool;
 use crate::progress;
 
-use file::Sweep;
+pub use file::Sweep;
 use grid::Point;
 use ledger::{Ledger, Runs};
 
