@@ -471,11 +471,16 @@ mod owned {
                 (columns.contacts, columns.lines, columns.multipliers) = Default::default();
             }
             if room.is_lean {
-                columns.kept = KeptPairColumns::default();
-                columns.grid = columns.grid.lean();
-                columns.room = RoomColumns::default();
+                columns.make_lean();
             }
             columns
+        }
+
+        /// Removes the columns without which a search and an audit take longer.
+        pub(crate) fn make_lean(&mut self) {
+            self.kept = KeptPairColumns::default();
+            self.grid = self.grid.lean();
+            self.room = RoomColumns::default();
         }
 
         /// Makes room for at least so many candidates. Returns false if there was enough, or if there is no memory.

@@ -337,16 +337,19 @@ impl fmt::Display for LiveError {
                 write!(f, "cloth would intersect collider {collider}; move one of them away first")
             }
             Self::NoWind => write!(f, "the scene has no wind; give it [drag.wind] with coefficients, at velocity 0"),
-            Self::NotMeasured => write!(f, "impulses are not measured; call measure_reactions once before the steps"),
+            Self::NotMeasured => write!(
+                f,
+                "impulses are not measured; call measure_reactions once before the steps, or cook the scene with --impulses"
+            ),
             Self::OtherScene => {
                 write!(
                     f,
-                    "the scene has other meshes, colliders, force terms or laws of friction; only numbers may differ"
+                    "the snapshot is damaged, or the scene has other meshes, colliders, force terms or laws of friction; only numbers may differ"
                 )
             }
             Self::Memory => write!(f, "there is not enough memory"),
             Self::NoSlot => {
-                write!(f, "all slots for held vertices are taken; release one, or cook the scene with more (--hands)")
+                write!(f, "the cooked scene has no free slot for this; cook it with more (--hands, --forces, --deform)")
             }
         }
     }

@@ -38,7 +38,8 @@ impl Pose {
     /// The pose with a rotation of unit length; `None` if a number is not finite or the rotation is zero.
     pub fn checked(self) -> Option<Self> {
         let length = self.rotation.length();
-        let usable = self.position.is_finite() && length.is_finite() && length > 0.0;
+        let is_finite = vec3(self.position.into()).is_finite();
+        let usable = is_finite && length.is_finite() && length > 0.0;
         usable.then(|| Self { rotation: self.rotation / length, ..self })
     }
 }
@@ -133,6 +134,12 @@ impl Kinematic {
     pub fn undo(&self, place: DVec3, time: Sum) -> DVec3 {
         let pose = self.pose(time);
         self.centre + pose.rotation.conjugate() * (place - pose.position)
+    }
+
+    /// Whether its numbers can be those of a motion.
+    pub fn is_valid(&self) -> bool {
+        let numbers: &[f64] = bytemuck::cast_slice(core::slice::from_ref(self));
+        numbers.iter().all(|number| number.is_finite()) && self.times[0] <= self.times[1]
     }
 
     /// Whether it turns, by more than rounding does.

@@ -104,6 +104,8 @@ impl core::fmt::Display for StepError {
                     None => write!(f, "cloth"),
                 }
             }
+            Cause::Short { pairs, constraints: 0 } => write!(f, "step {step} needs room for {pairs} candidates"),
+            Cause::Short { pairs: 0, constraints } => write!(f, "step {step} needs room for {constraints} contacts"),
             Cause::Short { pairs, constraints } => {
                 write!(f, "step {step} needs room for {pairs} candidates and {constraints} contacts")
             }

@@ -295,6 +295,9 @@ async fn couple<D: Dispatch>(
     let known = contact.lengths.contacts;
     let contacts = (&mut contact.contacts[..known], &mut *contact.lines);
     let has_begun = implicit_contact::correct(input, particles, contacts, scratch, statistics);
+    if input.dispatch.stopped() {
+        return Err(Cause::Stopped);
+    }
     take_prediction(particles, scratch, contact);
     detection::search(model, Purpose::Response { widened: 0 }, columns, input.dispatch).await?;
     with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;

@@ -58,7 +58,7 @@ fn begin(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<Bo
 /// Runs the scene and measures the room that its contacts need, with a quarter more.
 fn measure(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<Measured, Failure> {
     let mut engine = begin(scene, arguments, pool)?;
-    engine.measure_room();
+    engine.measure_room(arguments.lean);
     let timing = scene.desc.timing();
     let steps = timing.frames * timing.steps_per_frame;
     let stopwatch = Stopwatch::new(pool);
@@ -72,13 +72,17 @@ fn measure(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<
         }
     }
     bar.finish_and_clear();
-    Ok(Measured { room: engine.room(), seconds: steps as f64 * timing.step })
+    let room = engine.room().map(|room| (room as f64 * arguments.margin) as usize);
+    Ok(Measured { room, seconds: steps as f64 * timing.step })
 }
 
 fn report(block: &[u8], memory: usize, measured: &Measured, file: &str, arguments: &CookArguments) -> String {
     let [pairs, contacts] = measured.room;
     let source = match measured.seconds {
         0.0 => "as asked for".to_owned(),
+        seconds if arguments.margin > 1.0 => {
+            format!("{} times a quarter more than {seconds} s of the scene needed at most", arguments.margin)
+        }
         seconds => format!("a quarter more than {seconds} s of the scene needed at most"),
     };
     let contact = match measured.room {
@@ -87,7 +91,7 @@ fn report(block: &[u8], memory: usize, measured: &Measured, file: &str, argument
     };
     format!(
         "{file}: {} bytes, which may stay in flash memory\n\
-         {memory} bytes of memory, both aligned to 32 bytes\n\
+         {memory} bytes of memory (in C: muslin_required_bytes), both aligned to 32 bytes\n\
          {contact}; room for {} vertices that the program holds, and for {} on which it sets forces",
         block.len(),
         arguments.hands,

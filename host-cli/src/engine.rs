@@ -225,7 +225,7 @@ pub trait Engine: Send {
     /// Restores a snapshot; returns false if it does not fit the scene.
     fn restore(&mut self, snapshot: &Snapshot) -> bool;
     /// Gives columns of contact no room, so that they grow as far as steps need.
-    fn measure_room(&mut self);
+    fn measure_room(&mut self, is_lean: bool);
     /// The room of the columns of contact, for candidates and for contacts.
     fn room(&self) -> [usize; 2];
     /// The scene as a block of bytes, with room for candidates, contacts and vertices that a host holds.
@@ -464,8 +464,8 @@ macro_rules! engine {
                     out.extend(self.places_in_world());
                 }
 
-                fn measure_room(&mut self) {
-                    Simulation::measure_room(self);
+                fn measure_room(&mut self, is_lean: bool) {
+                    Simulation::measure_room(self, is_lean);
                 }
 
                 fn room(&self) -> [usize; 2] {

@@ -40,8 +40,7 @@ pub fn sweep(text: &str) -> Result<usize, String> {
     read.map_err(|failure| failure.to_string())
 }
 
-/// A checkpoint, from which a simulation of a built-in scene goes on by one step. `bytes` lack the checksum at the end of
-/// the file.
+/// A checkpoint, from which a simulation of a scene goes on by one step. `bytes` lack the checksum at the end of the file.
 pub fn checkpoint(scene: &str, bytes: &[u8]) -> Result<(), String> {
     let whole = [bytes, &crc32fast::hash(bytes).to_le_bytes()].concat();
     let found = checkpoint::decode(&whole).map_err(|error| error.to_string())?;
@@ -53,7 +52,7 @@ pub fn checkpoint(scene: &str, bytes: &[u8]) -> Result<(), String> {
     engine.step(&Stopwatch::new(&pool)).map_err(|_| "the step failed".to_owned())
 }
 
-/// The bytes of a checkpoint of a built-in scene, without the checksum at the end.
+/// The bytes of a checkpoint at the start of a scene, without the checksum at the end.
 pub fn write_checkpoint(scene: &str) -> Result<Vec<u8>, String> {
     let snapshot = start(scene)?.snapshot();
     let record = Record::decode([0; record::WORDS]);
@@ -65,6 +64,6 @@ pub fn write_checkpoint(scene: &str) -> Result<Vec<u8>, String> {
 }
 
 fn start(scene: &str) -> Result<Box<dyn Engine>, String> {
-    let scene = scene_file::load(scene, &[]).map_err(|failure| failure.to_string())?;
+    let scene = scene_file::from_text("scene", scene.to_owned()).map_err(|failure| failure.to_string())?;
     engine::build(&scene, Precision::F32).map(|(engine, _)| engine)
 }

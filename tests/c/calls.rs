@@ -270,6 +270,7 @@ fn bad_pointers_and_blocks_are_refused() {
         assert_eq!(muslin_required_bytes(null(), 0, &mut number), MuslinStatus::NullPointer);
         assert_eq!(muslin_open(null(), 0, null_mut(), 0, null_mut()), MuslinStatus::NullPointer);
         assert_eq!(muslin_step(null_mut(), null(), null_mut()), MuslinStatus::NullPointer);
+        number = 7;
         assert!(muslin_positions(null(), &mut number).is_null() && number == 0);
         assert_eq!(muslin_snapshot_bytes(null()), 0);
         assert_eq!(muslin_error(null(), null_mut(), 0), 0);

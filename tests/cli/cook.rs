@@ -49,6 +49,7 @@ fn what_cannot_be_cooked_leaves_no_file() {
         ("cook tiny.toml -o a.bin --set cloth.density=-1", 2, "density"),
         ("cook nowhere.toml -o a.bin", 2, "nowhere.toml"),
         ("cook tiny.toml -o a.bin --hands=-1", 2, "--hands"),
+        ("cook tiny.toml -o a.bin --margin 0.5", 2, "--margin"),
         ("cook floor.toml -o a.bin --set integrator.method=rk4 --set cloth.stretch.stiffness=1e7", 3, "step"),
         ("cook tiny.toml -o tiny.toml/a.bin", 1, "a.bin"),
     ] {

@@ -44,7 +44,7 @@ fn main() {
     cache.extend([0.5_f32; 12].map(f32::to_le_bytes).as_flattened());
     put("pc2", "two", &cache);
     put("sweep", "flag", SWEEP.as_bytes());
-    put("checkpoint", "start", &readers::write_checkpoint("ball").expect("it is built in"));
+    put("checkpoint", "start", &readers::write_checkpoint(include_str!("small.toml")).expect("it is valid"));
     put("live", "calls", &(0..160).map(|n: u32| (n * 97 % 251) as u8).collect::<Vec<_>>());
     for (name, text) in BUILT_IN.iter().filter(|(_, text)| !text.contains("file =")) {
         put("scene", name, text.as_bytes());

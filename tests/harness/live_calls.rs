@@ -1,6 +1,6 @@
 //! Sequences of live calls to a simulation and to the cooked cloth of its scene.
 
-/// A sheet falls on a ball; below is a table that is a mesh.
+/// A sheet falls on a ball, a box that moves by keys, and a capsule; below is a table that is a mesh, and a floor.
 const SCENE: &str = r#"
 name = "ball"
 duration = 1.0
@@ -16,6 +16,20 @@ radius = 0.1
 [[collider]]
 shape = "mesh"
 file = "table"
+[[collider]]
+shape = "box"
+center = [0.3, -0.2, 0]
+half = [0.05, 0.05, 0.05]
+motion = { keys = [[0.0, 0, 0, 0], [0.1, 0, 0.05, 0]] }
+[[collider]]
+shape = "capsule"
+a = [-0.3, -0.2, -0.1]
+b = [-0.3, -0.2, 0.1]
+radius = 0.03
+[[collider]]
+shape = "plane"
+point = [0, -1, 0]
+normal = [0, 1, 0]
 [[cloth]]
 grid = { size = [0.5, 0.5], cells = [12, 12] }
 density = 0.2
@@ -44,8 +58,9 @@ macro_rules! calls {
             use $crate::kit::$name as kit;
             use $crate::rng::Rng;
 
-            fn simulation(method: &str) -> Simulation {
-                let text = super::SCENE.replace("backward-euler", method);
+            fn simulation(method: &str, cells: u32) -> Simulation {
+                let text =
+                    super::SCENE.replace("backward-euler", method).replace("[12, 12]", &format!("[{cells}, {cells}]"));
                 let positions = vec![[-0.4, -0.4, -0.4], [0.4, -0.4, -0.4], [0.4, -0.4, 0.4], [-0.4, -0.4, 0.4]];
                 let mesh = $crate::belt::Mesh { positions, uvs: Vec::new(), triangles: vec![[0, 2, 1], [0, 3, 2]] };
                 kit::simulation(&text, &[kit::resource("table", mesh)])
@@ -56,9 +71,9 @@ macro_rules! calls {
             }
 
             /// A random call; a few name vertices or colliders that do not exist.
-            fn call(host: &mut impl Live, rng: &mut Rng<'_>) -> String {
-                let vertex = (rng.bits() % 190) as u32;
-                let collider = rng.pick(&[0, 0, 0, 1, 1, 2]);
+            fn call(host: &mut impl Live, vertices: u64, rng: &mut Rng<'_>) -> String {
+                let vertex = (rng.bits() % (vertices + 5)) as u32;
+                let collider = rng.pick(&[0, 0, 0, 1, 1, 2, 2, 3, 4, 5]);
                 let small = rng.cube(0.02);
                 let seconds = rng.pick(&[0.005, 0.005, 0.02, 1e-9]);
                 let turn = DQuat::from_axis_angle(rng.direction(), rng.between(0.0, 0.1));
@@ -89,7 +104,7 @@ macro_rules! calls {
                     13 => words(host.push(vertex, (small * 1e-3).into())),
                     14 => {
                         let by = Pose { position: small * 10.0, rotation: turn };
-                        words(host.teleport(by, rng.pick(&[&[0, 1], &[0], &[], &[0, 1, 2]])))
+                        words(host.teleport(by, rng.pick(&[&[0, 1], &[0], &[], &[0, 1, 2, 3], &[0, 1, 2, 3, 4], &[9]])))
                     }
                     _ => {
                         let hit = host.hit([0.05, 1.0, 0.02], (DVec3::NEG_Y + small).into());
@@ -98,28 +113,30 @@ macro_rules! calls {
                 }
             }
 
-            /// Makes the same random calls to both, takes the same steps, and compares. Returns how many calls were carried
+            /// Makes the same random calls to both, takes the same steps, and compares. The sheet has so many cells along a
+            /// side. Returns how many calls were carried
             /// out.
-            pub fn play(rng: &mut Rng<'_>, steps: u32) -> usize {
+            pub fn play(rng: &mut Rng<'_>, cells: u32, steps: u32) -> usize {
                 let method = rng.pick(&["backward-euler", "bdf2", "implicit-midpoint"]);
                 let impulses = rng.pick(&[false, true]);
-                let mut owned = simulation(method);
+                let mut owned = simulation(method, cells);
                 if impulses {
                     owned.measure_reactions();
                 }
                 let is_lean = rng.pick(&[false, false, true]);
                 let (hands, forces) = (64, 64);
                 let room = Room { pairs: 20_000, contacts: 20_000, hands, forces, deforms: true, impulses, is_lean };
-                let mut block = Aligned::new(&cook(&simulation(method), room));
+                let mut block = Aligned::new(&cook(&simulation(method, cells), room));
                 let mut memory = Aligned::filled(required_bytes(block.all()).expect("it is cooked"), 0xA5);
                 let mut cloth = Cloth::open(block.all(), memory.all()).expect("it opens");
                 let mut kept = (owned.snapshot(), vec![0; cloth.snapshot_bytes()]);
                 cloth.snapshot(&mut kept.1).expect("it has room");
+                let count = owned.positions().len() as u64;
                 let (name, mut done) = ($muslin::real::NAME, 0);
                 for n in 0..steps {
                     for _ in 0..rng.bits() % 3 {
                         let mut before = rng.clone();
-                        let [own, cooked] = [call(&mut owned, rng), call(&mut cloth, &mut before)];
+                        let [own, cooked] = [call(&mut owned, count, rng), call(&mut cloth, count, &mut before)];
                         assert_eq!(own, cooked, "{name} {method}, step {n}");
                         done += usize::from(!own.contains("Err"));
                     }

@@ -172,6 +172,36 @@ fn crossings_do_not_count_colliders_that_are_off() {
     assert_eq!((sim.crossings(&Serial), sim.penetration()), (0, Some(0.0)));
 }
 
+#[test]
+fn a_collider_that_is_on_stays_on() {
+    let mut sim = kit::simulation(&pierced(), &[]);
+    assert_eq!(sim.switch_on(0), Ok(()));
+    lead(&mut sim, 1, |_, _| ());
+    assert!(!sim.colliders().bodies[0].is_off());
+}
+
+#[test]
+fn cloth_may_be_put_where_a_collider_is_off() {
+    let mut sim = kit::simulation(&ball("", ""), &[]);
+    let into = Pose::at(DVec3::NEG_Y * 0.12);
+    assert_eq!(sim.teleport(into, &[]), Err(LiveError::Overlaps { collider: 0 }));
+    assert_eq!(sim.switch_off(0), Ok(()));
+    assert_eq!(sim.teleport(into, &[]), Ok(()));
+}
+
+#[test]
+fn no_call_makes_a_number_that_the_columns_cannot_hold() {
+    use muslin_core::kinematic::Pose;
+    use muslin_core::live::Live as _;
+    let mut sim = harness::kit::single::simulation(&ball("", ""), &[]);
+    let before = format!("{:?}", sim.snapshot());
+    assert!(sim.teleport(Pose::at([1e39, 0.0, 0.0]), &[0]).is_err());
+    assert!(sim.move_to(60, [0.1, 0.0, 0.0], 1e-300).is_err());
+    assert!(sim.push(60, [1e38, 0.0, 0.0]).is_err());
+    assert!(sim.move_collider(0, Pose::at([1e38, 0.0, 0.0]), 0.005).is_err());
+    assert!(format!("{:?}", sim.snapshot()) == before, "the state changed");
+}
+
 /// A small ball in the middle of a large triangle touches none of its vertices and edges.
 #[test]
 fn a_ball_within_a_triangle_is_not_switched_on() {

@@ -3,6 +3,7 @@
 //     drape SCENE
 #include <muslin.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <fstream>
 #include <iostream>

@@ -26,7 +26,7 @@ typedef enum MuslinStatus {
   MUSLIN_STATUS_VERSION = 11,
   // The scene was cooked in double precision; cook it with --precision f32.
   MUSLIN_STATUS_PRECISION = 12,
-  // The cooked scene is shorter than it says.
+  // The cooked scene does not have the length that it says.
   MUSLIN_STATUS_TRUNCATED = 13,
   // The cooked scene is damaged: its checksum is wrong.
   MUSLIN_STATUS_CHECKSUM = 14,
@@ -46,7 +46,7 @@ typedef enum MuslinStatus {
   MUSLIN_STATUS_SURFACES_MEET = 32,
   // The step has too large an error.
   MUSLIN_STATUS_INACCURATE = 33,
-  // The step lacks room for contacts; the report says how much; cook the scene with more.
+  // The step lacks room for contacts; the report says how much; cook the scene with more (--margin, or --pairs and --contacts).
   MUSLIN_STATUS_NO_ROOM = 34,
   // The step would need more than its budget.
   MUSLIN_STATUS_OVER_BUDGET = 35,
@@ -156,7 +156,7 @@ typedef struct MuslinHit {
   double distance;
 } MuslinHit;
 
-// The most work that a step may take. It does not depend on the machine.
+// The work after which a step is given up, at the next place where it can be. It does not depend on the machine.
 typedef struct MuslinBudget {
   // Iterations of the linear solver and of the response to contacts.
   uint32_t iterations;
@@ -172,18 +172,15 @@ typedef struct MuslinReport {
   uint32_t candidates;
   // Contacts that push.
   uint32_t contacts;
-  // Times that the step, or a part of it, was halved because surfaces would have collided.
+  // Times that the step, or a part of it, was halved because surfaces would have collided; 0 if it was over its budget.
   uint32_t halved;
-  // The vertex where a step failed.
+  // The vertex where a step diverged or surfaces met. Otherwise it has no meaning.
   uint32_t vertex;
   // Candidates of each kind that need room; 0 if there is enough.
   uint32_t candidates_needed;
   // Contacts that need room; 0 if there is enough.
   uint32_t contacts_needed;
 } MuslinReport;
-
-// All of them.
-#define MuslinStatus_ALL { MuslinStatus_Ok, MuslinStatus_NullPointer, MuslinStatus_BadHandle, MuslinStatus_NotCooked, MuslinStatus_Version, MuslinStatus_Precision, MuslinStatus_Truncated, MuslinStatus_Checksum, MuslinStatus_Alignment, MuslinStatus_Memory, MuslinStatus_Malformed, MuslinStatus_ByteOrder, MuslinStatus_NotFiniteState, MuslinStatus_TooMuchContact, MuslinStatus_SurfacesMeet, MuslinStatus_Inaccurate, MuslinStatus_NoRoom, MuslinStatus_OverBudget, MuslinStatus_NoVertex, MuslinStatus_NoTriangle, MuslinStatus_NoCollider, MuslinStatus_NotFinite, MuslinStatus_Seconds, MuslinStatus_TooFast, MuslinStatus_PlaneTurns, MuslinStatus_Deforms, MuslinStatus_Carries, MuslinStatus_NoMesh, MuslinStatus_Points, MuslinStatus_Scripted, MuslinStatus_Held, MuslinStatus_Overlaps, MuslinStatus_NoWind, MuslinStatus_NotMeasured, MuslinStatus_OtherScene, MuslinStatus_NoSlot, MuslinStatus_Internal, }
 
 #ifdef __cplusplus
 extern "C" {
@@ -192,11 +189,14 @@ extern "C" {
 // The version of the library: `0x00MMmmpp`.
 uint32_t muslin_version(void);
 
-// Writes the number of bytes that `muslin_open` needs as memory for a scene.
+// Writes the number of bytes that `muslin_open` needs as memory for a scene. It reads the header alone, so a damaged scene
+// may pass.
 //
 // Requires:
 // `block` points to `block_length` bytes, and `bytes` to a `size_t`.
-enum MuslinStatus muslin_required_bytes(const uint8_t *block, size_t block_length, size_t *bytes);
+enum MuslinStatus muslin_required_bytes(const uint8_t *block,
+                                        size_t block_length,
+                                        size_t *bytes);
 
 // Opens a cooked scene where it lies, and writes a handle. Scene and memory must stay as they are while the handle is
 // used, and both begin at a multiple of 32 bytes. There is nothing to close: the memory belongs to the caller.
@@ -209,7 +209,8 @@ enum MuslinStatus muslin_open(const uint8_t *block,
                               size_t memory_length,
                               struct MuslinCloth **cloth);
 
-// Writes the words of the last error of a handle, with the numbers in it, and a final zero. Cuts them to `capacity` bytes.
+// Writes the words of the last call with this handle that was refused or whose step failed, with the numbers in it, and a
+// final zero. Null pointers leave them as they were. Cuts them to `capacity` bytes.
 // Returns the length of all words without the zero.
 //
 // Requires:
@@ -430,7 +431,8 @@ enum MuslinStatus muslin_hit(const struct MuslinCloth *cloth,
 // `cloth` is null or a handle.
 size_t muslin_snapshot_bytes(const struct MuslinCloth *cloth);
 
-// Writes a copy of all that steps and calls change. `length` is `muslin_snapshot_bytes`.
+// Writes a copy of all that steps and calls change. `length` is at least `muslin_snapshot_bytes`;
+// `muslin_go_back` takes as many.
 //
 // Requires:
 // `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.
@@ -440,6 +442,7 @@ enum MuslinStatus muslin_snapshot(struct MuslinCloth *cloth,
 
 // Goes back to a snapshot of this cloth, or of another one with the same meshes, colliders, pins and room, whose materials
 // may differ: to change materials, take a snapshot, open a scene with other materials in the same memory, and go back.
+// `muslin_touches` finds nothing until the next step.
 //
 // Requires:
 // `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.
@@ -450,277 +453,8 @@ enum MuslinStatus muslin_go_back(struct MuslinCloth *cloth,
 // The words of a status. `muslin_error` tells more about the last error of a handle.
 const char *muslin_message(int32_t status);
 
-// Takes one step of the length that the scene has. A step that fails leaves the state as it was. `budget` may be null:
-// then there is no limit. `report` may be null.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `budget` and `report` are null or point to such structs.
-enum MuslinStatus muslin_step(struct MuslinCloth *cloth,
-                              const struct MuslinBudget *budget,
-                              struct MuslinReport *report);
-
-// The version of the library: `0x00MMmmpp`.
-uint32_t muslin_version(void);
-
-// Writes the number of bytes that `muslin_open` needs as memory for a scene.
-//
-// Requires:
-// `block` points to `block_length` bytes, and `bytes` to a `size_t`.
-enum MuslinStatus muslin_required_bytes(const uint8_t *block, size_t block_length, size_t *bytes);
-
-// Opens a cooked scene where it lies, and writes a handle. Scene and memory must stay as they are while the handle is
-// used, and both begin at a multiple of 32 bytes. There is nothing to close: the memory belongs to the caller.
-//
-// Requires:
-// `block` points to `block_length` bytes, `memory` to `memory_length` bytes that nothing else uses, and `cloth` to a pointer.
-enum MuslinStatus muslin_open(const uint8_t *block,
-                              size_t block_length,
-                              uint8_t *memory,
-                              size_t memory_length,
-                              struct MuslinCloth **cloth);
-
-// Writes the words of the last error of a handle, with the numbers in it, and a final zero. Cuts them to `capacity` bytes.
-// Returns the length of all words without the zero.
-//
-// Requires:
-// `cloth` is null or a handle; `text` is null or points to `capacity` bytes.
-size_t muslin_error(const struct MuslinCloth *cloth,
-                    char *text,
-                    size_t capacity);
-
-// Moves a collider evenly from its present pose to another one within `seconds`. Call it before every step with the length
-// of the step. The step detects what the collider meets on the way.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `pose` is null or points to a pose.
-enum MuslinStatus muslin_move_collider(struct MuslinCloth *cloth,
-                                       uint32_t collider,
-                                       const struct MuslinPose *pose,
-                                       double seconds);
-
-// Writes the impulse that the cloth has given a collider since the last call. Its moment is about the present centre of the
-// collider, or about the world's origin for one that deforms. The scene must be cooked with `--impulses`.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `impulse` is null or points to an impulse.
-enum MuslinStatus muslin_take_impulse(struct MuslinCloth *cloth,
-                                      uint32_t collider,
-                                      struct MuslinImpulse *impulse);
-
-// Moves every vertex of a mesh evenly to a position in the world within `seconds`. `positions` are x, y and z of each of
-// the `count` vertices. The scene must be cooked with `--deform`.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `positions` is null or points to `3 * count` numbers.
-enum MuslinStatus muslin_deform_collider(struct MuslinCloth *cloth,
-                                         uint32_t collider,
-                                         const double *positions,
-                                         size_t count,
-                                         double seconds);
-
-// Switches a collider off: nothing touches it any more. It still moves.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile.
-enum MuslinStatus muslin_switch_off(struct MuslinCloth *cloth, uint32_t collider);
-
-// Switches a collider on again. Refuses where cloth intersects it.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile.
-enum MuslinStatus muslin_switch_on(struct MuslinCloth *cloth, uint32_t collider);
-
-// Moves a vertex, pinned or free, at constant velocity to a place in the world within `seconds`, or at once for 0. It
-// stays pinned there.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `place` is null or points to three numbers.
-enum MuslinStatus muslin_move_to(struct MuslinCloth *cloth,
-                                 uint32_t vertex,
-                                 const double *place,
-                                 double seconds);
-
-// Pins a vertex to a collider where it is now: it moves with the collider.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile.
-enum MuslinStatus muslin_attach(struct MuslinCloth *cloth, uint32_t vertex, uint32_t collider);
-
-// Removes all pins of a vertex, if it has any. It keeps the velocity with which they moved it until now.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile.
-enum MuslinStatus muslin_release(struct MuslinCloth *cloth,
-                                 uint32_t vertex);
-
-// Replaces gravity by a constant one, m/s^2.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `acceleration` is null or points to three numbers.
-enum MuslinStatus muslin_set_gravity(struct MuslinCloth *cloth,
-                                     const double *acceleration);
-
-// Replaces the velocity of the air by a constant one, m/s. The scene must have wind, if only at velocity 0.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `velocity` is null or points to three numbers.
-enum MuslinStatus muslin_set_wind(struct MuslinCloth *cloth,
-                                  const double *velocity);
-
-// Sets a force on a vertex, N, until it is set again. The scene must be cooked with room (`--forces`).
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `force` is null or points to three numbers.
-enum MuslinStatus muslin_set_force(struct MuslinCloth *cloth,
-                                   uint32_t vertex,
-                                   const double *force);
-
-// Gives a vertex an impulse, N s: its velocity changes at once, but not along axes that a pin holds.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `impulse` is null or points to three numbers.
-enum MuslinStatus muslin_push(struct MuslinCloth *cloth,
-                              uint32_t vertex,
-                              const double *impulse);
-
-// Moves all cloth, its pins and the given colliders by a rotation about the world's origin and then by a displacement, at
-// once. The cloth feels nothing of it.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `by` is null or points to a pose, and `colliders` to `count`
-// numbers.
-enum MuslinStatus muslin_teleport(struct MuslinCloth *cloth,
-                                  const struct MuslinPose *by,
-                                  const uint32_t *colliders,
-                                  size_t count);
-
-// Positions of the vertices, x, y and z of each, from `muslin_origin`. The pointer is valid as long as the handle, and the
-// numbers until the next call that changes it. Writes the number of vertices. Null if the handle is bad.
-//
-// Requires:
-// `cloth` is null or a handle; `vertices` is null or points to a number.
-const float *muslin_positions(const struct MuslinCloth *cloth,
-                              size_t *vertices);
-
-// Velocities of the vertices, m/s, like `muslin_positions`.
-//
-// Requires:
-// `cloth` is null or a handle; `vertices` is null or points to a number.
-const float *muslin_velocities(const struct MuslinCloth *cloth, size_t *vertices);
-
-// Computes the unit normals of the vertices and returns them like `muslin_positions`.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `vertices` is null or points to a number.
-const float *muslin_normals(struct MuslinCloth *cloth,
-                            size_t *vertices);
-
-// Triangles of the cloth, three vertices each. Writes their number. Null if the handle is bad.
-//
-// Requires:
-// `cloth` is null or a handle; `triangles` is null or points to a number.
-const uint32_t *muslin_triangles(const struct MuslinCloth *cloth, size_t *triangles);
-
-// Writes the point in the world from which `muslin_positions` counts, m. It is zero unless the scene is far from the
-// world's origin.
-//
-// Requires:
-// `cloth` is null or a handle; `origin` points to three numbers.
-enum MuslinStatus muslin_origin(const struct MuslinCloth *cloth,
-                                double *origin);
-
-// Simulated time, s; 0 if the handle is bad.
-//
-// Requires:
-// `cloth` is null or a handle.
-double muslin_time(const struct MuslinCloth *cloth);
-
-// Length of a step, s; 0 if the handle is bad.
-//
-// Requires:
-// `cloth` is null or a handle.
-double muslin_step_length(const struct MuslinCloth *cloth);
-
-// Number of steps taken; 0 if the handle is bad.
-//
-// Requires:
-// `cloth` is null or a handle.
-uint64_t muslin_steps(const struct MuslinCloth *cloth);
-
-// Hash of positions and velocities: equal states have equal hashes on every machine. 0 if the handle is bad.
-//
-// Requires:
-// `cloth` is null or a handle.
-uint64_t muslin_hash(const struct MuslinCloth *cloth);
-
-// Number of colliders; 0 if the handle is bad.
-//
-// Requires:
-// `cloth` is null or a handle.
-uint32_t muslin_collider_count(const struct MuslinCloth *cloth);
-
-// Writes the present pose of a collider in the world.
-//
-// Requires:
-// `cloth` is null or a handle; `pose` points to a pose.
-enum MuslinStatus muslin_collider_pose(const struct MuslinCloth *cloth,
-                                       uint32_t collider,
-                                       struct MuslinPose *pose);
-
-// Writes the contacts that push in the last step, as many as there is room for, and the number of all of them.
-//
-// Requires:
-// `cloth` is null or a handle; `touches` is null or points to `capacity` structs, and `count` to a number.
-enum MuslinStatus muslin_touches(const struct MuslinCloth *cloth,
-                                 struct MuslinTouch *touches,
-                                 size_t capacity,
-                                 size_t *count);
-
-// Writes the point of a triangle with these barycentric coordinates.
-//
-// Requires:
-// `cloth` is null or a handle; `weights` points to three numbers and `point` to a point.
-enum MuslinStatus muslin_point(const struct MuslinCloth *cloth,
-                               uint32_t triangle,
-                               const double *weights,
-                               struct MuslinPoint *point);
-
-// Writes where a ray hits a cloth first, from either side.
-//
-// Requires:
-// `cloth` is null or a handle; `origin` and `direction` point to three numbers each, and `hit` to a hit.
-enum MuslinStatus muslin_hit(const struct MuslinCloth *cloth,
-                             const double *origin,
-                             const double *direction,
-                             struct MuslinHit *hit);
-
-// Size of a snapshot, bytes; 0 if the handle is bad.
-//
-// Requires:
-// `cloth` is null or a handle.
-size_t muslin_snapshot_bytes(const struct MuslinCloth *cloth);
-
-// Writes a copy of all that steps and calls change. `length` is `muslin_snapshot_bytes`.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.
-enum MuslinStatus muslin_snapshot(struct MuslinCloth *cloth,
-                                  uint8_t *bytes,
-                                  size_t length);
-
-// Goes back to a snapshot of this cloth, or of another one with the same meshes, colliders, pins and room, whose materials
-// may differ: to change materials, take a snapshot, open a scene with other materials in the same memory, and go back.
-//
-// Requires:
-// `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.
-enum MuslinStatus muslin_go_back(struct MuslinCloth *cloth,
-                                 const uint8_t *bytes,
-                                 size_t length);
-
-// The words of a status. `muslin_error` tells more about the last error of a handle.
-const char *muslin_message(int32_t status);
-
-// Takes one step of the length that the scene has. A step that fails leaves the state as it was. `budget` may be null:
+// Takes one step of the length that the scene has. A step that fails leaves the state as it was; pins whose
+// time has come have begun. `budget` may be null:
 // then there is no limit. `report` may be null.
 //
 // Requires:

@@ -1,5 +1,6 @@
 //! The handle of an opened scene, which lies in memory of the caller.
 
+use core::cell::Cell;
 use core::ffi::c_char;
 use core::fmt::{self, Write as _};
 use core::mem::size_of;
@@ -16,13 +17,13 @@ use crate::status::MuslinStatus;
 const MAGIC: u64 = u64::from_le_bytes(*b"MuslinC\x01");
 
 /// A cloth in memory of the caller. Its contents are private.
-#[repr(align(32))]
+#[repr(C, align(32))]
 pub struct MuslinCloth {
     magic: u64,
     pub(crate) cloth: Cloth<'static>,
     /// Normals of the vertices.
     pub(crate) normals: &'static mut [Vec3],
-    last: Last,
+    last: Cell<Last>,
 }
 
 /// The last error of a handle.
@@ -49,7 +50,8 @@ pub extern "C" fn muslin_version() -> u32 {
         | part(env!("CARGO_PKG_VERSION_PATCH"))
 }
 
-/// Writes the number of bytes that `muslin_open` needs as memory for a scene.
+/// Writes the number of bytes that `muslin_open` needs as memory for a scene. It reads the header alone, so a damaged scene
+/// may pass.
 ///
 /// # Safety
 /// `block` points to `block_length` bytes, and `bytes` to a `size_t`.
@@ -101,9 +103,12 @@ pub unsafe extern "C" fn muslin_open(
     if !(memory as usize).is_multiple_of(ALIGNMENT) {
         return MuslinStatus::Alignment;
     }
-    // SAFETY: the pointers are not null, and the caller gives these lengths and leaves both alone.
-    let (block, memory) =
-        unsafe { (slice::from_raw_parts(block, block_length), slice::from_raw_parts_mut(memory, memory_length)) };
+    // SAFETY: the pointers are not null, and the caller gives these lengths and leaves both alone. The memory is written
+    // before it is named, because the caller need not have written it.
+    let (block, memory) = unsafe {
+        memory.write_bytes(0, memory_length);
+        (slice::from_raw_parts(block, block_length), slice::from_raw_parts_mut(memory, memory_length))
+    };
     let opened = match guarded(|| open(block, memory)) {
         Some(Ok(opened)) => opened,
         Some(Err(status)) => return status,
@@ -122,29 +127,33 @@ fn open(block: &'static [u8], memory: &'static mut [u8]) -> Result<*mut MuslinCl
     normals.fill(0);
     let normals = bytemuck::try_cast_slice_mut(normals.get_mut(..vertices * size_of::<Vec3>()).unwrap_or_default());
     let normals = normals.map_err(|_| MuslinStatus::Alignment)?;
-    let handle = MuslinCloth { magic: MAGIC, cloth: Cloth::open(block, rest)?, normals, last: Last::None };
+    let handle = MuslinCloth { magic: MAGIC, cloth: Cloth::open(block, rest)?, normals, last: Cell::new(Last::None) };
     let place = own.as_mut_ptr().cast::<MuslinCloth>();
     // SAFETY: the bytes are as many as a handle has, aligned, and nothing else names them.
     unsafe { place.write(handle) };
     Ok(place)
 }
 
-/// Writes the words of the last error of a handle, with the numbers in it, and a final zero. Cuts them to `capacity` bytes.
+/// Writes the words of the last call with this handle that was refused or whose step failed, with the numbers in it, and a
+/// final zero. Null pointers leave them as they were. Cuts them to `capacity` bytes.
 /// Returns the length of all words without the zero.
 ///
 /// # Safety
 /// `cloth` is null or a handle; `text` is null or points to `capacity` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn muslin_error(cloth: *const MuslinCloth, text: *mut c_char, capacity: usize) -> usize {
-    // SAFETY: the caller's promise is that of `seen`.
-    let Some(own) = (unsafe { seen(cloth) }) else { return 0 };
     let out: &mut [u8] = match text.is_null() {
         true => &mut [],
-        // SAFETY: the pointer is not null, and the caller gives this length.
-        false => unsafe { slice::from_raw_parts_mut(text.cast(), capacity) },
+        // SAFETY: the pointer is not null, and the caller gives this length. The bytes are written before they are named.
+        false => unsafe {
+            text.write_bytes(0, capacity);
+            slice::from_raw_parts_mut(text.cast(), capacity)
+        },
     };
+    // SAFETY: the caller's promise is that of `seen`.
+    let Some(own) = (unsafe { seen(cloth) }) else { return 0 };
     let mut text = Text { out, length: 0 };
-    let written = match own.last {
+    let written = match own.last.get() {
         Last::None => Ok(()),
         Last::Step(error) => write!(text, "{error}"),
         Last::Live(error) => write!(text, "{error}"),
@@ -178,37 +187,53 @@ impl fmt::Write for Text<'_> {
 ///
 /// # Safety
 /// The pointer is null, or a handle that nothing changes meanwhile.
-pub unsafe fn seen<'a>(cloth: *const MuslinCloth) -> Option<&'a MuslinCloth> {
-    if !cloth.is_aligned() {
-        return None;
+pub(crate) unsafe fn seen<'a>(cloth: *const MuslinCloth) -> Option<&'a MuslinCloth> {
+    // SAFETY: the caller's promise is that of `is_handle`, and a handle can be named.
+    unsafe { if is_handle(cloth) { cloth.as_ref() } else { None } }
+}
+
+/// Whether a pointer names a handle. It reads the mark before it takes the bytes for a handle.
+///
+/// # Safety
+/// The pointer is null, or points to as many bytes as a handle has.
+unsafe fn is_handle(cloth: *const MuslinCloth) -> bool {
+    // SAFETY: the pointer is neither null nor misaligned, and the rest is the caller's promise.
+    !cloth.is_null() && cloth.is_aligned() && unsafe { (&raw const (*cloth).magic).read() == MAGIC }
+}
+
+/// Asks a handle, and keeps the error. `None` if it panics.
+pub(crate) fn asked<T>(
+    own: &MuslinCloth,
+    ask: impl FnOnce(&MuslinCloth) -> Result<T, LiveError>,
+) -> Option<Result<T, LiveError>> {
+    let answer = guarded(|| ask(own));
+    if let Some(Err(error)) = answer {
+        own.last.set(Last::Live(error));
     }
-    // SAFETY: the pointer is aligned, and the rest is the caller's promise.
-    unsafe { cloth.as_ref() }.filter(|own| own.magic == MAGIC)
+    answer
 }
 
 /// Calls `act` with the handle that a pointer names, and keeps the error.
 ///
 /// # Safety
 /// The pointer is null, or a handle that nothing else uses meanwhile.
-pub unsafe fn change(
+pub(crate) unsafe fn change(
     cloth: *mut MuslinCloth,
     act: impl FnOnce(&mut MuslinCloth) -> Result<(), Failed>,
 ) -> MuslinStatus {
     if cloth.is_null() {
         return MuslinStatus::NullPointer;
     }
-    if !cloth.is_aligned() {
+    // SAFETY: the caller's promise is that of `is_handle`.
+    if !unsafe { is_handle(cloth) } {
         return MuslinStatus::BadHandle;
     }
-    // SAFETY: the pointer is neither null nor misaligned, and the rest is the caller's promise.
+    // SAFETY: it is a handle, and the rest is the caller's promise.
     let own = unsafe { &mut *cloth };
-    if own.magic != MAGIC {
-        return MuslinStatus::BadHandle;
-    }
     match guarded(|| act(own)) {
         Some(Ok(())) => MuslinStatus::Ok,
         Some(Err(Failed { status, last })) => {
-            own.last = last;
+            own.last.set(last);
             status
         }
         None => {
@@ -233,12 +258,6 @@ impl From<LiveError> for Failed {
 impl From<StepError> for Failed {
     fn from(error: StepError) -> Self {
         Self { status: error.cause.into(), last: Last::Step(error) }
-    }
-}
-
-impl From<MuslinStatus> for Failed {
-    fn from(status: MuslinStatus) -> Self {
-        Self { status, last: Last::None }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Changes between steps.
 
 use glam::{DQuat, DVec3};
+use muslin_core::error::LiveError;
 use muslin_core::kinematic::Pose;
 use muslin_core::live::Live as _;
 use muslin_core::reactions::Impulse;
@@ -86,12 +87,13 @@ pub unsafe extern "C" fn muslin_take_impulse(
     collider: u32,
     impulse: *mut MuslinImpulse,
 ) -> MuslinStatus {
-    // SAFETY: the caller says that it is null or points to an impulse.
-    let Some(out) = (unsafe { impulse.as_mut() }) else { return MuslinStatus::NullPointer };
-    // SAFETY: the caller's promise is that of `change`.
+    if impulse.is_null() {
+        return MuslinStatus::NullPointer;
+    }
+    // SAFETY: the caller's promise is that of `change`. The pointer is not null, and points to an impulse.
     unsafe {
         change(cloth, |own| {
-            *out = own.cloth.take_impulse(collider)?.into();
+            impulse.write(own.cloth.take_impulse(collider)?.into());
             Ok(())
         })
     }
@@ -173,6 +175,10 @@ pub unsafe extern "C" fn muslin_release(cloth: *mut MuslinCloth, vertex: u32) ->
     // SAFETY: the caller's promise is that of `change`.
     unsafe {
         change(cloth, |own| {
+            let count = own.cloth.positions().len() as u32;
+            if vertex >= count {
+                return Err(LiveError::NoVertex { vertex, count }.into());
+            }
             own.cloth.release(vertex);
             Ok(())
         })

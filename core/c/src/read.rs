@@ -7,7 +7,7 @@ use muslin_core::diagnostics::StateHash;
 use muslin_core::geometry::normals::write_normals;
 use muslin_core::live::{Live as _, Side, Touch};
 
-use crate::handle::{MuslinCloth, change, seen};
+use crate::handle::{MuslinCloth, asked, change, seen};
 use crate::live::{MuslinPose, vector};
 use crate::status::MuslinStatus;
 
@@ -16,9 +16,9 @@ use crate::status::MuslinStatus;
 /// # Safety
 /// `count` is null or points to a number.
 unsafe fn view<T, U>(column: Option<&[T]>, count: *mut usize) -> *const U {
-    // SAFETY: the caller says that it is null or points to a number.
-    if let Some(count) = unsafe { count.as_mut() } {
-        *count = column.map_or(0, <[T]>::len);
+    if !count.is_null() {
+        // SAFETY: the pointer is not null, and the caller says that it points to a number.
+        unsafe { count.write(column.map_or(0, <[T]>::len)) };
     }
     column.map_or(ptr::null(), |column| column.as_ptr().cast())
 }
@@ -311,13 +311,14 @@ unsafe fn answer<T>(
     }
     // SAFETY: the caller's promise is that of `seen`.
     let Some(own) = (unsafe { seen(cloth) }) else { return MuslinStatus::BadHandle };
-    match ask(own) {
-        Ok(answer) => {
+    match asked(own, ask) {
+        Some(Ok(answer)) => {
             // SAFETY: the pointer is not null, and the caller says that there is room.
             unsafe { out.write(answer) };
             MuslinStatus::Ok
         }
-        Err(error) => error.into(),
+        Some(Err(error)) => error.into(),
+        None => MuslinStatus::Internal,
     }
 }
 

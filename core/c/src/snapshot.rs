@@ -16,7 +16,8 @@ pub unsafe extern "C" fn muslin_snapshot_bytes(cloth: *const MuslinCloth) -> usi
     unsafe { seen(cloth) }.map_or(0, |own| own.cloth.snapshot_bytes())
 }
 
-/// Writes a copy of all that steps and calls change. `length` is `muslin_snapshot_bytes`.
+/// Writes a copy of all that steps and calls change. `length` is at least `muslin_snapshot_bytes`;
+/// `muslin_go_back` takes as many.
 ///
 /// # Safety
 /// `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.
@@ -25,14 +26,18 @@ pub unsafe extern "C" fn muslin_snapshot(cloth: *mut MuslinCloth, bytes: *mut u8
     if bytes.is_null() {
         return MuslinStatus::NullPointer;
     }
-    // SAFETY: the pointer is not null, and the caller gives this length.
-    let out = unsafe { slice::from_raw_parts_mut(bytes, length) };
+    // SAFETY: the pointer is not null, and the caller gives this length. The bytes are written before they are named.
+    let out = unsafe {
+        bytes.write_bytes(0, length);
+        slice::from_raw_parts_mut(bytes, length)
+    };
     // SAFETY: the caller's promise is that of `change`.
     unsafe { change(cloth, |own| Ok(own.cloth.snapshot(out)?)) }
 }
 
 /// Goes back to a snapshot of this cloth, or of another one with the same meshes, colliders, pins and room, whose materials
 /// may differ: to change materials, take a snapshot, open a scene with other materials in the same memory, and go back.
+/// `muslin_touches` finds nothing until the next step.
 ///
 /// # Safety
 /// `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.

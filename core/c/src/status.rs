@@ -22,7 +22,7 @@ pub enum MuslinStatus {
     Version = 11,
     /// The scene was cooked in double precision; cook it with --precision f32.
     Precision = 12,
-    /// The cooked scene is shorter than it says.
+    /// The cooked scene does not have the length that it says.
     Truncated = 13,
     /// The cooked scene is damaged: its checksum is wrong.
     Checksum = 14,
@@ -42,7 +42,7 @@ pub enum MuslinStatus {
     SurfacesMeet = 32,
     /// The step has too large an error.
     Inaccurate = 33,
-    /// The step lacks room for contacts; the report says how much; cook the scene with more.
+    /// The step lacks room for contacts; the report says how much; cook the scene with more (--margin, or --pairs and --contacts).
     NoRoom = 34,
     /// The step would need more than its budget.
     OverBudget = 35,
@@ -88,6 +88,8 @@ pub enum MuslinStatus {
 
 impl MuslinStatus {
     /// All of them.
+    ///
+    /// cbindgen:ignore
     pub const ALL: [Self; 37] = [
         Self::Ok,
         Self::NullPointer,
@@ -138,7 +140,7 @@ impl MuslinStatus {
             Self::NotCooked => c"the bytes are not a cooked scene; make one with muslin cook",
             Self::Version => c"the scene was cooked by another version of Muslin; cook it again",
             Self::Precision => c"the scene was cooked in double precision; cook it with --precision f32",
-            Self::Truncated => c"the cooked scene is shorter than it says",
+            Self::Truncated => c"the cooked scene does not have the length that it says",
             Self::Checksum => c"the cooked scene is damaged: its checksum is wrong",
             Self::Alignment => c"the scene and the memory must begin at a multiple of 32 bytes",
             Self::Memory => c"the memory is too small; muslin_required_bytes and muslin_snapshot_bytes tell the sizes",
@@ -148,7 +150,7 @@ impl MuslinStatus {
             Self::TooMuchContact => c"the step has more contacts than can be resolved",
             Self::SurfacesMeet => c"surfaces could not be kept apart in the step",
             Self::Inaccurate => c"the step has too large an error",
-            Self::NoRoom => c"the step lacks room for contacts; the report says how much; cook the scene with more",
+            Self::NoRoom => c"the step lacks room for contacts; the report says how much; cook the scene with more (--margin, or --pairs and --contacts)",
             Self::OverBudget => c"the step would need more than its budget",
             Self::NoVertex => c"there is no such vertex",
             Self::NoTriangle => c"there is no such triangle",

@@ -6,7 +6,7 @@ use muslin_core::refusal::{Cause, StepError};
 use crate::handle::{MuslinCloth, change};
 use crate::status::MuslinStatus;
 
-/// The most work that a step may take. It does not depend on the machine.
+/// The work after which a step is given up, at the next place where it can be. It does not depend on the machine.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct MuslinBudget {
@@ -26,9 +26,9 @@ pub struct MuslinReport {
     pub candidates: u32,
     /// Contacts that push.
     pub contacts: u32,
-    /// Times that the step, or a part of it, was halved because surfaces would have collided.
+    /// Times that the step, or a part of it, was halved because surfaces would have collided; 0 if it was over its budget.
     pub halved: u32,
-    /// The vertex where a step failed.
+    /// The vertex where a step diverged or surfaces met. Otherwise it has no meaning.
     pub vertex: u32,
     /// Candidates of each kind that need room; 0 if there is enough.
     pub candidates_needed: u32,
@@ -36,7 +36,8 @@ pub struct MuslinReport {
     pub contacts_needed: u32,
 }
 
-/// Takes one step of the length that the scene has. A step that fails leaves the state as it was. `budget` may be null:
+/// Takes one step of the length that the scene has. A step that fails leaves the state as it was; pins whose
+/// time has come have begun. `budget` may be null:
 /// then there is no limit. `report` may be null.
 ///
 /// # Safety
@@ -65,9 +66,9 @@ pub unsafe extern "C" fn muslin_step(
             Ok(())
         })
     };
-    // SAFETY: the caller says that it is null or points to a report.
-    if let Some(report) = unsafe { report.as_mut() } {
-        *report = done;
+    if !report.is_null() {
+        // SAFETY: the pointer is not null, and the caller says that it points to a report.
+        unsafe { report.write(done) };
     }
     status
 }

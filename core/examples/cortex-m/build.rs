@@ -20,7 +20,7 @@ fn main() {
     let desc: SceneDesc = toml::from_str(&fs::read_to_string("scene.toml").expect("it is there")).expect("a scene");
     let start = Simulation::new(&desc, &[]).expect("it builds");
     let mut sim = start.clone();
-    sim.measure_room();
+    sim.measure_room(false);
     let (mut hash, mut hashes) = (StateHash::default(), String::new());
     for _ in 0..STEPS {
         sim.step(&Serial).expect("it steps");

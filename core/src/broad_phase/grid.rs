@@ -18,7 +18,7 @@ use crate::geometry::aabb::Aabb;
 use crate::scratch::MAY_BE_LEAN;
 
 /// Borrowed work columns, with one slot per triangle unless stated otherwise. If [`entries`](Self::entries) and the columns
-/// of cells are empty, all triangles are compared with all: less memory, the same candidates.
+/// of cells are empty, all triangles are compared with all, without a motion: less memory, and a few candidates more.
 #[derive(Debug)]
 pub struct Grid<'a> {
     /// Boxes of the triangles.

@@ -29,7 +29,8 @@ impl KeptPairs<'_> {
     pub fn cover(&self, boxes: &[Aabb]) -> bool {
         let Counts { vertex_triangle, edge_edge } = *self.counts;
         let is_complete = vertex_triangle <= self.vertex_triangle.len() && edge_edge <= self.edge_edge.len();
-        is_complete && boxes.iter().zip(&*self.boxes).all(|(narrow, wide)| wide.contains(narrow))
+        let is_known = self.boxes.len() == boxes.len();
+        is_complete && is_known && boxes.iter().zip(&*self.boxes).all(|(narrow, wide)| wide.contains(narrow))
     }
 
     /// Writes the boxes that are wider on each side by `skin`, m. No pairs are kept for them yet.

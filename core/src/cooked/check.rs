@@ -19,7 +19,10 @@ use crate::integrate::{Method, Preconditioner, Scheme};
 use crate::keys::Key;
 use crate::mesh::{Incidence, NONE};
 use crate::motion::Motion;
-use crate::scratch::Scratch;
+use crate::scratch::{MAY_BE_LEAN, Scratch};
+
+/// Steps beyond this could not be counted in doubles.
+pub(super) const MOST_STEPS: u64 = 1 << 53;
 
 /// Whether all of some conditions hold.
 type Checked = Result<(), CookedError>;
@@ -64,6 +67,7 @@ pub(super) fn all(stored: &Stored<'_>, scheme: &Scheme) -> Checked {
     let n = p.positions.len();
     let lengths =
         [p.velocities.len(), p.low_positions.len(), p.low_velocities.len(), p.masses.len(), p.inverse_masses.len()];
+    ensure(stored.settings.steps < MOST_STEPS)?;
     ensure(n > 0 && are(&lengths, n) && below(triangles, n))?;
     check_model(model, n)?;
     let bodies = contact.as_ref().map_or(0, |contact| contact.model.bodies.len());
@@ -148,7 +152,7 @@ fn check_model(model: &Model<'_>, n: usize) -> Checked {
     Ok(())
 }
 
-fn has_keys(motion: &Motion, keys: &[Key]) -> bool {
+pub(super) fn has_keys(motion: &Motion, keys: &[Key]) -> bool {
     lies_in(motion.keys, keys.len())
 }
 
@@ -188,7 +192,7 @@ fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize, 
         s.inverse_diagonal.len(),
     ];
     ensure(are(&always, n) && are(&solve, when(implicit)))?;
-    ensure([0, model.force_scratch()].contains(&s.elements.len()))?;
+    ensure(s.elements.len() == model.force_scratch() || MAY_BE_LEAN && s.elements.is_empty())?;
     ensure(s.pin_forces.len() == if implicit { pins.unwrap_or(0) } else { 0 })?;
     let measures = pins.is_some();
     ensure(s.stage_positions.low.len() == when(implicit || measures))?;
@@ -293,7 +297,8 @@ fn check_solids(solids: &Solids<'_>, n: usize) -> Checked {
             Form::Mesh => count > 0,
         };
         let moves = match body.drive() {
-            Drive::Rest | Drive::Host(_) => true,
+            Drive::Rest => true,
+            Drive::Host(kinematic) => kinematic.is_valid(),
             Drive::Motion(motion) => has_keys(&motion, solids.keys),
             Drive::Cache(cache) => cache.fits(count, solids.frames.len()),
         };
@@ -334,7 +339,7 @@ fn check_columns(c: &ContactScratch<'_>, solids: &Solids<'_>, is_implicit: bool)
     let solved = if is_implicit { room } else { 0 };
     ensure(are(&[c.contacts.len(), c.multipliers.len()], solved) && c.lines.len() == solved.div_ceil(4))?;
     // Without room for cells, all are compared with all.
-    let is_lean = c.grid.entries.is_empty();
+    let is_lean = MAY_BE_LEAN && c.grid.entries.is_empty();
     let when = |count: usize| if is_lean { 0 } else { count };
     ensure(are(&[c.kept.boxes.len(), c.grid.quantized_boxes.len()], when(vertices)))?;
     ensure(c.order.len() == 2 * room)?;

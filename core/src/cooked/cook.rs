@@ -31,7 +31,7 @@ pub struct Room {
     /// Whether impulses on colliders are measured.
     pub impulses: bool,
     /// Whether to save memory and take more time: forces of elements are computed for each of their vertices, and all
-    /// triangles are compared with all. The steps are the same.
+    /// triangles are compared with all. The steps are the same; a few candidates more need room.
     pub is_lean: bool,
 }
 

@@ -67,7 +67,7 @@ pub enum CookedError {
     ),
     /// It was cooked in another precision.
     Precision,
-    /// It is shorter than it says.
+    /// It does not have the length that it says.
     Truncated,
     /// Bytes have changed since it was cooked.
     Checksum,
@@ -94,7 +94,7 @@ impl core::fmt::Display for CookedError {
             Self::Precision => {
                 write!(f, "the scene was cooked in another precision; this program uses {}", crate::real::NAME)
             }
-            Self::Truncated => write!(f, "the cooked scene is shorter than it says"),
+            Self::Truncated => write!(f, "the cooked scene does not have the length that it says"),
             Self::Checksum => write!(f, "the cooked scene is damaged: its checksum is wrong"),
             Self::Alignment => {
                 write!(f, "the cooked scene and the memory must begin at a multiple of {ALIGNMENT} bytes")

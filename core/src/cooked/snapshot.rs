@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable, cast_slice_mut};
 
-use super::checksum;
 use super::cloth::Cloth;
 use super::stored::Stored;
+use super::{check, checksum};
 use crate::colliders::{Body, Drive};
 use crate::error::LiveError;
 use crate::forces::load::VertexForce;
@@ -27,6 +27,9 @@ struct Plain {
     checksum: u64,
     /// The hash of the meshes, by which the cloth knows its snapshot.
     scene: u64,
+    /// The point from which positions are measured, m, and the number of the method.
+    origin: [Sum; 3],
+    method: u64,
     steps: u64,
     /// The length of a step, and of the last substep, s.
     step: Sum,
@@ -46,6 +49,16 @@ struct Plain {
 
 const PLAIN: usize = size_of::<Plain>();
 
+impl Plain {
+    /// The numbers that steps add to.
+    fn counts(&self) -> impl Iterator<Item = u64> {
+        let words = |bytes: &'_ [u8]| bytes.as_chunks::<8>().0.iter().map(|&word| u64::from_ne_bytes(word)).max();
+        let integrator = words(bytemuck::bytes_of(&self.statistics));
+        let contact = words(bytemuck::bytes_of(&self.contact_statistics));
+        [Some(self.steps), integrator, contact].into_iter().flatten()
+    }
+}
+
 impl Cloth<'_> {
     /// Size of a snapshot, bytes.
     pub fn snapshot_bytes(&self) -> usize {
@@ -53,12 +66,10 @@ impl Cloth<'_> {
     }
 
     /// Writes a copy of all that steps and the host change. After [`go_back`](Self::go_back) to it the same steps give the
-    /// same bits. `out` has [`snapshot_bytes`](Self::snapshot_bytes) bytes.
+    /// same bits. It takes the first [`snapshot_bytes`](Self::snapshot_bytes) bytes of `out`.
     pub fn snapshot(&mut self, out: &mut [u8]) -> Result<(), LiveError> {
         let mut plain = self.plain();
-        if out.len() != self.snapshot_bytes() {
-            return Err(LiveError::Memory);
-        }
+        let out = out.get_mut(..self.snapshot_bytes()).ok_or(LiveError::Memory)?;
         let mut rest = &mut out[PLAIN..];
         for column in columns(&mut self.stored) {
             let (part, after) = rest.split_at_mut(column.len());
@@ -82,7 +93,9 @@ impl Cloth<'_> {
         let own = self.plain();
         let fits = plain.checksum == checksum(&to[8..])
             && (plain.scene, plain.step) == (own.scene, own.step)
-            && plain.halvings <= MOST_HALVINGS
+            && (plain.origin, plain.method) == (own.origin, own.method)
+            && plain.halvings <= if self.stored.kept.is_some() { MOST_HALVINGS } else { 0 }
+            && plain.counts().all(|count| count < check::MOST_STEPS)
             && self.accepts(&plain, columns_of_it);
         if !fits {
             return Err(LiveError::OtherScene);
@@ -128,6 +141,8 @@ impl Cloth<'_> {
         Plain {
             checksum: 0,
             scene: checksum(bytemuck::cast_slice(self.stored.triangles)),
+            origin: self.origin().into(),
+            method: self.scheme.method as u64,
             steps: self.steps,
             step: self.step.into(),
             last_step: last_step.into(),
@@ -170,8 +185,9 @@ impl Cloth<'_> {
     fn accepts_body(&self, body: &Body, own: &Body) -> bool {
         let Some(contact) = &self.stored.contact else { return false };
         let moves = match body.drive() {
-            Drive::Rest | Drive::Host(_) => true,
-            Drive::Motion(motion) => matches!(own.drive(), Drive::Motion(own) if own.keys == motion.keys),
+            Drive::Rest => true,
+            Drive::Host(kinematic) => kinematic.is_valid(),
+            Drive::Motion(motion) => check::has_keys(&motion, contact.model.keys),
             Drive::Cache(cache) => cache.fits(body.range().len(), contact.model.frames.len()),
         };
         let mut same = *own;

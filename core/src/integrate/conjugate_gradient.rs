@@ -195,6 +195,7 @@ pub(crate) fn solve<D: Dispatch>(
             // It counts too, so the limit may be passed by one.
             (is_translated, iterations) = (true, iterations + 1);
             statistics.cg_iterations += 1;
+            c.dispatch.spend(1, 0);
             rho = i.translate(term, statistics, c.dispatch);
             i.restart(rho);
             continue;

@@ -81,6 +81,9 @@ impl PartsMut<'_> {
         let (from, before) = of.drive().pose(colliders.keys, middle, now, JumpSide::Before);
         let to = Pose { position: to.place(parts.arm(of)) - parts.origin, ..to };
         let motion = Kinematic::between(middle, [from, to], [now, now + seconds], before);
+        if ![motion.during.linear, motion.during.angular].iter().all(|&v| vec3(v.into()).is_finite()) {
+            return Err(LiveError::NotFinite { name: "the velocity" });
+        }
         if matches!(of.form(), Form::Plane(_)) && motion.turns() {
             return Err(LiveError::PlaneTurns { collider });
         }
@@ -124,6 +127,9 @@ impl PartsMut<'_> {
 
     pub fn switch_on(&mut self, collider: u32) -> Result<(), LiveError> {
         let body = self.read().checked_collider(collider)?;
+        if !self.colliders().bodies[body].is_off() {
+            return Ok(());
+        }
         self.set_off(body, false);
         if self.overlaps(body, |x| x) {
             self.set_off(body, true);

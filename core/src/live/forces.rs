@@ -56,6 +56,10 @@ impl PartsMut<'_> {
     pub fn set_force(&mut self, vertex: u32, force: [Sum; 3]) -> Result<(), LiveError> {
         let start = DVec3::from(to_f64(self.read().checked_vertex(vertex)?));
         let force = checked_vector("the force", force)?;
+        let has_force = self.forces.iter().any(|it| it.vertex == vertex && it.force != DVec3::ZERO);
+        if force == DVec3::ZERO && !has_force {
+            return Ok(());
+        }
         let slot = VertexForce::slot(self.forces, vertex).ok_or(LiveError::NoSlot)?;
         let next = VertexForce::new(vertex, force, start);
         let before = core::mem::replace(&mut self.forces[slot], next);
@@ -79,6 +83,9 @@ impl PartsMut<'_> {
         let before = of(*velocity) + of(*low);
         let mut after = before + impulse / mass;
         (0..3).filter(|axis| held >> axis & 1 == 1).for_each(|axis| after[axis] = before[axis]);
+        if !vec3(after.into()).is_finite() {
+            return Err(LiveError::NotFinite { name: "the velocity" });
+        }
         *velocity = vec3(after.into());
         *low = vec3((after - of(*velocity)).into());
         if let Some(ledger) = &mut self.ledger {

@@ -110,6 +110,8 @@ pub trait Live: Owner {
     ///
     /// Refuses where cloth would intersect a collider that stays, where one that comes along still moves by keys or by a
     /// point cache, where a pin holds single axes that would have to turn, and where a collider that stays carries a pin.
+    /// [Take](Self::take_impulse) impulses before it: it does not turn them.
+    /// [Take](Self::take_impulse) impulses before it: it does not turn them.
     fn teleport(&mut self, by: Pose, colliders: &[u32]) -> Result<(), LiveError> {
         self.parts_mut().teleport(by, colliders)
     }

@@ -25,6 +25,10 @@ impl PartsMut<'_> {
         if !(0.0..Sum::INFINITY).contains(&seconds) {
             return Err(LiveError::Seconds { seconds });
         }
+        let velocity = (place - DVec3::from(to_f64(from))) / seconds;
+        if seconds > 0.0 && !vec3(velocity.into()).is_finite() {
+            return Err(LiveError::NotFinite { name: "the velocity" });
+        }
         let now = self.time;
         let before = self.read().pins.held_velocity(vertex, now);
         if !self.pins.move_to(vertex, [now, now + seconds], from, place, before.unwrap_or_default()) {

@@ -21,11 +21,15 @@ impl PartsMut<'_> {
         if let Some(&collider) = colliders.iter().find(|&&collider| collider >= count) {
             return Err(LiveError::NoCollider { collider, count });
         }
+        if !self.particles.positions.iter().chain(&*self.pins.anchors).all(|&x| by.moved(x).is_finite()) {
+            return Err(LiveError::NotFinite { name: "the place" });
+        }
         self.check_moved(&by, colliders)?;
         self.check_held(&by, colliders)?;
         for collider in (0..count).filter(|body| !colliders.contains(body)) {
             let body = collider as usize;
-            if self.overlaps(body, |x| by.moved(x)) && !self.overlaps(body, |x| x) {
+            let is_off = self.colliders().bodies[body].is_off();
+            if !is_off && self.overlaps(body, |x| by.moved(x)) && !self.overlaps(body, |x| x) {
                 return Err(LiveError::Overlaps { collider });
             }
         }

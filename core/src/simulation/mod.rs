@@ -172,7 +172,7 @@ impl Simulation {
     }
 
     /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that
-    /// fails does not change the state. Blocks while candidates are found elsewhere, for example on a GPU; that work
+    /// fails does not change the state, except that pins whose time has come have begun. Blocks while candidates are found elsewhere, for example on a GPU; that work
     /// must not need this thread. [`await_step`](Self::await_step) does not block.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         block_on(self.await_step(dispatch))
@@ -221,10 +221,15 @@ impl Simulation {
         )
     }
 
-    /// Gives the columns of contact no room, so that they grow only as far as steps need, and by a quarter more.
-    pub fn measure_room(&mut self) {
+    /// Gives the columns of contact no room, so that they grow only as far as steps need, and by a quarter more. A lean
+    /// search tests more candidates.
+    pub fn measure_room(&mut self, is_lean: bool) {
         if let Some(contact) = &self.built.contact {
-            self.contact = Some(ContactScratchColumns::build(&contact.view(), 0));
+            let mut columns = ContactScratchColumns::build(&contact.view(), 0);
+            if is_lean {
+                columns.make_lean();
+            }
+            self.contact = Some(columns);
         }
     }
 

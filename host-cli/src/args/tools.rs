@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::help;
-use super::values::{Precision, seconds, threads};
+use super::values::{Precision, margin, seconds, threads};
 
 /// `muslin cook`.
 #[derive(Debug, Args)]
@@ -40,6 +40,9 @@ pub struct CookArguments {
     /// Measure the impulses that the cloth gives to colliders; each step costs one or two evaluations of the forces more
     #[arg(long)]
     pub impulses: bool,
+    /// Give contacts X times the measured room, for scenes that the program drives
+    #[arg(long, value_name = "X", default_value = "1", value_parser = margin)]
+    pub margin: f64,
     /// Room for candidates of each kind [default: measured]
     #[arg(long, value_name = "N")]
     pub pairs: Option<usize>,

@@ -29,6 +29,12 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     seconds.ok_or_else(|| "must be a time in seconds, zero or more".into())
 }
 
+/// A factor that is at least 1.
+pub fn margin(text: &str) -> Result<f64, String> {
+    let factor = text.parse().ok().filter(|factor: &f64| (1.0..=1e6).contains(factor));
+    factor.ok_or_else(|| "must be a number from 1 to 1000000".into())
+}
+
 /// The name of a file of comma-separated values, without folders.
 pub fn series_name(text: &str) -> Result<String, String> {
     let is_plain = Path::new(text).file_name().is_some_and(|name| name == text) && !text.contains('\\');

@@ -1,4 +1,4 @@
-//! A cooked scene whose checksum is right: it is opened and takes two steps, and so does a snapshot of it.
+//! A cooked scene whose checksum is right: it is opened and takes two steps.
 #![no_main]
 
 use harness::aligned::Aligned;

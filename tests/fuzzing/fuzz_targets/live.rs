@@ -7,5 +7,5 @@ use harness::rng::Rng;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let steps = (bytes.len() / 8).min(20) as u32;
-    single::play(&mut Rng::of(bytes), steps);
+    single::play(&mut Rng::of(bytes), 3, steps);
 });
