@@ -15,7 +15,7 @@ use crate::run::start;
 use crate::scene_file::{self, SceneFile};
 use crate::stopwatch::Stopwatch;
 
-/// Room for candidates and for contacts, and the most that a run needed.
+/// Room for candidates and for contacts, and the simulated time of the run that measured it, s; 0: no run.
 struct Measured {
     room: [usize; 2],
     seconds: f64,

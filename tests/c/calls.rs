@@ -1,4 +1,4 @@
-//! The C interface, called from Rust: it does what a cooked cloth does, refuses bad pointers and says why.
+//! The C interface, called from Rust: it takes the steps of a simulation, refuses bad pointers, and gives reasons.
 //!
 //! Run: `cargo test -p muslin-c --test c_calls`, or under Miri:
 //! `MIRIFLAGS=-Zmiri-disable-isolation cargo +nightly miri test -p muslin-c --test c_calls`.

@@ -34,7 +34,7 @@ fn the_header_is_current() {
     );
 }
 
-/// Runs a command and returns what it prints.
+/// Runs a command and returns its output.
 fn run(command: &mut Command) -> String {
     let done = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let told = String::from_utf8_lossy(&done.stdout).into_owned();

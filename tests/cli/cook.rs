@@ -2,18 +2,12 @@
 
 use std::fs;
 
-use muslin_core::cooked::{ALIGNMENT, Cloth, required_bytes};
+use harness::aligned::Aligned;
+use muslin_core::cooked::{Cloth, required_bytes};
 use muslin_core::dispatch::Serial;
 use muslin_core::simulation::Simulation;
 
 use crate::kit::{Place, TINY};
-
-fn aligned(bytes: &[u8]) -> (Vec<u8>, usize) {
-    let mut own = vec![0; bytes.len() + ALIGNMENT];
-    let start = own.as_ptr().align_offset(ALIGNMENT);
-    own[start..start + bytes.len()].copy_from_slice(bytes);
-    (own, start)
-}
 
 const FLOOR: &str =
     "[contact]\nthickness = 0.005\n[[collider]]\nshape = \"plane\"\npoint = [0, 0.9, 0]\nnormal = [0, 1, 0]\n";
@@ -28,10 +22,8 @@ fn a_cooked_scene_takes_the_steps_of_the_scene() {
     let needed = required_bytes(&file).expect("it is cooked");
     assert!(told.contains(&format!("sub/floor.bin: {} bytes", file.len())), "{told}");
     assert!(told.contains(&format!("{needed} bytes of memory")), "{told}");
-    let (block, start) = aligned(&file);
-    let (mut memory, first) = aligned(&vec![0; needed]);
-    let mut cloth =
-        Cloth::open(&block[start..start + file.len()], &mut memory[first..first + needed]).expect("it opens");
+    let (mut block, mut memory) = (Aligned::new(&file), Aligned::filled(needed, 0));
+    let mut cloth = Cloth::open(block.all(), memory.all()).expect("it opens");
     let desc = harness::kit::single::scene(&text);
     let mut owned = Simulation::new(&desc, &[]).expect("it builds");
     for n in 0..20 {

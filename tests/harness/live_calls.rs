@@ -114,8 +114,7 @@ macro_rules! calls {
             }
 
             /// Makes the same random calls to both, takes the same steps, and compares. The sheet has so many cells along a
-            /// side. Returns how many calls were carried
-            /// out.
+            /// side. Returns how many calls were carried out.
             pub fn play(rng: &mut Rng<'_>, cells: u32, steps: u32) -> usize {
                 let method = rng.pick(&["backward-euler", "bdf2", "implicit-midpoint"]);
                 let impulses = rng.pick(&[false, true]);

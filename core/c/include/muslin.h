@@ -12,7 +12,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-// The result of a call. A call that does not return `MUSLIN_STATUS_OK` has changed nothing.
+// The result of a call. A call that does not return `MUSLIN_STATUS_OK` has changed nothing (`muslin_step` names its exception).
 typedef enum MuslinStatus {
   // Success.
   MUSLIN_STATUS_OK = 0,
@@ -102,7 +102,7 @@ typedef struct MuslinPose {
   double rotation[4];
 } MuslinPose;
 
-// What the cloth did to a collider.
+// The impulse of the cloth on a collider.
 typedef struct MuslinImpulse {
   // The impulse, N s.
   double linear[3];
@@ -220,7 +220,7 @@ size_t muslin_error(const struct MuslinCloth *cloth,
                     size_t capacity);
 
 // Moves a collider evenly from its present pose to another one within `seconds`. Call it before every step with the length
-// of the step. The step detects what the collider meets on the way.
+// of the step. The step detects everything in the way of the collider.
 //
 // Requires:
 // `cloth` is null or a handle that nothing else uses meanwhile; `pose` is null or points to a pose.
@@ -453,9 +453,8 @@ enum MuslinStatus muslin_go_back(struct MuslinCloth *cloth,
 // The words of a status. `muslin_error` tells more about the last error of a handle.
 const char *muslin_message(int32_t status);
 
-// Takes one step of the length that the scene has. A step that fails leaves the state as it was; pins whose
-// time has come have begun. `budget` may be null:
-// then there is no limit. `report` may be null.
+// Takes one step of the length that the scene has. A step that fails leaves the state as it was, except that pins whose
+// time has come have begun. `budget` may be null: then there is no limit. `report` may be null.
 //
 // Requires:
 // `cloth` is null or a handle that nothing else uses meanwhile; `budget` and `report` are null or point to such structs.

@@ -124,7 +124,6 @@ fn open(block: &'static [u8], memory: &'static mut [u8]) -> Result<*mut MuslinCl
     let [head, own] = head(vertices).ok_or(MuslinStatus::Malformed)?;
     let (head, rest) = memory.split_at_mut_checked(head).ok_or(MuslinStatus::Memory)?;
     let (own, normals) = head.split_at_mut(own);
-    normals.fill(0);
     let normals = bytemuck::try_cast_slice_mut(normals.get_mut(..vertices * size_of::<Vec3>()).unwrap_or_default());
     let normals = normals.map_err(|_| MuslinStatus::Alignment)?;
     let handle = MuslinCloth { magic: MAGIC, cloth: Cloth::open(block, rest)?, normals, last: Cell::new(Last::None) };
@@ -264,7 +263,7 @@ impl From<StepError> for Failed {
 /// Calls `act`; `None` if it panics.
 #[cfg(feature = "std")]
 fn guarded<T>(act: impl FnOnce() -> T) -> Option<T> {
-    // What a panic may have left half done is not used again.
+    // A call that changes the handle and panics spoils it, so nothing uses its state again.
     std::panic::catch_unwind(core::panic::AssertUnwindSafe(act)).ok()
 }
 

@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `status.rs` | what every call returns, and its words |
+//! | `status.rs` | the result of every call, and its words |
 //! | `handle.rs` | opening a scene, and the handle that all calls take |
 //! | `step.rs` | steps within a budget |
 //! | `read.rs` | views of the columns, and other readouts |

@@ -21,7 +21,7 @@ pub struct MuslinPose {
     pub rotation: [f64; 4],
 }
 
-/// What the cloth did to a collider.
+/// The impulse of the cloth on a collider.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MuslinImpulse {
@@ -59,7 +59,7 @@ pub(crate) unsafe fn vector(start: *const f64) -> Option<[f64; 3]> {
 }
 
 /// Moves a collider evenly from its present pose to another one within `seconds`. Call it before every step with the length
-/// of the step. The step detects what the collider meets on the way.
+/// of the step. The step detects everything in the way of the collider.
 ///
 /// # Safety
 /// `cloth` is null or a handle that nothing else uses meanwhile; `pose` is null or points to a pose.

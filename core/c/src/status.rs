@@ -1,4 +1,4 @@
-//! What every call returns.
+//! The result of every call.
 
 use core::ffi::{CStr, c_char};
 
@@ -6,7 +6,7 @@ use muslin_core::cooked::CookedError;
 use muslin_core::error::LiveError;
 use muslin_core::refusal::Cause;
 
-/// The result of a call. A call that does not return `MUSLIN_STATUS_OK` has changed nothing.
+/// The result of a call. A call that does not return `MUSLIN_STATUS_OK` has changed nothing (`muslin_step` names its exception).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MuslinStatus {

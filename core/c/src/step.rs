@@ -36,9 +36,8 @@ pub struct MuslinReport {
     pub contacts_needed: u32,
 }
 
-/// Takes one step of the length that the scene has. A step that fails leaves the state as it was; pins whose
-/// time has come have begun. `budget` may be null:
-/// then there is no limit. `report` may be null.
+/// Takes one step of the length that the scene has. A step that fails leaves the state as it was, except that pins whose
+/// time has come have begun. `budget` may be null: then there is no limit. `report` may be null.
 ///
 /// # Safety
 /// `cloth` is null or a handle that nothing else uses meanwhile; `budget` and `report` are null or point to such structs.

@@ -7,7 +7,6 @@ use crate::audit::tree;
 use crate::broad_phase::{Grid, Surface};
 use crate::colliders::{Body, Drive, Form};
 use crate::contact::{ContactScratch, Pairs, Solids};
-use crate::forces::load::VertexForce;
 use crate::forces::matrix::{BlockMatrix, NOT_STORED};
 use crate::forces::model::for_each_term;
 use crate::forces::term::ForceTerm as _;
@@ -40,10 +39,6 @@ fn all_below(indices: &[u32], end: usize) -> bool {
     indices.iter().all(|&index| (index as usize) < end)
 }
 
-fn all_below_forces(forces: &[VertexForce], end: usize) -> bool {
-    forces.iter().all(|it| (it.vertex as usize) < end)
-}
-
 /// Whether offsets divide a column of a length into so many rows.
 fn divides(offsets: &[u32], rows: usize, length: usize) -> bool {
     offsets.len() == rows + 1
@@ -74,7 +69,7 @@ pub(super) fn all(stored: &Stored<'_>, scheme: &Scheme) -> Checked {
     check_pins(pins, n, bodies)?;
     let measures = stored.reactions.is_some();
     check_scratch(scratch, model, scheme, n, measures.then_some(pins.vertices.len()))?;
-    ensure(all_below_forces(stored.forces, n))?;
+    ensure(stored.forces.iter().all(|it| (it.vertex as usize) < n))?;
     let impulses = if measures { bodies } else { 0 };
     if let Some(reactions) = &stored.reactions {
         ensure(reactions.pins.is_empty() && reactions.colliders.len() == impulses)?;

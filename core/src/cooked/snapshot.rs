@@ -27,8 +27,9 @@ struct Plain {
     checksum: u64,
     /// The hash of the meshes, by which the cloth knows its snapshot.
     scene: u64,
-    /// The point from which positions are measured, m, and the number of the method.
+    /// The point from which positions are measured, m.
     origin: [Sum; 3],
+    /// The number of the method.
     method: u64,
     steps: u64,
     /// The length of a step, and of the last substep, s.

@@ -1,5 +1,5 @@
-//! The live interface: what a host changes and reads between steps. A [`Simulation`](crate::simulation::Simulation) and a
-//! [cooked](crate::cooked) cloth have the same calls, because both lend the same columns.
+//! The live interface: the calls by which a host changes and reads a cloth between steps. A
+//! [`Simulation`](crate::simulation::Simulation) and a [cooked](crate::cooked) cloth have the same calls, because both lend the same columns.
 //!
 //! Positions are in the world, in meters; times are in seconds. A call that is refused changes nothing.
 
@@ -24,8 +24,8 @@ use crate::real::Sum;
 pub trait Live: Owner {
     /// Moves a collider evenly from its present pose to another one within `seconds`. Then it rests there.
     /// It turns by the shorter of the two ways, so by at most half a turn. Call this before every step with the length of
-    /// the step; each call replaces the motion before, also that of the scene. The steps detect what the collider meets
-    /// on the way.
+    /// the step; each call replaces the motion before, also that of the scene. The steps detect everything in the
+    /// way of the collider.
     ///
     /// The centre of a collider is the middle of a sphere, a capsule or a box, or the point of a plane; that of a mesh is
     /// the zero of the coordinates of its vertices. The rotation is that from the orientation in the scene.

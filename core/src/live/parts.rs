@@ -17,9 +17,9 @@ use crate::work_done::Ledger;
 
 /// An owner of a cloth.
 pub trait Owner {
-    /// What calls read.
+    /// The columns that calls read.
     fn parts(&self) -> Parts<'_>;
-    /// What calls change.
+    /// The columns that calls change.
     fn parts_mut(&mut self) -> PartsMut<'_>;
     /// Adds a slot; false if the owner cannot.
     fn add_slot(&mut self, slot: Slot) -> bool;

@@ -1,4 +1,4 @@
-//! What a simulation lends to the [live interface](crate::live).
+//! The columns that a simulation lends to the [live interface](crate::live).
 
 use super::Simulation;
 use crate::error::LiveError;
