@@ -1,5 +1,6 @@
 //! Suites of tests: their list, and their build by cargo.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -103,8 +104,10 @@ pub fn build<'a>(root: &Path, profile: &str, suites: &'a [Suite]) -> Result<Vec<
     for (name, _) in PACKAGES.iter().filter(|(_, own)| *own <= level) {
         cargo.args(["-p", name]);
     }
-    for suite in suites {
-        cargo.args(suite.target().split(' '));
+    // Of two packages with a library, cargo takes one `--lib`.
+    let targets: BTreeSet<String> = suites.iter().map(Suite::target).collect();
+    for target in &targets {
+        cargo.args(target.split(' '));
     }
     let output = cargo.current_dir(root).stderr(Stdio::inherit()).output();
     let output = output.map_err(|error| format!("cannot start cargo: {error}"))?;
