@@ -2,7 +2,7 @@
 //! renamed.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::disk;
@@ -45,12 +45,9 @@ impl Partial {
         if !path.is_file() {
             return Ok(None);
         }
-        let mut partial = Partial::create(path.into())?;
-        partial.with(|file| {
-            io::copy(&mut File::open(path)?, file)?;
-            file.rewind()
-        })?;
-        Ok(Some(partial))
+        // The copy is whole or absent too: of a short one, frames would be missing.
+        write(name.clone(), |file| io::copy(&mut File::open(path)?, file).map(drop))?;
+        Partial::new(OpenOptions::new().read(true).write(true).open(name), path.into()).map(Some)
     }
 
     fn new(opened: io::Result<File>, path: PathBuf) -> Result<Partial, WriteError> {

@@ -170,14 +170,20 @@ fn a_loss_of_power_keeps_the_last_checkpoint_and_the_frames_before_it() {
     let resumed = every_loss(&place, &Files::new(), &events);
     println!("{} changes of a run, {resumed} different folders were resumed from", events.len());
 
-    // A resumed run rewrites files of the first one in place: the files after the checkpoint of step 9 and frame 2.
-    let mut disk = Disk::new(&place.path("out"), &Files::new());
-    let is_checkpoint = |event: &Event| matches!(event, Event::Renamed(_, to) if to.ends_with(CHECKPOINT));
-    let cut = events.iter().enumerate().filter(|(_, event)| is_checkpoint(event)).nth(3).unwrap().0;
-    events[..cut].iter().for_each(|event| disk.add(event));
-    let before = disk.lose(|| true, |n| n - 1);
-    place.make("out", &before);
-    let events = record(&place.path("out"), || place.run("out", true).unwrap());
-    let resumed = every_loss(&place, &before, &events);
-    println!("{} changes of a resumed run, {resumed} different folders were resumed from", events.len());
+    // A resumed run rewrites files of the first one in place: the files after the checkpoint of step 9 and frame 2. It
+    // copies those that are complete.
+    let is_named = |event: &Event, name: &str| matches!(event, Event::Renamed(_, to) if to.ends_with(name));
+    let nth = |name: &str, n: usize| {
+        let mut named = events.iter().enumerate().filter(|(_, event)| is_named(event, name)).map(|(number, _)| number);
+        named.nth(n).unwrap()
+    };
+    for cut in [nth(CHECKPOINT, 3), nth("cloth.pc2", 0) + 1, nth("cloth.usda", 0) + 1] {
+        let mut disk = Disk::new(&place.path("out"), &Files::new());
+        events[..cut].iter().for_each(|event| disk.add(event));
+        let before = disk.lose(|| true, |n| n - 1);
+        place.make("out", &before);
+        let resumed_events = record(&place.path("out"), || place.run("out", true).unwrap());
+        let resumed = every_loss(&place, &before, &resumed_events);
+        println!("{} changes of a resumed run, {resumed} different folders were resumed from", resumed_events.len());
+    }
 }
