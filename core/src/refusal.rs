@@ -42,6 +42,8 @@ pub enum Cause {
     },
     /// The host cancelled the step ([`Dispatch::stopped`](crate::dispatch::Dispatch::stopped)).
     Stopped,
+    /// A fault of Muslin: an index was out of range.
+    Fault,
 }
 
 impl Cause {
@@ -49,7 +51,7 @@ impl Cause {
     pub fn asks_for_shorter_step(self) -> bool {
         match self {
             Self::Contact { .. } | Self::TooMuch | Self::Inaccurate => true,
-            Self::NotFinite | Self::Short { .. } | Self::Stopped => false,
+            Self::NotFinite | Self::Short { .. } | Self::Stopped | Self::Fault => false,
         }
     }
 }
@@ -111,6 +113,7 @@ impl core::fmt::Display for StepError {
             }
             Cause::Inaccurate => write!(f, "step {step} has too large an error"),
             Cause::Stopped => write!(f, "step {step} was given up"),
+            Cause::Fault => write!(f, "step {step} met a fault of Muslin"),
         }
     }
 }

@@ -16,6 +16,7 @@
 
 use crate::audit;
 use crate::colliders::Colliders;
+use crate::column;
 use crate::contact::{ContactModel, ContactRoom, ContactScratch};
 use crate::detection::{self, Purpose, place};
 use crate::diagnostics;
@@ -109,6 +110,7 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     history: &mut History,
     mut work: Work<'_>,
 ) -> Result<Option<Real>, Obstacle> {
+    let faults = column::faults();
     let mut from = *history;
     let is_too_long = |last| input.step > bdf2::MOST_GROWTH * last;
     let grows = matches!(from, History::Smooth { step } if is_too_long(step));
@@ -149,6 +151,9 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     }
     if let Some(columns) = columns.as_mut().filter(|_| input.scheme.method.is_implicit()) {
         keep_forces(input.step, columns);
+    }
+    if column::faults() != faults {
+        return Err(Obstacle { cause: Cause::Fault, particle: 0 });
     }
     commit(particles, scratch, work.integrator);
     *history = if corrected { History::Corrected } else { History::Smooth { step: input.step } };

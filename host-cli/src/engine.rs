@@ -389,7 +389,7 @@ macro_rules! engine {
                                 "there is no memory for so many; take a coarser mesh or a smaller contact.thickness"
                             }
                             // The shortest substeps are committed whatever their error.
-                            Cause::Inaccurate => "report this as a fault of Muslin, with the scene",
+                            Cause::Inaccurate | Cause::Fault => "report this as a fault of Muslin, with the scene",
                             Cause::Stopped => return Halt::Stopped,
                         };
                         let is_instability = matches!(diverged.cause, Cause::NotFinite | Cause::TooMuch);

@@ -46,6 +46,8 @@ pub enum MuslinStatus {
     NoRoom = 34,
     /// The step would need more than its budget.
     OverBudget = 35,
+    /// The step met a fault of Muslin, please report it; the state has not changed.
+    Fault = 36,
     /// There is no such vertex.
     NoVertex = 50,
     /// There is no such triangle.
@@ -90,7 +92,7 @@ impl MuslinStatus {
     /// All of them.
     ///
     /// cbindgen:ignore
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 38] = [
         Self::Ok,
         Self::NullPointer,
         Self::BadHandle,
@@ -109,6 +111,7 @@ impl MuslinStatus {
         Self::Inaccurate,
         Self::NoRoom,
         Self::OverBudget,
+        Self::Fault,
         Self::NoVertex,
         Self::NoTriangle,
         Self::NoCollider,
@@ -152,6 +155,7 @@ impl MuslinStatus {
             Self::Inaccurate => c"the step has too large an error",
             Self::NoRoom => c"the step lacks room for contacts; the report says how much; cook the scene with more (--margin, or --pairs and --contacts)",
             Self::OverBudget => c"the step would need more than its budget",
+            Self::Fault => c"the step met a fault of Muslin, please report it; the state has not changed",
             Self::NoVertex => c"there is no such vertex",
             Self::NoTriangle => c"there is no such triangle",
             Self::NoCollider => c"there is no such collider",
@@ -209,6 +213,7 @@ impl From<Cause> for MuslinStatus {
             Cause::Inaccurate => Self::Inaccurate,
             Cause::Short { .. } => Self::NoRoom,
             Cause::Stopped => Self::OverBudget,
+            Cause::Fault => Self::Fault,
         }
     }
 }
