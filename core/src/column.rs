@@ -48,6 +48,9 @@ pub(crate) trait Column<T> {
     where
         T: AddAssign<V>;
 
+    /// Exchanges two elements.
+    fn exchange(&mut self, a: usize, b: usize);
+
     /// The elements of a range.
     fn part<R: SliceIndex<[T], Output = [T]>>(&self, range: R) -> &[T];
 
@@ -55,10 +58,10 @@ pub(crate) trait Column<T> {
     fn part_mut<R: SliceIndex<[T], Output = [T]>>(&mut self, range: R) -> &mut [T];
 
     /// The elements before an index and from there on.
-    fn split(&self, index: usize) -> (&[T], &[T]);
+    fn cut(&self, index: usize) -> (&[T], &[T]);
 
     /// The elements before an index and from there on, to be changed.
-    fn split_mut(&mut self, index: usize) -> (&mut [T], &mut [T]);
+    fn cut_mut(&mut self, index: usize) -> (&mut [T], &mut [T]);
 
     /// Copies all elements of a column of the same length.
     fn copy_from(&mut self, other: &[T])
@@ -125,6 +128,16 @@ impl<T> Column<T> for [T] {
 
     #[inline(always)]
     #[cfg_attr(debug_assertions, track_caller)]
+    fn exchange(&mut self, a: usize, b: usize) {
+        match self.get_disjoint_mut([a, b]) {
+            Ok([a, b]) => core::mem::swap(a, b),
+            Err(_) if a == b => {}
+            Err(_) => fault(),
+        }
+    }
+
+    #[inline(always)]
+    #[cfg_attr(debug_assertions, track_caller)]
     fn part<R: SliceIndex<[T], Output = [T]>>(&self, range: R) -> &[T] {
         match self.get(range) {
             Some(part) => part,
@@ -149,7 +162,7 @@ impl<T> Column<T> for [T] {
 
     #[inline(always)]
     #[cfg_attr(debug_assertions, track_caller)]
-    fn split(&self, index: usize) -> (&[T], &[T]) {
+    fn cut(&self, index: usize) -> (&[T], &[T]) {
         match self.split_at_checked(index) {
             Some(parts) => parts,
             None => {
@@ -161,7 +174,7 @@ impl<T> Column<T> for [T] {
 
     #[inline(always)]
     #[cfg_attr(debug_assertions, track_caller)]
-    fn split_mut(&mut self, index: usize) -> (&mut [T], &mut [T]) {
+    fn cut_mut(&mut self, index: usize) -> (&mut [T], &mut [T]) {
         match self.split_at_mut_checked(index) {
             Some(parts) => parts,
             None => {

@@ -11,6 +11,7 @@ use core::sync::atomic::Ordering::Relaxed;
 use core::task::{Context, Poll, Waker};
 
 use crate::broad_phase::Counts;
+use crate::column::Column;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::stage::Stage;
 
@@ -31,7 +32,7 @@ impl<T: Send> Split for &mut [T] {
         <[T]>::len(self)
     }
     fn split_at(self, mid: usize) -> (Self, Self) {
-        self.split_at_mut(mid)
+        self.cut_mut(mid)
     }
 }
 

@@ -33,7 +33,7 @@
 //!
 //! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time), [`rigid_body`]
 //! (a cloth as if it were rigid),
-//! `column` (access to columns that cannot panic), [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over time), [`error`], [`stage`] (names of the
+//! `column` and `heap_sort` (access to columns, and a sort, that cannot panic), [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over time), [`error`], [`stage`] (names of the
 //! stages, for hosts that measure time) and [`traffic`] (bytes that each stage streams).
 //!
 //! The crate is `no_std`. With the feature `alloc` (default) it builds scenes and owns columns;
@@ -143,6 +143,7 @@ mod column;
 pub mod dispatch;
 pub mod error;
 mod halving;
+mod heap_sort;
 pub mod keys;
 pub mod kinematic;
 pub mod lanes;

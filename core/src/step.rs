@@ -16,7 +16,7 @@
 
 use crate::audit;
 use crate::colliders::Colliders;
-use crate::column;
+use crate::column::{self, Column};
 use crate::contact::{ContactModel, ContactRoom, ContactScratch};
 use crate::detection::{self, Purpose, place};
 use crate::diagnostics;
@@ -298,7 +298,7 @@ async fn couple<D: Dispatch>(
     let constraints = contact.lengths.constraints;
     exchange::add_contacts(model, contact, 0..constraints, input.step);
     let known = contact.lengths.contacts;
-    let contacts = (&mut contact.contacts[..known], &mut *contact.lines);
+    let contacts = (contact.contacts.part_mut(..known), &mut *contact.lines);
     let has_begun = implicit_contact::correct(input, particles, contacts, scratch, statistics);
     if input.dispatch.stopped() {
         return Err(Cause::Stopped);
@@ -308,7 +308,7 @@ async fn couple<D: Dispatch>(
     with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
     let contact = &mut columns.columns();
     exchange::add_contacts(model, contact, constraints..contact.lengths.constraints, input.step);
-    let contacts = (&mut contact.contacts[..contact.lengths.contacts], &mut *contact.lines);
+    let contacts = (contact.contacts.part_mut(..contact.lengths.contacts), &mut *contact.lines);
     implicit_contact::resume(input, particles, contacts, known, has_begun, scratch, statistics);
     // A solve without contacts has completed its solution.
     if contact.lengths.contacts > if has_begun { 0 } else { known } {
@@ -321,7 +321,7 @@ async fn couple<D: Dispatch>(
 /// Copies the candidate state to the columns of contact. Displacements begin at the rounded positions, as gaps do.
 fn take_prediction(particles: &Particles<'_>, scratch: &Scratch<'_>, contact: &mut ContactScratch<'_>) {
     for column in [&mut *contact.predicted, &mut *contact.end] {
-        column[..scratch.next_positions.len()].copy_from_slice(scratch.next_positions);
+        column.part_mut(..scratch.next_positions.len()).copy_from(scratch.next_positions);
     }
     let changes = particles.low_positions.iter().zip(&*scratch.displacements);
     for (out, (&low, &change)) in contact.predicted_displacements.iter_mut().zip(changes) {
@@ -345,9 +345,10 @@ pub(crate) fn with_room<T>(
 
 /// An obstacle at the particle whose candidate state is farthest from its position.
 fn farthest(cause: Cause, particles: &Particles<'_>, scratch: &Scratch<'_>) -> Obstacle {
-    let moved = |v: usize| (scratch.next_positions[v] - particles.positions[v]).length_squared();
-    let all = 0..particles.positions.len();
-    let particle = all.max_by(|&a, &b| moved(a).total_cmp(&moved(b))).unwrap_or_default() as u32;
+    let moved =
+        scratch.next_positions.iter().zip(&*particles.positions).map(|(&next, &now)| (next - now).length_squared());
+    let farthest = moved.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    let particle = farthest.map_or(0, |(v, _)| v as u32);
     Obstacle { cause, particle }
 }
 
@@ -356,13 +357,14 @@ fn farthest(cause: Cause, particles: &Particles<'_>, scratch: &Scratch<'_>) -> O
 fn settle(step: Real, particles: &Particles<'_>, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_>) -> bool {
     let mut any = false;
     for (v, next) in scratch.next_positions.iter_mut().enumerate() {
-        if contact.rounds[v] > 0 {
-            let moved = contact.displacements[v] - contact.predicted_displacements[v];
-            scratch.velocity_changes[v] += (moved - contact.corrections[v]) / step;
-            scratch.next_velocities[v] =
-                particles.velocities[v] + (particles.low_velocities[v] + scratch.velocity_changes[v]);
-            scratch.displacements[v] = contact.displacements[v] - particles.low_positions[v];
-            *next = contact.end[v];
+        if contact.rounds.at(v) > 0 {
+            let displacement = contact.displacements.at(v);
+            let moved = displacement - contact.predicted_displacements.at(v);
+            let change = scratch.velocity_changes.at(v) + (moved - contact.corrections.at(v)) / step;
+            scratch.velocity_changes.set(v, change);
+            scratch.next_velocities.set(v, particles.velocities.at(v) + (particles.low_velocities.at(v) + change));
+            scratch.displacements.set(v, displacement - particles.low_positions.at(v));
+            *next = contact.end.at(v);
             any = true;
         }
     }
@@ -371,7 +373,7 @@ fn settle(step: Real, particles: &Particles<'_>, contact: &ContactScratch<'_>, s
 
 /// Keeps the forces of the contacts of an accepted step, from which the next one starts. `step` is its length, s.
 fn keep_forces(step: Real, contact: &mut ContactScratch<'_>) {
-    let constraints = &contact.constraints[..contact.lengths.constraints];
+    let constraints = contact.constraints.part(..contact.lengths.constraints);
     contact.lengths.multipliers = multiplier::write(constraints, step, contact.order, contact.multipliers);
 }
 
@@ -379,8 +381,8 @@ fn keep_forces(step: Real, contact: &mut ContactScratch<'_>) {
 fn commit(particles: &mut Particles<'_>, scratch: &mut Scratch<'_>, statistics: &mut IntegratorStatistics) {
     statistics.committed += 1;
     if !scratch.previous_displacements.is_empty() {
-        scratch.previous_displacements.copy_from_slice(scratch.displacements);
-        scratch.previous_velocity_changes.copy_from_slice(scratch.velocity_changes);
+        scratch.previous_displacements.copy_from(scratch.displacements);
+        scratch.previous_velocity_changes.copy_from(scratch.velocity_changes);
     }
     let Particles { positions, velocities, low_positions, low_velocities, .. } = particles;
     let columns = [

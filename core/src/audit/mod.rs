@@ -15,6 +15,7 @@
 pub mod tree;
 
 use crate::broad_phase::{IS_FACE, Surface};
+use crate::column::Column;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::intersect::edge_meets_triangle;
 use crate::real::Vec3;
@@ -93,7 +94,7 @@ fn compare_all(surface: &Surface<'_>, positions: &[Vec3], found: &mut dyn FnMut(
     let is_passive = |triangle: u32| triangle >= surface.first_passive;
     for (edge, &ends) in (0..).zip(surface.edges) {
         // An edge of both parts counts as an edge of the cloth, which comes first.
-        let owner = faces(surface).find(|&face| surface.triangle_edges[face as usize].contains(&edge));
+        let owner = faces(surface).find(|&face| surface.triangle_edges.at(face as usize).contains(&edge));
         let Some(owner) = owner else { continue };
         let own = around(&places(positions, ends));
         for triangle in faces(surface) {
@@ -102,7 +103,7 @@ fn compare_all(surface: &Surface<'_>, positions: &[Vec3], found: &mut dyn FnMut(
                 [false, false] => surface.own_contact,
                 _ => true,
             };
-            let corners = || places(positions, surface.triangles[triangle as usize]);
+            let corners = || places(positions, surface.triangles.at(triangle as usize));
             if may_meet && own.overlaps(&around(&corners())) && crosses(surface, positions, [edge, triangle]) {
                 found([edge, triangle]);
             }
@@ -116,28 +117,29 @@ fn compare_all(surface: &Surface<'_>, positions: &[Vec3], found: &mut dyn FnMut(
 fn questions<'a>(surface: &Surface<'_>, positions: &[Vec3], room: &'a mut Room<'_>) -> [Question<'a>; 2] {
     let (mut cloth, mut total) = (0, 0);
     for (slot, triangle) in room.boxes.iter_mut().zip(faces(surface)) {
-        let corners = places(positions, surface.triangles[triangle as usize]);
+        let corners = places(positions, surface.triangles.at(triangle as usize));
         *slot = Boxed::new(triangle, around(&corners));
         cloth += usize::from(triangle < surface.first_passive);
         total += 1;
     }
-    let (of_cloth, passive) = room.boxes[..total].split_at_mut(cloth);
-    let (bounds, others) = room.bounds.split_at_mut(tree::nodes(cloth));
+    let (of_cloth, passive) = room.boxes.part_mut(..total).cut_mut(cloth);
+    let (bounds, others) = room.bounds.cut_mut(tree::nodes(cloth));
     let [cloth, passive] = [Tree::build(of_cloth, bounds), Tree::build(passive, others)];
     room.taken.fill(false);
     let mut count = 0;
     let [mut moving, mut held] = [0; 2];
     // An edge of both parts counts as an edge of the cloth.
     for (tree, end) in [(&cloth, &mut moving), (&passive, &mut held)] {
-        for edge in tree.numbers().flat_map(|face| surface.triangle_edges[face as usize]) {
-            if !core::mem::replace(&mut room.taken[edge as usize], true) {
-                room.edges[count] = edge;
+        for edge in tree.numbers().flat_map(|face| surface.triangle_edges.at(face as usize)) {
+            if !room.taken.at(edge as usize) {
+                room.taken.set(edge as usize, true);
+                room.edges.set(count, edge);
                 count += 1;
             }
         }
         *end = count;
     }
-    let (moving, held) = room.edges[..held].split_at(moving);
+    let (moving, held) = room.edges.part(..held).cut(moving);
     let own = surface.own_contact.then_some(cloth);
     [Question { edges: moving, trees: [own, Some(passive)] }, Question { edges: held, trees: [Some(cloth), None] }]
 }
@@ -154,7 +156,7 @@ fn visit(
 ) {
     let mut boxes = [Aabb::EMPTY; GROUP];
     for (bounds, &edge) in boxes.iter_mut().zip(edges) {
-        *bounds = around(&places(positions, surface.edges[edge as usize]));
+        *bounds = around(&places(positions, surface.edges.at(edge as usize)));
     }
     let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
     for tree in trees.iter().flatten() {
@@ -172,7 +174,7 @@ fn visit(
 /// Whether an edge and a triangle are not neighbours and meet.
 #[inline(never)]
 fn crosses(surface: &Surface<'_>, positions: &[Vec3], [edge, triangle]: [u32; 2]) -> bool {
-    let (ends, corners) = (surface.edges[edge as usize], surface.triangles[triangle as usize]);
+    let (ends, corners) = (surface.edges.at(edge as usize), surface.triangles.at(triangle as usize));
     let is_sewn = |a: u32| corners.iter().any(|&b| surface.sewn.joins(a, b));
     let is_near = |a: u32| corners.contains(&a) || !surface.sewn.offsets.is_empty() && is_sewn(a);
     !ends.into_iter().any(is_near) && edge_meets_triangle(places(positions, ends), places(positions, corners))
@@ -180,11 +182,11 @@ fn crosses(surface: &Surface<'_>, positions: &[Vec3], [edge, triangle]: [u32; 2]
 
 /// The triangles that are faces.
 fn faces(surface: &Surface<'_>) -> impl Iterator<Item = u32> {
-    (0..surface.triangles.len() as u32).filter(|&triangle| surface.owned[triangle as usize] & IS_FACE != 0)
+    (0..surface.triangles.len() as u32).filter(|&triangle| surface.owned.at(triangle as usize) & IS_FACE != 0)
 }
 
 fn places<const N: usize>(positions: &[Vec3], vertices: [u32; N]) -> [Vec3; N] {
-    vertices.map(|vertex| positions[vertex as usize])
+    vertices.map(|vertex| positions.at(vertex as usize))
 }
 
 #[inline(never)]

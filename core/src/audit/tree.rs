@@ -5,8 +5,9 @@
 //! boxes takes about n log n steps. A query that finds few boxes takes about log n steps, for all distributions and
 //! sizes of the boxes.
 
+use crate::column::Column;
 use crate::geometry::aabb::Aabb;
-use crate::real::Real;
+use crate::real::{Real, Vec3};
 
 /// The greatest number of boxes of a node without children.
 const LEAF: usize = 4;
@@ -51,7 +52,7 @@ pub const fn nodes(boxes: usize) -> usize {
 impl<'a> Tree<'a> {
     /// Builds a tree over boxes, which are reordered. `bounds` must have at least [`nodes`] slots.
     pub fn build(boxes: &'a mut [Boxed], bounds: &'a mut [Aabb]) -> Self {
-        let bounds = &mut bounds[..nodes(boxes.len())];
+        let bounds = bounds.part_mut(..nodes(boxes.len()));
         order(boxes, 1, bounds);
         Self { boxes, bounds }
     }
@@ -69,14 +70,14 @@ impl<'a> Tree<'a> {
     }
 
     fn visit(&self, node: usize, boxes: &[Boxed], one: &Aabb, found: &mut impl FnMut(&Boxed)) -> usize {
-        if !self.bounds[node].overlaps(one) {
+        if !self.bounds.element(node).is_some_and(|bounds| bounds.overlaps(one)) {
             return 1;
         }
         if 2 * node >= self.bounds.len() {
             boxes.iter().filter(|other| other.around.overlaps(one)).for_each(found);
             return 1 + boxes.len();
         }
-        let (low, high) = boxes.split_at(boxes.len() / 2);
+        let (low, high) = boxes.cut(boxes.len() / 2);
         1 + self.visit(2 * node, low, one, found) + self.visit(2 * node + 1, high, one, found)
     }
 }
@@ -84,12 +85,12 @@ impl<'a> Tree<'a> {
 /// Orders the boxes of a node and of its descendants, and writes their bounds.
 fn order(boxes: &mut [Boxed], node: usize, bounds: &mut [Aabb]) {
     let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(&one.around));
-    bounds[node] = all;
+    bounds.set(node, all);
     let middle = boxes.len() / 2;
     if 2 * node < bounds.len() {
         let axis = (all.max - all.min).max_position();
         split(boxes, middle, axis);
-        let (low, high) = boxes.split_at_mut(middle);
+        let (low, high) = boxes.cut_mut(middle);
         order(low, 2 * node, bounds);
         order(high, 2 * node + 1, bounds);
     }
@@ -98,18 +99,21 @@ fn order(boxes: &mut [Boxed], node: usize, bounds: &mut [Aabb]) {
 /// Moves the boxes with the smallest centres along an axis to the positions before `middle` [Hoare 1961]. This is
 /// shorter than the selection in the standard library, which browsers would have to download.
 fn split(boxes: &mut [Boxed], middle: usize, axis: usize) {
-    let centre = |one: &Boxed| 0.5 * one.around.min[axis] + 0.5 * one.around.max[axis];
+    let centre = |boxes: &[Boxed], at: usize| {
+        let [min, max] = boxes.element(at).map_or([Vec3::ZERO; 2], |one| [one.around.min, one.around.max]);
+        0.5 * min.to_array().at(axis) + 0.5 * max.to_array().at(axis)
+    };
     let (mut first, mut end) = (0, boxes.len());
     while end > first + 1 {
-        let pivot = centre(&boxes[middle]);
+        let pivot = centre(boxes, middle);
         let (mut low, mut high) = (first, end);
         while low < high {
-            if centre(&boxes[low]) < pivot {
+            if centre(boxes, low) < pivot {
                 low += 1;
-            } else if centre(&boxes[high - 1]) > pivot {
+            } else if centre(boxes, high - 1) > pivot {
                 high -= 1;
             } else {
-                boxes.swap(low, high - 1);
+                boxes.exchange(low, high - 1);
                 (low, high) = (low + 1, high - 1);
             }
         }

@@ -13,14 +13,11 @@
 //! plane by more than the rounding error, or a line separates the edge and the triangle in one projection. The
 //! second test serves coplanar points, for which the exact volume is most expensive.
 //!
-//! Signs come from adaptive predicates [Shewchuk 1997], which are exact unless a product under- or overflows: in
-//! f32 for all finite coordinates, in f64 for coordinates that are 0 or have sizes from 1e-70 to 1e70.
+//! Signs come from [`exact`].
 
-use robust::{Coord, Coord3D, orient2d, orient3d};
-
+use super::exact::{self, Point, plain_volume, volume};
+use crate::column::Column;
 use crate::real::{Vec3, to_f64};
-
-type Point = [f64; 3];
 
 /// The projections along each axis: the two coordinates that remain.
 const SHADOWS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
@@ -40,25 +37,10 @@ pub fn edge_meets_triangle(edge: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
     }
 }
 
-/// Sign of the volume of a triangle and a point in ordinary arithmetic; 0 if the rounding error may decide. The
-/// error is at most 8 unit roundoffs times the sum of the magnitudes of the products [Shewchuk 1997]; 32 are
-/// allowed.
-#[inline]
-fn plain_volume([a, b, c]: [Point; 3], d: Point) -> i8 {
-    let [a, b, c] = [a, b, c].map(|p| [p[0] - d[0], p[1] - d[1], p[2] - d[2]]);
-    let products = |k: usize| (b[(k + 1) % 3] * c[(k + 2) % 3], b[(k + 2) % 3] * c[(k + 1) % 3]);
-    let part = |k: usize| {
-        let (plus, minus) = products(k);
-        (a[k] * (plus - minus), a[k].abs() * (plus.abs() + minus.abs()))
-    };
-    let (volume, size) = [1, 2].into_iter().map(part).fold(part(0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
-    if volume.abs() > 16.0 * f64::EPSILON * size { sign(volume) } else { 0 }
-}
-
 /// The projection in which a triangle has the largest area, up to rounding.
 fn largest_shadow([a, b, c]: [Point; 3]) -> [usize; 2] {
     let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
-    let size = |[x, y]: [usize; 2]| (u[x] * v[y] - u[y] * v[x]).abs();
+    let size = |[x, y]: [usize; 2]| (u.at(x) * v.at(y) - u.at(y) * v.at(x)).abs();
     SHADOWS.into_iter().fold(SHADOWS[0], |most, shadow| if size(shadow) > size(most) { shadow } else { most })
 }
 
@@ -78,16 +60,10 @@ pub fn triangles_meet(one: [Vec3; 3], other: [Vec3; 3]) -> bool {
     meets(one, other) || meets(other, one)
 }
 
-/// Sign of the volume of a tetrahedron; 0 if the points are coplanar.
-fn volume(a: Point, b: Point, c: Point, d: Point) -> i8 {
-    let [a, b, c, d] = [a, b, c, d].map(|[x, y, z]| Coord3D { x, y, z });
-    sign(orient3d(a, b, c, d))
-}
-
 /// Sign of the area of a projected triangle; 0 if its points are collinear.
 fn area([x, y]: [usize; 2], a: Point, b: Point, c: Point) -> i8 {
-    let [a, b, c] = [a, b, c].map(|p| Coord { x: p[x], y: p[y] });
-    sign(orient2d(a, b, c))
+    let [a, b, c] = [a, b, c].map(|p| [p.at(x), p.at(y)]);
+    exact::area(a, b, c)
 }
 
 /// Whether a point in the plane of a triangle is strictly inside it. One projection with a nonzero area decides
@@ -102,7 +78,10 @@ fn covers(triangle: [Point; 3], point: Point) -> bool {
 /// Whether two edges share a point. Edges that meet do so in every projection. Coplanar edges that do not meet are
 /// apart in at least one projection.
 fn edges_meet([p, q]: [Point; 2], [a, b]: [Point; 2]) -> bool {
-    let overlap = |k: usize| p[k].max(q[k]) >= a[k].min(b[k]) && a[k].max(b[k]) >= p[k].min(q[k]);
+    let overlap = |k: usize| {
+        let [p, q, a, b] = [p, q, a, b].map(|point| point.at(k));
+        p.max(q) >= a.min(b) && a.max(b) >= p.min(q)
+    };
     let meet_in = |&shadow: &[usize; 2]| {
         let turns = [[p, q, a], [p, q, b], [a, b, p], [a, b, q]].map(|[a, b, c]| area(shadow, a, b, c));
         let [a_side, b_side, p_side, q_side] = turns;
@@ -117,8 +96,4 @@ fn sides<P: Copy>([a, b, c]: [P; 3]) -> [[P; 2]; 3] {
 
 fn of_both_signs(signs: [i8; 3]) -> bool {
     signs.contains(&1) && signs.contains(&-1)
-}
-
-fn sign(value: f64) -> i8 {
-    i8::from(value > 0.0) - i8::from(value < 0.0)
 }

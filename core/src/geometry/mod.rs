@@ -3,6 +3,7 @@
 
 pub mod aabb;
 pub mod edge_edge;
+mod exact;
 pub mod intersect;
 pub mod normals;
 pub mod point_edge;
