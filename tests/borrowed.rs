@@ -39,7 +39,7 @@ const fn springs() -> [[u32; 2]; SPRINGS] {
 both_precisions! {
     use super::{BLOCKS, ENDS, SIDE, SPRINGS, STEP, STEPS, VERTICES, springs};
     use muslin::contact::NoContact;
-    use muslin::dispatch::{Serial, block_on};
+    use muslin::dispatch::Serial;
     use harness::steps::Steps;
     use muslin::forces::gravity::{Gravity, GravityColumns};
     use muslin::forces::spring::{Spring, SpringColumns, Springs};
@@ -235,7 +235,7 @@ both_precisions! {
             };
             let work = Work { integrator: &mut statistics, contact: &mut ContactStatistics::default(), searched: &mut 0, done: None };
             let contact = None::<StepContact<'_, NoContact>>;
-            let taken = block_on(step::take(&context, &mut particles, &mut scratch, contact, &mut history, work));
+            let taken = step::take(&context, &mut particles, &mut scratch, contact, &mut history, work);
             assert_eq!(taken, Ok(None), "{} {}, step {n}", muslin::real::NAME, method.name());
             see(n + 1, particles.positions, particles.velocities);
         }

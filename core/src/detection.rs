@@ -77,7 +77,26 @@ pub enum Purpose {
 
 /// Finds the pairs that may touch in the motion from start to end, and their distances, if they are not the candidates
 /// already. Asks `columns` for room where there is too little.
-pub async fn search<D: Dispatch>(
+pub fn search(
+    model: &ContactModel<'_>,
+    purpose: Purpose,
+    columns: &mut impl ContactRoom,
+    dispatch: &impl Dispatch,
+) -> Result<Counts, Cause> {
+    dispatch.enter(Stage::BroadPhase);
+    if !surround(model, purpose, &mut columns.columns()) {
+        return Ok(*columns.columns().counts);
+    }
+    loop {
+        let counts = detect(model, &mut columns.columns(), dispatch).ok_or(Cause::Stopped)?;
+        if had_room(model, counts, columns)? {
+            return Ok(counts);
+        }
+    }
+}
+
+/// [`search`], but awaits candidates that are found elsewhere ([`Dispatch::detect`]).
+pub async fn await_search<D: Dispatch>(
     model: &ContactModel<'_>,
     purpose: Purpose,
     columns: &mut impl ContactRoom,
@@ -88,21 +107,25 @@ pub async fn search<D: Dispatch>(
         return Ok(*columns.columns().counts);
     }
     loop {
-        let contact = &mut columns.columns();
-        let counts = await_candidates(model, contact, dispatch).await.ok_or(Cause::Stopped)?;
-        let (has_room, pairs) = (contact.has_room(counts), counts.vertex_triangle.max(counts.edge_edge));
-        if pairs > if *contact.searched == Searched::Near { NEAR_ROOM } else { 1 } * most_pairs(model) {
-            return Err(Cause::TooMuch);
-        }
-        if has_room {
-            columns.grow_kept();
+        let counts = await_candidates(model, &mut columns.columns(), dispatch).await.ok_or(Cause::Stopped)?;
+        if had_room(model, counts, columns)? {
             return Ok(counts);
         }
-        columns.grow_kept();
-        if !columns.grow_pairs(counts) {
-            return Err(Cause::Short { pairs, constraints: 0 });
-        }
     }
+}
+
+/// Whether there was room for all candidates. If not, there is now.
+fn had_room(model: &ContactModel<'_>, counts: Counts, columns: &mut impl ContactRoom) -> Result<bool, Cause> {
+    let contact = &columns.columns();
+    let (has_room, pairs) = (contact.has_room(counts), counts.vertex_triangle.max(counts.edge_edge));
+    if pairs > if *contact.searched == Searched::Near { NEAR_ROOM } else { 1 } * most_pairs(model) {
+        return Err(Cause::TooMuch);
+    }
+    columns.grow_kept();
+    if !has_room && !columns.grow_pairs(counts) {
+        return Err(Cause::Short { pairs, constraints: 0 });
+    }
+    Ok(has_room)
 }
 
 /// Writes the boxes of a search. Returns false if the candidates already suffice.

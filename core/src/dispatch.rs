@@ -141,34 +141,8 @@ impl<D: Dispatch> Dispatch for Limited<'_, D> {
     }
 }
 
-/// A dispatch that runs kernels on the threads of `D` and finds candidates there too, never elsewhere.
-#[derive(Clone, Copy, Debug)]
-pub struct Here<'a, D>(pub &'a D);
-
-impl<D: Dispatch> Dispatch for Here<'_, D> {
-    #[inline]
-    fn run<S: Split, K: Fn(usize, S) + Sync>(&self, out: S, kernel: K) {
-        self.0.run(out, kernel);
-    }
-
-    #[inline]
-    fn enter(&self, stage: Stage) {
-        self.0.enter(stage);
-    }
-
-    #[inline]
-    fn spend(&self, iterations: u32, candidates: u32) {
-        self.0.spend(iterations, candidates);
-    }
-
-    #[inline]
-    fn stopped(&self) -> bool {
-        self.0.stopped()
-    }
-}
-
-/// Waits for a future by polling it in a loop. For futures that are ready soon: detection by [`Here`] is
-/// ready at the first poll.
+/// Waits for a future by polling it in a loop. For futures that are ready soon, and whose work
+/// needs no other thread of the host.
 pub fn block_on<F: Future>(future: F) -> F::Output {
     let (mut future, mut context) = (pin!(future), Context::from_waker(Waker::noop()));
     loop {

@@ -5,7 +5,6 @@
 //! Euler grows with the square of the length. The next step starts with the length of the last substep. Without a
 //! largest error, each step is first tried whole.
 
-use crate::dispatch::Dispatch;
 use crate::integrate::IntegratorStatistics;
 use crate::real::{Real, Sum};
 use crate::refusal::{Cause, Obstacle};
@@ -26,6 +25,8 @@ pub struct Substep {
     pub from: Sum,
     /// Length, as a fraction of the step, 0..1.
     pub length: Sum,
+    /// Whether every error is accepted and the response may hold vertices back.
+    pub is_last_resort: bool,
 }
 
 /// The values that the division of steps reads and writes.
@@ -44,15 +45,6 @@ pub(crate) struct Progress<'a> {
 pub(crate) trait Divided {
     fn progress(&mut self) -> Progress<'_>;
 
-    /// Takes a substep and returns its estimated error, m, if there is a largest one. `last_resort` accepts every error
-    /// and allows the response to hold vertices back.
-    async fn try_substep<D: Dispatch>(
-        &mut self,
-        substep: Substep,
-        last_resort: bool,
-        dispatch: &D,
-    ) -> Result<Option<Real>, Obstacle>;
-
     /// Keeps a copy of the state.
     fn keep(&mut self);
 
@@ -60,53 +52,65 @@ pub(crate) trait Divided {
     fn put_back(&mut self);
 }
 
-/// Takes a step, in as many substeps as necessary. A step that fails does not change the state.
-pub(crate) async fn take_substeps<S: Divided, D: Dispatch>(owner: &mut S, dispatch: &D) -> Result<(), Obstacle> {
-    let Progress { halvings, estimate, .. } = owner.progress();
-    let before = (*halvings, *estimate);
-    let taken = advance(owner, dispatch).await;
-    if taken.is_err() {
-        let Progress { halvings, estimate, .. } = owner.progress();
-        (*halvings, *estimate) = before;
-    }
-    taken
+/// A step, taken in as many substeps as necessary. A step that fails does not change the state.
+pub(crate) struct Division {
+    /// Sum of the lengths of the substeps taken, in the shortest ones.
+    done: u32,
+    /// Before the step.
+    halvings: u32,
+    estimate: Option<Real>,
 }
 
-async fn advance<S: Divided, D: Dispatch>(owner: &mut S, dispatch: &D) -> Result<(), Obstacle> {
-    let whole = 1u32 << MOST_HALVINGS;
-    let mut done = 0;
-    *owner.progress().estimate = None;
-    while done < whole {
-        let halvings = *owner.progress().halvings;
-        let length = whole >> halvings;
+impl Division {
+    /// Length of the step, in the shortest substeps.
+    const WHOLE: u32 = 1 << MOST_HALVINGS;
+
+    pub fn begin(owner: &mut impl Divided) -> Self {
+        let Progress { halvings, estimate, .. } = owner.progress();
+        Self { done: 0, halvings: *halvings, estimate: estimate.take() }
+    }
+
+    /// The next substep, if any is left.
+    pub fn next(&self, owner: &mut impl Divided) -> Option<Substep> {
+        let Progress { halvings, limit, .. } = owner.progress();
+        if self.done >= Self::WHOLE {
+            if limit.is_none() {
+                *halvings = 0;
+            }
+            return None;
+        }
+        let (halvings, length) = (*halvings, Self::WHOLE >> *halvings);
         // A step that is tried whole does not change the state until it succeeds.
-        if done == 0 && halvings > 0 {
+        if self.done == 0 && halvings > 0 {
             owner.keep();
         }
-        let substep = Substep { from: done as Sum / whole as Sum, length: length as Sum / whole as Sum };
-        let taken = owner.try_substep(substep, halvings == MOST_HALVINGS, dispatch).await;
+        let [from, length] = [self.done, length].map(|part| Sum::from(part) / Sum::from(Self::WHOLE));
+        Some(Substep { from, length, is_last_resort: halvings == MOST_HALVINGS })
+    }
+
+    /// Notes the result of the substep: its estimated error, m, if there is a largest one.
+    pub fn note(&mut self, owner: &mut impl Divided, taken: Result<Option<Real>, Obstacle>) -> Result<(), Obstacle> {
         let mut progress = owner.progress();
         match taken {
             Ok(error) => {
-                done += length;
-                progress.accept(error, done % (2 * length) == 0);
+                let length = Self::WHOLE >> *progress.halvings;
+                self.done += length;
+                progress.accept(error, self.done & (2 * length - 1) == 0);
             }
-            Err(obstacle) if halvings < MOST_HALVINGS && obstacle.cause.asks_for_shorter_step() => {
+            Err(obstacle) if *progress.halvings < MOST_HALVINGS && obstacle.cause.asks_for_shorter_step() => {
                 progress.halve(obstacle.cause);
             }
             Err(obstacle) => {
-                if done > 0 {
+                if self.done > 0 {
                     owner.put_back();
                 }
+                let Progress { halvings, estimate, .. } = owner.progress();
+                (*halvings, *estimate) = (self.halvings, self.estimate);
                 return Err(obstacle);
             }
         }
+        Ok(())
     }
-    let progress = owner.progress();
-    if progress.limit.is_none() {
-        *progress.halvings = 0;
-    }
-    Ok(())
 }
 
 impl Progress<'_> {

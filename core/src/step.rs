@@ -1,13 +1,14 @@
 //! The order of a step: one driver over borrowed columns, for every host.
 //!
-//! predict (forces, integration) -> [`place`] -> couple (implicit methods only: near pairs, contacts and elasticity,
-//! impacts of the motion) -> [`search`](detection::search) (candidates and their distances, where the motion needs
-//! other ones) -> [`respond`](response::respond) (contacts, impacts) -> settle ->
+//! predict (forces, integration) -> [`place`] -> solve (implicit methods only: contacts and elasticity) -> solve with the
+//! impacts of the motion -> [`respond`](response::respond) (contacts, impacts) -> settle ->
 //! [`new_crossing`](audit::new_crossing), if surfaces [touch](Outcome::Touches) -> keep the forces of contacts, commit.
-//! Without contact a step consists of the first and the last phase.
+//! Without contact a step consists of the first and the last phase. Each phase of contact begins with a
+//! [`search`](detection::search) for candidates and their distances, where the motion needs other ones; [`await_take`]
+//! waits there, and [`take`] does not.
 //!
 //! Backward Euler without Newton's method predicts the motion without any force and leaves its one linear solve to the
-//! phase couple.
+//! solve with contacts.
 //!
 //! The driver asks its host for more room in the columns of contact ([`ContactRoom`]), for candidates that are found
 //! elsewhere ([`Dispatch::detect`]) and for a shorter step ([`Obstacle`]), for example if the [estimated
@@ -15,6 +16,7 @@
 //! change the state.
 
 use crate::audit;
+use crate::broad_phase::Counts;
 use crate::colliders::Colliders;
 use crate::column::{self, Column};
 use crate::contact::{ContactModel, ContactRoom, ContactScratch};
@@ -102,7 +104,7 @@ impl History {
 /// half as long, without contact and without a jump of a pin's velocity in between. Implicit midpoint after contact
 /// would amplify the oscillation of stiff cloth that an impulse excites. After contact, the linear solve also
 /// [extrapolates](StepInput::follows_contact) smooth motions only.
-pub async fn take<D: Dispatch, R: ContactRoom>(
+pub fn take<D: Dispatch, R: ContactRoom>(
     input: &StepInput<'_, D>,
     particles: &mut Particles<'_>,
     scratch: &mut Scratch<'_>,
@@ -110,54 +112,129 @@ pub async fn take<D: Dispatch, R: ContactRoom>(
     history: &mut History,
     mut work: Work<'_>,
 ) -> Result<Option<Real>, Obstacle> {
-    let faults = column::faults();
-    let mut from = *history;
-    let is_too_long = |last| input.step > bdf2::MOST_GROWTH * last;
-    let grows = matches!(from, History::Smooth { step } if is_too_long(step));
-    if input.scheme.method == Method::Bdf2 && (grows || input.pins.jump(input.time)) {
-        from.cut();
-    }
-    let scheme = &Scheme { method: method(input.scheme.method, from), ..*input.scheme };
-    let follows_contact = from == History::Corrected;
-    scratch.last_step = match from {
-        History::Smooth { step } if !scratch.previous_displacements.is_empty() => Some(step),
-        History::Smooth { .. } | History::Start | History::Cut | History::Corrected => None,
-    };
-    let input = StepInput { scheme, follows_contact, ..*input };
-    let input = &input.after(input.stage_time(scratch.last_step));
-    let mut curved = 0.0;
-    if let Some(limit) = input.limit {
-        let colliders = contact.as_ref().map(|contact| contact.model.colliders).unwrap_or_default();
-        curved = deviation(input.pins, &colliders, particles.positions, input.times()) as Real;
-        if curved > limit {
-            work.integrator.inaccurate += 1;
-            return Err(Obstacle { cause: Cause::Inaccurate, particle: 0 });
-        }
-    }
-    predict(input, particles, scratch, work.integrator)?;
+    let attempt = Attempt::begin(input, particles, scratch, contact.as_ref(), *history, &mut work)?;
+    let input = &attempt.input(input);
     let mut corrected = false;
     if let Some(contact) = &mut contact {
-        corrected = resolve(input, particles, scratch, contact, &mut work).await?;
+        let mut wait = Wait::begin(input, particles, scratch, contact);
+        while let Wait::Search(sought) = wait {
+            let found = detection::search(contact.model, sought.purpose(), contact.columns, input.dispatch);
+            wait = sought.go_on(found, input, particles, scratch, contact, &mut work)?;
+        }
+        corrected = wait.corrected();
+    }
+    attempt.end(input, particles, scratch, contact, corrected, history, work)
+}
+
+/// [`take`], but awaits candidates that are found elsewhere ([`Dispatch::detect`]).
+pub async fn await_take<D: Dispatch, R: ContactRoom>(
+    input: &StepInput<'_, D>,
+    particles: &mut Particles<'_>,
+    scratch: &mut Scratch<'_>,
+    mut contact: Option<StepContact<'_, R>>,
+    history: &mut History,
+    mut work: Work<'_>,
+) -> Result<Option<Real>, Obstacle> {
+    let attempt = Attempt::begin(input, particles, scratch, contact.as_ref(), *history, &mut work)?;
+    let input = &attempt.input(input);
+    let mut corrected = false;
+    if let Some(contact) = &mut contact {
+        let mut wait = Wait::begin(input, particles, scratch, contact);
+        while let Wait::Search(sought) = wait {
+            let found = detection::await_search(contact.model, sought.purpose(), contact.columns, input.dispatch).await;
+            wait = sought.go_on(found, input, particles, scratch, contact, &mut work)?;
+        }
+        corrected = wait.corrected();
+    }
+    attempt.end(input, particles, scratch, contact, corrected, history, work)
+}
+
+/// A step whose motion is predicted.
+struct Attempt {
+    scheme: Scheme,
+    /// Whether the last step was corrected by contact.
+    follows_contact: bool,
+    last_step: Option<Real>,
+    /// How far pins and colliders move from their straight way, m.
+    curved: Real,
+    faults: u32,
+}
+
+impl Attempt {
+    /// Predicts the motion without contact.
+    fn begin<D: Dispatch, R>(
+        input: &StepInput<'_, D>,
+        particles: &Particles<'_>,
+        scratch: &mut Scratch<'_>,
+        contact: Option<&StepContact<'_, R>>,
+        mut from: History,
+        work: &mut Work<'_>,
+    ) -> Result<Self, Obstacle> {
+        let faults = column::faults();
+        let is_too_long = |last| input.step > bdf2::MOST_GROWTH * last;
+        let grows = matches!(from, History::Smooth { step } if is_too_long(step));
+        if input.scheme.method == Method::Bdf2 && (grows || input.pins.jump(input.time)) {
+            from.cut();
+        }
+        let scheme = Scheme { method: method(input.scheme.method, from), ..*input.scheme };
+        scratch.last_step = match from {
+            History::Smooth { step } if !scratch.previous_displacements.is_empty() => Some(step),
+            History::Smooth { .. } | History::Start | History::Cut | History::Corrected => None,
+        };
+        let mut curved = 0.0;
+        if let Some(limit) = input.limit {
+            let colliders = contact.map(|contact| contact.model.colliders).unwrap_or_default();
+            curved = deviation(input.pins, &colliders, particles.positions, input.times()) as Real;
+            if curved > limit {
+                work.integrator.inaccurate += 1;
+                return Err(Obstacle { cause: Cause::Inaccurate, particle: 0 });
+            }
+        }
+        let (follows_contact, last_step) = (from == History::Corrected, scratch.last_step);
+        let attempt = Self { scheme, follows_contact, last_step, curved, faults };
+        predict(&attempt.input(input), particles, scratch, work.integrator)?;
+        Ok(attempt)
+    }
+
+    /// The input of the step, by the method that takes it.
+    fn input<'a, D: Dispatch>(&'a self, input: &StepInput<'a, D>) -> StepInput<'a, D> {
+        let input = StepInput { scheme: &self.scheme, follows_contact: self.follows_contact, ..*input };
+        input.after(input.stage_time(self.last_step))
+    }
+
+    /// Tests the candidate state and makes it the state. Returns the estimated error.
+    fn end<D: Dispatch, R: ContactRoom>(
+        &self,
+        input: &StepInput<'_, D>,
+        particles: &mut Particles<'_>,
+        scratch: &mut Scratch<'_>,
+        mut contact: Option<StepContact<'_, R>>,
+        corrected: bool,
+        history: &mut History,
+        work: Work<'_>,
+    ) -> Result<Option<Real>, Obstacle> {
+        if contact.is_some() {
+            test_stopped(input)?;
+            // The response decides by comparisons, which do not detect NaN.
+            test_finite(scratch)?;
+        }
+        let contact_model = contact.as_ref().map(|contact| contact.model);
+        let mut columns = contact.as_mut().map(|contact| contact.columns.columns());
+        let error = test_error(input, particles, corrected, columns.as_ref(), scratch, work.integrator)?;
         test_stopped(input)?;
-        // The response decides by comparisons, which do not detect NaN.
-        test_finite(scratch)?;
+        if column::faults() != self.faults {
+            return Err(Obstacle { cause: Cause::Fault, particle: 0 });
+        }
+        if let Some(ledger) = work.done {
+            work_done::in_step(input, particles, contact_model.zip(columns.as_ref()), ledger, scratch);
+        }
+        if let Some(columns) = columns.as_mut().filter(|_| input.scheme.method.is_implicit()) {
+            keep_forces(input.step, columns);
+        }
+        commit(particles, scratch, work.integrator);
+        *history = if corrected { History::Corrected } else { History::Smooth { step: input.step } };
+        Ok(error.map(|error| error.max(self.curved)))
     }
-    let contact_model = contact.as_ref().map(|contact| contact.model);
-    let mut columns = contact.as_mut().map(|contact| contact.columns.columns());
-    let error = test_error(input, particles, corrected, columns.as_ref(), scratch, work.integrator)?;
-    test_stopped(input)?;
-    if let Some(ledger) = work.done {
-        work_done::in_step(input, particles, contact_model.zip(columns.as_ref()), ledger, scratch);
-    }
-    if let Some(columns) = columns.as_mut().filter(|_| input.scheme.method.is_implicit()) {
-        keep_forces(input.step, columns);
-    }
-    if column::faults() != faults {
-        return Err(Obstacle { cause: Cause::Fault, particle: 0 });
-    }
-    commit(particles, scratch, work.integrator);
-    *history = if corrected { History::Corrected } else { History::Smooth { step: input.step } };
-    Ok(error.map(|error| error.max(curved)))
 }
 
 /// How far pins and colliders move, between two times, from the straight and even way that a step takes them, m.
@@ -222,72 +299,96 @@ fn test_finite(scratch: &Scratch<'_>) -> Result<(), Obstacle> {
     }
 }
 
-/// The phases between prediction and commit. Searches again with wider boxes if the response leaves them. Returns
-/// whether any vertex was corrected.
-async fn resolve<D: Dispatch, R: ContactRoom>(
-    input: &StepInput<'_, D>,
-    particles: &Particles<'_>,
-    scratch: &mut Scratch<'_>,
-    contact: &mut StepContact<'_, R>,
-    work: &mut Work<'_>,
-) -> Result<bool, Obstacle> {
-    let StepContact { model, columns, hold } = contact;
-    let (dispatch, times) = (input.dispatch, [input.time, input.step.into()]);
-    let settings = Settings { step: input.step, hold: *hold };
-    dispatch.enter(Stage::BroadPhase);
-    place(model, times, particles.positions, scratch.next_positions, &mut columns.columns());
-    take_prediction(particles, scratch, &mut columns.columns());
-    if input.scheme.method.is_implicit() {
-        let coupled = couple(input, particles, scratch, model, *columns, work.integrator).await;
-        coupled.map_err(|cause| farthest(cause, particles, scratch))?;
-        test_stopped(input)?;
-    }
-    for widened in 0..=if *hold { LAST_WIDENINGS } else { MOST_WIDENINGS } {
-        dispatch.enter(Stage::BroadPhase);
-        let found = detection::search(model, Purpose::Response { widened }, *columns, dispatch).await;
-        let counts = found.map_err(|cause| farthest(cause, particles, scratch))?;
-        let count = (counts.vertex_triangle + counts.edge_edge) as u64;
-        work.contact.candidates += count;
-        dispatch.spend(0, count as u32);
-        *work.searched += count;
-        if *work.searched > MOST_SEARCHED * detection::most_pairs(model) as u64 {
-            break;
-        }
-        test_stopped(input)?;
-        dispatch.enter(Stage::Response);
-        let responded = with_room(*columns, |contact| {
-            exchange::write_impulses(model, contact, input.stage_length(scratch.last_step));
-            response::respond(model, contact, settings, work.contact, dispatch)
-        });
-        let outcome = responded.map_err(|cause| farthest(cause, particles, scratch))?;
-        let contact = &mut columns.columns();
-        match outcome {
-            Outcome::Free => return Ok(settle(input.step, particles, contact, scratch)),
-            Outcome::Touches => {
-                let corrected = settle(input.step, particles, contact, scratch);
-                return match audit::new_crossing(&model.surface, contact.start, contact.end, &mut contact.room) {
-                    Some(crossing) => Err(Obstacle::at_crossing(model, crossing)),
-                    None => Ok(corrected),
-                };
-            }
-            Outcome::Collides(vertices) => return Err(Obstacle::between(model, vertices)),
-            Outcome::Stopped => return Err(Obstacle::STOPPED),
-            Outcome::LeavesBoxes => {}
-        }
-    }
-    Err(farthest(Cause::TooMuch, particles, scratch))
+/// What the phases between prediction and commit wait for.
+enum Wait {
+    Search(Sought),
+    /// Nothing: they are done.
+    Done {
+        corrected: bool,
+    },
 }
 
-/// Solves an implicit step together with its contacts, and with the impacts of the motion found.
-async fn couple<D: Dispatch>(
+/// The phase that needs the pairs of a search.
+enum Sought {
+    /// An implicit step is solved together with its contacts.
+    Solve,
+    /// It is solved again with the impacts of its motion.
+    Impacts {
+        /// Number of constraints of the first solve.
+        constraints: usize,
+        /// Number of contacts of the first solve.
+        known: usize,
+        has_begun: bool,
+    },
+    /// Contacts correct the motion. Searches again with wider boxes if the response leaves them.
+    Response { widened: u32 },
+}
+
+impl Wait {
+    fn begin<D: Dispatch, R: ContactRoom>(
+        input: &StepInput<'_, D>,
+        particles: &Particles<'_>,
+        scratch: &Scratch<'_>,
+        contact: &mut StepContact<'_, R>,
+    ) -> Self {
+        input.dispatch.enter(Stage::BroadPhase);
+        let (times, columns) = ([input.time, input.step.into()], &mut contact.columns.columns());
+        place(contact.model, times, particles.positions, scratch.next_positions, columns);
+        take_prediction(particles, scratch, columns);
+        let is_implicit = input.scheme.method.is_implicit();
+        Self::Search(if is_implicit { Sought::Solve } else { Sought::Response { widened: 0 } })
+    }
+
+    /// Whether any vertex was corrected.
+    fn corrected(self) -> bool {
+        matches!(self, Self::Done { corrected: true })
+    }
+}
+
+impl Sought {
+    fn purpose(&self) -> Purpose {
+        match *self {
+            Self::Solve => Purpose::Solve,
+            Self::Impacts { .. } => Purpose::Response { widened: 0 },
+            Self::Response { widened } => Purpose::Response { widened },
+        }
+    }
+
+    /// Takes the phase, once its pairs are found.
+    fn go_on<D: Dispatch, R: ContactRoom>(
+        self,
+        found: Result<Counts, Cause>,
+        input: &StepInput<'_, D>,
+        particles: &Particles<'_>,
+        scratch: &mut Scratch<'_>,
+        contact: &mut StepContact<'_, R>,
+        work: &mut Work<'_>,
+    ) -> Result<Wait, Obstacle> {
+        let counts = found.map_err(|cause| farthest(cause, particles, scratch))?;
+        let StepContact { model, columns, .. } = contact;
+        let solved = match self {
+            Self::Solve => solve(input, particles, scratch, model, *columns, work.integrator),
+            Self::Impacts { constraints, known, has_begun } => {
+                let before = (constraints, known, has_begun);
+                solve_impacts(input, particles, scratch, model, *columns, before, work.integrator)
+            }
+            Self::Response { widened } => return respond(widened, counts, input, particles, scratch, contact, work),
+        };
+        let next = solved.map_err(|cause| farthest(cause, particles, scratch))?;
+        test_stopped(input)?;
+        Ok(Wait::Search(next))
+    }
+}
+
+/// Solves an implicit step together with its contacts.
+fn solve<D: Dispatch>(
     input: &StepInput<'_, D>,
     particles: &Particles<'_>,
     scratch: &mut Scratch<'_>,
     model: &ContactModel<'_>,
     columns: &mut impl ContactRoom,
     statistics: &mut IntegratorStatistics,
-) -> Result<(), Cause> {
-    detection::search(model, Purpose::Solve, columns, input.dispatch).await?;
+) -> Result<Sought, Cause> {
     input.dispatch.enter(Stage::Response);
     // Backward Euler predicts without gravity, which closes a gap by half of this in a step.
     let gravity = input.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.acceleration);
@@ -300,11 +401,20 @@ async fn couple<D: Dispatch>(
     let known = contact.lengths.contacts;
     let contacts = (contact.contacts.part_mut(..known), &mut *contact.lines);
     let has_begun = implicit_contact::correct(input, particles, contacts, scratch, statistics);
-    if input.dispatch.stopped() {
-        return Err(Cause::Stopped);
-    }
     take_prediction(particles, scratch, contact);
-    detection::search(model, Purpose::Response { widened: 0 }, columns, input.dispatch).await?;
+    Ok(Sought::Impacts { constraints, known, has_begun })
+}
+
+/// Solves it again if its motion has impacts.
+fn solve_impacts<D: Dispatch>(
+    input: &StepInput<'_, D>,
+    particles: &Particles<'_>,
+    scratch: &mut Scratch<'_>,
+    model: &ContactModel<'_>,
+    columns: &mut impl ContactRoom,
+    (constraints, known, has_begun): (usize, usize, bool),
+    statistics: &mut IntegratorStatistics,
+) -> Result<Sought, Cause> {
     with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
     let contact = &mut columns.columns();
     exchange::add_contacts(model, contact, constraints..contact.lengths.constraints, input.step);
@@ -315,7 +425,52 @@ async fn couple<D: Dispatch>(
         implicit_contact::finish(input, particles, scratch);
     }
     take_prediction(particles, scratch, contact);
-    Ok(())
+    Ok(Sought::Response { widened: 0 })
+}
+
+/// Corrects the motion of the step.
+fn respond<D: Dispatch, R: ContactRoom>(
+    widened: u32,
+    counts: Counts,
+    input: &StepInput<'_, D>,
+    particles: &Particles<'_>,
+    scratch: &mut Scratch<'_>,
+    contact: &mut StepContact<'_, R>,
+    work: &mut Work<'_>,
+) -> Result<Wait, Obstacle> {
+    let StepContact { model, columns, hold } = contact;
+    let (dispatch, settings) = (input.dispatch, Settings { step: input.step, hold: *hold });
+    let count = (counts.vertex_triangle + counts.edge_edge) as u64;
+    work.contact.candidates += count;
+    dispatch.spend(0, count as u32);
+    *work.searched += count;
+    if *work.searched > MOST_SEARCHED * detection::most_pairs(model) as u64 {
+        return Err(farthest(Cause::TooMuch, particles, scratch));
+    }
+    test_stopped(input)?;
+    dispatch.enter(Stage::Response);
+    let responded = with_room(*columns, |contact| {
+        exchange::write_impulses(model, contact, input.stage_length(scratch.last_step));
+        response::respond(model, contact, settings, work.contact, dispatch)
+    });
+    let outcome = responded.map_err(|cause| farthest(cause, particles, scratch))?;
+    let columns = &mut columns.columns();
+    match outcome {
+        Outcome::Free => Ok(Wait::Done { corrected: settle(input.step, particles, columns, scratch) }),
+        Outcome::Touches => {
+            let corrected = settle(input.step, particles, columns, scratch);
+            match audit::new_crossing(&model.surface, columns.start, columns.end, &mut columns.room) {
+                Some(crossing) => Err(Obstacle::at_crossing(model, crossing)),
+                None => Ok(Wait::Done { corrected }),
+            }
+        }
+        Outcome::Collides(vertices) => Err(Obstacle::between(model, vertices)),
+        Outcome::Stopped => Err(Obstacle::STOPPED),
+        Outcome::LeavesBoxes if widened < if *hold { LAST_WIDENINGS } else { MOST_WIDENINGS } => {
+            Ok(Wait::Search(Sought::Response { widened: widened + 1 }))
+        }
+        Outcome::LeavesBoxes => Err(farthest(Cause::TooMuch, particles, scratch)),
+    }
 }
 
 /// Copies the candidate state to the columns of contact. Displacements begin at the rounded positions, as gaps do.

@@ -11,7 +11,7 @@ use harness::net::{converged, linearised};
 use harness::rng::Rng;
 use harness::steps::Steps;
 use muslin_core_f64::contact::NoContact;
-use muslin_core_f64::dispatch::{Serial, block_on};
+use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::pins::{JumpSide, Key};
 use muslin_core_f64::integrate::{IntegratorStatistics, Jacobian, Method, Scheme, StepInput};
 use muslin_core_f64::response::ContactStatistics;
@@ -71,8 +71,7 @@ fn run_unequal(built: &BuiltScene, scheme: Scheme, duration: f64, steps: u32) ->
         let none = None::<StepContact<'_, NoContact>>;
         let scratch = &mut columns.view();
         let taken = step::take(&input, &mut particles, scratch, none, &mut history, work);
-        block_on(taken)
-            .unwrap_or_else(|obstacle| panic!("{} at {done} of {steps}: {obstacle:?}", scheme.method.name()));
+        taken.unwrap_or_else(|obstacle| panic!("{} at {done} of {steps}: {obstacle:?}", scheme.method.name()));
         done += length;
     }
     [state.positions, state.velocities].concat()

@@ -11,7 +11,7 @@ harness::both_precisions! {
     use muslin::broad_phase::{self, Candidates, Counts, GridColumns};
     use muslin::contact::{ContactModel, ContactRoom, ContactScratch, ContactScratchColumns, Searched};
     use muslin::detection::{self, Purpose};
-    use muslin::dispatch::{Here, Serial, block_on};
+    use muslin::dispatch::Serial;
     use muslin::geometry::aabb::Aabb;
     use muslin::narrow_phase::continuous::{self, LinearMotion};
     use muslin::narrow_phase::time_of_impact::{StoredTime, TimeOfImpact};
@@ -155,7 +155,7 @@ harness::both_precisions! {
             // Around the motion, as if it was predicted before the solve; then anew, as if the solve had changed it.
             for searches in 0..2 {
                 let purpose = Purpose::Response { widened: 0 };
-                block_on(detection::search(&model, purpose, &mut contact, &Here(&Serial))).expect("candidates");
+                detection::search(&model, purpose, &mut contact, &Serial).expect("candidates");
                 match *contact.view().searched {
                     Searched::Swept => seen.swept += 1,
                     Searched::Comoving => seen.comoving += 1,
@@ -281,12 +281,12 @@ harness::both_precisions! {
                 follows_contact: false,
                 limit: None,
                 has_contact: true,
-                dispatch: &Here(&Serial),
+                dispatch: &Serial,
             };
             let contact = Some(StepContact { model: &model, columns: &mut checked, hold: false });
             let (mut integrator, mut statistics) = (IntegratorStatistics::default(), ContactStatistics::default());
             let work = Work { integrator: &mut integrator, contact: &mut statistics, searched: &mut 0, done: None };
-            let taken = block_on(step::take(&input, &mut particles, &mut scratch.view(), contact, &mut history, work));
+            let taken = step::take(&input, &mut particles, &mut scratch.view(), contact, &mut history, work);
             taken.unwrap_or_else(|obstacle| panic!("{name}, step {n}: {obstacle:?}"));
         }
         let Checked { searches: [searches, lasted], seen, .. } = checked;

@@ -38,7 +38,7 @@ both_precisions! {
     use muslin::broad_phase::Counts;
     use muslin::contact::{ContactRoom, ContactScratch, ContactScratchColumns};
     use muslin::diagnostics::StateHash;
-    use muslin::dispatch::{Serial, block_on};
+    use muslin::dispatch::Serial;
     use muslin::integrate::{IntegratorStatistics, Method, Scheme, StepInput};
     use muslin::real::{Real, Vec3, vec3};
     use muslin::refusal::{Cause, Obstacle};
@@ -186,7 +186,7 @@ both_precisions! {
             };
             let contact = Some(StepContact { model: &model, columns: &mut columns, hold: false });
             let work = Work { integrator: &mut statistics, contact: &mut contact_statistics, searched: &mut 0, done: None };
-            block_on(step::take(&input, &mut particles, &mut scratch.view(), contact, &mut history, work))?;
+            step::take(&input, &mut particles, &mut scratch.view(), contact, &mut history, work)?;
             see(&built);
         }
         assert!(contact_statistics.proximity > 1000, "nothing touches: {contact_statistics:?}");

@@ -11,9 +11,9 @@ use crate::broad_phase::Counts;
 use crate::colliders::Colliders;
 use crate::contact::{ContactRoom, ContactScratch};
 use crate::diagnostics;
-use crate::dispatch::{Dispatch, block_on};
+use crate::dispatch::Dispatch;
 use crate::error::LiveError;
-use crate::halving::{self, Divided, Progress, Substep};
+use crate::halving::{Divided, Division, Progress, Substep};
 use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Scheme, StepInput};
 use crate::live::{HostForces, Owner, Parts, PartsMut, Slot};
@@ -111,7 +111,7 @@ impl<'a> Cloth<'a> {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;
         self.parts_mut().change_pins();
-        match block_on(halving::take_substeps(self, dispatch)) {
+        match self.take_substeps(dispatch) {
             Ok(()) => {
                 self.steps += 1;
                 Ok(())
@@ -125,6 +125,57 @@ impl<'a> Cloth<'a> {
                 Err(StepError { step: self.steps + 1, particle, term, cause })
             }
         }
+    }
+
+    fn take_substeps(&mut self, dispatch: &impl Dispatch) -> Result<(), Obstacle> {
+        let mut division = Division::begin(self);
+        while let Some(substep) = division.next(self) {
+            let taken = self.try_substep(substep, dispatch);
+            division.note(self, taken)?;
+        }
+        Ok(())
+    }
+
+    /// Takes a substep. Returns its estimated error, m, if there is a largest one.
+    fn try_substep(&mut self, substep: Substep, dispatch: &impl Dispatch) -> Result<Option<Real>, Obstacle> {
+        let time = self.time() + substep.from * Sum::from(self.step);
+        let Self { stored, scheme, step, history, searched, statistics, contact_statistics, host, work_done, .. } =
+            self;
+        let Stored { particles, model, pins, scratch, held, contact, forces, reactions, .. } = stored;
+        let mut particles = particles.reborrow();
+        let (solids, columns) = match contact {
+            Some(StoredContact { model, columns, .. }) => (Some(&*model), Some(columns)),
+            None => (None, None),
+        };
+        let colliders = solids.map(|solids| solids.colliders()).unwrap_or_default();
+        let mut model = *model;
+        host.add_to(&mut model, forces);
+        let input = StepInput {
+            model,
+            pins: &pins.carried_by(colliders),
+            masses: particles.masses,
+            inverse_masses: particles.inverse_masses,
+            time,
+            step: *step * substep.length as Real,
+            scheme,
+            follows_contact: false,
+            limit: scheme.error.map(|error| if substep.is_last_resort { Real::INFINITY } else { error }),
+            has_contact: solids.is_some(),
+            dispatch,
+        };
+        let mut scratch = scratch.reborrow();
+        scratch.patches.held = held;
+        let done = reactions.as_mut().map(|it| Ledger { done: work_done, reactions: Some(it.reborrow()) });
+        let work = Work { integrator: statistics, contact: contact_statistics, searched, done };
+        let model = solids.map(|solids| solids.view());
+        let mut columns = columns.map(Fixed);
+        let contact = model.as_ref().zip(columns.as_mut());
+        let contact = contact.map(|(model, columns)| StepContact { model, columns, hold: substep.is_last_resort });
+        let taken = step::take(&input, &mut particles, &mut scratch, contact, history, work);
+        if taken.is_ok() {
+            self.substep = input.step.into();
+        }
+        taken
     }
 
     fn hardest_term(&mut self, particle: u32, dispatch: &impl Dispatch) -> Option<crate::stage::Term> {
@@ -282,52 +333,6 @@ impl Divided for Cloth<'_> {
             statistics: &mut self.statistics,
             contact_statistics: &mut self.contact_statistics,
         }
-    }
-
-    async fn try_substep<D: Dispatch>(
-        &mut self,
-        substep: Substep,
-        last_resort: bool,
-        dispatch: &D,
-    ) -> Result<Option<Real>, Obstacle> {
-        let time = self.time() + substep.from * Sum::from(self.step);
-        let Self { stored, scheme, step, history, searched, statistics, contact_statistics, host, work_done, .. } =
-            self;
-        let Stored { particles, model, pins, scratch, held, contact, forces, reactions, .. } = stored;
-        let mut particles = particles.reborrow();
-        let (solids, columns) = match contact {
-            Some(StoredContact { model, columns, .. }) => (Some(&*model), Some(columns)),
-            None => (None, None),
-        };
-        let colliders = solids.map(|solids| solids.colliders()).unwrap_or_default();
-        let mut model = *model;
-        host.add_to(&mut model, forces);
-        let input = StepInput {
-            model,
-            pins: &pins.carried_by(colliders),
-            masses: particles.masses,
-            inverse_masses: particles.inverse_masses,
-            time,
-            step: *step * substep.length as Real,
-            scheme,
-            follows_contact: false,
-            limit: scheme.error.map(|error| if last_resort { Real::INFINITY } else { error }),
-            has_contact: solids.is_some(),
-            dispatch,
-        };
-        let mut scratch = scratch.reborrow();
-        scratch.patches.held = held;
-        let done = reactions.as_mut().map(|it| Ledger { done: work_done, reactions: Some(it.reborrow()) });
-        let work = Work { integrator: statistics, contact: contact_statistics, searched, done };
-        let model = solids.map(|solids| solids.view());
-        let mut columns = columns.map(Fixed);
-        let contact = model.as_ref().zip(columns.as_mut());
-        let contact = contact.map(|(model, columns)| StepContact { model, columns, hold: last_resort });
-        let taken = step::take(&input, &mut particles, &mut scratch, contact, history, work).await;
-        if taken.is_ok() {
-            self.substep = input.step.into();
-        }
-        taken
     }
 
     fn keep(&mut self) {

@@ -14,7 +14,7 @@ use crate::dispatch::{Dispatch, block_on};
 use crate::error::SceneError;
 use crate::forces::load::VertexForce;
 use crate::forces::{Energy, Model};
-use crate::halving::{self, MOST_HALVINGS};
+use crate::halving::{Division, MOST_HALVINGS};
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Method, Scheme};
@@ -185,8 +185,7 @@ impl Simulation {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;
         self.parts_mut().change_pins();
-        let taken = halving::take_substeps(self, dispatch).await;
-        let taken = taken.map_err(|obstacle| self.diverged(obstacle, dispatch));
+        let taken = self.await_substeps(dispatch).await.map_err(|obstacle| self.diverged(obstacle, dispatch));
         match taken {
             Ok(()) => self.steps += 1,
             // The host takes this step again, so its work is not counted.
@@ -197,6 +196,15 @@ impl Simulation {
             self.substep = 0.0;
         }
         taken
+    }
+
+    async fn await_substeps<D: Dispatch>(&mut self, dispatch: &D) -> Result<(), Obstacle> {
+        let mut division = Division::begin(self);
+        while let Some(substep) = division.next(self) {
+            let taken = self.try_substep(substep, dispatch).await;
+            division.note(self, taken)?;
+        }
+        Ok(())
     }
 
     fn diverged(&mut self, Obstacle { cause, particle }: Obstacle, dispatch: &impl Dispatch) -> StepError {

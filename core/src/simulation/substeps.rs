@@ -56,10 +56,45 @@ impl Divided for Simulation {
         }
     }
 
-    async fn try_substep<D: Dispatch>(
+    fn keep(&mut self) {
+        let Self { built, scratch, contact, kept, reactions, .. } = self;
+        let ParticleColumns { positions, velocities, low_positions, low_velocities, .. } = &built.particles;
+        let previous = [&scratch.previous_displacements, &scratch.previous_velocity_changes];
+        let own = [positions, velocities, low_positions, low_velocities, previous[0], previous[1]];
+        for (kept, own) in kept.columns.iter_mut().zip(own) {
+            kept.copy_from_slice(own);
+        }
+        kept.multipliers.clear();
+        kept.multipliers.extend_from_slice(contact.as_ref().map_or(&[], ContactScratchColumns::multipliers));
+        (kept.history, kept.work_done) = (self.history, self.work_done);
+        if let Some(reactions) = reactions {
+            kept.reactions.copy_from(reactions);
+        }
+    }
+
+    #[cfg_attr(small, optimize(size))]
+    fn put_back(&mut self) {
+        let kept = core::mem::take(&mut self.kept);
+        let [positions, velocities, low_positions, low_velocities, previous @ ..] =
+            kept.columns.each_ref().map(|column| &column[..]);
+        let (multipliers, low) = (&kept.multipliers[..], [low_positions, low_velocities]);
+        let state = State { positions, velocities, low, previous, multipliers, anchors: &[], ..self.state() };
+        self.restore(&state, self.statistics, self.contact_statistics);
+        (self.history, self.work_done) = (kept.history, kept.work_done);
+        if let Some(reactions) = &mut self.reactions {
+            reactions.copy_from(&kept.reactions);
+        }
+        self.kept = kept;
+        // Those that began at the start of this step.
+        self.parts_mut().change_pins();
+    }
+}
+
+impl Simulation {
+    /// Takes a substep. Returns its estimated error, m, if there is a largest one.
+    pub(super) async fn try_substep<D: Dispatch>(
         &mut self,
         substep: Substep,
-        last_resort: bool,
         dispatch: &D,
     ) -> Result<Option<Real>, Obstacle> {
         let time = self.time_at(substep.from);
@@ -93,53 +128,20 @@ impl Divided for Simulation {
             step: *step * substep.length as Real,
             scheme,
             follows_contact: false,
-            limit: scheme.error.map(|error| if last_resort { Real::INFINITY } else { error }),
+            limit: scheme.error.map(|error| if substep.is_last_resort { Real::INFINITY } else { error }),
             has_contact: contact.is_some(),
             dispatch,
         };
         let model = built.contact.as_ref().map(|model| model.view());
         let columns = model.as_ref().zip(contact.as_mut());
-        let contact = columns.map(|(model, columns)| StepContact { model, columns, hold: last_resort });
+        let contact = columns.map(|(model, columns)| StepContact { model, columns, hold: substep.is_last_resort });
         let reactions = reactions.as_mut().map(|columns| columns.view(&built.pin_groups));
         let done = measures_work.then_some(Ledger { done: work_done, reactions });
         let work = Work { integrator: statistics, contact: contact_statistics, searched, done };
-        let taken = step::take(&input, &mut particles, &mut scratch.view(), contact, history, work).await;
+        let taken = step::await_take(&input, &mut particles, &mut scratch.view(), contact, history, work).await;
         if taken.is_ok() {
             self.substep = input.step.into();
         }
         taken
-    }
-
-    fn keep(&mut self) {
-        let Self { built, scratch, contact, kept, reactions, .. } = self;
-        let ParticleColumns { positions, velocities, low_positions, low_velocities, .. } = &built.particles;
-        let previous = [&scratch.previous_displacements, &scratch.previous_velocity_changes];
-        let own = [positions, velocities, low_positions, low_velocities, previous[0], previous[1]];
-        for (kept, own) in kept.columns.iter_mut().zip(own) {
-            kept.copy_from_slice(own);
-        }
-        kept.multipliers.clear();
-        kept.multipliers.extend_from_slice(contact.as_ref().map_or(&[], ContactScratchColumns::multipliers));
-        (kept.history, kept.work_done) = (self.history, self.work_done);
-        if let Some(reactions) = reactions {
-            kept.reactions.copy_from(reactions);
-        }
-    }
-
-    #[cfg_attr(small, optimize(size))]
-    fn put_back(&mut self) {
-        let kept = core::mem::take(&mut self.kept);
-        let [positions, velocities, low_positions, low_velocities, previous @ ..] =
-            kept.columns.each_ref().map(|column| &column[..]);
-        let (multipliers, low) = (&kept.multipliers[..], [low_positions, low_velocities]);
-        let state = State { positions, velocities, low, previous, multipliers, anchors: &[], ..self.state() };
-        self.restore(&state, self.statistics, self.contact_statistics);
-        (self.history, self.work_done) = (kept.history, kept.work_done);
-        if let Some(reactions) = &mut self.reactions {
-            reactions.copy_from(&kept.reactions);
-        }
-        self.kept = kept;
-        // Those that began at the start of this step.
-        self.parts_mut().change_pins();
     }
 }

@@ -4,7 +4,7 @@ use super::Simulation;
 use crate::audit;
 use crate::contact::ContactScratch;
 use crate::detection::{self, Purpose};
-use crate::dispatch::{Dispatch, Here, block_on};
+use crate::dispatch::Dispatch;
 use crate::real::{Real, sqrt};
 use crate::response::impact::SEPARATION;
 use crate::response::{self, ContactStatistics, Outcome, Settings};
@@ -60,7 +60,7 @@ impl Simulation {
         let (model, positions) = (&model.view(), &mut built.particles.positions);
         detection::place(model, [time, 0.0], positions, positions, &mut contact.view());
         for widened in 0..MOST_WIDENINGS {
-            let searched = block_on(detection::search(model, Purpose::Response { widened }, contact, &Here(dispatch)));
+            let searched = detection::search(model, Purpose::Response { widened }, contact, dispatch);
             let Ok(counts) = searched else { return false };
             let view = contact.view();
             let pairs = [(&view.vertex_triangle, counts.vertex_triangle), (&view.edge_edge, counts.edge_edge)];
