@@ -1,5 +1,5 @@
 //! The firmware of `core/examples/cortex-m` in QEMU: a Cortex-M7 reaches the states of this machine, bit for bit, without a
-//! heap.
+//! heap. And the proof that no call of the core panics: a program that links only without a panic handler.
 //!
 //! Run: `cargo test -p muslin-tests --test firmware -- --ignored --nocapture`. It needs `qemu-system-arm`.
 
@@ -36,7 +36,7 @@ fn a_microcontroller_reaches_the_same_states() {
     }
     let formatted = cargo(&["fmt", "--check"]);
     assert!(formatted.status.success(), "run cargo fmt in core/examples/cortex-m:\n{}", text(&formatted.stdout));
-    let run = cargo(&["run", "--release", "--quiet", "--locked"]);
+    let run = cargo(&["run", "--release", "--quiet", "--locked", "--bin", "cortex-m"]);
     let told = text(&run.stdout);
     println!("{told}");
     assert!(run.status.success(), "{told}{}", text(&run.stderr));
@@ -47,4 +47,18 @@ fn a_microcontroller_reaches_the_same_states() {
     };
     assert!(number("stack ") < 32 << 10, "{told}");
     assert!(number("memory ") < 256 << 10, "{told}");
+}
+
+#[test]
+#[ignore = "slow: builds the core for another processor"]
+fn no_call_of_the_core_panics() {
+    let built = cargo(&["build", "--release", "--quiet", "--locked", "--bin", "no-panic"]);
+    let told = text(&built.stderr);
+    let mut reached: Vec<_> = told.lines().filter(|line| line.contains("referenced by")).collect();
+    reached.dedup();
+    assert!(
+        built.status.success(),
+        "a panic can be reached: {reached:#?}\nUse the calls of core/src/column.rs there; cargo build --release --bin no-panic in \
+         core/examples/cortex-m repeats this.\n{told}"
+    );
 }
