@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Energy, Model};
 use crate::particles::Positions;
@@ -46,19 +47,19 @@ pub struct Stretch {
 pub fn extent(positions: impl Iterator<Item = [Sum; 3]>) -> [Sum; 3] {
     let (mut low, mut high) = ([Sum::INFINITY; 3], [Sum::NEG_INFINITY; 3]);
     for p in positions {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(p[axis]);
-            high[axis] = high[axis].max(p[axis]);
+        for ((low, high), p) in low.iter_mut().zip(&mut high).zip(p) {
+            *low = low.min(p);
+            *high = high.max(p);
         }
     }
-    [0, 1, 2].map(|axis| high[axis] - low[axis])
+    [0, 1, 2].map(|axis| high.at(axis) - low.at(axis))
 }
 
 /// Stretch of edges. `rest` are their rest lengths, m.
 pub fn stretch(edges: &[[u32; 2]], rest: &[Real], x: &[Vec3]) -> Stretch {
     let mut stretch = Stretch::default();
     for (&[a, b], &rest) in edges.iter().zip(rest) {
-        let d = x[b as usize] - x[a as usize];
+        let d = x.at(b as usize) - x.at(a as usize);
         let ratio = Sum::from(sqrt(d.length_squared()) / rest);
         stretch.max = stretch.max.max(ratio);
         stretch.mean += ratio / edges.len() as Sum;
@@ -92,7 +93,7 @@ pub fn hardest_term(
     for term in Term::ALL {
         let Some(alone) = model.only(term) else { continue };
         forces::evaluate(&alone, masses, x.into(), v, scratch, f, dispatch);
-        let pull = f[particle as usize];
+        let pull = f.at(particle as usize);
         // Compare components and not squares, because squares overflow first.
         let size = if pull.is_finite() { pull.abs().max_element() } else { Real::INFINITY };
         if hardest.is_none_or(|(_, most)| size > most) {

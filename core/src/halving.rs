@@ -95,7 +95,7 @@ impl Division {
             Ok(error) => {
                 let length = Self::WHOLE >> *progress.halvings;
                 self.done += length;
-                progress.accept(error, self.done & (2 * length - 1) == 0);
+                progress.accept(error, self.done.is_multiple_of(2 * length));
             }
             Err(obstacle) if *progress.halvings < MOST_HALVINGS && obstacle.cause.asks_for_shorter_step() => {
                 progress.halve(obstacle.cause);

@@ -39,14 +39,14 @@ impl JumpSide {
 /// The vector at a time, and its rate on the given side of that time, 1/s.
 pub(crate) fn interpolate(keys: &[Key], time: Sum, side: JumpSide) -> (DVec3, DVec3) {
     let after = keys.partition_point(|key| side.has_passed(key.time, time));
-    match (after.checked_sub(1).map(|i| keys[i]), keys.get(after)) {
+    match (after.checked_sub(1).and_then(|before| keys.get(before)), keys.get(after)) {
         (Some(a), Some(b)) => {
             let span = b.time - a.time;
             let slope = (b.value - a.value) / span;
             let part = ((time - a.time) / span).clamp(0.0, 1.0);
             (a.value + (b.value - a.value) * part, slope)
         }
-        (Some(only), None) | (None, Some(&only)) => (only.value, DVec3::ZERO),
+        (Some(only), None) | (None, Some(only)) => (only.value, DVec3::ZERO),
         (None, None) => (DVec3::ZERO, DVec3::ZERO),
     }
 }

@@ -150,7 +150,7 @@ impl Kinematic {
     /// The rotation between two times, rad.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn turned(&self, times: [Sum; 2]) -> DVec3 {
-        let [from, to] = times.map(|time| time.clamp(self.times[0], self.times[1]));
+        let [from, to] = times.map(|time| time.max(self.times[0]).min(self.times[1]));
         self.during.angular * (to - from)
     }
 

@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 
+use crate::column::Column;
 use crate::keys::{self, interpolate};
 pub use crate::keys::{JumpSide, Key};
 use crate::kinematic::{Pose, Twist};
@@ -130,7 +131,7 @@ impl Motion {
     /// The keys of this motion among those of all motions.
     pub(crate) fn own<'a>(&self, keys: &'a [Key]) -> &'a [Key] {
         let [first, count] = self.keys;
-        &keys[first as usize..(first + count) as usize]
+        keys.part(first as usize..(first + count) as usize)
     }
 
     /// Puts the axis of the rotation through the mean of points, m, if there are any.

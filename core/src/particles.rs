@@ -11,6 +11,7 @@
 
 use glam::DVec3;
 
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::real::{Real, SEES_ROUNDING, Vec3, rounding_error, to_f64};
 
@@ -41,28 +42,33 @@ impl Positions<'_> {
     #[inline(always)]
     pub fn between(&self, from: u32, to: u32) -> Vec3 {
         let (from, to) = (from as usize, to as usize);
-        let rounded = self.rounded[to] - self.rounded[from];
-        if SEES_ROUNDING && !self.low.is_empty() { rounded + (self.low[to] - self.low[from]) } else { rounded }
+        let rounded = self.rounded.at(to) - self.rounded.at(from);
+        if SEES_ROUNDING && !self.low.is_empty() { rounded + (self.low.at(to) - self.low.at(from)) } else { rounded }
     }
 
     /// The position of a particle in doubles, m.
     #[inline]
     pub fn place(&self, particle: usize) -> DVec3 {
         let low = self.low.get(particle).map_or(DVec3::ZERO, |&low| to_f64(low).into());
-        DVec3::from(to_f64(self.rounded[particle])) + low
+        DVec3::from(to_f64(self.rounded.at(particle))) + low
     }
 
     /// The positions of some particles relative to the first, m.
     #[inline(always)]
     pub fn relative<const K: usize>(&self, particles: &[u32; K]) -> [Vec3; K] {
-        let x = particles.map(|i| self.rounded[i as usize]);
-        let from_first = |k: usize| if k == 0 { Vec3::ZERO } else { x[k] - x[0] };
+        let rounded = from_first(particles.map(|i| self.rounded.at(i as usize)));
         if !SEES_ROUNDING || self.low.is_empty() {
-            return core::array::from_fn(from_first);
+            return rounded;
         }
-        let low = particles.map(|i| self.low[i as usize]);
-        core::array::from_fn(|k| if k == 0 { Vec3::ZERO } else { from_first(k) + (low[k] - low[0]) })
+        let low = from_first(particles.map(|i| self.low.at(i as usize)));
+        core::array::from_fn(|k| rounded.at(k) + low.at(k))
     }
+}
+
+/// The vectors from the first point to each.
+#[inline(always)]
+fn from_first<const K: usize>(points: [Vec3; K]) -> [Vec3; K] {
+    core::array::from_fn(|k| if k == 0 { Vec3::ZERO } else { points.at(k) - points.at(0) })
 }
 
 /// [`Positions`] that a step writes.
@@ -91,9 +97,9 @@ impl PositionsMut<'_> {
     ) {
         dispatch.run((&mut *self.rounded, &mut *self.low), |start, (rounded, low)| {
             for (i, (rounded, low)) in (start..).zip(rounded.iter_mut().zip(low)) {
-                let moved = offsets[i] + moves[i] * part;
-                *rounded = positions[i] + moved;
-                *low = rounding_error(positions[i], moved, *rounded);
+                let (position, moved) = (positions.at(i), offsets.at(i) + moves.at(i) * part);
+                *rounded = position + moved;
+                *low = rounding_error(position, moved, *rounded);
             }
         });
     }

@@ -8,6 +8,7 @@ use core::ops::Range;
 
 use glam::DVec3;
 
+use crate::column::Column;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::integrate::StepInput;
 use crate::real::{Real, Sum, Vec3, to_f64};
@@ -65,20 +66,20 @@ impl Reactions<'_> {
     pub fn add_pins<D>(&mut self, c: &StepInput<'_, D>, s: &Scratch<'_>) {
         let step = Sum::from(c.step);
         let impulse = |vertex: usize, axes: &mut dyn Iterator<Item = usize>| {
-            let [change, force] = [&s.velocity_changes[vertex], &s.forces[vertex]].map(|&v| DVec3::from(to_f64(v)));
-            let all = change * Sum::from(c.masses[vertex]) - force * step;
-            let mut own = DVec3::ZERO;
-            axes.for_each(|axis| own[axis] = all[axis]);
-            own
+            let [change, force] = [&*s.velocity_changes, &*s.forces].map(|of| DVec3::from(to_f64(of.at(vertex))));
+            let all = (change * Sum::from(c.masses.at(vertex)) - force * step).to_array();
+            let mut own = [0.0; 3];
+            axes.for_each(|axis| own.set(axis, all.at(axis)));
+            own.into()
         };
         for (group, sum) in self.groups.iter().zip(&mut *self.pins) {
             for (_, vertex, mut axes) in c.pins.iter().take(group.pins.end).skip(group.pins.start) {
-                sum.add(s.stage_positions.rounded[vertex], impulse(vertex, &mut axes));
+                sum.add(s.stage_positions.rounded.at(vertex), impulse(vertex, &mut axes));
             }
         }
         for (pin, vertex, mut axes) in c.pins.iter() {
             if let Some(carrier) = c.pins.carrier(pin) {
-                self.colliders[carrier].add(s.stage_positions.rounded[vertex], impulse(vertex, &mut axes));
+                self.add_collider(carrier, s.stage_positions.rounded.at(vertex), impulse(vertex, &mut axes));
             }
         }
     }
@@ -90,19 +91,26 @@ impl Reactions<'_> {
             sum.add(at, impulse);
         }
         if let Some(carrier) = carrier {
-            self.colliders[carrier].add(at, impulse);
+            self.add_collider(carrier, at, impulse);
         }
     }
 
     /// Adds the impulses of colliders. `step` is the length of the step, s.
     pub fn add_colliders(&mut self, model: &ContactModel<'_>, contact: &ContactScratch<'_>, step: Real) {
         let cloth = model.cloth();
-        for constraint in &contact.constraints[..contact.lengths.constraints] {
+        for constraint in contact.constraints.part(..contact.lengths.constraints) {
             let Some(vertex) = constraint.contact.vertices.iter().find(|&&v| v as usize >= cloth) else { continue };
             let body = model.colliders.body_of(*vertex as usize - cloth);
             for (v, impulse) in impulses(constraint, step).filter(|(v, _)| *v < cloth) {
-                self.colliders[body].add(contact.end[v], impulse);
+                self.add_collider(body, contact.end.at(v), impulse);
             }
+        }
+    }
+
+    /// Adds an impulse of one collider at a position, m.
+    fn add_collider(&mut self, collider: usize, at: Vec3, impulse: DVec3) {
+        if let Some(sum) = self.colliders.element_mut(collider) {
+            sum.add(at, impulse);
         }
     }
 }
@@ -113,7 +121,8 @@ pub fn impulses(constraint: &Constraint, step: Real) -> impl Iterator<Item = (us
     // Impulse times the step, kg m.
     let impulse = contact.normal * constraint.normal_impulse + constraint.friction_impulse;
     let impulse = DVec3::from(to_f64(impulse)) / Sum::from(step);
-    (0..4).map(move |k| (contact.vertices[k] as usize, impulse * Sum::from(contact.weights[k])))
+    let corners = contact.vertices.into_iter().zip(contact.weights);
+    corners.map(move |(vertex, weight)| (vertex as usize, impulse * Sum::from(weight)))
 }
 
 /// The owned columns of [`Reactions`].

@@ -1,5 +1,6 @@
 //! Why a step fails, and where.
 
+use crate::column::Column;
 use crate::contact::ContactModel;
 use crate::stage::Term;
 
@@ -73,7 +74,7 @@ impl Obstacle {
     pub(crate) fn between(model: &ContactModel<'_>, vertices: [u32; 4]) -> Self {
         let cloth = model.cloth();
         let mut particles = vertices.into_iter().filter(|&v| (v as usize) < cloth);
-        let pinned = particles.clone().find(|&v| model.inverse_masses[v as usize].min_element() == 0.0);
+        let pinned = particles.clone().find(|&v| model.inverse_masses.at(v as usize).min_element() == 0.0);
         let bodies = model.colliders.bodies;
         let body = |v: usize| bodies.iter().position(|body| body.range().contains(&v)).map(|body| body as u32);
         let collider = vertices.into_iter().find_map(|v| body((v as usize).checked_sub(cloth)?));
@@ -83,7 +84,8 @@ impl Obstacle {
 
     /// An edge and a triangle cross.
     pub(crate) fn at_crossing(model: &ContactModel<'_>, [edge, triangle]: [u32; 2]) -> Self {
-        let ([a, b], [c, d, _]) = (model.surface.edges[edge as usize], model.surface.triangles[triangle as usize]);
+        let [a, b] = model.surface.edges.at(edge as usize);
+        let [c, d, _] = model.surface.triangles.at(triangle as usize);
         Self::between(model, [a, b, c, d])
     }
 }

@@ -11,6 +11,7 @@
 
 use glam::DVec3;
 
+use crate::column::Column;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Model, Term};
@@ -106,7 +107,7 @@ pub fn in_step<D: Dispatch>(
     }
     let wind = c.model.only(Term::Wind);
     let everything = reactions.is_some() || c.scheme.method == Method::ImplicitMidpoint && c.model.dissipates();
-    let separated = contact.map(|(_, contact)| &contact.corrections[..from.positions.len()]);
+    let separated = contact.map(|(_, contact)| contact.corrections.part(..from.positions.len()));
     let separated = separated.filter(|corrections| corrections.iter().any(|&moved| moved != Vec3::ZERO));
     let needs_forces = pins_move(c) || separated.is_some() || everything;
     if needs_forces || wind.is_some() {
@@ -175,16 +176,16 @@ fn by_kick(
     done: &mut WorkDone,
     reactions: Option<&mut Reactions<'_>>,
 ) {
-    let (mass, v) = (Sum::from(particles.masses[vertex]), particles.velocities[vertex]);
-    let (mut impulse, mut work) = (DVec3::ZERO, 0.0);
+    let (mass, v) = (Sum::from(particles.masses.at(vertex)), particles.velocities.at(vertex));
+    let (mut impulse, mut work) = ([0.0; 3], 0.0);
     for axis in axes {
-        let [before, after] = [v, velocity].map(|v| Sum::from(v[axis]));
-        impulse[axis] = mass * (after - before);
+        let [before, after] = [v, velocity].map(|v| to_f64(v).at(axis));
+        impulse.set(axis, mass * (after - before));
         work += 0.5 * mass * (after * after - before * before);
     }
     (done.pins, done.exchanged) = (done.pins + work, done.exchanged + work.abs());
     if let Some(reactions) = reactions {
-        reactions.add_pin(pin, pins.carrier(pin), particles.positions[vertex], impulse);
+        reactions.add_pin(pin, pins.carrier(pin), particles.positions.at(vertex), impulse.into());
     }
 }
 
@@ -197,8 +198,8 @@ fn write_middle<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut
     let dx = &*s.displacements;
     s.stage_positions.write(from.positions, from.low_positions, (dx, 0.5), c.dispatch);
     c.dispatch.run(&mut *s.stage_velocities, |start, part| {
-        for (i, v) in (start..).zip(part) {
-            *v = dx[i] / c.step;
+        for (v, &dx) in part.iter_mut().zip(dx.part(start..)) {
+            *v = dx / c.step;
         }
     });
 }
@@ -225,9 +226,9 @@ fn by_change<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Sc
 /// A pin holds against the forces, and changes the velocity of its vertex.
 fn by_pins<D>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &Scratch<'_>) -> Sum {
     let of_axis = |vertex: usize, axis: usize| {
-        let scalar = |column: &[Vec3]| Sum::from(column[vertex][axis]);
+        let scalar = |column: &[Vec3]| to_f64(column.at(vertex)).at(axis);
         let [before, after] = [scalar(from.velocities), scalar(s.next_velocities)];
-        let inertia = 0.5 * Sum::from(c.masses[vertex]) * (after * after - before * before);
+        let inertia = 0.5 * Sum::from(c.masses.at(vertex)) * (after * after - before * before);
         inertia - scalar(s.forces) * scalar(s.displacements)
     };
     c.pins.iter().map(|(_, vertex, axes)| axes.map(|axis| of_axis(vertex, axis)).sum::<Sum>()).sum()
@@ -236,10 +237,10 @@ fn by_pins<D>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &Scratch<'_>) -> Su
 /// Adds the forces of contacts times the displacements of the axes that pins and colliders prescribe, with the opposite
 /// sign.
 fn add_contacts<D>(c: &StepInput<'_, D>, model: &ContactModel<'_>, contact: &ContactScratch<'_>, done: &mut WorkDone) {
-    for constraint in &contact.constraints[..contact.lengths.constraints] {
+    for constraint in contact.constraints.part(..contact.lengths.constraints) {
         for (vertex, impulse) in impulses(constraint, c.step) {
-            let is_prescribed = model.inverse_masses[vertex].cmpeq(Vec3::ZERO);
-            let moved = Vec3::select(is_prescribed, contact.displacements[vertex], Vec3::ZERO);
+            let is_prescribed = model.inverse_masses.at(vertex).cmpeq(Vec3::ZERO);
+            let moved = Vec3::select(is_prescribed, contact.displacements.at(vertex), Vec3::ZERO);
             let work = -impulse.dot(to_f64(moved).into()) / Sum::from(c.step);
             *if vertex < model.cloth() { &mut done.pins } else { &mut done.colliders } += work;
         }
@@ -257,12 +258,12 @@ fn by_contacts<D>(
     s: &Scratch<'_>,
 ) -> Sum {
     let velocity = |vertex: usize| {
-        let prescribed = contact.displacements[vertex] / c.step;
+        let prescribed = contact.displacements.at(vertex) / c.step;
         let Some(&before) = from.velocities.get(vertex) else { return prescribed };
-        let is_prescribed = model.inverse_masses[vertex].cmpeq(Vec3::ZERO);
-        Vec3::select(is_prescribed, prescribed, (before + s.next_velocities[vertex]) * 0.5)
+        let is_prescribed = model.inverse_masses.at(vertex).cmpeq(Vec3::ZERO);
+        Vec3::select(is_prescribed, prescribed, (before + s.next_velocities.at(vertex)) * 0.5)
     };
-    let constraints = &contact.constraints[..contact.lengths.constraints];
+    let constraints = contact.constraints.part(..contact.lengths.constraints);
     let of_vertex = |(vertex, impulse): (usize, DVec3)| impulse.dot(to_f64(velocity(vertex)).into());
     let each = constraints
         .iter()

@@ -6,6 +6,7 @@
 use super::newton::{self, ImplicitStage};
 use super::per_cloth;
 use super::{IntegratorStatistics, StepInput};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
 use crate::real::Vec3;
@@ -24,7 +25,7 @@ pub fn advance<D: Dispatch>(
         offsets: from.low_positions,
         velocities: from.velocities,
     };
-    s.next_velocities.copy_from_slice(from.velocities);
+    s.next_velocities.copy_from(from.velocities);
     // Newton's method finds the circle.
     if c.scheme.newton <= 1 {
         turn(c, from, s);
@@ -33,8 +34,8 @@ pub fn advance<D: Dispatch>(
     newton::solve(c, &stage, s, statistics);
     let (h, v1) = (c.step, &*s.next_velocities);
     c.dispatch.run(&mut *s.displacements, |start, dx| {
-        for (i, dx) in (start..).zip(dx) {
-            *dx = v1[i] * h;
+        for (dx, &v) in dx.iter_mut().zip(v1.part(start..)) {
+            *dx = v * h;
         }
     });
 }
@@ -44,12 +45,10 @@ pub fn advance<D: Dispatch>(
 #[cfg_attr(small, optimize(size), inline(never))]
 fn turn<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) {
     per_cloth::start(s.cloths, c.masses, from.positions, c.pins);
-    for index in 0..s.cloths.len() {
+    for (index, cloth) in s.cloths.iter().enumerate().filter(|(_, cloth)| cloth.is_free()) {
         let own = per_cloth::range(s.cloths, index);
-        if s.cloths[index].is_free() {
-            let [x, v] = [&*from.positions, &*from.velocities].map(|column| &column[own.clone()]);
-            let rotation = s.cloths[index].body.rotation(&c.masses[own.clone()], x, v);
-            rotation.turn(c.step.into(), &mut s.next_velocities[own]);
-        }
+        let [x, v] = [&*from.positions, &*from.velocities].map(|column| column.part(own.clone()));
+        let rotation = cloth.body.rotation(c.masses.part(own.clone()), x, v);
+        rotation.turn(c.step.into(), s.next_velocities.part_mut(own));
     }
 }

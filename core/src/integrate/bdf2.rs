@@ -5,6 +5,7 @@
 
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput, implicit_midpoint};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
 use crate::real::Real;
@@ -47,20 +48,20 @@ pub fn advance<D: Dispatch>(
     let (dxp, dvp) = (&*s.previous_displacements, &*s.previous_velocity_changes);
     c.dispatch.run((&mut *s.base_offsets, &mut *s.base_velocities), |start, (offset, vh)| {
         for (i, (offset, vh)) in (start..).zip(offset.iter_mut().zip(vh)) {
-            *offset = low[i] + dxp[i] * part;
-            *vh = v[i] + dvp[i] * part;
+            *offset = low.at(i) + dxp.at(i) * part;
+            *vh = v.at(i) + dvp.at(i) * part;
         }
     });
     let (offsets, velocities) = (core::mem::take(&mut s.base_offsets), core::mem::take(&mut s.base_velocities));
     let stage = ImplicitStage { length: g, positions: from.positions, offsets, velocities };
-    s.next_velocities.copy_from_slice(velocities);
-    c.pins.prescribe(c.time_after(1.0), from, |i| dxp[i] * part, g, s.next_velocities);
+    s.next_velocities.copy_from(velocities);
+    c.pins.prescribe(c.time_after(1.0), from, |i| dxp.at(i) * part, g, s.next_velocities);
     newton::solve(c, &stage, s, statistics);
     let (dxp, dvp, v1) = (&*s.previous_displacements, &*s.previous_velocity_changes, &*s.next_velocities);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
-            *dx = dxp[i] * part + v1[i] * g;
-            *dv += dvp[i] * part;
+            *dx = dxp.at(i) * part + v1.at(i) * g;
+            *dv += dvp.at(i) * part;
         }
     });
     (s.base_offsets, s.base_velocities) = (offsets, velocities);

@@ -4,6 +4,7 @@
 
 use super::newton::{self, ImplicitStage};
 use super::{IntegratorStatistics, StepInput};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
 use crate::real::Vec3;
@@ -22,14 +23,14 @@ pub fn advance<D: Dispatch>(
         offsets: from.low_positions,
         velocities: from.velocities,
     };
-    s.next_velocities.copy_from_slice(from.velocities);
+    s.next_velocities.copy_from(from.velocities);
     // The mean velocity that moves a pin to its prescribed position at the end of the step.
     c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.next_velocities);
     newton::solve(c, &stage, s, statistics);
     let (h, vm) = (c.step, &*s.next_velocities);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
-        for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
-            *dx = vm[i] * h;
+        for ((dx, dv), &vm) in dx.iter_mut().zip(dv).zip(vm.part(start..)) {
+            *dx = vm * h;
             *dv *= 2.0;
         }
     });

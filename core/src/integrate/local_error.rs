@@ -12,6 +12,7 @@ use super::newton;
 use super::per_cloth::largest_root_mean_square;
 use super::stopping::Goal;
 use super::{IntegratorStatistics, Method, StepInput, bdf2};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
 use crate::real::{Real, Vec3};
@@ -54,9 +55,9 @@ fn truncation<D: Dispatch>(c: &StepInput<'_, D>, corrected: bool, s: &mut Scratc
     let (dv, dvp) = (&*s.velocity_changes, &*s.previous_velocity_changes);
     c.dispatch.run(&mut *s.products, |start, part| {
         for (i, error) in (start..).zip(part) {
-            *error = dv[i] * now;
+            *error = dv.at(i) * now;
             if before != 0.0 {
-                *error += dvp[i] * before;
+                *error += dvp.at(i) * before;
             }
         }
     });
@@ -101,16 +102,16 @@ fn write_residual<D: Dispatch>(
     s.stage_positions.write(particles.positions, particles.low_positions, (dx, part), c.dispatch);
     c.dispatch.run(&mut *s.products, |start, part| {
         for (i, v) in (start..).zip(part) {
-            *v = if is_middle { dx[i] / c.step } else { v1[i] };
+            *v = if is_middle { dx.at(i) / c.step } else { v1.at(i) };
         }
     });
     c.after(part.into()).forces(s.stage_positions.view(), s.products, s.elements, s.forces, statistics);
     let last = s.last_step.filter(|_| extrapolates);
     let (length, v, dvp) = (c.stage_length(last), &*s.products, &*s.previous_velocity_changes);
     match last.map(|last| bdf2::extrapolation(c.step, last)) {
-        Some(part) => newton::residual(c, length, |i| dv[i] - dvp[i] * part, s.forces, s.residual),
-        None if is_middle => newton::residual(c, 0.5 * c.step, |i| v[i] - v0[i], s.forces, s.residual),
-        None => newton::residual(c, length, |i| dv[i], s.forces, s.residual),
+        Some(part) => newton::residual(c, length, |i| dv.at(i) - dvp.at(i) * part, s.forces, s.residual),
+        None if is_middle => newton::residual(c, 0.5 * c.step, |i| v.at(i) - v0.at(i), s.forces, s.residual),
+        None => newton::residual(c, length, |i| dv.at(i), s.forces, s.residual),
     }
     if is_middle { c.step } else { length }
 }

@@ -4,6 +4,7 @@
 
 use super::pins::JumpSide;
 use super::{IntegratorStatistics, StepInput};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
 use crate::scratch::Scratch;
@@ -22,8 +23,8 @@ pub fn advance<D: Dispatch>(
     let f = &*s.forces;
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (xm, vm)| {
         for (i, (xm, vm)) in (start..).zip(xm.iter_mut().zip(vm)) {
-            *xm = x[i] + v[i] * half;
-            *vm = v[i] + f[i] * (half * w[i]);
+            *xm = x.at(i) + v.at(i) * half;
+            *vm = v.at(i) + f.at(i) * (half * w.at(i));
         }
     });
     c.pins.impose(c.time_after(0.5), JumpSide::Before, s.next_positions, s.next_velocities);
@@ -31,8 +32,8 @@ pub fn advance<D: Dispatch>(
     let (vm, f) = (&*s.next_velocities, &*s.forces);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
-            *dx = vm[i] * h;
-            *dv = f[i] * (h * w[i]);
+            *dx = vm.at(i) * h;
+            *dv = f.at(i) * (h * w.at(i));
         }
     });
 }

@@ -28,6 +28,7 @@ pub mod symplectic_euler;
 
 pub use crate::forces::Jacobian;
 
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::forces::{self, Model};
 use crate::keys::Moment;
@@ -318,8 +319,8 @@ pub(crate) fn write_next<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>
     let (dx, dv) = (&*s.displacements, &*s.velocity_changes);
     c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
         for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {
-            *x1 = x[i] + (low_x[i] + dx[i]);
-            *v1 = v[i] + (low_v[i] + dv[i]);
+            *x1 = x.at(i) + (low_x.at(i) + dx.at(i));
+            *v1 = v.at(i) + (low_v.at(i) + dv.at(i));
         }
     });
 }

@@ -23,6 +23,7 @@ use super::convex_term::NoTerm;
 use super::per_cloth::largest_root_mean_square;
 use super::stopping::Goal;
 use super::{IntegratorStatistics, StepInput, Tolerance, pin_forces};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::forces::{self, TangentScale};
@@ -78,7 +79,7 @@ pub fn solve<D: Dispatch>(
     let (v, vh) = (&*s.next_velocities, stage.velocities);
     c.dispatch.run(&mut *s.velocity_changes, |start, part| {
         for (i, change) in (start..).zip(part) {
-            *change = v[i] - vh[i];
+            *change = v.at(i) - vh.at(i);
         }
     });
     if c.scheme.newton <= 1 {
@@ -181,7 +182,7 @@ fn newton_iterations<D: Dispatch>(
         rounding = rounding_norm(c, stage, s);
         statistics.newton_iterations += 1;
         // Save the residual, which is the negative gradient of the objective: conjugate gradients overwrite it.
-        s.base_residual.copy_from_slice(s.residual);
+        s.base_residual.copy_from(s.residual);
         let tolerance = c.scheme.tolerance.residual().max(INNER_TOLERANCE).into();
         solve_linear(c, Goal::Reduce(tolerance), s, statistics);
         let slope = -column_dot(s.base_residual, s.solution);
@@ -223,7 +224,7 @@ fn write_matrix<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s:
 
 fn write_residual<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &mut Scratch<'_>) {
     let changes = &*s.velocity_changes;
-    residual(c, stage.length, |i| changes[i], s.forces, s.residual);
+    residual(c, stage.length, |i| changes.at(i), s.forces, s.residual);
 }
 
 /// Removes the held axes from the residual, and notes their forces.
@@ -243,7 +244,7 @@ pub(crate) fn residual<D: Dispatch>(
 ) {
     c.dispatch.run(out, |start, part| {
         for (i, r) in (start..).zip(part) {
-            *r = f[i] * length - change(i) * c.masses[i];
+            *r = f.at(i) * length - change(i) * c.masses.at(i);
         }
     });
 }
@@ -277,15 +278,15 @@ fn residual_norm<D: Dispatch>(c: &StepInput<'_, D>, residual: &[Vec3]) -> Sum {
 #[cfg_attr(small, optimize(size))]
 fn rounding_norm<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s: &Scratch<'_>) -> Sum {
     let at_vertex = |vertex: usize| {
-        let diagonal = matrix::to_mat3(&s.matrix.blocks[s.matrix.offsets[vertex] as usize]);
+        let diagonal = matrix::to_mat3(&s.matrix.blocks.at(s.matrix.offsets.at(vertex) as usize));
         let stiffness = diagonal.x_axis.x.max(diagonal.y_axis.y).max(diagonal.z_axis.z) / stage.length;
         let rounded = if SEES_ROUNDING {
-            ROUNDINGS * (longest_edge(s, vertex) + stage.length * s.next_velocities[vertex].abs().max_element())
+            ROUNDINGS * (longest_edge(s, vertex) + stage.length * s.next_velocities.at(vertex).abs().max_element())
         } else {
-            s.stage_positions.rounded[vertex].abs().max_element()
+            s.stage_positions.rounded.at(vertex).abs().max_element()
         };
         let error = Sum::from(stiffness * rounded * Real::EPSILON);
-        error * error * Sum::from(c.inverse_masses[vertex])
+        error * error * Sum::from(c.inverse_masses.at(vertex))
     };
     libm::sqrt((0..c.masses.len()).map(at_vertex).sum())
 }
@@ -294,7 +295,7 @@ fn rounding_norm<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s
 #[cfg_attr(small, optimize(size))]
 fn longest_edge(s: &Scratch<'_>, vertex: usize) -> Real {
     let x = &*s.stage_positions.rounded;
-    let apart = |other: u32| (x[other as usize] - x[vertex]).abs().max_element();
+    let apart = |other: u32| (x.at(other as usize) - x.at(vertex)).abs().max_element();
     s.matrix.columns_of(vertex).map(apart).fold(0.0, Real::max)
 }
 
@@ -311,7 +312,7 @@ fn write_positions<D: Dispatch>(
 /// `out = from * scale`.
 fn write_scaled<D: Dispatch>(c: &StepInput<'_, D>, from: &[Vec3], scale: Real, out: &mut [Vec3]) {
     c.dispatch.run(out, |start, part| {
-        for (to, &from) in part.iter_mut().zip(&from[start..]) {
+        for (to, &from) in part.iter_mut().zip(from.part(start..)) {
             *to = from * scale;
         }
     });
@@ -332,7 +333,7 @@ fn search<D: Dispatch>(
     let rounding = 8.0 * Sum::from(Real::EPSILON) * start.abs();
     let mut scale = 1.0;
     for _ in 0..MOST_HALVINGS {
-        s.products.copy_from_slice(s.next_velocities);
+        s.products.copy_from(s.next_velocities);
         add_scaled(c, s.solution, scale, s.products);
         write_positions(c, stage, s.products, &mut s.stage_positions);
         let t = Sum::from(scale);
@@ -399,8 +400,8 @@ fn add_solution<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, sc
     let (y, vh) = (&*s.solution, stage.velocities);
     c.dispatch.run((&mut *s.velocity_changes, &mut *s.next_velocities), |start, (changes, v)| {
         for (i, (change, v)) in (start..).zip(changes.iter_mut().zip(v)) {
-            *change += y[i] * scale;
-            *v = vh[i] + *change;
+            *change += y.at(i) * scale;
+            *v = vh.at(i) + *change;
         }
     });
     pin_forces::add_change(c, stage.length, scale, s);
@@ -408,7 +409,7 @@ fn add_solution<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, sc
 
 fn add_scaled<D: Dispatch>(c: &StepInput<'_, D>, from: &[Vec3], scale: Real, to: &mut [Vec3]) {
     c.dispatch.run(to, |start, part| {
-        for (to, &from) in part.iter_mut().zip(&from[start..]) {
+        for (to, &from) in part.iter_mut().zip(from.part(start..)) {
             *to += from * scale;
         }
     });

@@ -3,6 +3,8 @@
 //! these ends edges that turn are shorter, so stiff cloth would pull at its pins.
 
 use super::StepInput;
+use super::pins::set_axis;
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::real::{Real, Vec3};
@@ -14,7 +16,7 @@ use crate::scratch::Scratch;
 pub fn note<D>(c: &StepInput<'_, D>, length: Real, s: &mut Scratch<'_>) {
     for (force, &vertex) in s.pin_forces.iter_mut().zip(c.pins.vertices) {
         let vertex = vertex as usize;
-        *force = (s.residual[vertex] + s.velocity_changes[vertex] * c.masses[vertex]) / length;
+        *force = (s.residual.at(vertex) + s.velocity_changes.at(vertex) * c.masses.at(vertex)) / length;
     }
 }
 
@@ -31,7 +33,7 @@ pub fn add_change<D: Dispatch>(c: &StepInput<'_, D>, length: Real, part: Real, s
 /// Writes the noted forces along the held axes to the column of forces.
 #[cfg_attr(small, optimize(size), inline(never))]
 pub fn write<D>(c: &StepInput<'_, D>, s: &mut Scratch<'_>) {
-    for (force, (_, vertex, axes)) in s.pin_forces.iter().zip(c.pins.iter()) {
-        axes.for_each(|axis| s.forces[vertex][axis] = force[axis]);
+    for (&force, (_, vertex, axes)) in s.pin_forces.iter().zip(c.pins.iter()) {
+        axes.for_each(|axis| set_axis(s.forces, vertex, axis, force));
     }
 }

@@ -4,7 +4,8 @@
 pub use crate::motion::{JumpSide, Key, Motion, Turn};
 use glam::DVec3;
 
-use crate::colliders::Colliders;
+use crate::colliders::{Body, Colliders};
+use crate::column::Column;
 use crate::particles::Particles;
 use crate::real::{Mat3, Real, Sum, Vec3, to_f64, vec3};
 
@@ -19,7 +20,7 @@ pub const AT_REST: u32 = u32::MAX;
 pub const NO_CARRIER: u32 = u32::MAX;
 
 /// The time in which a pin holds its axes.
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Hold {
     /// The axes: bits 0, 1, 2 for x, y, z.
@@ -91,11 +92,11 @@ impl Pins<'_> {
     /// Prescribed position of a pin at `time`, m, and its velocity on the given side of that time, m/s.
     #[cfg_attr(small, inline(never))]
     pub fn target(&self, pin: usize, time: Sum, side: JumpSide) -> (DVec3, Vec3) {
-        let anchor = self.anchors[pin];
-        if let Some(carrier) = self.carrier(pin) {
-            return self.colliders.bodies[carrier].drive().at(self.colliders.keys, anchor, time, side);
+        let anchor = self.anchors.at(pin);
+        if let Some(body) = self.body(pin) {
+            return body.drive().at(self.colliders.keys, anchor, time, side);
         }
-        match self.table.get(self.motions[pin] as usize) {
+        match self.table.get(self.motions.at(pin) as usize) {
             Some(motion) => motion.at(self.keys, anchor, time, side),
             None => (to_f64(anchor).into(), Vec3::ZERO),
         }
@@ -106,9 +107,14 @@ impl Pins<'_> {
         self.carriers.get(pin).filter(|&&carrier| carrier != NO_CARRIER).map(|&carrier| carrier as usize)
     }
 
+    /// The collider that carries a pin.
+    fn body(&self, pin: usize) -> Option<&Body> {
+        self.carrier(pin).and_then(|carrier| self.colliders.bodies.element(carrier))
+    }
+
     /// Whether a pin may move.
     pub fn moves(&self, pin: usize) -> bool {
-        self.axes[pin] != 0 && (self.motions[pin] != AT_REST || self.carrier(pin).is_some())
+        self.axes.at(pin) != 0 && (self.motions.at(pin) != AT_REST || self.carrier(pin).is_some())
     }
 
     /// The vertices that are held, in the order of their pins.
@@ -142,8 +148,8 @@ impl Pins<'_> {
     pub fn let_fly(&self, vertex: u32, time: Sum, particles: &mut Particles<'_>) {
         for (_, axes, velocity) in self.ended(vertex, time) {
             for axis in axes {
-                particles.velocities[vertex as usize][axis] = velocity[axis];
-                particles.low_velocities[vertex as usize][axis] = 0.0;
+                set_axis(particles.velocities, vertex as usize, axis, velocity);
+                set_axis(particles.low_velocities, vertex as usize, axis, Vec3::ZERO);
             }
         }
     }
@@ -152,18 +158,12 @@ impl Pins<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn deviation(&self, times: [Sum; 2]) -> Sum {
         let of = |(pin, ..): (usize, usize, _)| {
-            if let Some(carrier) = self.carrier(pin) {
-                let own = &self.anchors[pin..=pin];
-                return Some(self.colliders.bodies[carrier].drive().deviation(
-                    self.colliders.keys,
-                    own,
-                    0.0,
-                    None,
-                    times,
-                ));
+            let own = self.anchors.part(pin..=pin);
+            if let Some(body) = self.body(pin) {
+                return Some(body.drive().deviation(self.colliders.keys, own, 0.0, None, times));
             }
-            let (motion, axes) = (self.table.get(self.motions[pin] as usize)?, self.axes[pin]);
-            let radius = motion.reach(&self.anchors[pin..=pin], DVec3::ZERO);
+            let (motion, axes) = (self.table.get(self.motions.at(pin) as usize)?, self.axes.at(pin));
+            let radius = motion.reach(own, DVec3::ZERO);
             let mask = [0, 1, 2].map(|axis| Sum::from(axes >> axis & 1));
             (axes != 0).then(|| motion.deviation(self.keys, radius, mask.into(), times))
         };
@@ -184,7 +184,7 @@ impl Pins<'_> {
         for (pin, vertex, axes) in self.iter() {
             let (_, velocity) = self.target(pin, time, JumpSide::After);
             for axis in axes {
-                v[vertex][axis] = velocity[axis];
+                set_axis(v, vertex, axis, velocity);
             }
         }
     }
@@ -195,8 +195,8 @@ impl Pins<'_> {
         for (pin, vertex, axes) in self.iter() {
             let (position, velocity) = self.target(pin, time, side);
             for axis in axes {
-                x[vertex][axis] = position[axis] as Real;
-                v[vertex][axis] = velocity[axis];
+                set_axis(x, vertex, axis, vec3(position.into()));
+                set_axis(v, vertex, axis, velocity);
             }
         }
     }
@@ -207,10 +207,10 @@ impl Pins<'_> {
         for (pin, vertex, axes) in self.iter() {
             let (position, velocity) = self.target(pin, time, JumpSide::After);
             let displacement = displacement(from, vertex, position);
-            let change = velocity - from.velocities[vertex] - from.low_velocities[vertex];
+            let change = velocity - from.velocities.at(vertex) - from.low_velocities.at(vertex);
             for axis in axes {
-                x[vertex][axis] = displacement[axis];
-                v[vertex][axis] = change[axis];
+                set_axis(x, vertex, axis, displacement);
+                set_axis(v, vertex, axis, change);
             }
         }
     }
@@ -229,7 +229,7 @@ impl Pins<'_> {
             let (position, _) = self.target(pin, time, JumpSide::Before);
             let velocity = (displacement(from, vertex, position) - offset(vertex)) / length;
             for axis in axes {
-                v[vertex][axis] = velocity[axis];
+                set_axis(v, vertex, axis, velocity);
             }
         }
     }
@@ -238,7 +238,7 @@ impl Pins<'_> {
     pub fn filter(&self, column: &mut [Vec3]) {
         for (_, vertex, axes) in self.iter() {
             for axis in axes {
-                column[vertex][axis] = 0.0;
+                set_axis(column, vertex, axis, Vec3::ZERO);
             }
         }
     }
@@ -264,26 +264,37 @@ impl Pins<'_> {
     /// Replaces the held axes of the diagonal blocks by the identity, `S A S + I - S`.
     pub fn filter_diagonal(&self, blocks: &mut [Mat3]) {
         for (&vertex, &axes) in self.vertices.iter().zip(self.axes) {
-            filter_block(&mut blocks[vertex as usize], axes);
+            if let Some(block) = blocks.element_mut(vertex as usize) {
+                filter_block(block, axes);
+            }
         }
+    }
+}
+
+/// Sets one axis of a vertex in a column to that of a vector.
+pub(super) fn set_axis(column: &mut [Vec3], vertex: usize, axis: usize, to: Vec3) {
+    if let Some(own) = column.element_mut(vertex) {
+        own.as_mut().set(axis, to.to_array().at(axis));
     }
 }
 
 /// The displacement of a vertex to a position, m.
 fn displacement(from: &Particles<'_>, vertex: usize, to: DVec3) -> Vec3 {
-    let [high, low] = [from.positions[vertex], from.low_positions[vertex]].map(|x| DVec3::from(to_f64(x)));
+    let [high, low] = [&*from.positions, &*from.low_positions].map(|of| DVec3::from(to_f64(of.at(vertex))));
     vec3((to - high - low).into())
 }
 
 /// `S A S + I - S` for one block.
 pub fn filter_block(block: &mut Mat3, axes: u8) {
-    for axis in held(axes) {
-        for other in 0..3 {
-            block.col_mut(axis)[other] = 0.0;
-            block.col_mut(other)[axis] = 0.0;
+    let mut columns = block.to_cols_array_2d();
+    for (j, column) in columns.iter_mut().enumerate() {
+        for (i, value) in column.iter_mut().enumerate() {
+            if (axes >> i | axes >> j) & 1 == 1 {
+                *value = if i == j { 1.0 } else { 0.0 };
+            }
         }
-        block.col_mut(axis)[axis] = 1.0;
     }
+    *block = Mat3::from_cols_array_2d(&columns);
 }
 
 /// The held axes, 0..3.
@@ -333,23 +344,23 @@ impl PinSlots<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn change(&mut self, time: Sum, positions: &[Vec3]) -> bool {
         let Self { vertices, axes, anchors, motions, table, keys, holds, .. } = self;
-        let changes = |pin: usize| holds[pin].axes_after(time) != axes[pin];
+        let changes = |pin: usize| holds.at(pin).axes_after(time) != axes.at(pin);
         if !(0..holds.len()).any(changes) {
             return false;
         }
-        let begun = || (0..holds.len()).filter(|&pin| changes(pin) && holds[pin].axes_after(time) != 0);
+        let begun = || (0..holds.len()).filter(|&pin| changes(pin) && holds.at(pin).axes_after(time) != 0);
         for pin in begun() {
-            anchors[pin] = positions[vertices[pin] as usize];
+            anchors.set(pin, positions.at(vertices.at(pin) as usize));
         }
         for (motion, described) in table.iter_mut().enumerate() {
-            let own = || begun().filter(|&pin| motions[pin] as usize == motion);
+            let own = || begun().filter(|&pin| motions.at(pin) as usize == motion);
             let (offset, _) = described.offset(keys, time, JumpSide::After);
-            described.set_centre(own().map(|pin| DVec3::from(to_f64(anchors[pin])) - offset));
+            described.set_centre(own().map(|pin| DVec3::from(to_f64(anchors.at(pin))) - offset));
             for pin in own() {
-                let place = to_f64(anchors[pin]).into();
-                anchors[pin] = vec3(described.undo(keys, place, time).into());
+                let place = to_f64(anchors.at(pin)).into();
+                anchors.set(pin, vec3(described.undo(keys, place, time).into()));
             }
-            described.set_centre(own().map(|pin| to_f64(anchors[pin]).into()));
+            described.set_centre(own().map(|pin| to_f64(anchors.at(pin)).into()));
         }
         for (axes, hold) in axes.iter_mut().zip(&**holds) {
             *axes = hold.axes_after(time);
@@ -362,15 +373,15 @@ impl PinSlots<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn restore(&mut self, time: Sum, anchors: &[Vec3]) {
         for (pin, hold) in self.holds.iter().enumerate() {
-            self.axes[pin] = hold.axes_after(time);
+            self.axes.set(pin, hold.axes_after(time));
             if hold.from > 0.0 && anchors.len() == self.holds.len() {
-                self.anchors[pin] = anchors[pin];
+                self.anchors.set(pin, anchors.at(pin));
             }
         }
-        let late = || (0..self.holds.len()).filter(|&pin| self.holds[pin].from > 0.0);
+        let late = || (0..self.holds.len()).filter(|&pin| self.holds.at(pin).from > 0.0);
         for (motion, described) in self.table.iter_mut().enumerate() {
-            let own = late().filter(|&pin| self.motions[pin] as usize == motion);
-            described.set_centre(own.map(|pin| to_f64(self.anchors[pin]).into()));
+            let own = late().filter(|&pin| self.motions.at(pin) as usize == motion);
+            described.set_centre(own.map(|pin| to_f64(self.anchors.at(pin)).into()));
         }
     }
 
@@ -380,12 +391,15 @@ impl PinSlots<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn move_to(&mut self, vertex: u32, [start, end]: [Sum; 2], from: Vec3, to: DVec3, before: DVec3) -> bool {
         let Some(pin) = self.take(vertex, from) else { return false };
-        let first = self.table[self.motions[pin] as usize].keys[0] as usize;
-        // The first key gives the velocity just before the start.
+        let Some(motion) = self.table.element(self.motions.at(pin) as usize) else { return false };
+        let first = motion.keys[0] as usize;
         let value = to - DVec3::from(to_f64(from));
-        self.keys[first] = Key { time: start - 1.0, value: -before };
-        self.keys[first + 1] = Key { time: start, value: DVec3::ZERO };
-        self.keys[first + 2] = Key { time: end, value };
+        self.keys.part_mut(first..first + 3).copy_from(&[
+            // It gives the velocity just before the start.
+            Key { time: start - 1.0, value: -before },
+            Key { time: start, value: DVec3::ZERO },
+            Key { time: end, value },
+        ]);
         true
     }
 
@@ -398,7 +412,7 @@ impl PinSlots<'_> {
         }
         let pin = self.take(vertex, anchor);
         if let Some(pin) = pin {
-            self.carriers[pin] = collider;
+            self.carriers.set(pin, collider);
         }
         pin.is_some()
     }
@@ -407,14 +421,11 @@ impl PinSlots<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn release(&mut self, vertex: u32) -> bool {
         let mut any = false;
-        for pin in 0..self.vertices.len() {
-            if self.vertices[pin] == vertex {
-                any |= self.axes[pin] != 0;
-                self.axes[pin] = 0;
-                if let Some(hold) = self.holds.get_mut(pin) {
-                    any |= hold.axes != 0;
-                    hold.axes = 0;
-                }
+        let pins = self.vertices.iter().zip(&mut *self.axes).enumerate();
+        for (pin, (_, axes)) in pins.filter(|(_, (held, _))| **held == vertex) {
+            any |= core::mem::take(axes) != 0;
+            if let Some(hold) = self.holds.get_mut(pin) {
+                any |= core::mem::take(&mut hold.axes) != 0;
             }
         }
         any
@@ -423,7 +434,8 @@ impl PinSlots<'_> {
     /// A slot of the host that is free once the vertex has been let go.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn free(&self, vertex: u32) -> Option<usize> {
-        (self.of_scene as usize..self.vertices.len()).find(|&pin| self.axes[pin] == 0 || self.vertices[pin] == vertex)
+        let mut slots = self.of_scene as usize..self.vertices.len();
+        slots.find(|&pin| self.axes.at(pin) == 0 || self.vertices.at(pin) == vertex)
     }
 
     /// Lets a vertex go, and holds it in a free slot, without a carrier. Returns the number of the pin.
@@ -431,7 +443,9 @@ impl PinSlots<'_> {
     fn take(&mut self, vertex: u32, anchor: Vec3) -> Option<usize> {
         let pin = self.free(vertex)?;
         self.release(vertex);
-        (self.vertices[pin], self.axes[pin], self.anchors[pin]) = (vertex, 0b111, anchor);
+        self.vertices.set(pin, vertex);
+        self.axes.set(pin, 0b111);
+        self.anchors.set(pin, anchor);
         if let Some(carrier) = self.carriers.get_mut(pin) {
             *carrier = NO_CARRIER;
         }

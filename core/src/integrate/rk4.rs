@@ -3,6 +3,7 @@
 
 use super::pins::JumpSide;
 use super::{IntegratorStatistics, StepInput};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
 use crate::real::{Real, Sum};
@@ -25,8 +26,8 @@ pub fn advance<D: Dispatch>(
     let f = &*s.forces;
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
-            *dx = v[i] * sixth;
-            *dv = f[i] * (sixth * w[i]);
+            *dx = v.at(i) * sixth;
+            *dv = f.at(i) * (sixth * w.at(i));
         }
     });
     for (stage, (fraction, weight)) in STAGES.into_iter().enumerate() {
@@ -34,9 +35,9 @@ pub fn advance<D: Dispatch>(
         c.dispatch.run((&mut *s.stage_positions.rounded, &mut *s.stage_velocities), |start, (xs, vs)| {
             for (i, (xs, vs)) in (start..).zip(xs.iter_mut().zip(vs)) {
                 // The slope of the previous stage: its velocity here, its forces in `f`.
-                let slope = if stage == 0 { v[i] } else { *vs };
-                *xs = x[i] + slope * h;
-                *vs = v[i] + f[i] * (h * w[i]);
+                let slope = if stage == 0 { v.at(i) } else { *vs };
+                *xs = x.at(i) + slope * h;
+                *vs = v.at(i) + f.at(i) * (h * w.at(i));
             }
         });
         let fraction = Sum::from(fraction);
@@ -51,8 +52,8 @@ pub fn advance<D: Dispatch>(
         let (f, vs, part) = (&*s.forces, &*s.stage_velocities, weight * sixth);
         c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
             for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
-                *dx += vs[i] * part;
-                *dv += f[i] * (part * w[i]);
+                *dx += vs.at(i) * part;
+                *dv += f.at(i) * (part * w.at(i));
             }
         });
     }

@@ -2,6 +2,7 @@
 //! h omega < 2 without damping.
 
 use super::{IntegratorStatistics, StepInput};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
 use crate::scratch::Scratch;
@@ -17,8 +18,8 @@ pub fn advance<D: Dispatch>(
     let (h, v, f, w) = (c.step, &*from.velocities, &*s.forces, c.inverse_masses);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
-            *dv = f[i] * (h * w[i]);
-            *dx = (v[i] + *dv) * h;
+            *dv = f.at(i) * (h * w.at(i));
+            *dx = (v.at(i) + *dv) * h;
         }
     });
 }
