@@ -6,6 +6,7 @@ use super::stored::{Kept, NO_FRAMES, Stored, StoredContact};
 use crate::audit::tree;
 use crate::broad_phase::{Grid, Surface};
 use crate::colliders::{Body, Drive, Form};
+use crate::column::Column;
 use crate::contact::{ContactScratch, Pairs, Solids};
 use crate::forces::matrix::{BlockMatrix, NOT_STORED};
 use crate::forces::model::for_each_term;
@@ -159,7 +160,7 @@ fn check_pins(pins: &PinSlots<'_>, n: usize, bodies: usize) -> Checked {
     let is_motion = |&motion: &u32| motion == AT_REST || (motion as usize) < pins.table.len();
     ensure(pins.motions.iter().all(is_motion))?;
     let is_slot = |&motion: &u32| pins.table.get(motion as usize).is_some_and(|motion| motion.keys[1] == 3);
-    ensure(pins.motions[pins.of_scene as usize..].iter().all(is_slot))?;
+    ensure(pins.motions.iter().skip(pins.of_scene as usize).all(is_slot))?;
     let is_carrier = |&carrier: &u32| carrier == NO_CARRIER || (carrier as usize) < bodies;
     ensure([0, count].contains(&pins.carriers.len()) && pins.carriers.iter().all(is_carrier))
 }
@@ -215,18 +216,18 @@ fn check_matrix(s: &Scratch<'_>, model: &Model<'_>, rows: usize) -> Checked {
     let is_mirrored =
         |it: &crate::forces::matrix::Mirrored| (it.column as usize) < rows && (it.block as usize) < blocks.len();
     ensure(mirrored.iter().all(is_mirrored))?;
-    let row = |row: usize| &columns[offsets[row] as usize..offsets[row + 1] as usize];
+    let row = |row: usize| columns.part(offsets.at(row) as usize..offsets.at(row + 1) as usize);
     // The diagonal comes first.
     ensure((0..rows).all(|index| row(index).first() == Some(&(index as u32))))?;
     let mut used = [0; Term::ALL.len()];
     let mut is_valid = true;
     for_each_term!(model, |name, term| {
-        let slots = s.assembly_map[name as usize];
+        let slots = s.assembly_map.at(name as usize);
         for (at, (block_row, column)) in term.blocks().enumerate() {
             let slot = slots.get(at).copied().unwrap_or(0);
             is_valid &=
                 at < slots.len() && (slot == NOT_STORED || row(block_row as usize).get(slot as usize) == Some(&column));
-            used[name as usize] += 1;
+            used.add(name as usize, 1);
         }
     });
     ensure(is_valid && s.assembly_map.iter().zip(used).all(|(slots, used)| slots.len() == used))
@@ -245,9 +246,9 @@ fn check_patches(s: &Scratch<'_>, two_level: bool, n: usize) -> Checked {
     ensure(labels.len() == coordinates.len() && labels.len().is_multiple_of(n) && all_below(labels, patches))?;
     ensure(divides(offsets, rows, values))?;
     let is_envelope = |row: usize| {
-        let first = first_columns[row / MODES * MODES];
-        let length = offsets[row + 1] - offsets[row];
-        first_columns[row] == first
+        let first = first_columns.at(row / MODES * MODES);
+        let length = offsets.at(row + 1) - offsets.at(row);
+        first_columns.at(row) == first
             && first as usize <= row / MODES * MODES
             && length as usize == row - first as usize + 1
     };
@@ -262,8 +263,9 @@ fn check_surface(surface: &Surface<'_>, vertices: usize) -> Checked {
     ensure(surface.first_passive as usize <= triangles)?;
     // A face has three edges, and owns only edges that it has.
     let owns = |(&owned, edges): (&u8, &[u32; 3])| {
-        let missing = (0..3).filter(|&k| edges[k] == NONE);
-        let mut needed = missing.map(|k| owned & (crate::broad_phase::OWNS_EDGE << k | crate::broad_phase::IS_FACE));
+        let missing = (0u8..).zip(edges).filter(|&(_, &edge)| edge == NONE);
+        let mut needed =
+            missing.map(|(k, _)| owned & (crate::broad_phase::OWNS_EDGE << k | crate::broad_phase::IS_FACE));
         needed.all(|bits| bits == 0)
     };
     ensure(surface.owned.iter().zip(surface.triangle_edges).all(owns))?;

@@ -9,6 +9,7 @@ use super::stored::{Kept, NO_FRAMES, Stored, StoredContact};
 use super::{ALIGNMENT, CookedError, HEADER, check, checksum, header, snapshot};
 use crate::broad_phase::Counts;
 use crate::colliders::Colliders;
+use crate::column::Column;
 use crate::contact::{ContactRoom, ContactScratch};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
@@ -277,7 +278,7 @@ impl Owner for Cloth<'_> {
             colliders: self.colliders(),
             constraints: contact
                 .as_ref()
-                .map_or(&[], |StoredContact { columns, .. }| &columns.constraints[..columns.lengths.constraints]),
+                .map_or(&[], |StoredContact { columns, .. }| columns.constraints.part(..columns.lengths.constraints)),
         }
     }
 
@@ -338,20 +339,20 @@ impl Divided for Cloth<'_> {
     fn keep(&mut self) {
         let Stored { particles, scratch, contact, reactions, kept: Some(kept), .. } = &mut self.stored else { return };
         let Kept { positions, velocities, low_positions, low_velocities, multipliers, .. } = kept;
-        positions.copy_from_slice(particles.positions);
-        velocities.copy_from_slice(particles.velocities);
-        low_positions.copy_from_slice(particles.low_positions);
-        low_velocities.copy_from_slice(particles.low_velocities);
-        kept.previous_displacements.copy_from_slice(scratch.previous_displacements);
-        kept.previous_velocity_changes.copy_from_slice(scratch.previous_velocity_changes);
+        positions.copy_from(particles.positions);
+        velocities.copy_from(particles.velocities);
+        low_positions.copy_from(particles.low_positions);
+        low_velocities.copy_from(particles.low_velocities);
+        kept.previous_displacements.copy_from(scratch.previous_displacements);
+        kept.previous_velocity_changes.copy_from(scratch.previous_velocity_changes);
         self.kept_multipliers = 0;
         if let Some(contact) = contact {
             self.kept_multipliers = contact.columns.lengths.multipliers;
             let count = self.kept_multipliers;
-            multipliers[..count].copy_from_slice(&contact.columns.multipliers[..count]);
+            multipliers.part_mut(..count).copy_from(contact.columns.multipliers.part(..count));
         }
         if let Some(reactions) = reactions {
-            kept.reactions.copy_from_slice(reactions.colliders);
+            kept.reactions.copy_from(reactions.colliders);
         }
         (self.kept_history, self.kept_work) = (self.history, self.work_done);
     }
@@ -359,19 +360,19 @@ impl Divided for Cloth<'_> {
     fn put_back(&mut self) {
         let Stored { particles, scratch, contact, reactions, kept: Some(kept), .. } = &mut self.stored else { return };
         let Kept { positions, velocities, low_positions, low_velocities, multipliers, .. } = kept;
-        particles.positions.copy_from_slice(positions);
-        particles.velocities.copy_from_slice(velocities);
-        particles.low_positions.copy_from_slice(low_positions);
-        particles.low_velocities.copy_from_slice(low_velocities);
-        scratch.previous_displacements.copy_from_slice(kept.previous_displacements);
-        scratch.previous_velocity_changes.copy_from_slice(kept.previous_velocity_changes);
+        particles.positions.copy_from(positions);
+        particles.velocities.copy_from(velocities);
+        particles.low_positions.copy_from(low_positions);
+        particles.low_velocities.copy_from(low_velocities);
+        scratch.previous_displacements.copy_from(kept.previous_displacements);
+        scratch.previous_velocity_changes.copy_from(kept.previous_velocity_changes);
         if let Some(contact) = contact {
             let count = self.kept_multipliers;
-            contact.columns.multipliers[..count].copy_from_slice(&multipliers[..count]);
+            contact.columns.multipliers.part_mut(..count).copy_from(multipliers.part(..count));
             contact.columns.lengths.multipliers = count;
         }
         if let Some(reactions) = reactions {
-            reactions.colliders.copy_from_slice(kept.reactions);
+            reactions.colliders.copy_from(kept.reactions);
         }
         (self.history, self.work_done) = (self.kept_history, self.kept_work);
     }

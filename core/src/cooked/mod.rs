@@ -124,7 +124,7 @@ fn header(block: &[u8]) -> Result<Header, CookedError> {
         return Err(CookedError::BigEndian);
     }
     let bytes = block.get(..HEADER).ok_or(CookedError::NotCooked)?;
-    let header: Header = bytemuck::pod_read_unaligned(bytes);
+    let header: Header = bytemuck::try_pod_read_unaligned(bytes).map_err(|_| CookedError::NotCooked)?;
     if header.magic != MAGIC {
         return Err(CookedError::NotCooked);
     }

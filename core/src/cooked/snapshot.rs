@@ -1,11 +1,12 @@
 //! A copy of all that steps and the host change, in bytes that the host keeps.
 
-use bytemuck::{Pod, Zeroable, cast_slice_mut};
+use bytemuck::{Pod, Zeroable};
 
 use super::cloth::Cloth;
 use super::stored::Stored;
 use super::{check, checksum};
 use crate::colliders::{Body, Drive};
+use crate::column::Column;
 use crate::error::LiveError;
 use crate::forces::load::VertexForce;
 use crate::halving::MOST_HALVINGS;
@@ -71,15 +72,15 @@ impl Cloth<'_> {
     pub fn snapshot(&mut self, out: &mut [u8]) -> Result<(), LiveError> {
         let mut plain = self.plain();
         let out = out.get_mut(..self.snapshot_bytes()).ok_or(LiveError::Memory)?;
-        let mut rest = &mut out[PLAIN..];
+        let (head, mut rest) = out.cut_mut(PLAIN);
         for column in columns(&mut self.stored) {
-            let (part, after) = rest.split_at_mut(column.len());
-            part.copy_from_slice(column);
+            let (part, after) = rest.cut_mut(column.len());
+            part.copy_from(column);
             rest = after;
         }
-        out[..PLAIN].copy_from_slice(bytemuck::bytes_of(&plain));
-        plain.checksum = checksum(&out[8..]);
-        out[..8].copy_from_slice(&plain.checksum.to_ne_bytes());
+        head.copy_from(bytemuck::bytes_of(&plain));
+        plain.checksum = checksum(out.part(8..));
+        out.part_mut(..8).copy_from(&plain.checksum.to_ne_bytes());
         Ok(())
     }
 
@@ -89,10 +90,10 @@ impl Cloth<'_> {
         if to.len() != self.snapshot_bytes() {
             return Err(LiveError::OtherScene);
         }
-        let (head, columns_of_it) = to.split_at(PLAIN);
-        let plain: Plain = bytemuck::pod_read_unaligned(head);
+        let (head, columns_of_it) = to.cut(PLAIN);
+        let plain: Plain = bytemuck::try_pod_read_unaligned(head).map_err(|_| LiveError::OtherScene)?;
         let own = self.plain();
-        let fits = plain.checksum == checksum(&to[8..])
+        let fits = plain.checksum == checksum(to.part(8..))
             && (plain.scene, plain.step) == (own.scene, own.step)
             && (plain.origin, plain.method) == (own.origin, own.method)
             && plain.halvings <= if self.stored.kept.is_some() { MOST_HALVINGS } else { 0 }
@@ -103,8 +104,8 @@ impl Cloth<'_> {
         }
         let mut rest = columns_of_it;
         for column in columns(&mut self.stored) {
-            let (part, after) = rest.split_at(column.len());
-            column.copy_from_slice(part);
+            let (part, after) = rest.cut(column.len());
+            column.copy_from(part);
             rest = after;
         }
         if let Some(contact) = &mut self.stored.contact {
@@ -141,7 +142,7 @@ impl Cloth<'_> {
         let contact = self.stored.contact.as_ref();
         Plain {
             checksum: 0,
-            scene: checksum(bytemuck::cast_slice(self.stored.triangles)),
+            scene: checksum(bytemuck::try_cast_slice(self.stored.triangles).unwrap_or_default()),
             origin: self.origin().into(),
             method: self.scheme.method as u64,
             steps: self.steps,
@@ -200,14 +201,20 @@ impl Cloth<'_> {
 
 /// Whether all entries of the next column fit.
 fn all<T: Pod>(rest: &mut &[u8], own: &[T], fits: impl Fn(T, &T) -> bool) -> bool {
-    let (column, after) = rest.split_at(size_of_val(own));
+    let (column, after) = rest.cut(size_of_val(own));
     *rest = after;
-    column.chunks_exact(size_of::<T>()).zip(own).all(|(bytes, own)| fits(bytemuck::pod_read_unaligned(bytes), own))
+    let entries = column.chunks_exact(size_of::<T>()).map(bytemuck::try_pod_read_unaligned);
+    entries.zip(own).all(|(entry, own)| entry.is_ok_and(|entry| fits(entry, own)))
 }
 
 /// Size of a snapshot, bytes.
 pub(super) fn size(stored: &mut Stored<'_>) -> usize {
     PLAIN + columns(stored).iter().map(|column| column.len()).sum::<usize>()
+}
+
+/// A column as bytes.
+fn bytes<T: Pod>(column: &mut [T]) -> &mut [u8] {
+    bytemuck::try_cast_slice_mut(column).unwrap_or_default()
 }
 
 /// The columns that change, as bytes.
@@ -221,23 +228,23 @@ fn columns<'b>(stored: &'b mut Stored<'_>) -> [&'b mut [u8]; 18] {
         None => Default::default(),
     };
     [
-        cast_slice_mut(pins.vertices),
-        cast_slice_mut(pins.axes),
-        cast_slice_mut(pins.table),
-        cast_slice_mut(pins.carriers),
-        cast_slice_mut(forces),
-        cast_slice_mut(bodies),
-        cast_slice_mut(multipliers),
-        cast_slice_mut(frames),
-        cast_slice_mut(pins.anchors),
-        cast_slice_mut(pins.keys),
-        cast_slice_mut(pins.holds),
-        cast_slice_mut(particles.positions),
-        cast_slice_mut(particles.velocities),
-        cast_slice_mut(particles.low_positions),
-        cast_slice_mut(particles.low_velocities),
-        cast_slice_mut(scratch.previous_displacements),
-        cast_slice_mut(scratch.previous_velocity_changes),
-        reactions.as_mut().map_or(&mut [], |reactions| cast_slice_mut(reactions.colliders)),
+        bytes(pins.vertices),
+        bytes(pins.axes),
+        bytes(pins.table),
+        bytes(pins.carriers),
+        bytes(forces),
+        bytes(bodies),
+        bytes(multipliers),
+        bytes(frames),
+        bytes(pins.anchors),
+        bytes(pins.keys),
+        bytes(pins.holds),
+        bytes(particles.positions),
+        bytes(particles.velocities),
+        bytes(particles.low_positions),
+        bytes(particles.low_velocities),
+        bytes(scratch.previous_displacements),
+        bytes(scratch.previous_velocity_changes),
+        reactions.as_mut().map_or(&mut [], |reactions| bytes(reactions.colliders)),
     ]
 }

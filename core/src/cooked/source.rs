@@ -3,6 +3,7 @@
 use bytemuck::{CheckedBitPattern, NoUninit, Pod};
 
 use super::CookedError;
+use crate::column::Column as _;
 
 /// Bytes of every column begin at a multiple of this in the block.
 pub(super) const STEP: usize = 8;
@@ -62,7 +63,7 @@ impl<'a> Source<'a> {
     pub fn state<T: Pod>(&mut self) -> Result<&'a mut [T], CookedError> {
         let from = self.constant::<T>()?;
         let to = self.work::<T>(from.len())?;
-        to.copy_from_slice(from);
+        to.copy_from(from);
         Ok(to)
     }
 
@@ -86,7 +87,7 @@ impl<'a> Source<'a> {
 
     /// A single value of the block.
     pub fn value<T: Pod>(&mut self) -> Result<T, CookedError> {
-        Ok(bytemuck::pod_read_unaligned(self.bytes(size_of::<T>())?))
+        bytemuck::try_pod_read_unaligned(self.bytes(size_of::<T>())?).map_err(|_| CookedError::Malformed)
     }
 
     /// A truth value.

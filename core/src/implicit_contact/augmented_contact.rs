@@ -11,6 +11,7 @@
 //! multipliers are updated while the step is solved; between two updates the impulses are the gradient of a convex
 //! function [Simo 1992, Alart 1991].
 
+use crate::column::Column;
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::integrate::convex_term::{ConvexTerm, Curvature};
 use crate::real::{Lanes, Mat3, Real, Sum, Vec3, dot_sum, outer, scaled_identity, sqrt};
@@ -107,13 +108,13 @@ impl ContactLines {
     /// Writes one lane.
     #[inline]
     pub fn set(&mut self, lane: usize, line: &ContactLine) {
-        self.along.as_mut_array()[lane] = line.along;
-        self.change_along.as_mut_array()[lane] = line.change_along;
-        self.squared.as_mut_array()[lane] = line.squared;
-        self.slide.as_mut_array()[lane] = line.slide;
-        self.change_squared.as_mut_array()[lane] = line.change_squared;
-        self.stiffness.as_mut_array()[lane] = line.stiffness;
-        self.bound.as_mut_array()[lane] = line.bound;
+        self.along.as_mut_array().set(lane, line.along);
+        self.change_along.as_mut_array().set(lane, line.change_along);
+        self.squared.as_mut_array().set(lane, line.squared);
+        self.slide.as_mut_array().set(lane, line.slide);
+        self.change_squared.as_mut_array().set(lane, line.change_squared);
+        self.stiffness.as_mut_array().set(lane, line.stiffness);
+        self.bound.as_mut_array().set(lane, line.bound);
     }
 
     /// The products of the impulses with g, and `g . H g`, where -H is the derivative of an impulse, at the velocities
@@ -179,7 +180,8 @@ impl AugmentedContact {
     fn compliance(&self, masses: &[Real], matrix: &BlockMatrix<'_>) -> Real {
         let of_vertex = |(&v, weight): (&u32, Real)| {
             let Some(&mass) = masses.get(v as usize) else { return 0.0 };
-            let block = matrix::to_mat3(&matrix.blocks[matrix.offsets[v as usize] as usize]);
+            let diagonal = matrix.offsets.at(v as usize) as usize;
+            let Some(block) = matrix.blocks.element(diagonal).map(matrix::to_mat3) else { return 0.0 };
             weight * weight / (mass + self.normal.dot(block * self.normal).max(0.0))
         };
         self.vertices.iter().zip(self.weights).map(of_vertex).sum()
@@ -333,7 +335,7 @@ impl ConvexTerm for ActiveContacts<'_> {
             contact.change = contact.gather(direction);
             slope += dot_sum(contact.impulse, contact.change);
             if let Some(line) = contact.line(contact.change) {
-                let lines = &mut self.lines[self.count / 4];
+                let Some(lines) = self.lines.element_mut(self.count / 4) else { continue };
                 if self.count.is_multiple_of(4) {
                     *lines = ContactLines::default();
                 }
@@ -345,7 +347,7 @@ impl ConvexTerm for ActiveContacts<'_> {
     }
 
     fn slope_and_curvature(&self, length: Real) -> [Sum; 2] {
-        slope_and_curvature(&self.lines[..self.count.div_ceil(4)], length)
+        slope_and_curvature(self.lines.part(..self.count.div_ceil(4)), length)
     }
 
     fn advance(&mut self, length: Real) {

@@ -5,6 +5,7 @@ use core::ops::Range;
 
 use super::augmented_contact::{AugmentedContact, Friction};
 use super::multiplier;
+use crate::column::Column;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::narrow_phase::gather;
 use crate::real::{Real, Vec3, sqrt};
@@ -26,10 +27,10 @@ const SMALL: Real = 0.1;
 /// velocities. If a pair has several constraints, the first one gets its multiplier. `step` is the length of the step,
 /// s.
 pub fn add_contacts(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real) {
-    let multipliers = &scratch.multipliers[..scratch.lengths.multipliers];
-    let known = Known::sort(&scratch.constraints[..constraints.end], scratch.order);
+    let multipliers = scratch.multipliers.part(..scratch.lengths.multipliers);
+    let known = Known::sort(scratch.constraints.part(..constraints.end), scratch.order);
     let mut given = scratch.lengths.contacts;
-    for (index, constraint) in (constraints.start as u32..).zip(&scratch.constraints[constraints]) {
+    for (index, constraint) in (constraints.start as u32..).zip(scratch.constraints.part(constraints)) {
         let Constraint { contact, target, coefficients, inverse_mass, .. } = *constraint;
         if inverse_mass <= 0.0 {
             continue;
@@ -37,7 +38,7 @@ pub fn add_contacts(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, 
         let is_first = known.first(scratch.constraints, contact.vertices) == Some(index);
         let force = if is_first { multiplier::force(multipliers, contact.vertices) } else { Vec3::ZERO };
         let radius = gather(contact.vertices, model.radii).into_iter().fold(0.0, Real::max);
-        scratch.contacts[given] = AugmentedContact {
+        let added = AugmentedContact {
             vertices: contact.vertices,
             weights: contact.weights,
             normal: contact.normal,
@@ -50,6 +51,7 @@ pub fn add_contacts(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, 
             constraint: index,
             ..AugmentedContact::default()
         };
+        scratch.contacts.set(given, added);
         given += 1;
     }
     scratch.lengths.contacts = given;
@@ -58,7 +60,7 @@ pub fn add_contacts(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, 
 /// Adds the impulses of the constraints to a column over the vertices of the cloth, kg m/s. `step` is the length of the
 /// step, s.
 pub fn add_impulses(scratch: &ContactScratch<'_>, step: Real, out: &mut [Vec3]) {
-    for constraint in &scratch.constraints[..scratch.lengths.constraints] {
+    for constraint in scratch.constraints.part(..scratch.lengths.constraints) {
         let impulse = (constraint.contact.normal * constraint.normal_impulse + constraint.friction_impulse) / step;
         for (&vertex, weight) in constraint.contact.vertices.iter().zip(constraint.contact.weights) {
             if let Some(out) = out.get_mut(vertex as usize) {
@@ -71,13 +73,13 @@ pub fn add_impulses(scratch: &ContactScratch<'_>, step: Real, out: &mut [Vec3]) 
 /// Writes the impulses that the solve found to the constraints. The response starts from them. `length` is that of the
 /// stage, s: the solve moves the cloth over it.
 pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, length: Real) {
-    for constraint in &mut scratch.constraints[..scratch.lengths.constraints] {
+    for constraint in scratch.constraints.part_mut(..scratch.lengths.constraints) {
         let Constraint { contact, target, roll, coefficients, .. } = *constraint;
         let fresh = Constraint::new(contact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO);
         *constraint = Constraint { roll, ..fresh };
     }
-    for solved in &scratch.contacts[..scratch.lengths.contacts] {
-        let constraint = &mut scratch.constraints[solved.constraint as usize];
+    for solved in scratch.contacts.part(..scratch.lengths.contacts) {
+        let Some(constraint) = scratch.constraints.element_mut(solved.constraint as usize) else { continue };
         let along = solved.normal_impulse();
         if along > 0.0 {
             // A contact that slid in the solve does not stick now, and one that stuck keeps its friction.

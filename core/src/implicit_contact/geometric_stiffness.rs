@@ -9,6 +9,7 @@
 //! motion of the last step is resisted. Edges tilt little enough without this stiffness.
 
 use super::augmented_contact::AugmentedContact;
+use crate::column::Column;
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::integrate::pins::Pins;
 use crate::particles::Particles;
@@ -37,22 +38,22 @@ pub fn add(
         let mut add = |i: usize, j: usize, factor: Real| {
             let block = normals * (stiffness * factor);
             if block.is_finite() && add_between(&mut s.matrix, i.min(j), i.max(j), &block) {
-                let change = |v: usize| s.displacements[v] - from.velocities[v] * step;
+                let change = |v: usize| s.displacements.at(v) - from.velocities.at(v) * step;
                 let impulse = block * (change(i) - change(j)) / length;
-                s.residual[i] -= impulse;
-                s.residual[j] += impulse;
+                s.residual.add(i, -impulse);
+                s.residual.add(j, impulse);
             }
         };
         let weighted = contact.vertices.iter().zip(contact.weights).filter(|&(_, weight)| weight != 0.0);
         let mut corners = weighted.map(|(&v, _)| v as usize).filter(|&v| v < x.len());
         let [Some(a), Some(b), Some(c)] = [corners.next(), corners.next(), corners.next()] else { continue };
         for [i, j, k] in [[a, b, c], [b, c, a], [c, a, b]] {
-            let (to_i, to_j) = (x[i] - x[k], x[j] - x[k]);
+            let (to_i, to_j) = (x.at(i) - x.at(k), x.at(j) - x.at(k));
             add(i, j, to_i.dot(to_j) / to_i.cross(to_j).length_squared());
         }
     }
     for (force, &vertex) in s.pin_forces.iter_mut().zip(pins.vertices) {
-        *force += s.residual[vertex as usize] / length;
+        *force += s.residual.at(vertex as usize) / length;
     }
     pins.filter(s.residual);
 }
@@ -61,12 +62,14 @@ pub fn add(
 #[cfg_attr(small, optimize(size))]
 #[inline(never)]
 fn add_between(matrix: &mut BlockMatrix<'_>, low: usize, high: usize, block: &Mat3) -> bool {
-    let [row, next] = [low, low + 1].map(|row| matrix.offsets[row] as usize);
-    let Some(slot) = matrix.columns[row..next].iter().position(|&column| column as usize == high) else {
+    let [row, next] = [low, low + 1].map(|row| matrix.offsets.at(row) as usize);
+    let Some(slot) = matrix.columns.part(row..next).iter().position(|&column| column as usize == high) else {
         return false;
     };
-    for (place, sign) in [(row, 1.0), (matrix.offsets[high] as usize, 1.0), (row + slot, -1.0)] {
-        matrix::add(&mut matrix.blocks[place], &(*block * sign));
+    for (place, sign) in [(row, 1.0), (matrix.offsets.at(high) as usize, 1.0), (row + slot, -1.0)] {
+        if let Some(stored) = matrix.blocks.element_mut(place) {
+            matrix::add(stored, &(*block * sign));
+        }
     }
     true
 }

@@ -9,6 +9,7 @@ pub mod exchange;
 pub mod geometric_stiffness;
 pub mod multiplier;
 
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::forces;
 use crate::integrate::conjugate_gradient;
@@ -91,7 +92,7 @@ pub fn resume<D: Dispatch>(
     statistics: &mut IntegratorStatistics,
 ) {
     let left = left(c);
-    let (before, added) = contacts.split_at_mut(known);
+    let (before, added) = contacts.cut_mut(known);
     if added.is_empty() && (left == 1.0 || !has_begun) {
         return;
     }
@@ -188,9 +189,9 @@ fn add_solution<D: Dispatch>(
     pin_forces::add_change(c, length, to_position / length, s);
     let y = &*s.solution;
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
-        for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
-            *dx += y[i] * to_position;
-            *dv += y[i] * to_velocity;
+        for ((dx, dv), &y) in dx.iter_mut().zip(dv).zip(y.part(start..)) {
+            *dx += y * to_position;
+            *dv += y * to_velocity;
         }
     });
     integrate::write_next(c, from, s);

@@ -3,6 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::column::Column;
 use crate::real::{Real, Vec3};
 use crate::response::constraint::{self, Constraint};
 
@@ -19,7 +20,7 @@ pub struct Multiplier {
 /// The force of a contact; zero if it had none. The multipliers are sorted by their vertices.
 pub fn force(multipliers: &[Multiplier], vertices: [u32; 4]) -> Vec3 {
     let found = multipliers.binary_search_by_key(&vertices, |multiplier| multiplier.vertices);
-    found.map_or(Vec3::ZERO, |k| multipliers[k].force)
+    found.map_or(Vec3::ZERO, |k| multipliers.at(k).force)
 }
 
 /// Writes the forces of the constraints that push, sorted by their vertices; constraints of the same features are
@@ -28,21 +29,23 @@ pub fn write(constraints: &[Constraint], step: Real, order: &mut [u32], out: &mu
     let mut pushing = 0;
     for (index, constraint) in (0..).zip(constraints) {
         if constraint.normal_impulse > 0.0 {
-            order[pushing] = index;
+            order.set(pushing, index);
             pushing += 1;
         }
     }
-    let order = &mut order[..pushing];
+    let order = order.part_mut(..pushing);
     constraint::sort_by_vertices(constraints, order);
     let mut count = 0;
     for &index in &*order {
-        let Constraint { contact, normal_impulse, friction_impulse, .. } = constraints[index as usize];
+        let Some(constraint) = constraints.element(index as usize) else { continue };
+        let Constraint { contact, normal_impulse, friction_impulse, .. } = *constraint;
         let force = (contact.normal * normal_impulse + friction_impulse) / (step * step);
-        if count > 0 && out[count - 1].vertices == contact.vertices {
-            out[count - 1].force += force;
-        } else {
-            out[count] = Multiplier { vertices: contact.vertices, force };
-            count += 1;
+        match out.part_mut(..count).last_mut() {
+            Some(last) if last.vertices == contact.vertices => last.force += force,
+            _ => {
+                out.set(count, Multiplier { vertices: contact.vertices, force });
+                count += 1;
+            }
         }
     }
     count

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::parts::{Parts, PartsMut};
 use crate::audit;
 use crate::colliders::{Body, Cache, Colliders, Drive, Form};
+use crate::column::Column;
 use crate::error::{LiveError, checked_vector};
 use crate::geometry::intersect::edge_meets_triangle;
 use crate::kinematic::{Kinematic, Pose};
@@ -16,9 +17,9 @@ use crate::real::{Real, Sum, Vec3, sqrt, vec3};
 /// How deep cloth may be in a collider that is switched on, relative to the thickness: rounding is less.
 const SLACK: Real = 1e-3;
 
-impl Parts<'_> {
+impl<'a> Parts<'a> {
     pub fn collider_pose(&self, collider: u32) -> Result<Pose, LiveError> {
-        let of = &self.colliders.bodies[self.rigid_collider(collider)?];
+        let of = self.rigid_collider(collider)?;
         let middle = of.middle(self.colliders.anchors);
         let (pose, _) = of.drive().pose(self.colliders.keys, middle, self.time, JumpSide::After);
         let arm = pose.rotation * self.arm(of);
@@ -27,18 +28,18 @@ impl Parts<'_> {
 
     /// The number of a mesh that can take these positions within a time.
     pub fn deformable(&self, collider: u32, to: &[[Sum; 3]], seconds: Sum) -> Result<usize, LiveError> {
-        let body = self.checked_collider(collider)?;
-        let (form, count) = (self.colliders.bodies[body].form(), self.colliders.bodies[body].range().len());
-        if form != Form::Mesh {
+        let of = self.checked_collider(collider)?;
+        let (body, count) = (collider as usize, of.range().len());
+        if of.form() != Form::Mesh {
             return Err(LiveError::NoMesh { collider });
         }
         if to.len() != count {
             return Err(LiveError::Points { collider, expected: count as u32, found: to.len() as u32 });
         }
         let pins = &self.pins;
-        let carried = |pin: &usize| pins.axes[*pin] != 0 && pins.carrier(*pin) == Some(body);
+        let carried = |pin: &usize| pins.axes.at(*pin) != 0 && pins.carrier(*pin) == Some(body);
         if let Some(pin) = (0..pins.vertices.len()).find(carried) {
-            return Err(LiveError::Carries { collider, vertex: pins.vertices[pin] });
+            return Err(LiveError::Carries { collider, vertex: pins.vertices.at(pin) });
         }
         to.iter().try_for_each(|&place| checked_vector("a position", place).map(|_| ()))?;
         self.check_duration(seconds)?;
@@ -56,27 +57,26 @@ impl Parts<'_> {
         if seconds >= least && seconds.is_finite() { Ok(()) } else { Err(LiveError::TooFast { seconds, least }) }
     }
 
-    fn checked_collider(&self, collider: u32) -> Result<usize, LiveError> {
-        let count = self.colliders.bodies.len() as u32;
-        if collider < count { Ok(collider as usize) } else { Err(LiveError::NoCollider { collider, count }) }
+    fn checked_collider(&self, collider: u32) -> Result<&'a Body, LiveError> {
+        let bodies = self.colliders.bodies;
+        bodies.get(collider as usize).ok_or(LiveError::NoCollider { collider, count: bodies.len() as u32 })
     }
 
     /// A collider that moves as a rigid body.
-    pub fn rigid_collider(&self, collider: u32) -> Result<usize, LiveError> {
-        let body = self.checked_collider(collider)?;
-        let deforms = matches!(self.colliders.bodies[body].drive(), Drive::Cache(_));
-        if deforms { Err(LiveError::Deforms { collider }) } else { Ok(body) }
+    pub fn rigid_collider(&self, collider: u32) -> Result<&'a Body, LiveError> {
+        let of = self.checked_collider(collider)?;
+        let deforms = matches!(of.drive(), Drive::Cache(_));
+        if deforms { Err(LiveError::Deforms { collider }) } else { Ok(of) }
     }
 }
 
 impl PartsMut<'_> {
     pub fn move_collider(&mut self, collider: u32, to: Pose, seconds: Sum) -> Result<(), LiveError> {
         let parts = self.read();
-        let body = parts.rigid_collider(collider)?;
+        let of = parts.rigid_collider(collider)?;
         let to = to.checked().ok_or(LiveError::NotFinite { name: "the pose" })?;
         parts.check_duration(seconds)?;
         let (now, colliders) = (parts.time, parts.colliders);
-        let of = &colliders.bodies[body];
         let middle = of.middle(colliders.anchors);
         let (from, before) = of.drive().pose(colliders.keys, middle, now, JumpSide::Before);
         let to = Pose { position: to.place(parts.arm(of)) - parts.origin, ..to };
@@ -87,7 +87,7 @@ impl PartsMut<'_> {
         if matches!(of.form(), Form::Plane(_)) && motion.turns() {
             return Err(LiveError::PlaneTurns { collider });
         }
-        self.drive(body, Drive::Host(motion));
+        self.drive(collider as usize, Drive::Host(motion));
         if self.pins.carriers.contains(&collider) {
             self.take_hold();
         }
@@ -96,12 +96,12 @@ impl PartsMut<'_> {
 
     pub fn take_impulse(&mut self, collider: u32) -> Result<Impulse, LiveError> {
         let parts = self.read();
-        let body = parts.checked_collider(collider)?;
+        parts.checked_collider(collider)?;
         let pose = parts.collider_pose(collider).map_or(DVec3::ZERO, |pose| pose.position);
         let centre = pose - self.origin;
         let reactions = self.ledger.as_mut().and_then(|ledger| ledger.reactions.as_mut());
-        let Impulse { linear, angular } =
-            core::mem::take(&mut reactions.ok_or(LiveError::NotMeasured)?.colliders[body]);
+        let own = reactions.ok_or(LiveError::NotMeasured)?.colliders.element_mut(collider as usize);
+        let Impulse { linear, angular } = own.map(core::mem::take).unwrap_or_default();
         Ok(Impulse { linear: -linear, angular: centre.cross(linear) - angular })
     }
 
@@ -109,10 +109,11 @@ impl PartsMut<'_> {
     pub fn deform_collider(&mut self, body: usize, first: usize, to: &[[Sum; 3]], seconds: Sum) {
         let (now, origin) = (self.time, self.origin);
         let (Some(solids), Some(contact)) = (&mut self.solids, &mut self.contact) else { return };
-        let places = &mut contact.start[..to.len()];
-        solids.colliders().place_body(&solids.bodies[body], now, places);
-        let (from, next) = solids.frames[first..first + 2 * to.len()].split_at_mut(to.len());
-        from.copy_from_slice(places);
+        let Some(of) = solids.bodies.element(body) else { return };
+        let places = contact.start.part_mut(..to.len());
+        solids.colliders().place_body(of, now, places);
+        let (from, next) = solids.frames.part_mut(first..first + 2 * to.len()).cut_mut(to.len());
+        from.copy_from(places);
         for (next, &place) in next.iter_mut().zip(to) {
             *next = vec3((DVec3::from(place) - origin).into());
         }
@@ -120,16 +121,16 @@ impl PartsMut<'_> {
     }
 
     pub fn switch_off(&mut self, collider: u32) -> Result<(), LiveError> {
-        let body = self.read().checked_collider(collider)?;
-        self.set_off(body, true);
+        self.read().checked_collider(collider)?;
+        self.set_off(collider as usize, true);
         Ok(())
     }
 
     pub fn switch_on(&mut self, collider: u32) -> Result<(), LiveError> {
-        let body = self.read().checked_collider(collider)?;
-        if !self.colliders().bodies[body].is_off() {
+        if !self.read().checked_collider(collider)?.is_off() {
             return Ok(());
         }
+        let body = collider as usize;
         self.set_off(body, false);
         if self.overlaps(body, |x| x) {
             self.set_off(body, true);
@@ -142,9 +143,9 @@ impl PartsMut<'_> {
     pub(super) fn overlaps(&mut self, body: usize, moved: impl Fn(Vec3) -> Vec3) -> bool {
         let (Some(solids), Some(contact)) = (&self.solids, &mut self.contact) else { return false };
         let (colliders, slack) = (solids.colliders(), SLACK * solids.thickness);
-        let of = &colliders.bodies[body];
+        let Some(of) = colliders.bodies.element(body) else { return false };
         let count = self.particles.positions.len();
-        let (cloth, places) = contact.start.split_at_mut(count);
+        let (cloth, places) = contact.start.cut_mut(count);
         for (out, &x) in cloth.iter_mut().zip(&*self.particles.positions) {
             *out = moved(x);
         }
@@ -153,12 +154,13 @@ impl PartsMut<'_> {
         if cloth.iter().any(|&x| alone.depth(places, x) > slack) {
             return true;
         }
-        let own = &places[of.range()];
+        let own = places.part(of.range());
         match of.form() {
             Form::Plane(_) => false,
             Form::Sphere | Form::Capsule => {
-                let axis = [own[0], own[own.len() - 1]];
-                let near = |corners: &[u32; 3]| distance(axis, corners.map(|v| cloth[v as usize])) < of.radius - slack;
+                let axis = [own.first(), own.last()].map(|end| end.copied().unwrap_or_default());
+                let near =
+                    |corners: &[u32; 3]| distance(axis, corners.map(|v| cloth.at(v as usize))) < of.radius - slack;
                 self.triangles.iter().any(near)
             }
             Form::Box | Form::Mesh => {
@@ -166,15 +168,15 @@ impl PartsMut<'_> {
                 let first = count as u32 + of.vertices[0];
                 let is_own = |vertex: u32| (first..first + of.vertices[1]).contains(&vertex);
                 audit::any_crossing(surface, contact.start, &mut contact.room, |[edge, triangle]| {
-                    is_own(surface.edges[edge as usize][0]) || is_own(surface.triangles[triangle as usize][0])
+                    is_own(surface.edges.at(edge as usize)[0]) || is_own(surface.triangles.at(triangle as usize)[0])
                 })
             }
         }
     }
 
     fn set_off(&mut self, body: usize, is_off: bool) {
-        if let Some(solids) = &mut self.solids {
-            solids.bodies[body].set_off(is_off);
+        if let Some(of) = self.solids.as_mut().and_then(|solids| solids.bodies.element_mut(body)) {
+            of.set_off(is_off);
         }
         if let Some(contact) = &mut self.contact {
             contact.kept.forget();
@@ -182,8 +184,8 @@ impl PartsMut<'_> {
     }
 
     fn drive(&mut self, body: usize, drive: Drive) {
-        if let Some(solids) = &mut self.solids {
-            solids.bodies[body].set_drive(drive);
+        if let Some(of) = self.solids.as_mut().and_then(|solids| solids.bodies.element_mut(body)) {
+            of.set_drive(drive);
         }
     }
 }

@@ -1,13 +1,15 @@
 //! Forces that the host changes between steps.
 
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 
 use super::parts::PartsMut;
+use crate::column::Column;
 use crate::diagnostics;
 use crate::error::{LiveError, checked_vector};
 use crate::forces::Model;
 use crate::forces::gravity::Gravity;
 use crate::forces::load::VertexForce;
+use crate::particles::Particles;
 use crate::real::{Sum, Vec3, to_f64, vec3};
 
 /// Gravity and wind of the host, which replace those of the scene.
@@ -60,9 +62,9 @@ impl PartsMut<'_> {
         if force == DVec3::ZERO && !has_force {
             return Ok(());
         }
-        let slot = VertexForce::slot(self.forces, vertex).ok_or(LiveError::NoSlot)?;
-        let next = VertexForce::new(vertex, force, start);
-        let before = core::mem::replace(&mut self.forces[slot], next);
+        let slot = VertexForce::slot(self.forces, vertex).and_then(|slot| self.forces.element_mut(slot));
+        let slot = slot.ok_or(LiveError::NoSlot)?;
+        let before = core::mem::replace(slot, VertexForce::new(vertex, force, start));
         // The potential of a force is zero where it began to act.
         if let Some(ledger) = &mut self.ledger {
             ledger.done.gravity -= before.force.dot(before.start - start);
@@ -77,17 +79,18 @@ impl PartsMut<'_> {
         let own = parts.pins.vertices.iter().zip(parts.pins.axes).filter(|(pinned, _)| **pinned == vertex);
         let held = own.fold(0, |held, (_, axes)| held | axes);
         let vertex = vertex as usize;
-        let mass = Sum::from(self.particles.masses[vertex]);
-        let (velocity, low) = (&mut self.particles.velocities[vertex], &mut self.particles.low_velocities[vertex]);
+        let Particles { masses, velocities, low_velocities, .. } = &mut self.particles;
+        let mass = Sum::from(masses.at(vertex));
         let of = |v: Vec3| DVec3::from(to_f64(v));
-        let before = of(*velocity) + of(*low);
-        let mut after = before + impulse / mass;
-        (0..3).filter(|axis| held >> axis & 1 == 1).for_each(|axis| after[axis] = before[axis]);
+        let before = of(velocities.at(vertex)) + of(low_velocities.at(vertex));
+        let is_held = BVec3::from_array([1, 2, 4].map(|axis| held & axis != 0));
+        let after = DVec3::select(is_held, before, before + impulse / mass);
         if !vec3(after.into()).is_finite() {
             return Err(LiveError::NotFinite { name: "the velocity" });
         }
-        *velocity = vec3(after.into());
-        *low = vec3((after - of(*velocity)).into());
+        let velocity = vec3(after.into());
+        velocities.set(vertex, velocity);
+        low_velocities.set(vertex, vec3((after - of(velocity)).into()));
         if let Some(ledger) = &mut self.ledger {
             ledger.done.gravity += 0.5 * mass * (after.length_squared() - before.length_squared());
         }

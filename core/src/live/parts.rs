@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::forces::HostForces;
 use crate::colliders::Colliders;
+use crate::column::Column;
 use crate::contact::{ContactScratch, Solids};
 use crate::error::LiveError;
 use crate::forces::Model;
@@ -106,7 +107,7 @@ impl PartsMut<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn read(&self) -> Parts<'_> {
         let colliders = self.colliders();
-        let constraints = self.contact.as_ref().map(|contact| &contact.constraints[..contact.lengths.constraints]);
+        let constraints = self.contact.as_ref().map(|contact| contact.constraints.part(..contact.lengths.constraints));
         Parts {
             origin: self.origin,
             time: self.time,

@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use super::parts::{Parts, PartsMut};
+use crate::column::Column;
 use crate::error::{LiveError, checked_vector};
 use crate::real::{Sum, Vec3, to_f64, vec3};
 use crate::work_done;
@@ -43,7 +44,7 @@ impl PartsMut<'_> {
         let place = DVec3::from(to_f64(parts.checked_vertex(vertex)?));
         let body = parts.rigid_collider(collider)?;
         let colliders = parts.colliders;
-        let anchor = vec3(colliders.bodies[body].drive().undo(colliders.keys, place, self.time).into());
+        let anchor = vec3(body.drive().undo(colliders.keys, place, self.time).into());
         if !self.pins.attach(vertex, anchor, collider) {
             return Err(LiveError::NoSlot);
         }
@@ -110,7 +111,7 @@ impl PartsMut<'_> {
         let pins = &self.pins.carried_by(Default::default());
         pins.write_held(self.held);
         if let Some(solids) = &mut self.solids {
-            let cloth = &mut solids.inverse_masses[..self.particles.inverse_masses.len()];
+            let cloth = solids.inverse_masses.part_mut(..self.particles.inverse_masses.len());
             pins.write_inverse_masses(self.particles.inverse_masses, cloth);
         }
     }

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::parts::Parts;
+use crate::column::Column;
 use crate::error::{LiveError, checked_vector};
 use crate::real::{Sum, to_f64};
 use crate::response::constraint::Constraint;
@@ -68,14 +69,15 @@ impl<'a> Parts<'a> {
     fn touch(&self, constraint: &Constraint, step: Sum) -> Touch {
         let contact = constraint.contact;
         let (weights, normal) = (contact.weights.map(Sum::from), DVec3::from(to_f64(contact.normal)));
+        let corners = || contact.vertices.into_iter().zip(weights);
         let sides = [1.0, -1.0].map(|sign| {
-            let vertex = (0..4).find(|&k| weights[k] * sign > 0.0).map_or(contact.vertices[0], |k| contact.vertices[k]);
+            let vertex = corners().find(|(_, weight)| weight * sign > 0.0).map_or(contact.vertices[0], |(v, _)| v);
             self.side(vertex)
         });
         let sign = if matches!(sides[0], Side::Cloth(_)) { 1.0 } else { -1.0 };
-        let own = (0..4).filter(|&k| weights[k] * sign > 0.0 && (contact.vertices[k] as usize) < self.velocities.len());
-        let (sum, total) = own.fold((DVec3::ZERO, 0.0), |(sum, total), k| {
-            (sum + self.place(contact.vertices[k]) * weights[k].abs(), total + weights[k].abs())
+        let own = corners().filter(|&(v, weight)| weight * sign > 0.0 && (v as usize) < self.velocities.len());
+        let (sum, total) = own.fold((DVec3::ZERO, 0.0), |(sum, total), (v, weight)| {
+            (sum + self.place(v) * weight.abs(), total + weight.abs())
         });
         let impulse = normal * Sum::from(constraint.normal_impulse) + DVec3::from(to_f64(constraint.friction_impulse));
         Touch {
@@ -101,11 +103,13 @@ impl<'a> Parts<'a> {
         let corners = *self.triangles.get(triangle as usize).ok_or(missing)?;
         checked_vector("a weight", weights)?;
         let places = corners.map(|v| self.place(v));
-        let mean = |vectors: [DVec3; 3]| (0..3).map(|k| vectors[k] * weights[k]).sum::<DVec3>();
+        let mean = |vectors: [DVec3; 3]| {
+            vectors.into_iter().zip(weights).map(|(vector, weight)| vector * weight).sum::<DVec3>()
+        };
         let normal = (places[1] - places[0]).cross(places[2] - places[0]).normalize_or_zero();
         Ok(SurfacePoint {
             position: mean(places).into(),
-            velocity: mean(corners.map(|v| to_f64(self.velocities[v as usize]).into())).into(),
+            velocity: mean(corners.map(|v| to_f64(self.velocities.at(v as usize)).into())).into(),
             normal: normal.into(),
         })
     }

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::parts::PartsMut;
-use crate::colliders::{Drive, Form};
+use crate::colliders::{Body, Drive, Form};
+use crate::column::Column;
 use crate::contact::Solids;
 use crate::error::LiveError;
 use crate::integrate::pins::{Hold, NO_CARRIER, PinSlots};
@@ -28,7 +29,7 @@ impl PartsMut<'_> {
         self.check_held(&by, colliders)?;
         for collider in (0..count).filter(|body| !colliders.contains(body)) {
             let body = collider as usize;
-            let is_off = self.colliders().bodies[body].is_off();
+            let is_off = self.colliders().bodies.element(body).is_none_or(Body::is_off);
             if !is_off && self.overlaps(body, |x| by.moved(x)) && !self.overlaps(body, |x| x) {
                 return Err(LiveError::Overlaps { collider });
             }
@@ -43,7 +44,7 @@ impl PartsMut<'_> {
     fn check_moved(&self, by: &Rigid, colliders: &[u32]) -> Result<(), LiveError> {
         let (all, now) = (self.colliders(), self.time);
         for &collider in colliders {
-            let body = &all.bodies[collider as usize];
+            let Some(body) = all.bodies.element(collider as usize) else { continue };
             let has_ended = match body.drive() {
                 Drive::Rest | Drive::Host(_) => true,
                 Drive::Motion(motion) => motion.has_ended(all.keys, now),
@@ -64,7 +65,7 @@ impl PartsMut<'_> {
         let pins = self.read().pins;
         for (pin, &vertex) in pins.vertices.iter().enumerate() {
             // A pin may hold later.
-            let axes = self.pins.holds.get(pin).map_or(pins.axes[pin], Hold::axes);
+            let axes = self.pins.holds.get(pin).map_or(pins.axes.at(pin), Hold::axes);
             let stays = pins.carrier(pin).is_some_and(|carrier| !colliders.contains(&(carrier as u32)));
             if axes != 0 && (stays || axes != 0b111 && by.turns()) {
                 return Err(LiveError::Held { vertex });
@@ -87,7 +88,7 @@ impl PartsMut<'_> {
             by.turn(column);
         }
         if let Some(contact) = &mut self.contact {
-            for multiplier in &mut contact.multipliers[..contact.lengths.multipliers] {
+            for multiplier in contact.multipliers.part_mut(..contact.lengths.multipliers) {
                 multiplier.force = by.turned(multiplier.force);
             }
             contact.kept.forget();
@@ -153,11 +154,11 @@ impl Rigid {
     /// A collider at rest rests elsewhere; one that the host moves goes on moving there.
     fn carry_body(&self, solids: &mut Solids<'_>, body: usize, now: Sum) {
         let Solids { bodies, anchors, keys, frames, .. } = solids;
-        let of = &mut bodies[body];
+        let Some(of) = bodies.element_mut(body) else { return };
         let moved = match of.drive() {
             Drive::Cache(cache) => {
                 let first = cache.first as usize;
-                let all = &mut frames[first..first + cache.frames as usize * of.range().len()];
+                let all = frames.part_mut(first..first + cache.frames as usize * of.range().len());
                 all.iter_mut().for_each(|place| *place = self.moved(*place));
                 return;
             }

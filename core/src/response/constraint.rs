@@ -3,6 +3,7 @@
 //! fixed order, so that the bits do not depend on the number of threads [Bridson 2002, Harmon 2008].
 
 use super::friction::FrictionCoefficients;
+use crate::column::Column;
 use crate::narrow_phase::Contact;
 use crate::real::{Flag, Real, Vec3, sqrt};
 
@@ -63,14 +64,19 @@ impl Constraint {
 /// inlined: a sort is long.
 #[inline(never)]
 pub fn sort_by_vertices(constraints: &[Constraint], order: &mut [u32]) {
-    order.sort_unstable_by_key(|&index| (constraints[index as usize].contact.vertices, index));
+    order.sort_unstable_by_key(|&index| (vertices(constraints, index), index));
+}
+
+/// The vertices of the features of a constraint.
+pub fn vertices(constraints: &[Constraint], index: u32) -> [u32; 4] {
+    constraints.element(index as usize).map_or([0; 4], |constraint| constraint.contact.vertices)
 }
 
 /// The inverse mass along the normal. It is 0 if a vertex would have to move more than `lever_ratio` times as far as
 /// the contact, as beside a pin.
 fn movable_inverse_mass(contact: &Contact, inverse_masses: &[Vec3], lever_ratio: Real) -> Real {
     let total = inverse_mass(contact, contact.normal, inverse_masses);
-    let gives = |(&v, weight): (&u32, Real)| (contact.normal * inverse_masses[v as usize] * weight).length_squared();
+    let gives = |(&v, weight): (&u32, Real)| (contact.normal * inverse_masses.at(v as usize) * weight).length_squared();
     let farthest = contact.vertices.iter().zip(contact.weights).map(gives).fold(0.0, Real::max);
     if farthest <= (lever_ratio * total) * (lever_ratio * total) { total } else { 0.0 }
 }
@@ -78,13 +84,13 @@ fn movable_inverse_mass(contact: &Contact, inverse_masses: &[Vec3], lever_ratio:
 /// sum W^2 u . C u along a unit vector u, 1/kg.
 pub fn inverse_mass(contact: &Contact, along: Vec3, inverse_masses: &[Vec3]) -> Real {
     let parts = contact.vertices.iter().zip(contact.weights);
-    parts.map(|(&v, weight)| weight * weight * along.dot(along * inverse_masses[v as usize])).sum()
+    parts.map(|(&v, weight)| weight * weight * along.dot(along * inverse_masses.at(v as usize))).sum()
 }
 
 /// sum W c over a contact's vertices.
 #[inline]
 pub fn weighted(contact: &Contact, column: &[Vec3]) -> Vec3 {
-    let [a, b, c, d] = contact.vertices.map(|v| column[v as usize]);
+    let [a, b, c, d] = contact.vertices.map(|v| column.at(v as usize));
     let w = contact.weights;
     a * w[0] + b * w[1] + c * w[2] + d * w[3]
 }
@@ -93,7 +99,7 @@ pub fn weighted(contact: &Contact, column: &[Vec3]) -> Vec3 {
 #[inline]
 pub fn apply_impulse(contact: &Contact, impulse: Vec3, inverse_masses: &[Vec3], displacements: &mut [Vec3]) {
     for (&v, weight) in contact.vertices.iter().zip(contact.weights) {
-        displacements[v as usize] += impulse * inverse_masses[v as usize] * weight;
+        displacements.add(v as usize, impulse * inverse_masses.at(v as usize) * weight);
     }
 }
 

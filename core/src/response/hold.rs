@@ -3,6 +3,7 @@
 //! as prescribed; they are the obstacle to the same axes of other vertices.
 
 use super::work::{Motion, Work};
+use crate::column::Column;
 use crate::contact::ContactModel;
 use crate::real::Vec3;
 
@@ -10,13 +11,13 @@ use crate::real::Vec3;
 pub(crate) fn hold(work: &mut Work<'_>) {
     let Work { model, list, first, motion, statistics, .. } = work;
     statistics.failsafe = 1;
-    for constraint in &list.all[*first..list.count] {
+    for constraint in list.all.part(*first..list.count) {
         let contact = constraint.contact;
         let pairs = || contact.vertices.into_iter().zip(contact.weights);
         // Only held axes count.
-        let held = |v: u32, x: Vec3| Vec3::select(model.inverse_masses[v as usize].cmpeq(Vec3::ZERO), x, Vec3::ZERO);
+        let held = |v: u32, x: Vec3| Vec3::select(model.inverse_masses.at(v as usize).cmpeq(Vec3::ZERO), x, Vec3::ZERO);
         let share: Vec3 = pairs().map(|(v, w)| held(v, Vec3::splat(w.abs()))).sum();
-        let moved: Vec3 = pairs().map(|(v, w)| held(v, motion.displacements[v as usize] * w.abs())).sum();
+        let moved: Vec3 = pairs().map(|(v, w)| held(v, motion.displacements.at(v as usize) * w.abs())).sum();
         let along = Vec3::select(share.cmpgt(Vec3::ZERO), moved / share, Vec3::ZERO);
         for (v, _) in pairs() {
             set_free_axes(model, motion, v as usize, along);
@@ -35,9 +36,10 @@ pub(crate) fn freeze(work: &mut Work<'_>) {
 /// Not inlined: it is rare and called in many places.
 #[inline(never)]
 fn set_free_axes(model: &ContactModel<'_>, motion: &mut Motion<'_>, vertex: usize, displacements: Vec3) {
-    let free = model.inverse_masses[vertex].cmpgt(Vec3::ZERO);
+    let free = model.inverse_masses.at(vertex).cmpgt(Vec3::ZERO);
     if free.any() {
-        motion.displacements[vertex] = Vec3::select(free, displacements, motion.displacements[vertex]);
-        motion.rounds[vertex] = motion.round;
+        let before = motion.displacements.at(vertex);
+        motion.displacements.set(vertex, Vec3::select(free, displacements, before));
+        motion.rounds.set(vertex, motion.round);
     }
 }

@@ -5,6 +5,7 @@ use super::constraint;
 use super::repulsion::{self, least_at_rest};
 use super::work::{List, Motion, Work, relax};
 use crate::broad_phase::Counts;
+use crate::column::Column;
 use crate::contact::{ContactModel, Pairs};
 use crate::dispatch::Dispatch;
 use crate::narrow_phase::time_of_impact::TimeOfImpact;
@@ -51,7 +52,7 @@ fn find_pairs<D: Dispatch>(
     list: &mut List<'_>,
     dispatch: &D,
 ) {
-    let (candidates, times) = (&pairs.candidates[..count], &mut pairs.times[..count]);
+    let (candidates, times) = (pairs.candidates.part(..count), pairs.times.part_mut(..count));
     let Motion { start, end, rounds, .. } = motion;
     let swept = continuous::LinearMotion { start, end, radii: model.radii, rounds, round: motion.tested() };
     let separation = SEPARATION * model.thickness;
@@ -71,7 +72,7 @@ fn find_pairs<D: Dispatch>(
         let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
         let (x, ends) = (gather(vertices, start), gather(vertices, end));
         let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
-        let at: [Vec3; 4] = time.map_or(x, |time| core::array::from_fn(|k| x[k] + (ends[k] - x[k]) * time));
+        let at: [Vec3; 4] = time.map_or(x, |time| core::array::from_fn(|k| x.at(k) + (ends.at(k) - x.at(k)) * time));
         let (Some(impact), Some(before)) =
             (contact(kind, vertices, &at, &x, radius), contact(kind, vertices, &x, &x, radius))
         else {
@@ -93,5 +94,5 @@ fn find_pairs<D: Dispatch>(
 /// Solves all impacts so far.
 pub(crate) fn resolve(work: &mut Work<'_>) {
     let Work { model, list, near, motion, .. } = work;
-    relax(model, &mut list.all[*near..list.count], None, motion, SWEEPS, 0.0);
+    relax(model, list.all.part_mut(*near..list.count), None, motion, SWEEPS, 0.0);
 }

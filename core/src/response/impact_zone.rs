@@ -3,6 +3,7 @@
 
 use super::constraint::Constraint;
 use super::work::{Work, relax};
+use crate::column::Column;
 use crate::real::{Real, Vec3};
 
 /// Sweeps over a zone.
@@ -13,7 +14,7 @@ const LEFT: Real = 0.02;
 /// Solves the zones of the impacts.
 pub(crate) fn resolve(work: &mut Work<'_>) {
     let Work { model, list, first, motion, zones, order, statistics, .. } = work;
-    let (constraints, inverse_masses) = (&mut list.all[..list.count], model.inverse_masses);
+    let (constraints, inverse_masses) = (list.all.part_mut(..list.count), model.inverse_masses);
     for (v, zone) in zones.iter_mut().enumerate() {
         *zone = v as u32;
     }
@@ -21,39 +22,44 @@ pub(crate) fn resolve(work: &mut Work<'_>) {
         join(zones, constraint, inverse_masses);
     }
     // Roots of the new constraints first, then the constraints that lie in their zones.
-    let (roots, chosen) = order.split_at_mut(constraints.len());
+    let (roots, chosen) = order.cut_mut(constraints.len());
     let mut wanted = 0;
-    for constraint in &constraints[*first..] {
+    for constraint in constraints.part(*first..) {
         if let Some(root) = root_of(zones, constraint, inverse_masses) {
-            roots[wanted] = root;
+            roots.set(wanted, root);
             wanted += 1;
         }
     }
-    let roots = &mut roots[..wanted];
+    let roots = roots.part_mut(..wanted);
     roots.sort_unstable();
     let mut count = 0;
-    for k in 0..constraints.len() {
-        let root = root_of(zones, &constraints[k], inverse_masses);
+    for (k, constraint) in (0..).zip(constraints.iter()) {
+        let root = root_of(zones, constraint, inverse_masses);
         if root.is_some_and(|root| roots.binary_search(&root).is_ok()) {
-            chosen[count] = k as u32;
+            chosen.set(count, k);
             count += 1;
         }
     }
-    relax(model, constraints, Some(&chosen[..count]), motion, SWEEPS, LEFT * model.thickness);
-    statistics.zones += roots.chunk_by(|a, b| a == b).count() as u64;
+    relax(model, constraints, Some(chosen.part(..count)), motion, SWEEPS, LEFT * model.thickness);
+    let mut before = None;
+    statistics.zones += roots.iter().filter(|&&root| before.replace(root) != Some(root)).count() as u64;
 }
 
 fn movable(inverse_masses: &[Vec3], vertex: u32) -> bool {
-    inverse_masses[vertex as usize] != Vec3::ZERO
+    inverse_masses.at(vertex as usize) != Vec3::ZERO
 }
 
 fn root(zones: &mut [u32], vertex: u32) -> u32 {
     let mut v = vertex;
-    while zones[v as usize] != v {
-        zones[v as usize] = zones[zones[v as usize] as usize];
-        v = zones[v as usize];
+    loop {
+        let above = zones.at(v as usize);
+        if above == v {
+            return v;
+        }
+        let next = zones.at(above as usize);
+        zones.set(v as usize, next);
+        v = next;
     }
-    v
 }
 
 fn root_of(zones: &mut [u32], constraint: &Constraint, inverse_masses: &[Vec3]) -> Option<u32> {
@@ -69,7 +75,7 @@ fn join(zones: &mut [u32], constraint: &Constraint, inverse_masses: &[Vec3]) {
             let other = root(zones, v);
             // The smaller root is kept, in any order.
             let (less, more) = (low.min(other), low.max(other));
-            zones[more as usize] = less;
+            zones.set(more as usize, less);
             low = less;
         }
     }

@@ -25,6 +25,7 @@ mod work;
 
 use core::ops::Range;
 
+use crate::column::Column;
 use crate::contact::{ContactModel, ContactScratch};
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3};
@@ -48,7 +49,10 @@ const PASSES: [(Range<u32>, Pass); 6] = [
 /// Rounds after which a step is rejected.
 const MOST_ROUNDS: u32 = 30;
 /// The same with the last resort: the last round of the list.
-const HOLD_ROUNDS: u32 = PASSES[PASSES.len() - 1].0.end - 1;
+const HOLD_ROUNDS: u32 = {
+    let [.., (last, _)] = &PASSES;
+    last.end - 1
+};
 
 /// The result of a response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,12 +142,12 @@ fn find_near(
 ) -> Result<usize, usize> {
     let ContactScratch { start, end, displacements, corrections, turns, rounds, counts, constraints, order, .. } =
         scratch;
-    end.copy_from_slice(scratch.predicted);
-    displacements.copy_from_slice(scratch.predicted_displacements);
+    end.copy_from(scratch.predicted);
+    displacements.copy_from(scratch.predicted_displacements);
     corrections.fill(Vec3::ZERO);
     rounds.fill(0);
     let mut list = List { all: constraints, count: before, touching: 0 };
-    let known = repulsion::Known::sort(&list.all[..list.count], order);
+    let known = repulsion::Known::sort(list.all.part(..list.count), order);
     let pairs = [counts.vertex_triangle, counts.edge_edge];
     let motion = Motion { start, end, displacements, turns, rounds, round: 0, step };
     repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &known, margin, &mut list);
@@ -195,7 +199,7 @@ pub fn respond<D: Dispatch>(
         }
         work.first = work.list.count;
         impact::find(model, &mut pairs, counts, &work.motion, &mut work.list, dispatch)?;
-        let impacts = &work.list.all[work.first..work.list.count];
+        let impacts = work.list.all.part(work.first..work.list.count);
         let Some(last) = impacts.last() else {
             scratch.lengths.constraints = work.list.count;
             work.statistics.touching = work.list.touching;

@@ -6,6 +6,7 @@ use super::constraint::{self, Constraint};
 use super::roll::roll;
 use super::work::{List, Motion, Work, relax};
 use crate::colliders::Form;
+use crate::column::Column;
 use crate::contact::{ContactModel, Pairs};
 use crate::narrow_phase::advance::{fastest, slab};
 use crate::narrow_phase::local_minimum::is_local_minimum;
@@ -59,17 +60,17 @@ impl<'a> Known<'a> {
 
     /// The pairs of some constraints. Sorts their indices into `order`.
     pub fn sort(constraints: &[Constraint], order: &'a mut [u32]) -> Self {
-        let count = constraints.len();
-        for (k, slot) in (0..).zip(&mut order[..count]) {
+        let order = order.part_mut(..constraints.len());
+        for (k, slot) in (0..).zip(&mut *order) {
             *slot = k;
         }
-        constraint::sort_by_vertices(constraints, &mut order[..count]);
-        Self { order: &order[..count] }
+        constraint::sort_by_vertices(constraints, order);
+        Self { order }
     }
 
     /// The index of the first constraint of a pair. Constraints were only added behind the known ones.
     pub fn first(&self, constraints: &[Constraint], vertices: [u32; 4]) -> Option<u32> {
-        let of = |k: u32| constraints[k as usize].contact.vertices;
+        let of = |k: u32| constraint::vertices(constraints, k);
         let at = self.order.partition_point(|&k| of(k) < vertices);
         self.order.get(at).copied().filter(|&k| of(k) == vertices)
     }
@@ -87,7 +88,7 @@ fn find_pairs(
     list: &mut List<'_>,
 ) {
     let (start, first) = (list.count, with_pairing!(kind, P => P::FIRST));
-    for (&candidate, &distance) in pairs.candidates[..count].iter().zip(&*pairs.distances) {
+    for (&candidate, &distance) in pairs.candidates.part(..count).iter().zip(&*pairs.distances) {
         if distance > REACH * model.thickness {
             continue;
         }
@@ -133,14 +134,14 @@ pub(crate) fn find_planes(
         let Form::Plane(normal) = body.form() else { continue };
         let plane = model.cloth() as u32 + body.vertices[0];
         for v in 0..model.cloth() as u32 {
-            if round > 0 && motion.rounds[v as usize] != round {
+            if round > 0 && motion.rounds.at(v as usize) != round {
                 continue;
             }
             let contact = Contact {
                 vertices: [v, plane, plane, plane],
                 weights: [1.0, -1.0, 0.0, 0.0],
                 normal,
-                gap: normal.dot(motion.start[v as usize] - motion.start[plane as usize]),
+                gap: normal.dot(motion.start.at(v as usize) - motion.start.at(plane as usize)),
             };
             let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(normal);
             if ends < least(contact.gap) && known.first(list.all, contact.vertices).is_none() {
@@ -170,7 +171,7 @@ pub(crate) fn constraint(
     let roll = roll(model, &contact, motion.turns);
     let relative = constraint::weighted(&contact, motion.displacements) + roll;
     let sliding = relative - contact.normal * contact.normal.dot(relative);
-    let coefficients = model.laws[law as usize].coefficients(sqrt(sliding.length_squared()) / motion.step);
+    let coefficients = model.laws.at(law as usize).coefficients(sqrt(sliding.length_squared()) / motion.step);
     Constraint { roll, ..Constraint::new(contact, target, coefficients, model.inverse_masses, lever_ratio) }
 }
 
@@ -180,8 +181,8 @@ pub(crate) fn least_at_rest(kind: Kind, model: &ContactModel<'_>, vertices: [u32
     let sheet = model.firsts.partition_point(|&first| first <= vertices[0]);
     // The vertices of the colliders come last and are no sheet.
     let sheet = sheet.checked_sub(1).and_then(|first| model.firsts.get(first..first + 2));
-    let Some(sheet) = sheet else { return distance };
-    if vertices.iter().any(|&v| v < sheet[0] || v >= sheet[1]) {
+    let Some(&[first, end]) = sheet else { return distance };
+    if vertices.iter().any(|&v| v < first || v >= end) {
         return distance;
     }
     let material = gather(vertices, model.material);
@@ -198,7 +199,7 @@ pub(crate) fn least_at_rest(kind: Kind, model: &ContactModel<'_>, vertices: [u32
 /// Solves the contacts.
 pub(crate) fn repel(work: &mut Work<'_>) {
     let Work { model, list, near, motion, .. } = work;
-    relax(model, &mut list.all[..*near], None, motion, SWEEPS, LEFT * model.thickness);
+    relax(model, list.all.part_mut(..*near), None, motion, SWEEPS, LEFT * model.thickness);
 }
 
 /// Removes a part of each overlap.
@@ -206,7 +207,7 @@ pub(crate) fn separate(work: &mut Work<'_>) {
     let Work { model, list, near, motion, corrections, .. } = work;
     let ContactModel { thickness, inverse_masses, .. } = **model;
     for _ in 0..SEPARATION_SWEEPS {
-        for constraint in &list.all[..*near] {
+        for constraint in list.all.part(..*near) {
             let (contact, along) = (constraint.contact, constraint.inverse_mass);
             let overlap = thickness - contact.gap;
             if overlap <= LEFT * thickness || along <= 0.0 || constraint.target < contact.gap {

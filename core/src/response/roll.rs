@@ -1,6 +1,7 @@
 //! Surfaces of spheres and capsules that turn. The vertices of these colliders are a centre and the ends of an axis,
 //! which do not move with the surface.
 
+use crate::column::Column;
 use crate::contact::ContactModel;
 use crate::narrow_phase::Contact;
 use crate::real::Vec3;
@@ -10,7 +11,7 @@ use crate::real::Vec3;
 /// colliders, rad.
 pub(crate) fn roll(model: &ContactModel<'_>, contact: &Contact, turns: &[Vec3]) -> Vec3 {
     let cloth = model.cloth();
-    let is_round = |&v: &usize| v >= cloth && model.radii[v] > 0.0;
+    let is_round = |&v: &usize| v >= cloth && model.radii.at(v) > 0.0;
     let Some(vertex) = contact.vertices.iter().map(|&v| v as usize).find(is_round) else { return Vec3::ZERO };
-    contact.normal.cross(turns[model.colliders.body_of(vertex - cloth)]) * model.radii[vertex]
+    contact.normal.cross(turns.at(model.colliders.body_of(vertex - cloth))) * model.radii.at(vertex)
 }

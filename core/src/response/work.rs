@@ -2,6 +2,7 @@
 
 use super::constraint::{self, Constraint};
 use super::{ContactStatistics, PASSES};
+use crate::column::Column;
 use crate::contact::ContactModel;
 use crate::detection;
 use crate::geometry::aabb::Aabb;
@@ -29,7 +30,7 @@ impl Work<'_> {
     /// Runs the passes of the next round. Pairs that collided are tested again after it, whether or not a vertex moved.
     pub fn run_passes(&mut self) {
         self.motion.round += 1;
-        let impacts = &self.list.all[self.first..self.list.count];
+        let impacts = self.list.all.part(self.first..self.list.count);
         self.statistics.impacts += impacts.len() as u64;
         impacts.iter().for_each(|impact| self.motion.mark(impact));
         for (rounds, pass) in &PASSES {
@@ -88,7 +89,7 @@ impl Motion<'_> {
     #[inline(never)]
     pub fn mark(&mut self, constraint: &Constraint) {
         for v in constraint.contact.vertices {
-            self.rounds[v as usize] = self.round;
+            self.rounds.set(v as usize, self.round);
         }
     }
 
@@ -100,9 +101,10 @@ impl Motion<'_> {
     /// Writes the end positions, rounded, of the vertices moved in this round. Displacements are not rounded: in f32,
     /// with short steps, the rounding errors are as large as the effect of friction.
     pub fn round_ends(&mut self) {
-        for (v, end) in self.end.iter_mut().enumerate() {
-            if self.rounds[v] == self.round {
-                *end = self.start[v] + self.displacements[v];
+        let starts = self.start.iter().zip(&*self.displacements);
+        for ((end, &round), (&start, &displacement)) in self.end.iter_mut().zip(&*self.rounds).zip(starts) {
+            if round == self.round {
+                *end = start + displacement;
             }
         }
     }
@@ -110,8 +112,8 @@ impl Motion<'_> {
     /// Whether a vertex moved in this round has left its box, less the margin of the box. In the first round the
     /// implicit solve may have moved any vertex.
     pub fn leaves_boxes(&self, ends: &[Aabb], model: &ContactModel<'_>) -> bool {
-        self.end.iter().enumerate().any(|(v, &end)| {
-            (self.round == 1 || self.rounds[v] == self.round) && !detection::may_end(model, ends, v, end)
+        self.end.iter().zip(&*self.rounds).enumerate().any(|(v, (&end, &round))| {
+            (self.round == 1 || round == self.round) && !detection::may_end(model, ends, v, end)
         })
     }
 }
@@ -132,7 +134,8 @@ pub(crate) fn relax(
     for _ in 0..sweeps {
         let mut worst: Real = 0.0;
         for k in 0..count {
-            let constraint = &mut constraints[chosen.map_or(k, |chosen| chosen[k] as usize)];
+            let index = chosen.map_or(k, |chosen| chosen.at(k) as usize);
+            let Some(constraint) = constraints.element_mut(index) else { continue };
             let is_solved = constraint.is_solved.is_set() && constraint.is_within(tolerance, motion.displacements);
             constraint.is_solved = is_solved.into();
             let (violation, moved) = constraint::solve(constraint, model.inverse_masses, motion.displacements);
