@@ -4,6 +4,7 @@
 
 use super::friction::FrictionCoefficients;
 use crate::column::Column;
+use crate::heap_sort;
 use crate::narrow_phase::Contact;
 use crate::real::{Flag, Real, Vec3, sqrt};
 
@@ -64,7 +65,7 @@ impl Constraint {
 /// inlined: a sort is long.
 #[inline(never)]
 pub fn sort_by_vertices(constraints: &[Constraint], order: &mut [u32]) {
-    order.sort_unstable_by_key(|&index| (vertices(constraints, index), index));
+    heap_sort::sort_by_key(order, |&index| (vertices(constraints, index), index));
 }
 
 /// The vertices of the features of a constraint.
