@@ -29,3 +29,24 @@ fn sift_down<T>(heap: &mut [T], mut root: usize, is_less: &impl Fn(&[T], usize, 
         root = greater;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::sort_by_key;
+
+    #[test]
+    fn as_the_standard_library() {
+        let mut state = 1u32;
+        for length in 0..200 {
+            let mut list = [0; 200];
+            list.iter_mut().for_each(|value| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                *value = state >> 24;
+            });
+            let mut sorted = list;
+            sort_by_key(&mut list[..length], |&value| value);
+            sorted[..length].sort_unstable();
+            assert_eq!(list, sorted);
+        }
+    }
+}

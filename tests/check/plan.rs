@@ -40,8 +40,8 @@ pub const TESTED: &str = "dev";
 /// Further profiles, in which the bits must be the same.
 const PROFILES: [&str; 2] = ["unoptimised", "release"];
 
-/// The suite that checks the bits.
-const BITS: &str = "goldens";
+/// The suites whose results could differ between profiles: of bits, and of faults, which panic in some of them.
+const PER_PROFILE: [&str; 2] = ["goldens", "faults"];
 
 /// Packages linted every day; the other packages are for browsers only and take much longer to build.
 const LINTED: &str = "-p muslin-core -p muslin-core-f64 -p muslin-gpu -p muslin-cli -p muslin-tests \
@@ -92,8 +92,8 @@ pub fn steps(suites: &[Suite]) -> Vec<Step> {
         }
     }
     for profile in PROFILES {
-        let bits = suites.iter().filter(|suite| suite.name == BITS).cloned().collect();
-        steps.push(step(All, &format!("{BITS}, {profile}"), Task::Suites(profile, bits)));
+        let own = suites.iter().filter(|suite| PER_PROFILE.contains(&&*suite.name)).cloned().collect();
+        steps.push(step(All, &format!("{}, {profile}", PER_PROFILE.join(", ")), Task::Suites(profile, own)));
     }
     steps.push(command(All, "package", "cargo run -p muslin-pack"));
     steps.push(command(All, "browser", &format!("node --test --test-concurrency=1{}", browser_tests())));
