@@ -3,6 +3,7 @@
 use super::matrix::{BlockMatrix, add};
 use super::term::ForceTerm;
 use super::{Energy, Jacobian, TangentScale, Term};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Positions;
 use crate::real::{Real, Vec3, scaled_identity};
@@ -26,8 +27,8 @@ impl ForceTerm for Drag<'_> {
         dispatch: &impl Dispatch,
     ) {
         dispatch.run(f, |start, part| {
-            for (i, f) in (start..).zip(part) {
-                *f -= v[i] * self.coefficients[i];
+            for ((f, &v), &coefficient) in part.iter_mut().zip(v.part(start..)).zip(self.coefficients.part(start..)) {
+                *f -= v * coefficient;
             }
         });
     }
@@ -50,7 +51,8 @@ impl ForceTerm for Drag<'_> {
         dispatch.run(matrix.rows_mut(), |start, mut rows| {
             rows.clear();
             for i in 0..rows.count() {
-                add(&mut rows.row(i)[0], &scaled_identity(scale.velocity * self.coefficients[start + i]));
+                let Some(diagonal) = rows.row(i).element_mut(0) else { continue };
+                add(diagonal, &scaled_identity(scale.velocity * self.coefficients.at(start + i)));
             }
         });
     }

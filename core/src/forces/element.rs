@@ -7,6 +7,7 @@ use bytemuck::Pod;
 use super::matrix::{BlockMatrix, NOT_STORED, add};
 use super::term::ForceTerm;
 use super::{Energy, Jacobian, TangentScale, Term};
+use crate::column::{Column, fault};
 use crate::dispatch::Dispatch;
 use crate::mesh::Incidence;
 use crate::particles::Positions;
@@ -65,7 +66,7 @@ pub trait ElementTerm {
 
 #[inline]
 fn corners<const K: usize>(ids: &[u32; K], column: &[Vec3]) -> [Vec3; K] {
-    ids.map(|i| column[i as usize])
+    ids.map(|i| column.at(i as usize))
 }
 
 /// Adds the forces without scratch: computes those of an element for each of its corners.
@@ -81,8 +82,8 @@ fn add_recomputed<E: Element<K>, const K: usize>(
         for (vertex, f) in part.iter_mut().enumerate() {
             for &slot in incidence.at(start + vertex) {
                 let (element, corner) = (slot as usize / K, slot as usize % K);
-                let ids = &vertices[element];
-                *f += term.force(element, &x.relative(ids), &corners(ids, v))[corner];
+                let Some(ids) = vertices.element(element) else { return };
+                *f += term.force(element, &x.relative(ids), &corners(ids, v)).at(corner);
             }
         }
     });
@@ -108,7 +109,7 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
         if MAY_BE_LEAN && scratch.len() < vertices.len() * K {
             return add_recomputed(self, x, v, f, dispatch);
         }
-        let (slots, _) = scratch[..vertices.len() * K].as_chunks_mut::<K>();
+        let (slots, _) = scratch.part_mut(..vertices.len() * K).as_chunks_mut::<K>();
         dispatch.run(slots, |start, part| {
             for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
                 *slot = self.force(element, &x.relative(ids), &corners(ids, v));
@@ -118,7 +119,8 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
         dispatch.run(f, |start, part| {
             for (vertex, f) in part.iter_mut().enumerate() {
                 for &slot in incidence.at(start + vertex) {
-                    *f += forces[slot as usize];
+                    let Some(&force) = forces.element(slot as usize) else { return };
+                    *f += force;
                 }
             }
         });
@@ -145,7 +147,8 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
     ) {
         let jacobian = if E::CONSERVATIVE { jacobian } else { Jacobian::Projected };
         let (vertices, incidence) = (self.vertices(), self.incidence());
-        let tangents: &mut [E::Tangent] = bytemuck::cast_slice_mut(&mut scratch[..self.tangent_scratch()]);
+        let scratch = scratch.part_mut(..self.tangent_scratch());
+        let Ok(tangents) = bytemuck::try_cast_slice_mut::<_, E::Tangent>(scratch) else { return fault() };
         if jacobian == Jacobian::Projected {
             dispatch.run(&mut *tangents, |start, part| {
                 for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
@@ -157,23 +160,28 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
         dispatch.run(matrix.rows_mut(), |start, mut rows| {
             for i in 0..rows.count() {
                 let row = rows.row(i);
-                for at in incidence.range(start + i) {
-                    let slot = incidence.slots[at] as usize;
-                    let (element, a) = (slot / K, slot % K);
-                    let slots = &slots[at * K..at * K + K];
+                let range = incidence.range(start + i);
+                let (places, _) = slots.part(range.start * K..range.end * K).as_chunks::<K>();
+                for (&slot, places) in incidence.slots.part(range).iter().zip(places) {
+                    let (element, a) = (slot as usize / K, slot as usize % K);
                     match jacobian {
                         Jacobian::Projected => {
-                            for b in (0..K).filter(|&b| slots[b] != NOT_STORED) {
-                                add(&mut row[slots[b] as usize], &self.block(element, &tangents[element], a, b));
+                            let Some(tangent) = tangents.element(element) else { return };
+                            for b in (0..K).filter(|&b| places.at(b) != NOT_STORED) {
+                                let Some(block) = row.element_mut(places.at(b) as usize) else { return };
+                                add(block, &self.block(element, tangent, a, b));
                             }
                         }
                         // For studies only, so the blocks are recomputed for each corner and not stored.
                         // With v = 0 damping does not contribute to df/dx, and the matrix stays symmetric.
                         Jacobian::Exact => {
-                            let x = corners(&vertices[element], x);
-                            let blocks = self.exact(element, &x, &[Vec3::ZERO; K], scale);
-                            for b in (0..K).filter(|&b| slots[b] != NOT_STORED) {
-                                add(&mut row[slots[b] as usize], &blocks[a][b]);
+                            let Some(ids) = vertices.element(element) else { return };
+                            let blocks = self.exact(element, &corners(ids, x), &[Vec3::ZERO; K], scale);
+                            let Some(blocks) = blocks.element(a) else { return };
+                            for (&place, block) in places.iter().zip(blocks).filter(|&(&place, _)| place != NOT_STORED)
+                            {
+                                let Some(sum) = row.element_mut(place as usize) else { return };
+                                add(sum, block);
                             }
                         }
                     }
@@ -184,8 +192,8 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
 
     fn blocks(&self) -> impl Iterator<Item = (u32, u32)> {
         self.incidence().slots.iter().flat_map(|&slot| {
-            let ids = self.vertices()[slot as usize / K];
-            ids.map(|column| (ids[slot as usize % K], column))
+            let Some(ids) = self.vertices().element(slot as usize / K) else { return [(0, 0); K] };
+            ids.map(|column| (ids.at(slot as usize % K), column))
         })
     }
 

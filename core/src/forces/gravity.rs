@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::term::ForceTerm;
 use super::{Energy, Term};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::keys::{Key, Moment};
 use crate::particles::Positions;
@@ -42,7 +43,7 @@ impl ForceTerm for Gravity<'_> {
     ) {
         let gravity = self.acceleration;
         dispatch.run(f, |start, part| {
-            for (f, &mass) in part.iter_mut().zip(&masses[start..]) {
+            for (f, &mass) in part.iter_mut().zip(masses.part(start..)) {
                 *f = gravity * mass;
             }
         });

@@ -10,6 +10,7 @@ use core::f64::consts::PI;
 
 use super::element::{Element, ElementTerm};
 use super::{Energy, TangentScale};
+use crate::column::Column;
 use crate::mesh::Incidence;
 use crate::real::{DEGENERATE, Mat3, Real, Vec3, atan2, cross, outer, sqrt};
 
@@ -106,30 +107,28 @@ impl Fold {
         let eh = self.along;
         let p = [self.normals[0] / self.squares[0], self.normals[1] / self.squares[1]];
         // d(N/|N|^2) = R dN.
-        let turn = |t: usize| (Mat3::IDENTITY - outer(p[t] * 2.0, self.normals[t])) * (1.0 / self.squares[t]);
-        let turned = [turn(0), turn(1)];
+        let turn = |p: Vec3, normal: Vec3, square: Real| (Mat3::IDENTITY - outer(p * 2.0, normal)) * (1.0 / square);
+        let turned = [turn(p[0], self.normals[0], self.squares[0]), turn(p[1], self.normals[1], self.squares[1])];
         let normal = [
             [cross(c - b), cross(a - c), cross(b - a), Mat3::ZERO],
             [cross(b - d), cross(d - a), Mat3::ZERO, cross(a - b)],
         ];
-        let across = [c, d].map(|far| {
+        let [h1, h2] = [c, d].map(|far| {
             let to_far = far - a;
             (to_far - eh * to_far.dot(eh)) / self.length
         });
         // Derivatives of the weights: [triangle][corner][corner to derive by].
-        let weight = [0, 1].map(|t| {
-            let h = across[t];
-            let mut by_a = [h, eh - h, Vec3::ZERO, Vec3::ZERO];
-            let mut by_b = [-eh - h, h, Vec3::ZERO, Vec3::ZERO];
-            by_a[2 + t] = -eh;
-            by_b[2 + t] = eh;
-            let mut rows = [by_a, by_b, [Vec3::ZERO; 4], [Vec3::ZERO; 4]];
-            rows[2 + t] = [eh, -eh, Vec3::ZERO, Vec3::ZERO];
-            rows
-        });
+        let zero = Vec3::ZERO;
+        let weight = [
+            [[h1, eh - h1, -eh, zero], [-eh - h1, h1, eh, zero], [eh, -eh, zero, zero], [zero; 4]],
+            [[h2, eh - h2, zero, -eh], [-eh - h2, h2, zero, eh], [zero; 4], [eh, -eh, zero, zero]],
+        ];
         core::array::from_fn(|i| {
             core::array::from_fn(|k| {
-                let part = |t: usize| outer(p[t], weight[t][i][k]) + turned[t] * normal[t][k] * self.weights[i][t];
+                let part = |t: usize| {
+                    outer(p.at(t), weight.at(t).at(i).at(k))
+                        + turned.at(t) * normal.at(t).at(k) * self.weights.at(i).at(t)
+                };
                 part(0) + part(1)
             })
         })
@@ -140,7 +139,7 @@ impl Hinges<'_> {
     /// `theta - theta0`, wrapped to (-pi, pi].
     #[inline]
     fn bent(&self, hinge: usize, angle: Real) -> Real {
-        let bent = angle - self.rest_angles[hinge];
+        let bent = angle - self.rest_angles.at(hinge);
         let turn = 2.0 * PI as Real;
         if bent > PI as Real {
             bent - turn
@@ -158,7 +157,7 @@ impl Hinges<'_> {
 
     /// The angle of one hinge, radians; 0 if the hinge has collapsed.
     pub fn angle(&self, hinge: usize, x: &[Vec3; 4]) -> Real {
-        fold(x, self.least_heights[hinge]).map_or(0.0, |fold| fold.angle())
+        fold(x, self.least_heights.at(hinge)).map_or(0.0, |fold| fold.angle())
     }
 }
 
@@ -176,50 +175,51 @@ impl Element<4> for Hinges<'_> {
 
     #[inline]
     fn force(&self, hinge: usize, x: &[Vec3; 4], v: &[Vec3; 4]) -> [Vec3; 4] {
-        let Some(fold) = fold(x, self.least_heights[hinge]) else { return [Vec3::ZERO; 4] };
+        let Some(fold) = fold(x, self.least_heights.at(hinge)) else { return [Vec3::ZERO; 4] };
         let gradient = fold.gradient();
-        let relief = fold.relief(self.least_heights[hinge]);
-        let mut moment = self.stiffness[hinge] * self.bent(hinge, fold.angle());
+        let relief = fold.relief(self.least_heights.at(hinge));
+        let mut moment = self.stiffness.at(hinge) * self.bent(hinge, fold.angle());
         if !self.damping.is_empty() {
-            let rate: Real = (0..4).map(|i| gradient[i].dot(v[i])).sum();
-            moment += self.damping[hinge] * relief * rate;
+            let rate: Real = gradient.iter().zip(v).map(|(g, &v)| g.dot(v)).sum();
+            moment += self.damping.at(hinge) * relief * rate;
         }
         gradient.map(|g| g * (-moment * relief))
     }
 
     fn energy(&self, hinge: usize, x: &[Vec3; 4]) -> Energy {
         let bent = self.bent(hinge, self.angle(hinge, x));
-        Energy { bend: (0.5 * self.stiffness[hinge] * bent * bent).into(), ..Energy::default() }
+        Energy { bend: (0.5 * self.stiffness.at(hinge) * bent * bent).into(), ..Energy::default() }
     }
 
     #[inline]
     fn tangent(&self, hinge: usize, x: &[Vec3; 4], scale: TangentScale) -> [Vec3; 4] {
-        let Some(fold) = fold(x, self.least_heights[hinge]) else { return [Vec3::ZERO; 4] };
-        let stiffness = scale.position * self.stiffness[hinge] + scale.velocity * self.damping(hinge);
-        let root = sqrt(stiffness) * fold.relief(self.least_heights[hinge]);
+        let Some(fold) = fold(x, self.least_heights.at(hinge)) else { return [Vec3::ZERO; 4] };
+        let stiffness = scale.position * self.stiffness.at(hinge) + scale.velocity * self.damping(hinge);
+        let root = sqrt(stiffness) * fold.relief(self.least_heights.at(hinge));
         fold.gradient().map(|g| g * root)
     }
 
     #[inline]
     fn block(&self, _: usize, t: &[Vec3; 4], a: usize, b: usize) -> Mat3 {
-        outer(t[a], t[b])
+        outer(t.at(a), t.at(b))
     }
 
     #[cfg_attr(small, optimize(size))]
     fn exact(&self, hinge: usize, x: &[Vec3; 4], v: &[Vec3; 4], scale: TangentScale) -> [[Mat3; 4]; 4] {
-        let Some(fold) = fold(x, self.least_heights[hinge]) else { return [[Mat3::ZERO; 4]; 4] };
+        let Some(fold) = fold(x, self.least_heights.at(hinge)) else { return [[Mat3::ZERO; 4]; 4] };
         let (gradient, hessian) = (fold.gradient(), fold.hessian(x));
-        let (stiffness, damping) = (self.stiffness[hinge], self.damping(hinge));
-        let rate: Real = (0..4).map(|i| gradient[i].dot(v[i])).sum();
+        let (stiffness, damping) = (self.stiffness.at(hinge), self.damping(hinge));
+        let rate: Real = gradient.iter().zip(v).map(|(g, &v)| g.dot(v)).sum();
         // d rate / dx at fixed velocities.
-        let rate_gradient: [Vec3; 4] =
-            core::array::from_fn(|k| (0..4).map(|l| hessian[k][l] * v[l]).fold(Vec3::ZERO, |sum, part| sum + part));
+        let rate_gradient =
+            hessian.map(|row| row.iter().zip(v).map(|(h, &v)| *h * v).fold(Vec3::ZERO, |sum, part| sum + part));
         let moment = stiffness * self.bent(hinge, fold.angle()) + damping * rate;
         core::array::from_fn(|i| {
+            let (g, row) = (gradient.at(i), hessian.at(i));
             core::array::from_fn(|k| {
-                outer(gradient[i] * (scale.position * stiffness + scale.velocity * damping), gradient[k])
-                    + outer(gradient[i] * (scale.position * damping), rate_gradient[k])
-                    + hessian[i][k] * (scale.position * moment)
+                outer(g * (scale.position * stiffness + scale.velocity * damping), gradient.at(k))
+                    + outer(g * (scale.position * damping), rate_gradient.at(k))
+                    + row.at(k) * (scale.position * moment)
             })
         })
     }

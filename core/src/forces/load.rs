@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::term::ForceTerm;
 use super::{Energy, Term};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::keys::{Key, Moment};
 use crate::particles::Positions;
@@ -94,22 +95,22 @@ impl<'a> Loads<'a> {
     /// The force of a group, N.
     fn force(&self, group: &LoadGroup) -> DVec3 {
         let [first, count] = group.keys;
-        self.moment.value(&self.keys[first as usize..(first + count) as usize])
+        self.moment.value(self.keys.part(first as usize..(first + count) as usize))
     }
 
     /// The vertices of a group and their parts.
     fn of(&self, group: &LoadGroup) -> impl Iterator<Item = (usize, Sum)> + use<'a> {
         let [first, count] = group.vertices;
         let range = first as usize..(first + count) as usize;
-        let vertices = self.vertices[range.clone()].iter().map(|&vertex| vertex as usize);
-        vertices.zip(self.parts[range].iter().copied())
+        let vertices = self.vertices.part(range.clone()).iter().map(|&vertex| vertex as usize);
+        vertices.zip(self.parts.part(range).iter().copied())
     }
 }
 
 impl ForceTerm for Loads<'_> {
     fn add_forces(&self, _: &[Real], _: Positions<'_>, _: &[Vec3], _: &mut [Vec3], f: &mut [Vec3], _: &impl Dispatch) {
         for (vertex, force) in self.forces() {
-            f[vertex] += force;
+            f.add(vertex, force);
         }
     }
 

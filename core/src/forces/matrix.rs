@@ -5,6 +5,7 @@
 //! of the diagonal in the rows above. Each row is written by a single thread.
 
 use super::Term;
+use crate::column::{Column, fault};
 use crate::dispatch::{Dispatch, Split};
 use crate::real::{Lanes, Mat3, Real, Vec3, lanes};
 
@@ -26,9 +27,10 @@ pub struct BlockMatrix<'a> {
 impl BlockMatrix<'_> {
     /// The columns of a row's blocks, stored or mirrored.
     pub fn columns_of(&self, row: usize) -> impl Iterator<Item = u32> {
-        let range = |offsets: &[u32]| offsets[row] as usize..offsets[row + 1] as usize;
-        let mirrored = &self.mirrored[range(self.mirrored_offsets)];
-        self.columns[range(self.offsets)].iter().copied().chain(mirrored.iter().map(|mirrored| mirrored.column))
+        let range = |offsets: &[u32]| offsets.at(row) as usize..offsets.at(row + 1) as usize;
+        let mirrored = self.mirrored.part(range(self.mirrored_offsets));
+        let stored = self.columns.part(range(self.offsets));
+        stored.iter().copied().chain(mirrored.iter().map(|mirrored| mirrored.column))
     }
 }
 
@@ -84,14 +86,14 @@ pub struct RowsMut<'a> {
 impl RowsMut<'_> {
     /// Number of rows in this part.
     pub fn count(&self) -> usize {
-        self.offsets.len() - 1
+        self.offsets.len().saturating_sub(1)
     }
 
     /// The blocks of a row. Rows count from the first of this part.
     #[inline]
     pub fn row(&mut self, i: usize) -> &mut [Block] {
-        let first = self.offsets[0];
-        &mut self.blocks[(self.offsets[i] - first) as usize..(self.offsets[i + 1] - first) as usize]
+        let first = self.offsets.at(0);
+        self.blocks.part_mut((self.offsets.at(i) - first) as usize..(self.offsets.at(i + 1) - first) as usize)
     }
 
     /// Sets all blocks to zero.
@@ -105,8 +107,9 @@ impl Split for RowsMut<'_> {
         self.count()
     }
     fn split_at(self, mid: usize) -> (Self, Self) {
-        let (low, high) = self.blocks.split_at_mut((self.offsets[mid] - self.offsets[0]) as usize);
-        (Self { offsets: &self.offsets[..=mid], blocks: low }, Self { offsets: &self.offsets[mid..], blocks: high })
+        let (low, high) = self.blocks.cut_mut((self.offsets.at(mid) - self.offsets.at(0)) as usize);
+        let offsets = self.offsets;
+        (Self { offsets: offsets.part(..=mid), blocks: low }, Self { offsets: offsets.part(mid..), blocks: high })
     }
 }
 
@@ -118,7 +121,7 @@ impl BlockMatrix<'_> {
 
     /// Number of rows, one per vertex.
     pub fn rows(&self) -> usize {
-        self.offsets.len() - 1
+        self.offsets.len().saturating_sub(1)
     }
 }
 
@@ -134,6 +137,13 @@ pub fn multiply(
     dispatch.run(out, |start, part| multiply_rows(matrix, masses, mass_factor, p, start, part));
 }
 
+/// The entries of a row in a column that `offsets` divides into rows. `None` if an index is out of range.
+#[inline(always)]
+fn row_of<'a, T>(offsets: &[u32], row: usize, column: &'a [T]) -> Option<&'a [T]> {
+    let &[first, end] = offsets.get(row..row + 2)? else { return None };
+    column.get(first as usize..end as usize)
+}
+
 /// Some rows of the [product](multiply); `start` is the first.
 pub fn multiply_rows(
     matrix: &BlockMatrix<'_>,
@@ -143,20 +153,23 @@ pub fn multiply_rows(
     start: usize,
     out: &mut [Vec3],
 ) {
-    let (offsets, columns, blocks) = (matrix.offsets, matrix.columns, &*matrix.blocks);
-    for (i, out) in (start..).zip(out) {
-        let left = matrix.mirrored_offsets[i] as usize..matrix.mirrored_offsets[i + 1] as usize;
+    let blocks = &*matrix.blocks;
+    let rows = out.iter_mut().zip(p.part(start..)).zip(masses.part(start..));
+    for (i, ((out, own), mass)) in (start..).zip(rows) {
+        let Some(mirrored) = row_of(matrix.mirrored_offsets, i, matrix.mirrored) else { return fault() };
+        let Some(columns) = row_of(matrix.offsets, i, matrix.columns) else { return fault() };
+        let Some(stored) = row_of(matrix.offsets, i, blocks) else { return fault() };
         let mut within = Block::default();
-        for entry in &matrix.mirrored[left] {
-            let (block, p) = (&blocks[entry.block as usize], lanes(p[entry.column as usize]));
-            for column in 0..3 {
-                within[column] += block[column] * p;
+        for entry in mirrored {
+            let Some(block) = blocks.element(entry.block as usize) else { return };
+            let Some(&p) = p.element(entry.column as usize) else { return };
+            for (within, column) in within.iter_mut().zip(block) {
+                *within += *column * lanes(p);
             }
         }
-        let row = offsets[i] as usize..offsets[i + 1] as usize;
         let mut over = Block::default();
-        for (block, &column) in blocks[row.clone()].iter().zip(&columns[row]) {
-            let p = p[column as usize];
+        for (block, &column) in stored.iter().zip(columns) {
+            let Some(p) = p.element(column as usize) else { return };
             over[0] += block[0] * Lanes::splat(p.x);
             over[1] += block[1] * Lanes::splat(p.y);
             over[2] += block[2] * Lanes::splat(p.z);
@@ -164,6 +177,6 @@ pub fn multiply_rows(
         // Transposed blocks give one component per column, summed over the lanes. Stored blocks give a
         // sum over the columns.
         let [x, y, z] = within.map(to_vec3).map(|v| v.x + v.y + v.z);
-        *out = p[i] * (mass_factor * masses[i]) + to_vec3(over[0] + over[1] + over[2]) + Vec3::new(x, y, z);
+        *out = *own * (mass_factor * mass) + to_vec3(over[0] + over[1] + over[2]) + Vec3::new(x, y, z);
     }
 }

@@ -5,6 +5,7 @@
 
 use super::element::{Element, ElementTerm};
 use super::{Energy, TangentScale};
+use crate::column::Column;
 use crate::mesh::Incidence;
 use crate::real::{DEGENERATE, Mat3, Real, Vec3, outer, scaled_identity, sqrt};
 
@@ -60,7 +61,8 @@ fn direction(w: Vec3) -> (Real, Vec3) {
 fn corner(w: &[Real; 4], m: usize) -> (Real, Real) {
     match m {
         0 => (-w[0] - w[1], -w[2] - w[3]),
-        m => (w[m - 1], w[m + 1]),
+        1 => (w[0], w[2]),
+        _ => (w[1], w[3]),
     }
 }
 
@@ -110,8 +112,8 @@ fn add_projected_shear(blocks: &mut [Mat3; 3], wu: Vec3, wv: Vec3, k: Real) {
 
 impl Membrane<'_> {
     #[inline]
-    fn material(&self, triangle: usize) -> &MembraneMaterial {
-        &self.table[self.materials[triangle] as usize]
+    fn material(&self, triangle: usize) -> MembraneMaterial {
+        self.table.at(self.materials.at(triangle) as usize)
     }
 
     /// Blocks (uu, uv, vv) of the exact second derivative of the energy by (wu; wv), without damping.
@@ -174,14 +176,14 @@ impl Element<3> for Membrane<'_> {
 
     #[inline]
     fn force(&self, triangle: usize, x: &[Vec3; 3], v: &[Vec3; 3]) -> [Vec3; 3] {
-        let (m, w, area) = (self.material(triangle), &self.weights[triangle], self.areas[triangle]);
-        let (wu, wv) = gradient(w, x);
+        let (m, w, area) = (self.material(triangle), self.weights.at(triangle), self.areas.at(triangle));
+        let (wu, wv) = gradient(&w, x);
         let ((lu, hu), (lv, hv)) = (direction(wu), direction(wv));
         let shear = m.shear * wu.dot(wv);
         let mut tu = hu * (m.warp * (lu - 1.0)) + wv * shear;
         let mut tv = hv * (m.weft * (lv - 1.0)) + wu * shear;
         if m.stretch_damping > 0.0 || m.shear_damping > 0.0 {
-            let (ru, rv) = gradient(w, v);
+            let (ru, rv) = gradient(&w, v);
             let shear = m.shear_damping * m.shear * (ru.dot(wv) + wu.dot(rv));
             tu += hu * (m.stretch_damping * m.warp * hu.dot(ru)) + wv * shear;
             tv += hv * (m.stretch_damping * m.weft * hv.dot(rv)) + wu * shear;
@@ -192,8 +194,8 @@ impl Element<3> for Membrane<'_> {
     }
 
     fn energy(&self, triangle: usize, x: &[Vec3; 3]) -> Energy {
-        let (m, area) = (self.material(triangle), self.areas[triangle]);
-        let (wu, wv) = gradient(&self.weights[triangle], x);
+        let (m, area) = (self.material(triangle), self.areas.at(triangle));
+        let (wu, wv) = gradient(&self.weights.at(triangle), x);
         let square = |x: Real| x * x;
         let stretch = m.warp * square(direction(wu).0 - 1.0) + m.weft * square(direction(wv).0 - 1.0);
         let shear = m.shear * square(wu.dot(wv));
@@ -202,8 +204,8 @@ impl Element<3> for Membrane<'_> {
 
     #[inline]
     fn tangent(&self, triangle: usize, x: &[Vec3; 3], scale: TangentScale) -> [Mat3; 3] {
-        let (m, area) = (self.material(triangle), self.areas[triangle]);
-        let (wu, wv) = gradient(&self.weights[triangle], x);
+        let (m, area) = (self.material(triangle), self.areas.at(triangle));
+        let (wu, wv) = gradient(&self.weights.at(triangle), x);
         let position = scale.position * area;
         let damping = scale.velocity * area * m.stretch_damping;
         let mut blocks = [
@@ -225,30 +227,28 @@ impl Element<3> for Membrane<'_> {
 
     #[inline]
     fn block(&self, triangle: usize, t: &[Mat3; 3], a: usize, b: usize) -> Mat3 {
-        let w = &self.weights[triangle];
+        let Some(w) = self.weights.element(triangle) else { return Mat3::ZERO };
         let ((pa, qa), (pb, qb)) = (corner(w, a), corner(w, b));
         t[0] * (pa * pb) + t[1] * (pa * qb) + t[1].transpose() * (qa * pb) + t[2] * (qa * qb)
     }
 
     #[cfg_attr(small, optimize(size))]
     fn exact(&self, triangle: usize, x: &[Vec3; 3], v: &[Vec3; 3], scale: TangentScale) -> [[Mat3; 3]; 3] {
-        let (w, area) = (&self.weights[triangle], self.areas[triangle]);
-        let ((wu, wv), (ru, rv)) = (gradient(w, x), gradient(w, v));
+        let (w, area) = (self.weights.at(triangle), self.areas.at(triangle));
+        let ((wu, wv), (ru, rv)) = (gradient(&w, x), gradient(&w, v));
         let [uu, uv, vv] = self.exact_blocks(triangle, wu, wv);
         let [cuu, cuv, cvv] = self.damping_blocks(triangle, wu, wv);
-        let turn = self.damping_turn(triangle, [wu, wv], [ru, rv]);
-        let elastic = [[uu, uv], [uv.transpose(), vv]];
-        let damping = [[cuu, cuv], [cuv.transpose(), cvv]];
-        let by_gradient = |r: usize, c: usize| {
-            ((elastic[r][c] + turn[r][c]) * scale.position + damping[r][c] * scale.velocity) * area
+        let [[tuu, tuv], [tvu, tvv]] = self.damping_turn(triangle, [wu, wv], [ru, rv]);
+        let by_gradient = |elastic: Mat3, turn: Mat3, damping: Mat3| {
+            ((elastic + turn) * scale.position + damping * scale.velocity) * area
         };
+        let (uu, vv) = (by_gradient(uu, tuu, cuu), by_gradient(vv, tvv, cvv));
+        let vu = by_gradient(uv.transpose(), tvu, cuv.transpose());
+        let uv = by_gradient(uv, tuv, cuv);
         core::array::from_fn(|a| {
             core::array::from_fn(|b| {
-                let ((pa, qa), (pb, qb)) = (corner(w, a), corner(w, b));
-                by_gradient(0, 0) * (pa * pb)
-                    + by_gradient(0, 1) * (pa * qb)
-                    + by_gradient(1, 0) * (qa * pb)
-                    + by_gradient(1, 1) * (qa * qb)
+                let ((pa, qa), (pb, qb)) = (corner(&w, a), corner(&w, b));
+                uu * (pa * pb) + uv * (pa * qb) + vu * (qa * pb) + vv * (qa * qb)
             })
         })
     }
@@ -264,7 +264,7 @@ impl ElementTerm for Membrane<'_> {
     /// The largest rate of change of wu or wv, 1/s.
     fn strain_rate(&self, v: &[Vec3]) -> Real {
         let squares = self.vertices.iter().zip(self.weights).map(|(triangle, w)| {
-            let (u, v) = gradient(w, &triangle.map(|i| v[i as usize]));
+            let (u, v) = gradient(w, &triangle.map(|i| v.at(i as usize)));
             u.length_squared().max(v.length_squared())
         });
         sqrt(squares.fold(0.0, Real::max))
@@ -273,8 +273,8 @@ impl ElementTerm for Membrane<'_> {
     /// The largest rate of change of |wu|, |wv| or wu . wv, 1/s.
     fn stretch_rate(&self, x: &[Vec3], v: &[Vec3]) -> Real {
         let rates = self.vertices.iter().zip(self.weights).map(|(triangle, w)| {
-            let (wu, wv) = gradient(w, &triangle.map(|i| x[i as usize]));
-            let (du, dv) = gradient(w, &triangle.map(|i| v[i as usize]));
+            let (wu, wv) = gradient(w, &triangle.map(|i| x.at(i as usize)));
+            let (du, dv) = gradient(w, &triangle.map(|i| v.at(i as usize)));
             wu.dot(du).abs().max(wv.dot(dv).abs()).max((wu.dot(dv) + wv.dot(du)).abs())
         });
         rates.fold(0.0, Real::max)

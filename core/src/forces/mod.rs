@@ -23,6 +23,7 @@ pub use model::ModelColumns;
 pub(crate) use model::for_each_term;
 pub use model::{Model, Term};
 
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Positions;
 use crate::real::{Real, Sum, Vec3};
@@ -150,7 +151,7 @@ pub fn write_tangents(
     }
     for_each_term!(model, |name, term| if term.has_jacobian() {
         dispatch.enter(Stage::Jacobian(name));
-        let slots = assembly_map[name as usize];
+        let slots = assembly_map.at(name as usize);
         term.add_tangents(x, scale, jacobian, slots, scratch, matrix, dispatch);
     });
     dispatch.enter(Stage::Integrate);

@@ -3,6 +3,7 @@
 
 use super::element::{Element, ElementTerm};
 use super::{Energy, TangentScale};
+use crate::column::Column;
 use crate::mesh::Incidence;
 use crate::real::{Mat3, Real, Vec3, scaled_identity};
 
@@ -47,26 +48,26 @@ impl Element<3> for Seams<'_> {
 
     #[inline]
     fn force(&self, stitch: usize, x: &[Vec3; 3], v: &[Vec3; 3]) -> [Vec3; 3] {
-        let w = corner_weights(self.weights[stitch]);
-        let pull = gap(&w, x) * self.stiffness[stitch] + gap(&w, v) * self.damping[stitch];
+        let w = corner_weights(self.weights.at(stitch));
+        let pull = gap(&w, x) * self.stiffness.at(stitch) + gap(&w, v) * self.damping.at(stitch);
         let (f1, f2) = (pull * -w[1], pull * -w[2]);
         [-(f1 + f2), f1, f2]
     }
 
     fn energy(&self, stitch: usize, x: &[Vec3; 3]) -> Energy {
-        let gap = gap(&corner_weights(self.weights[stitch]), x);
-        Energy { seam: (0.5 * self.stiffness[stitch] * gap.length_squared()).into(), ..Energy::default() }
+        let gap = gap(&corner_weights(self.weights.at(stitch)), x);
+        Energy { seam: (0.5 * self.stiffness.at(stitch) * gap.length_squared()).into(), ..Energy::default() }
     }
 
     #[inline]
     fn tangent(&self, stitch: usize, _: &[Vec3; 3], scale: TangentScale) -> Real {
-        scale.position * self.stiffness[stitch] + scale.velocity * self.damping[stitch]
+        scale.position * self.stiffness.at(stitch) + scale.velocity * self.damping.at(stitch)
     }
 
     #[inline]
     fn block(&self, stitch: usize, stiffness: &Real, a: usize, b: usize) -> Mat3 {
-        let w = corner_weights(self.weights[stitch]);
-        scaled_identity(stiffness * w[a] * w[b])
+        let w = corner_weights(self.weights.at(stitch));
+        scaled_identity(stiffness * w.at(a) * w.at(b))
     }
 
     fn exact(&self, stitch: usize, x: &[Vec3; 3], _: &[Vec3; 3], scale: TangentScale) -> [[Mat3; 3]; 3] {

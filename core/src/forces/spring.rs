@@ -7,6 +7,7 @@
 use super::matrix::{BlockMatrix, NOT_STORED, add};
 use super::term::ForceTerm;
 use super::{Energy, Jacobian, TangentScale, Term};
+use crate::column::{Column, fault};
 use crate::dispatch::Dispatch;
 use crate::particles::Positions;
 use crate::real::{DEGENERATE, Lanes, Mat3, Real, SEES_ROUNDING, Sum, Vec3, outer, scaled_identity, sqrt};
@@ -46,16 +47,20 @@ impl Springs<'_> {
 
     #[inline]
     fn range(&self, vertex: usize) -> core::ops::Range<usize> {
-        self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize
+        let &[first, end] = self.offsets.part(vertex..vertex + 2) else { return 0..0 };
+        first as usize..end as usize
     }
 
+    /// The springs of a vertex, each with the vertex at its other end.
     #[inline]
-    fn spring(&self, at: usize) -> Spring {
-        Spring {
-            rest: self.rest[at],
-            stiffness: self.stiffness[at],
-            damping: self.damping.get(at).copied().unwrap_or(0.0),
-        }
+    fn of(&self, vertex: usize) -> impl Iterator<Item = (u32, Spring)> {
+        let range = self.range(vertex);
+        let (others, rest) = (self.others.part(range.clone()), self.rest.part(range.clone()));
+        let damping = self.damping.get(range.clone()).unwrap_or_default();
+        let columns = others.iter().zip(rest).zip(self.stiffness.part(range));
+        columns.enumerate().map(|(i, ((&other, &rest), &stiffness))| {
+            (other, Spring { rest, stiffness, damping: damping.get(i).copied().unwrap_or(0.0) })
+        })
     }
 }
 
@@ -111,48 +116,49 @@ fn direction(d: Vec3, rest: Real) -> Option<(Vec3, Real)> {
 }
 
 /// The elastic force of all springs on a vertex, N: [`elastic_force`] for four springs at a time.
+/// `None` if an index is out of range, so that the loop has one way out.
 #[inline(always)]
-fn elastic_sum(springs: &Springs<'_>, x: Positions<'_>, vertex: usize) -> Vec3 {
+fn elastic_sum(springs: &Springs<'_>, x: Positions<'_>, vertex: usize) -> Option<Vec3> {
     let range = springs.range(vertex);
-    let (others, _) = springs.others[range.clone()].as_chunks::<4>();
-    let (rest, _) = springs.rest[range.clone()].as_chunks::<4>();
-    let (stiffness, _) = springs.stiffness[range.clone()].as_chunks::<4>();
+    let (others, last_others) = springs.others.get(range.clone())?.as_chunks::<4>();
+    let (rest, last_rest) = springs.rest.get(range.clone())?.as_chunks::<4>();
+    let (stiffness, last_stiffness) = springs.stiffness.get(range)?.as_chunks::<4>();
     let mut sum = [Lanes::ZERO; 3];
     for ((others, rest), stiffness) in others.iter().zip(rest).zip(stiffness) {
-        add_four(&mut sum, towards_four(x, vertex, *others), Lanes::new(*rest), Lanes::new(*stiffness));
+        add_four(&mut sum, towards_four(x, vertex, *others)?, Lanes::new(*rest), Lanes::new(*stiffness));
     }
     let [sum_x, sum_y, sum_z] = sum.map(|lanes| lanes.to_array().iter().sum());
     let mut sum = Vec3::new(sum_x, sum_y, sum_z);
-    for at in range.start + 4 * others.len()..range.end {
-        let d = x.between(vertex as u32, springs.others[at]);
-        sum += elastic_force(d, springs.rest[at], springs.stiffness[at]);
+    for ((&other, &rest), &stiffness) in last_others.iter().zip(last_rest).zip(last_stiffness) {
+        sum += elastic_force(x.between(vertex as u32, other), rest, stiffness);
     }
-    sum
+    Some(sum)
 }
 
 /// [`Positions::between`] a vertex and four others.
 #[inline(always)]
-fn towards_four(x: Positions<'_>, vertex: usize, others: [u32; 4]) -> [Lanes; 3] {
-    let mut d = lanes_towards(x.rounded, others, x.rounded[vertex]);
+fn towards_four(x: Positions<'_>, vertex: usize, others: [u32; 4]) -> Option<[Lanes; 3]> {
+    let mut d = lanes_towards(x.rounded, others, x.rounded.get(vertex)?)?;
     if SEES_ROUNDING && !x.low.is_empty() {
-        let low = lanes_towards(x.low, others, x.low[vertex]);
+        let low = lanes_towards(x.low, others, x.low.get(vertex)?)?;
         for (d, low) in d.iter_mut().zip(low) {
             *d += low;
         }
     }
-    d
+    Some(d)
 }
 
 /// The vectors to four vertices by axis, one vertex in each lane. Written out: arrays of vectors would go through
 /// memory.
 #[inline(always)]
-fn lanes_towards(x: &[Vec3], [a, b, c, d]: [u32; 4], near: Vec3) -> [Lanes; 3] {
-    let (a, b, c, d) = (x[a as usize], x[b as usize], x[c as usize], x[d as usize]);
-    [
+fn lanes_towards(x: &[Vec3], [a, b, c, d]: [u32; 4], near: &Vec3) -> Option<[Lanes; 3]> {
+    let (a, b) = (x.get(a as usize)?, x.get(b as usize)?);
+    let (c, d) = (x.get(c as usize)?, x.get(d as usize)?);
+    Some([
         Lanes::new([a.x, b.x, c.x, d.x]) - Lanes::splat(near.x),
         Lanes::new([a.y, b.y, c.y, d.y]) - Lanes::splat(near.y),
         Lanes::new([a.z, b.z, c.z, d.z]) - Lanes::splat(near.z),
-    ]
+    ])
 }
 
 #[inline(always)]
@@ -177,14 +183,16 @@ impl ForceTerm for Springs<'_> {
     ) {
         dispatch.run(f, |start, part| {
             for (vertex, f) in (start..).zip(part.iter_mut()) {
-                *f += elastic_sum(self, x, vertex);
+                let Some(sum) = elastic_sum(self, x, vertex) else { return fault() };
+                *f += sum;
             }
             if !self.damping.is_empty() {
                 for (vertex, f) in (start..).zip(part) {
-                    for at in self.range(vertex) {
-                        let other = self.others[at] as usize;
-                        let d = x.between(vertex as u32, self.others[at]);
-                        *f += damping_force(d, v[other] - v[vertex], &self.spring(at));
+                    let near = v.at(vertex);
+                    for (other, spring) in self.of(vertex) {
+                        let Some(&far) = v.element(other as usize) else { return };
+                        let d = x.between(vertex as u32, other);
+                        *f += damping_force(d, far - near, &spring);
                     }
                 }
             }
@@ -193,8 +201,7 @@ impl ForceTerm for Springs<'_> {
 
     fn energy(&self, name: Term, _: &[Real], x: Positions<'_>) -> Energy {
         let at_vertex = |vertex: usize| -> Sum {
-            let towards = |at: usize| x.between(vertex as u32, self.others[at]);
-            self.range(vertex).map(|at| energy(towards(at), &self.spring(at))).sum()
+            self.of(vertex).map(|(other, spring)| energy(x.between(vertex as u32, other), &spring)).sum()
         };
         // The sum has every spring twice, once per end.
         let stored = 0.5 * (0..x.rounded.len()).map(at_vertex).sum::<Sum>();
@@ -218,15 +225,19 @@ impl ForceTerm for Springs<'_> {
         dispatch.run(matrix.rows_mut(), |start, mut rows| {
             for i in 0..rows.count() {
                 let row = rows.row(i);
-                for at in self.range(start + i) {
-                    let d = x[self.others[at] as usize] - x[start + i];
+                let (near, places) = (x.at(start + i), slots.part(self.range(start + i)));
+                for ((other, spring), &place) in self.of(start + i).zip(places) {
+                    let Some(&far) = x.element(other as usize) else { return };
+                    let d = far - near;
                     let block = match jacobian {
-                        Jacobian::Projected => tangent(d, &self.spring(at), scale),
-                        Jacobian::Exact => exact(d, Vec3::ZERO, &self.spring(at), scale),
+                        Jacobian::Projected => tangent(d, &spring, scale),
+                        Jacobian::Exact => exact(d, Vec3::ZERO, &spring, scale),
                     };
-                    add(&mut row[0], &block);
-                    if slots[at] != NOT_STORED {
-                        add(&mut row[slots[at] as usize], &-block);
+                    let Some(diagonal) = row.element_mut(0) else { return };
+                    add(diagonal, &block);
+                    if place != NOT_STORED {
+                        let Some(stored) = row.element_mut(place as usize) else { return };
+                        add(stored, &-block);
                     }
                 }
             }
@@ -234,7 +245,8 @@ impl ForceTerm for Springs<'_> {
     }
 
     fn blocks(&self) -> impl Iterator<Item = (u32, u32)> {
-        let row = move |vertex: usize| self.range(vertex).map(move |at| (vertex as u32, self.others[at]));
+        let row =
+            move |vertex: usize| self.others.part(self.range(vertex)).iter().map(move |&other| (vertex as u32, other));
         (0..self.offsets.len().saturating_sub(1)).flat_map(row)
     }
 
@@ -249,9 +261,9 @@ impl ForceTerm for Springs<'_> {
     /// The largest relative velocity of two ends over the rest length, 1/s.
     fn strain_rate(&self, v: &[Vec3]) -> Real {
         let squares = (0..self.offsets.len().saturating_sub(1)).flat_map(|vertex| {
-            self.range(vertex).map(move |at| {
-                let apart = v[self.others[at] as usize] - v[vertex];
-                apart.length_squared() / (self.rest[at] * self.rest[at])
+            self.of(vertex).map(move |(other, spring)| {
+                let apart = v.at(other as usize) - v.at(vertex);
+                apart.length_squared() / (spring.rest * spring.rest)
             })
         });
         sqrt(squares.fold(0.0, Real::max))
@@ -260,9 +272,9 @@ impl ForceTerm for Springs<'_> {
     /// The largest rate of change of the length of a spring over its rest length, 1/s.
     fn stretch_rate(&self, x: &[Vec3], v: &[Vec3]) -> Real {
         let rates = (0..self.offsets.len().saturating_sub(1)).flat_map(|vertex| {
-            self.range(vertex).map(move |at| {
-                let other = self.others[at] as usize;
-                (v[other] - v[vertex]).dot(x[other] - x[vertex]).abs() / (self.rest[at] * self.rest[at])
+            self.of(vertex).map(move |(other, spring)| {
+                let towards = |column: &[Vec3]| column.at(other as usize) - column.at(vertex);
+                towards(v).dot(towards(x)).abs() / (spring.rest * spring.rest)
             })
         });
         rates.fold(0.0, Real::max)

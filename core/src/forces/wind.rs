@@ -99,7 +99,7 @@ impl Element<3> for Wind<'_> {
         let along = scaled_identity(h.dot(w)) + outer(h, w) - outer(h * h.dot(w), h);
         let by_normal = (outer(w * self.tangential, h) + along * (self.normal - self.tangential)) * (1.0 / 6.0);
         let opposite = [x[2] - x[1], x[0] - x[2], x[1] - x[0]];
-        core::array::from_fn(|_| core::array::from_fn(|b| velocity - by_normal * cross(opposite[b]) * scale.position))
+        [opposite.map(|side| velocity - by_normal * cross(side) * scale.position); 3]
     }
 }
 

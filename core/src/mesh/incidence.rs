@@ -1,3 +1,5 @@
+use crate::column::Column;
+
 /// The element corners at each vertex, as CSR. The order of the corners is fixed, so that every
 /// gathered sum is repeatable. A slot is `element * corners + corner`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -12,7 +14,7 @@ impl<'a> Incidence<'a> {
     /// Range of a vertex's entries in `slots`.
     #[inline]
     pub fn range(&self, vertex: usize) -> core::ops::Range<usize> {
-        self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize
+        self.offsets.at(vertex) as usize..self.offsets.at(vertex + 1) as usize
     }
 
     /// Bytes of the columns.
@@ -23,7 +25,7 @@ impl<'a> Incidence<'a> {
     /// The slots of a vertex.
     #[inline]
     pub fn at(&self, vertex: usize) -> &'a [u32] {
-        &self.slots[self.range(vertex)]
+        self.slots.part(self.range(vertex))
     }
 }
 
