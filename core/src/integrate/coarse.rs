@@ -12,7 +12,8 @@
 use super::columns::interleaved_dot;
 use super::conjugate_gradient::System;
 use super::convex_term::{ConvexTerm, Curvature};
-use crate::forces::matrix::to_vec3;
+use crate::column::Column;
+use crate::forces::matrix::{Block, to_vec3};
 use crate::real::{Lanes, Real, Sum, SumLanes, Vec3, lanes};
 
 /// Motions of a patch: three axes times (1, u, v) in its own coordinates.
@@ -57,6 +58,9 @@ pub struct CoarseFactor<'a> {
 /// A block that couples the motions of two patches, indexed `[row][column]`.
 pub type Dense = [[Sum; MODES]; MODES];
 
+/// An entry for each motion of a patch, indexed `[axis][shape function]`.
+type Motions = [[Sum; 3]; 3];
+
 impl<'a> Patches<'a> {
     /// The patches of each level.
     fn levels(&self) -> impl Iterator<Item = Self> + use<'a> {
@@ -67,26 +71,44 @@ impl<'a> Patches<'a> {
 
     #[inline]
     fn shape(&self, vertex: usize) -> [Sum; 3] {
-        let [u, v] = self.coordinates[vertex];
+        let [u, v] = self.coordinates.at(vertex);
         [1.0, u.into(), v.into()]
     }
 
-    /// (u, v) of a vertex in all lanes, and its patch.
+    /// (u, v) in all lanes, and the patch, of each vertex from the first on.
     #[inline(always)]
-    fn place(&self, vertex: usize) -> (Lanes, Lanes, usize) {
-        let [u, v] = self.coordinates[vertex];
-        (Lanes::splat(u), Lanes::splat(v), self.labels[vertex] as usize)
+    fn places(&self, first: usize) -> impl Iterator<Item = (Lanes, Lanes, usize)> {
+        let places = self.coordinates.part(first..).iter().zip(self.labels.part(first..));
+        places.map(|(&[u, v], &label)| (Lanes::splat(u), Lanes::splat(v), label as usize))
     }
 
     /// Whether the envelope contains the block of two patches; `high` is the larger number.
     fn are_coupled(&self, high: usize, low: usize) -> bool {
-        self.first_columns[high * MODES] as usize <= low * MODES
+        self.first_columns.at(high * MODES) as usize <= low * MODES
     }
 
     /// Range of a row's values, from its first column to the diagonal.
     #[inline]
     fn row(&self, row: usize) -> core::ops::Range<usize> {
-        self.offsets[row] as usize..self.offsets[row + 1] as usize
+        self.offsets.at(row) as usize..self.offsets.at(row + 1) as usize
+    }
+
+    /// Index of the value in a row and a column.
+    #[inline]
+    fn entry(&self, row: usize, column: usize) -> usize {
+        self.offsets.at(row) as usize + column - self.first_columns.at(row) as usize
+    }
+}
+
+impl CoarseFactor<'_> {
+    /// The part of a row that couples it with a patch: its own one or one with a smaller number.
+    #[inline]
+    fn block_row(&mut self, patches: &Patches<'_>, row: usize, patch: usize) -> Option<&mut [Sum; MODES]> {
+        if row / MODES == patch {
+            return self.own.as_flattened_mut().element_mut(row);
+        }
+        let start = patches.entry(row, patch * MODES);
+        self.values.part_mut(start..start + MODES).first_chunk_mut()
     }
 }
 
@@ -103,11 +125,11 @@ pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, term: &dyn Conve
         term.visit_curvature(&mut |part| add_curvature(patches, part, factor));
     }
     for (patch, own) in factor.own.iter().enumerate() {
-        for r in 0..MODES {
-            let row = patches.row(patch * MODES + r);
-            let diagonal = row.end - 1;
-            for c in 0..=r {
-                factor.values[diagonal - r + c] += own[r][c] + own[c][r];
+        for (r, row) in own.iter().enumerate() {
+            let end = patches.row(patch * MODES + r).end;
+            let values = factor.values.part_mut(end - 1 - r..end);
+            for ((value, entry), column) in values.iter_mut().zip(row).zip(own) {
+                *value += entry + column.at(r);
             }
         }
     }
@@ -121,35 +143,42 @@ pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, term: &dyn Conve
 /// by their shape functions; the sum is then spread over the shape functions of the row.
 fn add_row(patches: &Patches<'_>, system: &System<'_>, vertex: usize, factor: &mut CoarseFactor<'_>) {
     let matrix = system.matrix;
-    let row = matrix.offsets[vertex] as usize..matrix.offsets[vertex + 1] as usize;
-    let label = |at: usize| patches.labels[matrix.columns[at] as usize];
-    let mut sums = [[0.0; MODES]; 3];
-    for at in row.clone() {
-        add_block(patches, system, vertex, at, &mut sums);
-        if at + 1 == row.end || label(at + 1) != label(at) {
-            let (own, other) = (patches.labels[vertex] as usize, label(at) as usize);
+    let row = matrix.offsets.at(vertex) as usize..matrix.offsets.at(vertex + 1) as usize;
+    let label = |column: u32| patches.labels.at(column as usize) as usize;
+    let (own, mut sums) = (patches.labels.at(vertex) as usize, [Motions::default(); 3]);
+    let mut entries = matrix.columns.part(row.clone()).iter().zip(matrix.blocks.part(row)).peekable();
+    while let Some((&column, block)) = entries.next() {
+        add_block(patches, system, vertex, (column as usize, block), &mut sums);
+        let other = label(column);
+        if entries.peek().is_none_or(|&(&next, _)| label(next) != other) {
             if patches.are_coupled(own.max(other), own.min(other)) {
                 spread(patches, vertex, other, &sums, factor);
             }
-            sums = [[0.0; MODES]; 3];
+            sums = [Motions::default(); 3];
         }
     }
 }
 
-/// `sums[axis][by, s] += entry[axis][by] shape[s]`; only half of the diagonal block, because
+/// `sums[axis][by][s] += entry[axis][by] shape[s]`; only half of the diagonal block, because
 /// [`CoarseFactor::own`] is added with its transpose.
 #[inline]
-fn add_block(patches: &Patches<'_>, system: &System<'_>, vertex: usize, at: usize, sums: &mut [[Sum; MODES]; 3]) {
-    let column = system.matrix.columns[at] as usize;
-    let (shape, block) = (patches.shape(column), &system.matrix.blocks[at]);
-    let (half, mass) = if column == vertex { (0.5, system.masses[vertex]) } else { (1.0, 0.0) };
-    for by in (0..3).filter(|by| patches.held[column] >> by & 1 == 0) {
-        let [x, y, z, _] = block[by].to_array();
+fn add_block(
+    patches: &Patches<'_>,
+    system: &System<'_>,
+    vertex: usize,
+    (column, block): (usize, &Block),
+    sums: &mut [Motions; 3],
+) {
+    let (shape, held) = (patches.shape(column), patches.held.at(column));
+    let (half, mass) = if column == vertex { (0.5, system.masses.at(vertex)) } else { (1.0, 0.0) };
+    for (by, column) in block.iter().enumerate().filter(|(by, _)| held >> by & 1 == 0) {
+        let [x, y, z, _] = column.to_array();
         let mut entries = [x, y, z];
-        entries[by] += mass;
-        for axis in 0..3 {
-            for s in 0..3 {
-                sums[axis][3 * by + s] += half * Sum::from(entries[axis]) * shape[s];
+        entries.add(by, mass);
+        for (sums, entry) in sums.iter_mut().zip(entries) {
+            let Some(sums) = sums.element_mut(by) else { continue };
+            for (sum, shape) in sums.iter_mut().zip(shape) {
+                *sum += half * Sum::from(entry) * shape;
             }
         }
     }
@@ -157,27 +186,18 @@ fn add_block(patches: &Patches<'_>, system: &System<'_>, vertex: usize, at: usiz
 
 /// Adds `shape[t] sums[axis]` to the rows (axis, t) of the vertex's patch and the columns of the
 /// other patch, or the transpose if the other patch has the larger number.
-fn spread(patches: &Patches<'_>, vertex: usize, other: usize, sums: &[[Sum; MODES]; 3], factor: &mut CoarseFactor<'_>) {
-    let (patch, shape) = (patches.labels[vertex] as usize, patches.shape(vertex));
-    for axis in (0..3).filter(|axis| patches.held[vertex] >> axis & 1 == 0) {
-        for t in 0..3 {
-            let r = 3 * axis + t;
-            let part = sums[axis].map(|sum| sum * shape[t]);
-            if patch == other {
-                for c in 0..MODES {
-                    factor.own[patch][r][c] += part[c];
-                }
-            } else if other < patch {
-                let row = patch * MODES + r;
-                let start = patches.row(row).start + other * MODES - patches.first_columns[row] as usize;
-                for c in 0..MODES {
-                    factor.values[start + c] += part[c];
+fn spread(patches: &Patches<'_>, vertex: usize, other: usize, sums: &[Motions; 3], factor: &mut CoarseFactor<'_>) {
+    let (patch, held) = (patches.labels.at(vertex) as usize, patches.held.at(vertex));
+    for (axis, sums) in sums.iter().enumerate().filter(|(axis, _)| held >> axis & 1 == 0) {
+        for (row, shape) in (patch * MODES + 3 * axis..).zip(patches.shape(vertex)) {
+            if other <= patch {
+                let Some(values) = factor.block_row(patches, row, other) else { continue };
+                for (value, sum) in values.iter_mut().zip(sums.as_flattened()) {
+                    *value += sum * shape;
                 }
             } else {
-                for c in 0..MODES {
-                    let row = other * MODES + c;
-                    let at = patches.row(row).start + patch * MODES + r - patches.first_columns[row] as usize;
-                    factor.values[at] += part[c];
+                for (other, sum) in (other * MODES..).zip(sums.as_flattened()) {
+                    factor.values.add(patches.entry(other, row), sum * shape);
                 }
             }
         }
@@ -189,7 +209,7 @@ fn spread(patches: &Patches<'_>, vertex: usize, other: usize, sums: &[[Sum; MODE
 /// inequality), so that the small system is never too soft.
 fn add_curvature(patches: &Patches<'_>, part: &Curvature, factor: &mut CoarseFactor<'_>) {
     let (shares, count) = shares(patches, part);
-    let shares = &shares[..count];
+    let shares = shares.part(..count);
     let [x, y, z] = part.matrix.to_cols_array_2d();
     let stiffness = [x, y, z].map(|column| column.map(Sum::from));
     let fits = |a: &Share, b: &Share| a.patch <= b.patch || patches.are_coupled(a.patch, b.patch);
@@ -197,16 +217,12 @@ fn add_curvature(patches: &Patches<'_>, part: &Curvature, factor: &mut CoarseFac
     let times = if together { 1.0 } else { count as Sum };
     for a in shares {
         for b in shares.iter().filter(|b| b.patch == a.patch || together && b.patch < a.patch) {
-            for r in 0..MODES {
-                for c in 0..MODES {
-                    let entry = times * stiffness[r / 3][c / 3] * a.moves[r] * b.moves[c];
-                    if a.patch == b.patch {
-                        factor.own[a.patch][r][c] += 0.5 * entry;
-                    } else {
-                        let row = a.patch * MODES + r;
-                        let column = b.patch * MODES + c - patches.first_columns[row] as usize;
-                        factor.values[patches.row(row).start + column] += entry;
-                    }
+            let half = if a.patch == b.patch { 0.5 } else { 1.0 };
+            for (r, a_moves) in a.moves.as_flattened().iter().enumerate() {
+                let stiffness = stiffness.at(r / 3);
+                let Some(values) = factor.block_row(patches, a.patch * MODES + r, b.patch) else { continue };
+                for (c, (value, b_moves)) in values.iter_mut().zip(b.moves.as_flattened()).enumerate() {
+                    *value += half * (times * stiffness.at(c / 3) * a_moves * b_moves);
                 }
             }
         }
@@ -217,7 +233,7 @@ fn add_curvature(patches: &Patches<'_>, part: &Curvature, factor: &mut CoarseFac
 #[derive(Clone, Copy, Default)]
 struct Share {
     patch: usize,
-    moves: [Sum; MODES],
+    moves: Motions,
 }
 
 /// The shares of the patches, and their number.
@@ -226,12 +242,15 @@ fn shares(patches: &Patches<'_>, part: &Curvature) -> ([Share; 4], usize) {
     let mut count = 0;
     for (&v, weight) in part.vertices.iter().zip(part.weights) {
         let Some(&label) = patches.labels.get(v as usize) else { continue };
-        let k = shares[..count].iter().position(|share| share.patch == label as usize).unwrap_or(count);
+        let k = shares.iter().take(count).position(|share| share.patch == label as usize).unwrap_or(count);
         count = count.max(k + 1);
-        shares[k].patch = label as usize;
-        let (shape, held) = (patches.shape(v as usize), patches.held[v as usize]);
-        for r in (0..MODES).filter(|r| held >> (r / 3) & 1 == 0) {
-            shares[k].moves[r] += Sum::from(weight) * shape[r % 3];
+        let Some(share) = shares.element_mut(k) else { continue };
+        share.patch = label as usize;
+        let (shape, held) = (patches.shape(v as usize), patches.held.at(v as usize));
+        for (_, moves) in share.moves.iter_mut().enumerate().filter(|(axis, _)| held >> axis & 1 == 0) {
+            for (moves, shape) in moves.iter_mut().zip(shape) {
+                *moves += Sum::from(weight) * shape;
+            }
         }
     }
     (shares, count)
@@ -245,32 +264,35 @@ const _: () = assert!(MODES.is_multiple_of(TOGETHER));
 /// Cholesky factorisation within the envelope, [`TOGETHER`] rows at a time.
 fn factorise(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     for row in (0..patches.first_columns.len()).step_by(TOGETHER) {
-        let (above, from_here) = factor.values.split_at_mut(patches.offsets[row] as usize);
-        let first = patches.first_columns[row] as usize;
+        let (above, from_here) = factor.values.cut_mut(patches.offsets.at(row) as usize);
+        let first = patches.first_columns.at(row) as usize;
         let width = row - first;
-        let (top, from_middle) = from_here.split_at_mut(width + 1);
-        let (middle, from_bottom) = from_middle.split_at_mut(width + 2);
-        let mut rows: [_; TOGETHER] = [top, middle, &mut from_bottom[..width + 3]];
+        let (top, from_middle) = from_here.cut_mut(width + 1);
+        let (middle, from_bottom) = from_middle.cut_mut(width + 2);
+        let mut rows: [_; TOGETHER] = [top, middle, from_bottom.part_mut(..width + 3)];
         for column in first..row {
-            let column_first = patches.first_columns[column] as usize;
+            let column_first = patches.first_columns.at(column) as usize;
             let common = first.max(column_first);
-            let other = &above[patches.row(column)][common - column_first..column - column_first];
-            let products = dots(rows.each_ref().map(|row| &row[common - first..column - first]), other);
+            let other = above.part(patches.row(column)).part(common - column_first..column - column_first);
+            let products = dots(rows.each_ref().map(|row| row.part(common - first..column - first)), other);
+            let inverse = factor.inverse_diagonal.at(column);
             for (values, product) in rows.iter_mut().zip(products) {
-                values[column - first] = (values[column - first] - product) * factor.inverse_diagonal[column];
+                if let Some(value) = values.element_mut(column - first) {
+                    *value = (*value - product) * inverse;
+                }
             }
         }
         for k in 0..TOGETHER {
-            let (done, rest) = rows.split_at_mut(k);
-            let values = &mut *rest[0];
+            let Some((values, done)) = rows.part_mut(..=k).split_last_mut() else { continue };
             for (column, other) in (width..).zip(done) {
-                let product = dot(&values[..column], &other[..column]);
-                values[column] = (values[column] - product) * factor.inverse_diagonal[first + column];
+                let product = dot(values.part(..column), other.part(..column));
+                let inverse = factor.inverse_diagonal.at(first + column);
+                values.set(column, (values.at(column) - product) * inverse);
             }
-            let (left, diagonal) = values.split_at(width + k);
-            let pivot = diagonal[0] - dot(left, left);
-            let inverse = if pivot > LEAST_PIVOT * diagonal[0] { 1.0 / libm::sqrt(pivot) } else { 0.0 };
-            factor.inverse_diagonal[row + k] = inverse;
+            let Some((diagonal, left)) = values.split_last() else { continue };
+            let pivot = diagonal - dot(left, left);
+            let inverse = if pivot > LEAST_PIVOT * diagonal { 1.0 / libm::sqrt(pivot) } else { 0.0 };
+            factor.inverse_diagonal.set(row + k, inverse);
         }
     }
 }
@@ -280,16 +302,15 @@ pub fn solve(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>, r: &[Vec3]) {
     restrict(patches, r, factor);
     substitute(patches, factor);
     for (motion, rows) in factor.motions.iter_mut().zip(factor.vector.as_chunks::<MODES>().0) {
-        *motion = core::array::from_fn(|s| Lanes::new([rows[s], rows[3 + s], rows[6 + s], 0.0]));
+        *motion = core::array::from_fn(|s| Lanes::new([rows.at(s), rows.at(3 + s), rows.at(6 + s), 0.0]));
     }
 }
 
 /// Adds the motions of the patches to `z`, whose first vertex is `start`. The caller clears the held axes.
 pub fn add_motions(patches: &Patches<'_>, motions: &[[Lanes; 3]], start: usize, z: &mut [Vec3]) {
     for patches in patches.levels() {
-        for (vertex, z) in (start..).zip(&mut *z) {
-            let (u, v, patch) = patches.place(vertex);
-            let [constant, along_u, along_v] = motions[patch];
+        for ((u, v, patch), z) in patches.places(start).zip(&mut *z) {
+            let Some(&[constant, along_u, along_v]) = motions.element(patch) else { continue };
             *z += to_vec3(constant + along_u * u + along_v * v);
         }
     }
@@ -299,9 +320,9 @@ pub fn add_motions(patches: &Patches<'_>, motions: &[[Lanes; 3]], start: usize, 
 fn restrict(patches: &Patches<'_>, r: &[Vec3], factor: &mut CoarseFactor<'_>) {
     factor.motions.fill([Lanes::ZERO; 3]);
     for patches in patches.levels() {
-        for (vertex, &r) in r.iter().enumerate() {
-            let (u, v, patch) = patches.place(vertex);
-            let (r, [constant, along_u, along_v]) = (lanes(r), &mut factor.motions[patch]);
+        for ((u, v, patch), &r) in patches.places(0).zip(r) {
+            let Some([constant, along_u, along_v]) = factor.motions.element_mut(patch) else { continue };
+            let r = lanes(r);
             *constant += r;
             *along_u += r * u;
             *along_v += r * v;
@@ -310,7 +331,9 @@ fn restrict(patches: &Patches<'_>, r: &[Vec3], factor: &mut CoarseFactor<'_>) {
     for (motion, rows) in factor.motions.iter().zip(factor.vector.as_chunks_mut::<MODES>().0) {
         for (s, motion) in motion.iter().enumerate() {
             let [x, y, z, _] = motion.to_array();
-            (rows[s], rows[3 + s], rows[6 + s]) = (x, y, z);
+            rows.set(s, x);
+            rows.set(3 + s, y);
+            rows.set(6 + s, z);
         }
     }
 }
@@ -319,17 +342,17 @@ fn restrict(patches: &Patches<'_>, r: &[Vec3], factor: &mut CoarseFactor<'_>) {
 fn substitute(patches: &Patches<'_>, factor: &mut CoarseFactor<'_>) {
     let rows = patches.first_columns.len();
     for row in 0..rows {
-        let first = patches.first_columns[row] as usize;
-        let left = &factor.rounded[patches.row(row)][..row - first];
-        let product = interleaved_dot(left, &factor.vector[first..row]);
-        factor.vector[row] = (factor.vector[row] - product) * factor.inverse_diagonal[row] as Real;
+        let first = patches.first_columns.at(row) as usize;
+        let left = factor.rounded.part(patches.row(row)).part(..row - first);
+        let product = interleaved_dot(left, factor.vector.part(first..row));
+        factor.vector.set(row, (factor.vector.at(row) - product) * factor.inverse_diagonal.at(row) as Real);
     }
     for row in (0..rows).rev() {
-        let first = patches.first_columns[row] as usize;
-        factor.vector[row] *= factor.inverse_diagonal[row] as Real;
-        let solved = factor.vector[row];
-        let left = &factor.rounded[patches.row(row)][..row - first];
-        for (entry, value) in factor.vector[first..row].iter_mut().zip(left) {
+        let first = patches.first_columns.at(row) as usize;
+        let solved = factor.vector.at(row) * factor.inverse_diagonal.at(row) as Real;
+        factor.vector.set(row, solved);
+        let left = factor.rounded.part(patches.row(row)).part(..row - first);
+        for (entry, value) in factor.vector.part_mut(first..row).iter_mut().zip(left) {
             *entry -= value * solved;
         }
     }

@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 
+use crate::column::Column;
 use crate::dispatch::{Dispatch, Split};
 use crate::real::{Lanes, Real, Sum, Vec3};
 
@@ -19,7 +20,7 @@ impl Split for Parts<'_> {
         self.0.len().div_ceil(PART)
     }
     fn split_at(self, mid: usize) -> (Self, Self) {
-        let (low, high) = self.0.split_at_mut((mid * PART).min(self.0.len()));
+        let (low, high) = self.0.cut_mut((mid * PART).min(self.0.len()));
         (Self(low), Self(high))
     }
 }

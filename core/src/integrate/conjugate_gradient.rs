@@ -20,6 +20,7 @@ use super::per_cloth::{self, ClothSolve};
 use super::pins::Pins;
 use super::stopping::{Goal, ROUGHLY_BALANCED, UNBALANCED};
 use super::{IntegratorStatistics, Preconditioner, StepInput, Tolerance};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::forces::matrix::{self, BlockMatrix};
 use crate::real::{Mat3, Real, Sum, Vec3, scaled_identity};
@@ -53,8 +54,10 @@ pub fn write_inverse_diagonal(
 ) {
     let matrix = system.matrix;
     dispatch.run(&mut *inverse, |start, part| {
-        for (i, block) in (start..).zip(part) {
-            *block = matrix::to_mat3(&matrix.blocks[matrix.offsets[i] as usize]) + scaled_identity(system.masses[i]);
+        let rows = matrix.offsets.part(start..).iter().zip(system.masses.part(start..));
+        for (block, (&first, &mass)) in part.iter_mut().zip(rows) {
+            let Some(diagonal) = matrix.blocks.element(first as usize) else { continue };
+            *block = matrix::to_mat3(diagonal) + scaled_identity(mass);
         }
     });
     add_diagonal(term, inverse);
@@ -156,7 +159,7 @@ pub(crate) fn solve<D: Dispatch>(
         per_cloth::start(i.cloths, c.masses, i.positions, c.pins);
     }
     i.solution.fill(Vec3::ZERO);
-    i.residual.copy_from_slice(i.elastic);
+    i.residual.copy_from(i.elastic);
     let [_, mut rho] = i.precondition(c.dispatch);
     if goal.is_new() {
         i.set_references();
@@ -233,7 +236,7 @@ pub(crate) fn solve<D: Dispatch>(
         let Some(length) = i.search(term, curvature) else {
             statistics.negative_curvature += 1;
             if iterations == 1 {
-                i.solution.copy_from_slice(i.direction);
+                i.solution.copy_from(i.direction);
             }
             break;
         };
@@ -293,7 +296,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
 
     /// Writes the residual from its elastic part and the impulses, and preconditions it. Returns its squared norm.
     pub(super) fn gradient(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) -> Sum {
-        self.residual.copy_from_slice(self.elastic);
+        self.residual.copy_from(self.elastic);
         self.add_impulses(term);
         let [_, rho] = self.precondition(dispatch);
         rho
@@ -307,7 +310,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
 
     /// Makes the preconditioned residual the direction; `rho` is its slope.
     fn restart(&mut self, rho: Sum) {
-        self.direction.copy_from_slice(self.preconditioned);
+        self.direction.copy_from(self.preconditioned);
         self.slope = rho;
     }
 
@@ -321,9 +324,9 @@ impl<'a, 'b> Iterate<'a, 'b> {
         }
         let coarse = preconditioner.coarse.as_ref().map(|(patches, factor)| (patches, &*factor.motions));
         let products = sum_parts(preconditioned, partials, dispatch, |range, z| {
-            let r = &residual[range.clone()];
+            let r = residual.part(range.clone());
             let before = dot(r, z);
-            for ((z, &r), inverse) in z.iter_mut().zip(r).zip(&inverse[range.clone()]) {
+            for ((z, &r), inverse) in z.iter_mut().zip(r).zip(inverse.part(range.clone())) {
                 *z = *inverse * r;
             }
             if let Some((patches, motions)) = coarse {
@@ -343,7 +346,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
         let [curvature, _] = sum_parts(product, partials, dispatch, |range, q| {
             matrix::multiply_rows(system.matrix, system.masses, 1.0, direction, range.start, q);
             // Held axes of the direction are zero.
-            [dot(&direction[range], q), 0.0]
+            [dot(direction.part(range), q), 0.0]
         });
         system.pins.filter(product);
         curvature
@@ -391,7 +394,7 @@ impl<'a, 'b> Iterate<'a, 'b> {
         let columns = (&mut *self.solution, &mut *self.elastic, &mut *self.residual);
         dispatch.run(columns, |start, (y, elastic, residual)| {
             let columns = y.iter_mut().zip(elastic).zip(residual);
-            for (((y, elastic), residual), (&p, &q)) in columns.zip(p[start..].iter().zip(&q[start..])) {
+            for (((y, elastic), residual), (&p, &q)) in columns.zip(p.part(start..).iter().zip(q.part(start..))) {
                 *y += p * length;
                 *elastic -= q * length;
                 *residual = *elastic;
@@ -420,10 +423,10 @@ impl<'a, 'b> Iterate<'a, 'b> {
         let beta = ((next - crossed) / rho).max(0.0) as Real;
         let (r, z) = (&*self.residual, &*self.preconditioned);
         [self.slope, _] = sum_parts(self.direction, self.partials, dispatch, |range, p| {
-            for (p, &z) in p.iter_mut().zip(&z[range.clone()]) {
+            for (p, &z) in p.iter_mut().zip(z.part(range.clone())) {
                 *p = z + *p * beta;
             }
-            [dot(&r[range], p), 0.0]
+            [dot(r.part(range), p), 0.0]
         });
         if self.slope <= 0.0 {
             self.restart(next);

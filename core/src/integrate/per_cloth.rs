@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::columns::{PART, dot};
 use super::convex_term::ConvexTerm;
 use super::pins::Pins;
+use crate::column::Column;
 use crate::real::{Mat3, Real, Sum, Vec3, cross, scaled_identity, sqrt, to_f64, vec3};
 use crate::rigid_body::RigidBody;
 
@@ -66,20 +67,22 @@ impl ClothSolve {
 /// The vertices of a cloth.
 #[cfg_attr(small, optimize(size), inline(never))]
 pub fn range(cloths: &[ClothSolve], index: usize) -> Range<usize> {
-    let start = index.checked_sub(1).map_or(0, |before| cloths[before].end);
-    start as usize..cloths[index].end as usize
+    let end = |index: usize| cloths.element(index).map_or(0, |cloth| cloth.end as usize);
+    index.checked_sub(1).map_or(0, end)..end(index)
 }
 
 /// Writes the masses and inertias at these positions, m, and which cloths are free.
 #[cfg_attr(small, optimize(size), inline(never))]
 pub fn start(cloths: &mut [ClothSolve], masses: &[Real], x: &[Vec3], pins: &Pins<'_>) {
-    for index in 0..cloths.len() {
-        let own = range(cloths, index);
-        let body = RigidBody::of(&masses[own.clone()], &x[own]);
+    let mut first = 0;
+    for cloth in &mut *cloths {
+        let own = first..cloth.end as usize;
+        first = own.end;
+        let body = RigidBody::of(masses.part(own.clone()), x.part(own));
         let [a, b, c] = body.inertia;
         // Of cloth that lies in a point, all moments are zero.
         let radius = libm::sqrt((a.x + b.y + c.z) / (3.0 * body.mass)).max(Sum::MIN_POSITIVE);
-        cloths[index] = ClothSolve { free: 1, body, radius, ..ClothSolve::up_to(cloths[index].end) };
+        *cloth = ClothSolve { free: 1, body, radius, ..ClothSolve::up_to(cloth.end) };
     }
     for (&vertex, _) in pins.vertices.iter().zip(pins.axes).filter(|&(_, &axes)| axes != 0) {
         let index = cloth_of(cloths, vertex);
@@ -105,7 +108,7 @@ pub fn write_blocks(cloths: &mut [ClothSolve], x: &[Vec3], term: &dyn ConvexTerm
         let owners = part.vertices.map(|vertex| cloth_of(cloths, vertex));
         for ((&owner, weight), vertex) in owners.iter().zip(part.weights).zip(part.vertices) {
             if let Some(cloth) = cloths.get_mut(owner) {
-                let lever = |vertex: u32, weight: Real| cloth.arm(x[vertex as usize]) * weight;
+                let lever = |vertex: u32, weight: Real| cloth.arm(x.at(vertex as usize)) * weight;
                 let own =
                     owners.iter().zip(part.vertices.iter().zip(part.weights)).filter(|&(&other, _)| other == owner);
                 let sum = |(sum, levers): (Real, Vec3), (_, (&vertex, weight))| {
@@ -139,7 +142,7 @@ pub fn product(a: &[Vec3], b: &[Vec3]) -> Sum {
 #[cfg_attr(small, optimize(size), inline(never))]
 pub fn largest_root_mean_square(cloths: &[ClothSolve], column: &[Vec3]) -> Real {
     let of = |index: usize| {
-        let own = &column[range(cloths, index)];
+        let own = column.part(range(cloths, index));
         sqrt((product(own, own) / own.len() as Sum) as Real)
     };
     (0..cloths.len()).map(of).fold(0.0, |most, own| if own > most || own.is_nan() { own } else { most })

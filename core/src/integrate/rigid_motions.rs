@@ -7,8 +7,9 @@ use super::IntegratorStatistics;
 use super::columns::{dot, sum_parts};
 use super::conjugate_gradient::Iterate;
 use super::convex_term::ConvexTerm;
-use super::per_cloth;
+use super::per_cloth::{self, ClothSolve};
 use super::stopping::UNBALANCED;
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::forces::matrix;
 use crate::real::{Real, Sum, Vec3, to_f64, vec3};
@@ -22,16 +23,13 @@ const ROUNDED: Real = 16.0;
 /// should slide would stick. `to_velocity` is the change of the velocity over that of the solution.
 #[cfg_attr(small, optimize(size), inline(never))]
 pub(crate) fn pass_on(s: &mut Scratch<'_>, to_velocity: Real) {
-    for index in 0..s.cloths.len() {
-        let (cloth, range) = (&s.cloths[index], per_cloth::range(s.cloths, index));
-        if !cloth.is_free() {
-            continue;
-        }
-        let x = &s.stage_positions.rounded[range.clone()];
-        let [momentum, moment] = cloth.wrench(x, &s.gradient[range.clone()]);
+    for (index, cloth) in s.cloths.iter().enumerate().filter(|(_, cloth)| cloth.is_free()) {
+        let range = per_cloth::range(s.cloths, index);
+        let x = s.stage_positions.rounded.part(range.clone());
+        let [momentum, moment] = cloth.wrench(x, s.gradient.part(range.clone()));
         let left = cloth.body.with_momentum(momentum, moment * cloth.radius);
         let [drift, turn] = [left.drift, left.velocity].map(|of| vec3(of.into()) * to_velocity);
-        for (change, &x) in s.velocity_changes[range].iter_mut().zip(x) {
+        for (change, &x) in s.velocity_changes.part_mut(range).iter_mut().zip(x) {
             *change += drift + turn.cross(cloth.arm(x) * cloth.radius as Real);
         }
     }
@@ -43,24 +41,25 @@ impl Iterate<'_, '_> {
     #[cfg_attr(small, optimize(size))]
     #[inline(never)]
     pub(super) fn aim(&mut self, term: &dyn ConvexTerm) -> bool {
-        let moves = |i: &Self, index: usize| {
-            i.cloths[index].is_free() && (term.is_zero() || !i.leaves_little(index, UNBALANCED))
+        let moves = |i: &Self, index: usize, cloth: &ClothSolve| {
+            cloth.is_free() && (term.is_zero() || !i.leaves_little(index, UNBALANCED))
         };
-        if !(0..self.cloths.len()).any(|index| moves(self, index)) {
+        if !self.cloths.iter().enumerate().any(|(index, cloth)| moves(self, index, cloth)) {
             return false;
         }
         per_cloth::write_blocks(self.cloths, self.positions, term);
         self.slope = 0.0;
-        for index in 0..self.cloths.len() {
-            let (cloth, range) = (&self.cloths[index], per_cloth::range(self.cloths, index));
-            if !moves(self, index) {
-                self.direction[range].fill(Vec3::ZERO);
+        for (index, cloth) in self.cloths.iter().enumerate() {
+            let range = per_cloth::range(self.cloths, index);
+            if !moves(self, index, cloth) {
+                self.direction.part_mut(range).fill(Vec3::ZERO);
                 continue;
             }
-            let left = cloth.wrench(&self.positions[range.clone()], &self.residual[range.clone()]);
-            let motion = [0, 1].map(|k| cloth.blocks[k].inverse() * vec3(left[k].into()));
+            let x = self.positions.part(range.clone());
+            let left = cloth.wrench(x, self.residual.part(range.clone()));
+            let motion = [0, 1].map(|k| cloth.blocks.at(k).inverse() * vec3(left.at(k).into()));
             let motion = motion.map(|of| if of.is_finite() { of } else { Vec3::ZERO });
-            for (direction, &x) in self.direction[range.clone()].iter_mut().zip(&self.positions[range]) {
+            for (direction, &x) in self.direction.part_mut(range).iter_mut().zip(x) {
                 *direction = motion[0] + motion[1].cross(cloth.arm(x));
             }
             self.slope += left.iter().zip(motion).map(|(left, of)| left.dot(DVec3::from(to_f64(of)))).sum::<Sum>();
@@ -93,14 +92,17 @@ impl Iterate<'_, '_> {
         let direction = &**direction;
         let [curvature, _] = sum_parts(product, partials, dispatch, |range, q| {
             matrix::multiply_rows(system.matrix, system.masses, 0.0, direction, range.start, q);
-            for (i, q) in range.clone().zip(&mut *q) {
-                let own = matrix::to_mat3(&system.matrix.blocks[system.matrix.offsets[i] as usize]).abs()
-                    * direction[i].abs();
+            let direction = direction.part(range.clone());
+            let offsets = system.matrix.offsets.part(range.clone());
+            let rows = offsets.iter().zip(system.masses.part(range)).zip(direction);
+            for (q, ((&first, &mass), &p)) in q.iter_mut().zip(rows) {
+                let Some(diagonal) = system.matrix.blocks.element(first as usize) else { continue };
+                let own = matrix::to_mat3(diagonal).abs() * p.abs();
                 let rounding = ROUNDED * Real::EPSILON * own.max_element();
                 let elastic = if q.abs().max_element() < rounding { Vec3::ZERO } else { *q };
-                *q = elastic + direction[i] * system.masses[i];
+                *q = elastic + p * mass;
             }
-            [dot(&direction[range], q), 0.0]
+            [dot(direction, q), 0.0]
         });
         system.pins.filter(product);
         curvature

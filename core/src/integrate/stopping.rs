@@ -4,6 +4,7 @@
 use super::Method;
 use super::conjugate_gradient::Iterate;
 use super::per_cloth;
+use crate::column::Column;
 use crate::real::Sum;
 
 /// Limit of iterations. A solve that reaches it is counted as unconverged.
@@ -71,14 +72,17 @@ impl Iterate<'_, '_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     fn norm(&self, index: usize) -> Sum {
         let cloth = per_cloth::range(self.cloths, index);
-        per_cloth::product(&self.residual[cloth.clone()], &self.preconditioned[cloth])
+        per_cloth::product(self.residual.part(cloth.clone()), self.preconditioned.part(cloth))
     }
 
     /// Notes the residual without contacts as the reference for where a solve stops.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub(super) fn set_references(&mut self) {
         for index in 0..self.cloths.len() {
-            self.cloths[index].target = self.norm(index);
+            let norm = self.norm(index);
+            if let Some(cloth) = self.cloths.element_mut(index) {
+                cloth.target = norm;
+            }
         }
     }
 
@@ -93,7 +97,10 @@ impl Iterate<'_, '_> {
         };
         if goal.is_new() {
             for index in 0..self.cloths.len() {
-                self.cloths[index].target = self.cloths[index].target.max(self.norm(index));
+                let norm = self.norm(index);
+                if let Some(cloth) = self.cloths.element_mut(index) {
+                    cloth.target = cloth.target.max(norm);
+                }
             }
             per_cloth::raise_quiet(self.cloths);
         }
@@ -111,9 +118,8 @@ impl Iterate<'_, '_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub(super) fn is_within(&self, rho: Sum, factor: Sum) -> bool {
         let target: Sum = self.cloths.iter().map(|cloth| cloth.target).sum();
-        let all = 0..self.cloths.len();
-        rho <= factor * target
-            && (all.len() == 1 || all.into_iter().all(|k| self.norm(k) <= factor * self.cloths[k].target))
+        let mut all = self.cloths.iter().enumerate();
+        rho <= factor * target && (all.len() == 1 || all.all(|(k, cloth)| self.norm(k) <= factor * cloth.target))
     }
 
     /// Whether the residual leaves little momentum of every cloth, and little angular momentum of every free one.
@@ -126,14 +132,15 @@ impl Iterate<'_, '_> {
     /// The same of one cloth.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub(super) fn leaves_little(&self, index: usize, unbalanced: Sum) -> bool {
-        let (cloth, range) = (&self.cloths[index], per_cloth::range(self.cloths, index));
+        let Some(cloth) = self.cloths.element(index) else { return true };
+        let range = per_cloth::range(self.cloths, index);
         let [left, elastic] = [&*self.residual, &*self.elastic]
-            .map(|column| cloth.wrench(&self.positions[range.clone()], &column[range.clone()]));
-        let impulses = [0, 1].map(|k| (left[k] - elastic[k]).length_squared());
+            .map(|column| cloth.wrench(self.positions.part(range.clone()), column.part(range.clone())));
+        let impulses = [0, 1].map(|k| (left.at(k) - elastic.at(k)).length_squared());
         // Moments that cancel are as inexact as their forces.
         let impulses = [impulses[0], impulses[0] + impulses[1]];
         let is_little = |k: usize, part: Sum| {
-            left[k].length_squared() <= part * part * impulses[k] + SLOWLY * cloth.target * cloth.body.mass
+            left.at(k).length_squared() <= part * part * impulses.at(k) + SLOWLY * cloth.target * cloth.body.mass
         };
         if cloth.is_free() { is_little(0, unbalanced) && is_little(1, unbalanced) } else { is_little(0, HELD) }
     }
