@@ -79,6 +79,11 @@
 
 #![no_std]
 #![forbid(unsafe_code)]
+// Without an allocator, no call may panic: see `column`.
+#![cfg_attr(
+    not(feature = "alloc"),
+    warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)
+)]
 // Set for the page alone, where set-up is made small and not fast.
 #![cfg_attr(small, feature(optimize_attribute))]
 #![cfg_attr(

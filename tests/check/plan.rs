@@ -70,10 +70,13 @@ pub fn steps(suites: &[Suite]) -> Vec<Step> {
     use Level::{All, Everyday};
     let lints = |packages: &str| format!("cargo clippy {packages} --all-targets -- -D warnings");
     let everyday = command(Everyday, "lints", &lints(LINTED));
+    // Code that may panic is refused only here.
+    let without_alloc = format!("cargo clippy -p {} --no-default-features -- -D warnings", CORES.join(" -p "));
     let mut steps = vec![
         command(Everyday, "format", "cargo fmt --all --check"),
         Step { levels: Everyday..=Everyday, ..everyday },
         command(All, "lints of every package", &lints("--workspace")),
+        command(Everyday, "lints without an allocator", &without_alloc),
         step(Everyday, "tests", Task::Suites(TESTED, suites.to_vec())),
         // Includes the other packages, so that the libraries built for the suites are reused.
         command(Everyday, "manual", "cargo test --doc -p muslin-tests-harness -p muslin-tests -p muslin-cli"),
