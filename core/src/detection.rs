@@ -12,6 +12,7 @@
 
 use crate::broad_phase::comoving::Motion;
 use crate::broad_phase::{self, Candidates, Counts};
+use crate::column::Column;
 use crate::contact::{ContactModel, ContactRoom, ContactScratch, Searched};
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
@@ -155,7 +156,7 @@ fn surround(model: &ContactModel<'_>, purpose: Purpose, contact: &mut ContactScr
     let margin = if ends_anywhere { 0.5 } else { START - 0.5 + END_SKIN };
     sweep(model, margin * model.thickness * (1 << widened) as Real, contact);
     if ends_anywhere {
-        contact.ends.copy_from_slice(contact.boxes);
+        contact.ends.copy_from(contact.boxes);
         *contact.searched = Searched::Swept;
     }
     leave_out(model, contact.boxes);
@@ -172,14 +173,14 @@ pub fn place(
     contact: &mut ContactScratch<'_>,
 ) {
     let cloth = model.cloth();
-    contact.start[..cloth].copy_from_slice(positions);
-    model.colliders.place(time, &mut contact.start[cloth..]);
-    contact.predicted[..cloth].copy_from_slice(next_positions);
-    model.colliders.place(time + step, &mut contact.predicted[cloth..]);
+    contact.start.part_mut(..cloth).copy_from(positions);
+    model.colliders.place(time, contact.start.part_mut(cloth..));
+    contact.predicted.part_mut(..cloth).copy_from(next_positions);
+    model.colliders.place(time + step, contact.predicted.part_mut(cloth..));
     for (turn, body) in contact.turns.iter_mut().zip(model.colliders.bodies) {
         *turn = body.turns([time, step]);
     }
-    contact.end.copy_from_slice(contact.predicted);
+    contact.end.copy_from(contact.predicted);
     let ends = contact.start.iter().zip(&*contact.predicted);
     for (displacement, (&start, &end)) in contact.predicted_displacements.iter_mut().zip(ends) {
         *displacement = end - start;
@@ -193,7 +194,7 @@ pub fn place(
 fn leave_out(model: &ContactModel<'_>, boxes: &mut [Aabb]) {
     let cloth = model.cloth();
     for body in model.colliders.bodies.iter().filter(|body| body.is_off()) {
-        boxes[cloth..][body.range()].fill(Aabb::EMPTY);
+        boxes.part_mut(cloth..).part_mut(body.range()).fill(Aabb::EMPTY);
     }
 }
 
@@ -209,11 +210,11 @@ pub fn is_quiet(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool 
 /// Whether the vertices of the cloth move so far that boxes around their motion would overlap many others.
 fn is_fast(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
     let cloth = model.cloth();
-    let (start, end) = (&contact.start[..cloth], &contact.end[..cloth]);
+    let (start, end) = (contact.start.part(..cloth), contact.end.part(..cloth));
     let moved: Real = (start.iter().zip(end)).map(|(&start, &end)| (end - start).abs().max_element()).sum();
     let edges = model.surface.edges.iter().filter(|edge| edge[0].max(edge[1]) < cloth as u32);
     let (long, count) = edges.fold((0.0, 0), |(long, count), edge| {
-        let [a, b] = edge.map(|v| start[v as usize]);
+        let [a, b] = edge.map(|v| start.at(v as usize));
         (long + (b - a).abs().max_element(), count + 1)
     });
     moved * count as Real > FAST * long * cloth as Real
@@ -221,8 +222,8 @@ fn is_fast(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
 
 /// Whether a vertex that ends at `end` stays in its end box.
 pub fn may_end(model: &ContactModel<'_>, ends: &[Aabb], v: usize, end: Vec3) -> bool {
-    let wide = 0.5 * model.thickness + model.radii[v];
-    ends[v].contains(&Aabb { min: end - wide, max: end + wide })
+    let wide = 0.5 * model.thickness + model.radii.at(v);
+    ends.at(v).contains(&Aabb { min: end - wide, max: end + wide })
 }
 
 /// Bound of the errors of distances and of the corners of boxes, m.
@@ -242,11 +243,11 @@ fn rounding(model: &ContactModel<'_>, positions: &[Vec3]) -> Real {
 #[cfg_attr(small, optimize(size))]
 pub fn surround_start(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>) {
     *contact.searched = Searched::Near;
-    for (v, &start) in contact.start.iter().enumerate() {
-        let wide = START * model.thickness + model.radii[v] * (1.0 + 4.0 * Real::EPSILON);
-        contact.boxes[v] = Aabb { min: start - wide, max: start + wide };
+    for ((around, &start), radius) in contact.boxes.iter_mut().zip(&*contact.start).zip(model.radii) {
+        let wide = START * model.thickness + radius * (1.0 + 4.0 * Real::EPSILON);
+        *around = Aabb { min: start - wide, max: start + wide };
     }
-    contact.ends.copy_from_slice(contact.boxes);
+    contact.ends.copy_from(contact.boxes);
     leave_out(model, contact.boxes);
 }
 
@@ -258,14 +259,14 @@ pub fn sweep(model: &ContactModel<'_>, margin: Real, contact: &mut ContactScratc
     let rounding = motion(model, contact.start, contact.end, contact.ends).rounding;
     let is_rounded_little = rounding <= MOST_ROUNDED * model.thickness;
     *contact.searched = if is_rounded_little { Searched::Comoving } else { Searched::Swept };
-    for (v, around) in contact.boxes.iter_mut().enumerate() {
-        let (start, end) = (contact.start[v], contact.end[v]);
+    let motion = contact.start.iter().zip(&*contact.end).zip(model.radii);
+    let boxes = contact.boxes.iter_mut().zip(&mut *contact.ends);
+    for ((around, ends), ((&start, &end), radius)) in boxes.zip(motion) {
         // The factor makes up for the rounding of the width. The corners are rounded monotonically, so boxes that
         // overlap before rounding also overlap after it, at any distance from the origin.
-        let wide = |margin: Real| (margin + model.radii[v]) * (1.0 + 4.0 * Real::EPSILON);
+        let wide = |margin: Real| (margin + radius) * (1.0 + 4.0 * Real::EPSILON);
         let (before, after) = (wide(START * model.thickness), wide(0.5 * model.thickness + margin));
-        let ends = contact.ends[v].union(&Aabb { min: end - after, max: end + after });
-        contact.ends[v] = ends;
+        *ends = ends.union(&Aabb { min: end - after, max: end + after });
         *around = ends.union(&Aabb { min: start - before, max: start + before });
     }
 }
@@ -331,8 +332,10 @@ fn narrow(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, new: bool,
     }
     if new && *contact.searched != Searched::Swept {
         let Counts { vertex_triangle, edge_edge } = *contact.counts;
-        let pairs =
-            [&contact.vertex_triangle.candidates[..vertex_triangle], &contact.edge_edge.candidates[..edge_edge]];
+        let pairs = [
+            contact.vertex_triangle.candidates.part(..vertex_triangle),
+            contact.edge_edge.candidates.part(..edge_edge),
+        ];
         contact.kept.put(pairs);
     }
     if is_near {
@@ -362,10 +365,11 @@ fn drop_apart(model: &ContactModel<'_>, far: Real, contact: &mut ContactScratch<
     let counts = *contact.counts;
     let pairs = &mut contact.vertex_triangle;
     let (candidates, bounds) =
-        (&pairs.candidates[..counts.vertex_triangle], &mut pairs.distances[..counts.vertex_triangle]);
+        (pairs.candidates.part(..counts.vertex_triangle), pairs.distances.part_mut(..counts.vertex_triangle));
     slab::bounds::<VertexTriangle>(candidates, &model.surface, &motion, bounds, dispatch);
     let pairs = &mut contact.edge_edge;
-    let (candidates, bounds) = (&pairs.candidates[..counts.edge_edge], &mut pairs.distances[..counts.edge_edge]);
+    let (candidates, bounds) =
+        (pairs.candidates.part(..counts.edge_edge), pairs.distances.part_mut(..counts.edge_edge));
     slab::bounds::<EdgeEdge>(candidates, &model.surface, &motion, bounds, dispatch);
     let rounding = motion.rounding;
     drop_far(far + rounding, contact);
@@ -376,10 +380,11 @@ fn measure(model: &ContactModel<'_>, reach: Real, contact: &mut ContactScratch<'
     let (counts, surface, x) = (*contact.counts, &model.surface, &*contact.start);
     let pairs = &mut contact.vertex_triangle;
     let (candidates, distances) =
-        (&pairs.candidates[..counts.vertex_triangle], &mut pairs.distances[..counts.vertex_triangle]);
+        (pairs.candidates.part(..counts.vertex_triangle), pairs.distances.part_mut(..counts.vertex_triangle));
     proximity::distances::<VertexTriangle>(candidates, surface, x, model.radii, reach, distances, dispatch);
     let pairs = &mut contact.edge_edge;
-    let (candidates, distances) = (&pairs.candidates[..counts.edge_edge], &mut pairs.distances[..counts.edge_edge]);
+    let (candidates, distances) =
+        (pairs.candidates.part(..counts.edge_edge), pairs.distances.part_mut(..counts.edge_edge));
     proximity::distances::<EdgeEdge>(candidates, surface, x, model.radii, reach, distances, dispatch);
 }
 

@@ -1,6 +1,7 @@
 //! The boxes of triangles: unions of the boxes of their vertices.
 
 use super::{IS_FACE, OWNS_EDGE, OWNS_VERTEX, Surface};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3};
@@ -17,7 +18,7 @@ pub fn is_valid(b: &Aabb) -> bool {
 /// The smallest box around all `boxes`, or [`NOWHERE`] if one of them is not valid.
 #[inline]
 pub fn around<const K: usize>(boxes: [&Aabb; K]) -> Aabb {
-    let union = boxes[1..].iter().fold(*boxes[0], |union, b| union.union(b));
+    let union = boxes.iter().fold(Aabb::EMPTY, |union, b| union.union(b));
     if boxes.into_iter().all(is_valid) { union } else { NOWHERE }
 }
 
@@ -31,9 +32,9 @@ pub fn write_bounds(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run((triangle_boxes, owned), |start, (triangle_boxes, owned)| {
-        let given = surface.triangles[start..].iter().zip(&surface.owned[start..]);
+        let given = surface.triangles.part(start..).iter().zip(surface.owned.part(start..));
         for ((triangle, &all), (whole, owned)) in given.zip(triangle_boxes.iter_mut().zip(owned)) {
-            let corners = triangle.map(|v| &boxes[v as usize]);
+            let corners = triangle.map(|v| boxes.element(v as usize).unwrap_or(&NOWHERE));
             (*whole, *owned) = (around(corners), all);
             if !is_valid(whole) {
                 (*whole, *owned) = around_valid(corners, all);
@@ -45,9 +46,9 @@ pub fn write_bounds(
 #[cold]
 fn around_valid(corners: [&Aabb; 3], mut owned: u8) -> (Aabb, u8) {
     let mut union = None;
-    for k in 0..3 {
-        if is_valid(corners[k]) {
-            union = Some(union.map_or(*corners[k], |union: Aabb| union.union(corners[k])));
+    for (k, corner) in corners.into_iter().enumerate() {
+        if is_valid(corner) {
+            union = Some(union.map_or(*corner, |union: Aabb| union.union(corner)));
         } else {
             owned &= !(IS_FACE | OWNS_VERTEX << k | OWNS_EDGE << k | OWNS_EDGE << ((k + 2) % 3));
         }
@@ -58,7 +59,7 @@ fn around_valid(corners: [&Aabb; 3], mut owned: u8) -> (Aabb, u8) {
 /// Leaves out the passive triangles, which begin at `first_passive`, that no other triangle can touch: most of a large
 /// obstacle.
 pub fn leave_out_far(triangle_boxes: &mut [Aabb], first_passive: usize) {
-    let (active, passive) = triangle_boxes.split_at_mut(first_passive.min(triangle_boxes.len()));
+    let (active, passive) = triangle_boxes.cut_mut(first_passive.min(triangle_boxes.len()));
     let reach = active.iter().filter(|b| is_valid(b)).fold(Aabb::EMPTY, |reach, b| reach.union(b));
     for far in passive.iter_mut().filter(|b| !b.overlaps(&reach)) {
         *far = NOWHERE;

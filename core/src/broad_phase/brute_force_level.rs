@@ -2,6 +2,7 @@
 
 use super::Surface;
 use super::levels::NO_LEVEL;
+use crate::column::Column;
 use crate::geometry::aabb::Aabb;
 
 /// Number of pairs that are passed to `add` at once.
@@ -17,10 +18,11 @@ pub fn for_each_brute_force_pair(
     mut add: impl FnMut(&[[u32; 2]]) -> bool,
 ) -> bool {
     let (mut batch, mut filled) = ([[0; 2]; BATCH], 0);
-    for a in (0..levels.len()).filter(|&a| levels[a] == level) {
-        for b in (0..levels.len()).filter(|&b| levels[b] != NO_LEVEL && (levels[b] != level || b > a)) {
-            if triangle_boxes[a].overlaps(&triangle_boxes[b]) && surface.may_pair(a as u32, b as u32) {
-                batch[filled] = [a as u32, b as u32];
+    let triangles = || (0..).zip(levels).zip(triangle_boxes);
+    for ((a, _), first) in triangles().filter(|&((_, &own), _)| own == level) {
+        for ((b, _), second) in triangles().filter(|&((b, &own), _)| own != NO_LEVEL && (own != level || b > a)) {
+            if first.overlaps(second) && surface.may_pair(a, b) {
+                batch.set(filled, [a, b]);
                 filled += 1;
                 if filled == BATCH {
                     if !add(&batch) {
@@ -31,5 +33,5 @@ pub fn for_each_brute_force_pair(
             }
         }
     }
-    add(&batch[..filled])
+    add(batch.part(..filled))
 }

@@ -9,6 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use wide::i8x16;
 
 use super::quantized_boxes::QuantizedBox;
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 
 /// The boxes by coordinate: the three minima, then the three maxima. Each has one byte for each of the edges 0, 1,
@@ -27,7 +28,7 @@ impl ByteBoxes {
     /// Coordinate `k` of the box of the triangle.
     #[inline(always)]
     pub fn whole(&self, k: usize) -> i8 {
-        (self.0[k][0] >> WHOLE) as i8
+        (self.0.at(k)[0] >> WHOLE) as i8
     }
 
     /// The boxes as the first operand of [`may_overlap`]. For r < 3, lane `4 r + c` compares edge `r` with edge
@@ -35,19 +36,21 @@ impl ByteBoxes {
     /// vertex `c`.
     #[inline(always)]
     pub fn rows(&self) -> ByteLanes {
-        core::array::from_fn(|k| {
-            let [edges, vertices] = self.0[k];
+        let lane = |[edges, vertices]: [u32; 2]| {
             let byte = |word: u32, r: u32| (word >> (8 * r)) & 0xff;
             let row = |r: u32| (byte(edges, r) * 0x01_01_01) | (byte(vertices, r) << 24);
             bytemuck::cast([row(0), row(1), row(2), (edges >> WHOLE) * 0x01_01_01])
-        })
+        };
+        // The compiler keeps these in registers, but not the result of `map`.
+        let [a, b, c, d, e, f] = self.0;
+        [lane(a), lane(b), lane(c), lane(d), lane(e), lane(f)]
     }
 
     /// The boxes as the second operand of [`may_overlap`], in the lanes of [`rows`](Self::rows).
     #[inline(always)]
     pub fn columns(&self) -> ByteLanes {
         core::array::from_fn(|k| {
-            let [edges, vertices] = self.0[k];
+            let [edges, vertices] = self.0.at(k);
             bytemuck::cast([edges, edges, edges, vertices])
         })
     }
@@ -72,14 +75,16 @@ pub fn write_byte_boxes(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(byte_boxes, |start, part| {
-        let present = triangles[start..].iter().zip(&levels[start..]).zip(part);
-        for ((triangle, _), out) in present.filter(|&((_, &own), _)| own <= level) {
-            let [a, b, c] = triangle.map(|v| quantized_boxes[v as usize]);
+        let present = triangles.part(start..).iter().zip(levels.part(start..)).zip(part);
+        for ((&[a, b, c], _), out) in present.filter(|&((_, &own), _)| own <= level) {
+            let at = |v: u32| quantized_boxes.at(v as usize);
+            let [a, b, c] = [at(a), at(b), at(c)];
             let edges = [a.union(&b), b.union(&c), c.union(&a)];
             let whole = edges[0].union(&c);
-            for k in 0..6 {
-                let first = [edges[0].0[k], edges[1].0[k], edges[2].0[k], whole.0[k]];
-                out.0[k] = [word(first), word([a.0[k], b.0[k], c.0[k], 0])];
+            for (k, out) in out.0.iter_mut().enumerate() {
+                let of = |b: &QuantizedBox| b.0.at(k);
+                let first = [of(&edges[0]), of(&edges[1]), of(&edges[2]), of(&whole)];
+                *out = [word(first), word([of(&a), of(&b), of(&c), 0])];
             }
         }
     });

@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::control_bits::HOME_SHIFT;
 use super::spheres::Sphere;
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 
 /// Bit in [`Home::control`]: shifted left by an axis, the phantom cells lie on the greater side of the home cell.
@@ -38,17 +39,21 @@ impl CellGrid {
         for sphere in spheres.iter().filter(|&s| *s != Sphere::ABSENT) {
             count += 1;
             diagonal_squared = sphere.diagonal_squared.max(diagonal_squared);
-            for k in 0..3 {
-                last[k] = sphere.center[k].max(last[k]);
+            for (last, center) in last.iter_mut().zip(sphere.center) {
+                *last = center.max(*last);
             }
         }
         let least = 2 * root_above(diagonal_squared) + root_above(2 * diagonal_squared) + 1;
         let size = least as i32;
-        let mut bits = last.map(|last| (last / size + 1).ilog2() + 1).map(|bits| bits.max(2));
+        let mut bits = last.map(|last| {
+            let cells = last.checked_div(size).unwrap_or(0) + 1;
+            (i32::BITS - cells.leading_zeros()).max(2)
+        });
         let most = (u32::BITS - count.leading_zeros() + 1).max(6);
         while bits[0] + bits[1] + bits[2] > most {
-            let longest = (0..3).max_by_key(|&k| bits[k]).unwrap_or(0);
-            bits[longest] -= 1;
+            if let Some(longest) = bits.iter_mut().max_by_key(|bits| **bits) {
+                *longest -= 1;
+            }
         }
         Self { size, bits }
     }
@@ -80,7 +85,7 @@ fn root_above(n: u32) -> u32 {
 /// Writes the home cell and the control bits of every sphere.
 pub fn write_cells(spheres: &[Sphere], grid: &CellGrid, homes: &mut [Home], dispatch: &impl Dispatch) {
     dispatch.run(homes, |start, part| {
-        for (sphere, home) in spheres[start..].iter().zip(part) {
+        for (sphere, home) in spheres.part(start..).iter().zip(part) {
             *home = home_of(sphere, grid);
         }
     });
@@ -94,19 +99,19 @@ fn home_of(sphere: &Sphere, grid: &CellGrid) -> Home {
     let (size, shifts, cover_squared) = (grid.size, grid.shifts(), 2 * sphere.diagonal_squared);
     let (mut key, mut parity, mut upward) = (0, 0, 0);
     let mut gaps_squared = [0; 3];
-    for k in 0..3 {
-        let cell = sphere.center[k] / size;
-        let below = sphere.center[k] - cell * size;
+    for (k, center) in sphere.center.into_iter().enumerate() {
+        let cell = center.checked_div(size).unwrap_or(0);
+        let below = center - cell * size;
         let above = size - below;
-        key |= (cell as u32 & ((1 << grid.bits[k]) - 1)) << shifts[k];
+        key |= (cell as u32 & ((1 << grid.bits.at(k)) - 1)) << shifts.at(k);
         parity |= (cell as u32 & 1) << k;
         upward |= u32::from(above < below) << k;
         let gap = above.min(below).min(1 << 14) as u32;
-        gaps_squared[k] = gap * gap;
+        gaps_squared.set(k, gap * gap);
     }
     let mut mask = 0;
     for across in 0..8 {
-        let gap_squared: u32 = (0..3).map(|k| if across >> k & 1 == 1 { gaps_squared[k] } else { 0 }).sum();
+        let gap_squared: u32 = (0..3).map(|k| if across >> k & 1 == 1 { gaps_squared.at(k) } else { 0 }).sum();
         mask |= u32::from(gap_squared <= cover_squared) << (parity ^ across);
     }
     Home { key, control: mask | (parity << HOME_SHIFT) | (upward * UPWARD) }

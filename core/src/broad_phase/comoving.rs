@@ -3,6 +3,7 @@
 //!
 //! Two features collide in this frame exactly if they collide in that of the scene.
 
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3};
@@ -58,13 +59,13 @@ pub fn write_moving_boxes(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(moving_boxes, |start, part| {
-        for (triangle, moving) in triangles[start..].iter().zip(part) {
+        for (triangle, moving) in triangles.part(start..).iter().zip(part) {
             *moving = MovingBox::EMPTY;
             for v in triangle.map(|v| v as usize) {
-                let (x, end) = (motion.start[v], &motion.ends[v]);
-                let wide = motion.margin + motion.radii[v] + motion.rounding;
+                let (x, end) = (motion.start.at(v), motion.ends.at(v));
+                let wide = motion.margin + motion.radii.at(v) + motion.rounding;
                 moving.start = moving.start.union(&Aabb { min: x - wide, max: x + wide });
-                moving.end = moving.end.union(end);
+                moving.end = moving.end.union(&end);
                 moving.displacement += ((end.min + end.max) * 0.5 - x) * (1.0 / 3.0);
             }
         }

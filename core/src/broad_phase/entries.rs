@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::cells::{CellGrid, Home, UPWARD};
 use super::control_bits;
+use crate::column::Column;
 
 /// Flag in [`Entry::object`]: the cell is the object's home cell.
 pub const IS_HOME: u32 = 1 << 31;
@@ -34,9 +35,9 @@ impl Entry {
 /// Writes the entries of all objects, at most eight per object, and returns their number.
 pub fn write_entries(homes: &[Home], levels: &[u8], level: u8, grid: &CellGrid, entries: &mut [Entry]) -> usize {
     let (shifts, mut end) = (grid.shifts(), 0);
-    let fields: [u32; 3] = core::array::from_fn(|k| ((1 << grid.bits[k]) - 1) << shifts[k]);
+    let fields: [u32; 3] = core::array::from_fn(|k| ((1 << grid.bits.at(k)) - 1) << shifts.at(k));
     let mut push = |key, object| {
-        entries[end] = Entry { key, object };
+        entries.set(end, Entry { key, object });
         end += 1;
     };
     for own in [IS_OWN, 0] {
@@ -54,9 +55,9 @@ pub fn write_entries(homes: &[Home], levels: &[u8], level: u8, grid: &CellGrid, 
                 let mut key = home.key;
                 for k in 0..3 {
                     if across >> k & 1 == 1 {
-                        let one = 1u32 << shifts[k];
+                        let one = 1u32 << shifts.at(k);
                         let step = if home.control & UPWARD << k != 0 { one } else { one.wrapping_neg() };
-                        key = key & !fields[k] | key.wrapping_add(step) & fields[k];
+                        key = key & !fields.at(k) | key.wrapping_add(step) & fields.at(k);
                     }
                 }
                 push(key, id | own);
@@ -68,5 +69,6 @@ pub fn write_entries(homes: &[Home], levels: &[u8], level: u8, grid: &CellGrid, 
 
 fn present<'a>(homes: &'a [Home], levels: &'a [u8], level: u8, own: u32) -> impl Iterator<Item = (u32, &'a Home)> {
     let belongs = move |own_level: u8| (own_level == level) == (own != 0);
-    (0..).zip(homes).filter(move |&(id, home)| home.control != 0 && belongs(levels[id as usize]))
+    let objects = (0..).zip(homes.iter().zip(levels));
+    objects.filter_map(move |(id, (home, &own_level))| (home.control != 0 && belongs(own_level)).then_some((id, home)))
 }

@@ -7,7 +7,8 @@
 
 use super::byte_boxes::{ByteBoxes, may_overlap};
 use super::comoving::MovingBox;
-use super::{Candidates, Counts, IS_FACE, OWNS_EDGE, OWNS_VERTEX, Surface};
+use super::{Candidates, Counts, IS_FACE, OWNS_EDGE, OWNS_VERTEX, Surface, runs};
+use crate::column::Column;
 use crate::geometry::aabb::Aabb;
 
 /// Adds the candidates of pairs of triangles. Without byte boxes, the exact boxes of all pairs of features are
@@ -24,38 +25,38 @@ pub fn add_features(
     counts: &mut Counts,
 ) {
     // Consecutive pairs often have the same first triangle.
-    let (mut rows, mut rows_of) = (ByteBoxes::default().rows(), usize::MAX);
-    for &[a, b] in pairs {
-        let (a, b) = (a as usize, b as usize);
-        let near = byte_boxes.map_or(0xffff, |byte_boxes| {
-            if a != rows_of {
-                (rows, rows_of) = (byte_boxes[a].rows(), a);
+    for (a, pairs) in runs(pairs, |&[a, _]| a as usize) {
+        let Some(p) = surface.triangles.element(a) else { continue };
+        let rows = byte_boxes.and_then(|byte_boxes| byte_boxes.element(a)).map(ByteBoxes::rows);
+        let own = ROWS.at(usize::from(owned.at(a) & 0x7f));
+        for &[_, b] in pairs {
+            let b = b as usize;
+            let Some(q) = surface.triangles.element(b) else { continue };
+            let near = match (byte_boxes, &rows) {
+                (Some(byte_boxes), Some(rows)) => byte_boxes.element(b).map_or(0, |b| may_overlap(rows, &b.columns())),
+                _ => 0xffff,
+            };
+            let named = own & COLUMNS.at(usize::from(owned.at(b) & 0x7f));
+            let mut left = near & u32::from(named & APART.at(equal_corners(p, q)));
+            if left == 0 || moving_boxes.is_some_and(|moving| !may_touch(moving, a, b)) {
+                continue;
             }
-            may_overlap(&rows, &byte_boxes[b].columns())
-        });
-        let named = ROWS[usize::from(owned[a] & 0x7f)] & COLUMNS[usize::from(owned[b] & 0x7f)];
-        let (p, q) = (&surface.triangles[a], &surface.triangles[b]);
-        let mut left = near & u32::from(named & APART[equal_corners(p, q)]);
-        if left == 0 || moving_boxes.is_some_and(|moving| !moving[a].overlaps(&moving[b])) {
-            continue;
-        }
-        while left != 0 {
-            let bit = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let (row, column) = (bit / 4, bit % 4);
-            if row < 3 && column < 3 {
-                let ends = [p[row], p[(row + 1) % 3], q[column], q[(column + 1) % 3]];
-                if edges_overlap(boxes, &ends) && !edges_are_sewn(surface, &ends) {
-                    let [first, second] = [surface.triangle_edges[a][row], surface.triangle_edges[b][column]];
-                    out.add_edge_edge(counts, first, second);
-                }
-            } else {
-                let (vertex, face) = if row < 3 { (p[row], b) } else { (q[column], a) };
-                let is_sewn = |&corner: &u32| surface.sewn.joins(vertex, corner);
-                if boxes[vertex as usize].overlaps(&triangle_boxes[face])
-                    && !surface.triangles[face].iter().any(is_sewn)
-                {
-                    out.add_vertex_triangle(counts, vertex, face as u32);
+            while left != 0 {
+                let bit = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let (row, column) = (bit / 4, bit % 4);
+                if row < 3 && column < 3 {
+                    let ends = [p.at(row), p.at((row + 1) % 3), q.at(column), q.at((column + 1) % 3)];
+                    if edges_overlap(boxes, &ends) && !edges_are_sewn(surface, &ends) {
+                        let edges = surface.triangle_edges.as_flattened();
+                        out.add_edge_edge(counts, edges.at(3 * a + row), edges.at(3 * b + column));
+                    }
+                } else {
+                    let (vertex, face, corners) = if row < 3 { (p.at(row), b, q) } else { (q.at(column), a, p) };
+                    let is_sewn = |&corner: &u32| surface.sewn.joins(vertex, corner);
+                    if boxes.at(vertex as usize).overlaps(&triangle_boxes.at(face)) && !corners.iter().any(is_sewn) {
+                        out.add_vertex_triangle(counts, vertex, face as u32);
+                    }
                 }
             }
         }
@@ -63,9 +64,14 @@ pub fn add_features(
 }
 
 #[inline(always)]
+fn may_touch(moving: &[MovingBox], a: usize, b: usize) -> bool {
+    moving.element(a).zip(moving.element(b)).is_some_and(|(a, b)| a.overlaps(b))
+}
+
+#[inline(always)]
 fn edges_overlap(boxes: &[Aabb], &ends: &[u32; 4]) -> bool {
-    let [a, b, c, d] = ends.map(|v| &boxes[v as usize]);
-    a.union(b).overlaps(&c.union(d))
+    let [a, b, c, d] = ends.map(|v| boxes.at(v as usize));
+    a.union(&b).overlaps(&c.union(&d))
 }
 
 #[inline(always)]
@@ -80,7 +86,7 @@ fn equal_corners(p: &[u32; 3], q: &[u32; 3]) -> usize {
     let mut equal = 0;
     for i in 0..3 {
         for j in 0..3 {
-            equal |= usize::from(p[i] == q[j]) << (3 * i + j);
+            equal |= usize::from(p.at(i) == q.at(j)) << (3 * i + j);
         }
     }
     equal

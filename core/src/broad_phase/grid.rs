@@ -13,6 +13,7 @@ use super::quantized_boxes::{Quantization, QuantizedBox, write_quantized_boxes};
 use super::sort::sort;
 use super::spheres::{Sphere, write_spheres};
 use super::{Candidates, Counts, Surface};
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::scratch::MAY_BE_LEAN;
@@ -98,14 +99,14 @@ pub fn candidates(
     }
     let mut counts = Counts::default();
     for level in 0..sizes.graded {
-        let quantization = Quantization::new(&sizes.scene, sizes.extents[level as usize]);
+        let quantization = Quantization::new(&sizes.scene, sizes.extents.at(level as usize));
         write_quantized_boxes(boxes, &quantization, quantized_boxes, dispatch);
         write_spheres(quantized_boxes, surface.triangles, levels, level, spheres, dispatch);
         write_byte_boxes(quantized_boxes, surface.triangles, levels, level, byte_boxes, dispatch);
         let grid = CellGrid::new(spheres);
         write_cells(spheres, &grid, homes, dispatch);
         let count = write_entries(homes, levels, level, &grid, entries);
-        let (entries, spare) = (&mut entries[..count], &mut spare[..count]);
+        let (entries, spare) = (entries.part_mut(..count), spare.part_mut(..count));
         let sorted = if sort(entries, spare, grid.key_bits()) { spare } else { entries };
         let is_complete = for_each_pair(sorted, homes, byte_boxes, &grid, surface, |pairs| {
             add_features(

@@ -2,6 +2,7 @@
 //! long as no box of a vertex leaves a box that is a skin wider.
 
 use super::{Candidates, Counts};
+use crate::column::Column;
 use crate::geometry::aabb::Aabb;
 use crate::real::Real;
 
@@ -51,7 +52,7 @@ impl KeptPairs<'_> {
         *self.counts = Counts { vertex_triangle: pairs[0].len(), edge_edge: pairs[1].len() };
         for (kept, pairs) in [&mut *self.vertex_triangle, &mut *self.edge_edge].into_iter().zip(pairs) {
             if let Some(kept) = kept.get_mut(..pairs.len()) {
-                kept.copy_from_slice(pairs);
+                kept.copy_from(pairs);
             }
         }
     }
@@ -60,11 +61,11 @@ impl KeptPairs<'_> {
     pub fn take(&self, out: &mut Candidates<'_>) -> Counts {
         let Counts { vertex_triangle, edge_edge } = *self.counts;
         for (kept, out) in [
-            (&self.vertex_triangle[..vertex_triangle], &mut *out.vertex_triangle),
-            (&self.edge_edge[..edge_edge], &mut *out.edge_edge),
+            (self.vertex_triangle.part(..vertex_triangle), &mut *out.vertex_triangle),
+            (self.edge_edge.part(..edge_edge), &mut *out.edge_edge),
         ] {
             if let Some(out) = out.get_mut(..kept.len()) {
-                out.copy_from_slice(kept);
+                out.copy_from(kept);
             }
         }
         Counts { vertex_triangle, edge_edge }

@@ -7,6 +7,7 @@
 //! triangles that are at most four times that large. The last few triangles, and those with unbounded boxes, form a
 //! last level without cells.
 
+use crate::column::Column;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Vec3, to_f32};
 
@@ -56,7 +57,7 @@ pub fn assign(triangle_boxes: &[Aabb], levels: &mut [u8]) -> Levels {
     for b in triangle_boxes {
         if let Some(extent) = extent(b) {
             let bin = bin(extent);
-            histogram[bin] += 1;
+            histogram.add(bin, 1);
             if bin < UNBOUNDED {
                 scene = scene.union(b);
             }
@@ -67,7 +68,7 @@ pub fn assign(triangle_boxes: &[Aabb], levels: &mut [u8]) -> Levels {
     for (b, level) in triangle_boxes.iter().zip(levels) {
         *level = NO_LEVEL;
         if let Some(extent) = extent(b) {
-            *level = table[bin(extent)];
+            *level = table.at(bin(extent));
             if let Some(greatest) = extents.get_mut(*level as usize) {
                 *greatest = extent.max(*greatest);
             }
@@ -83,18 +84,18 @@ fn divide(histogram: &[u32; BINS]) -> ([u8; BINS], u8, u32) {
     while (level as usize) < MOST && left - histogram[UNBOUNDED] > FEW {
         let quantile = left / 16;
         let (mut passed, mut start) = (0, next);
-        while start < UNBOUNDED && passed + histogram[start] <= quantile {
-            passed += histogram[start];
+        while start < UNBOUNDED && passed + histogram.at(start) <= quantile {
+            passed += histogram.at(start);
             start += 1;
         }
         let end = (start + REACH).min(UNBOUNDED);
         for bin in next..end {
-            table[bin] = level;
-            left -= histogram[bin];
+            table.set(bin, level);
+            left -= histogram.at(bin);
         }
         (next, level) = (end, level + 1);
     }
-    table[next..].fill(level);
+    table.part_mut(next..).fill(level);
     (table, level, left)
 }
 

@@ -46,6 +46,7 @@ pub use grid::GridColumns;
 pub use grid::{Grid, candidates};
 pub use kept_pairs::KeptPairs;
 
+use crate::column::Column;
 use crate::mesh::Incidence;
 
 /// Bit in [`Surface::owned`]: shifted left by k, the triangle owns its vertex k.
@@ -108,10 +109,21 @@ impl Sewn<'_> {
             return false;
         }
         match self.offsets.get(a as usize..=a as usize + 1) {
-            Some(&[start, end]) => self.others[start as usize..end as usize].contains(&b),
+            Some(&[start, end]) => self.others.part(start as usize..end as usize).contains(&b),
             _ => false,
         }
     }
+}
+
+/// The runs of consecutive elements with the same key, each with its key.
+fn runs<T, K: PartialEq>(mut rest: &[T], key: impl Fn(&T) -> K) -> impl Iterator<Item = (K, &[T])> {
+    core::iter::from_fn(move || {
+        let first = key(rest.first()?);
+        let length = rest.iter().take_while(|element| key(element) == first).count();
+        let (run, others) = rest.cut(length);
+        rest = others;
+        Some((first, run))
+    })
 }
 
 /// The candidates: `[vertex, triangle]` and `[edge, edge]`, the smaller edge index first. The length of each slice

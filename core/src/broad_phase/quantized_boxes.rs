@@ -6,6 +6,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::bounds::is_valid;
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::geometry::aabb::Aabb;
 use crate::real::{Real, Vec3, to_f32};
@@ -26,7 +27,7 @@ pub struct Quantization {
 }
 
 /// A box in units: the three minima, then the three maxima.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct QuantizedBox(pub [i32; 6]);
 
@@ -37,7 +38,10 @@ impl QuantizedBox {
     /// The smallest box around both boxes.
     #[inline(always)]
     pub fn union(&self, other: &Self) -> Self {
-        let outer = |k: usize| if k < 3 { self.0[k].min(other.0[k]) } else { self.0[k].max(other.0[k]) };
+        let outer = |k: usize| {
+            let (own, other) = (self.0.at(k), other.0.at(k));
+            if k < 3 { own.min(other) } else { own.max(other) }
+        };
         Self(core::array::from_fn(outer))
     }
 }
@@ -72,7 +76,7 @@ pub fn write_quantized_boxes(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(quantized_boxes, |start, part| {
-        for (b, out) in boxes[start..].iter().zip(part) {
+        for (b, out) in boxes.part(start..).iter().zip(part) {
             let ([x, y, z], [u, v, w]) = (quantization.apply(b.min), quantization.apply(b.max));
             *out = if is_valid(b) { QuantizedBox([x, y, z, u, v, w]) } else { QuantizedBox::EMPTY };
         }

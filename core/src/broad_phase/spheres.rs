@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::quantized_boxes::QuantizedBox;
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 
 /// The sphere around a box.
@@ -30,13 +31,10 @@ pub fn write_spheres(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(spheres, |start, part| {
-        for ((&[a, b, c], &own), out) in triangles[start..].iter().zip(&levels[start..]).zip(part) {
+        for ((triangle, &own), out) in triangles.part(start..).iter().zip(levels.part(start..)).zip(part) {
             *out = if own <= level {
-                around(
-                    &quantized_boxes[a as usize]
-                        .union(&quantized_boxes[b as usize])
-                        .union(&quantized_boxes[c as usize]),
-                )
+                let [a, b, c] = triangle.map(|v| quantized_boxes.at(v as usize));
+                around(&a.union(&b).union(&c))
             } else {
                 Sphere::ABSENT
             };

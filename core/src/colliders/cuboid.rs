@@ -1,5 +1,6 @@
 //! Box colliders, made of twelve triangles.
 
+use crate::column::Column;
 use crate::real::{Real, Vec3, sqrt};
 
 /// The triangles, by corners, wound outward.
@@ -22,7 +23,7 @@ pub const TRIANGLES: [[u32; 3]; 12] = [
 /// negative side. Each vector in `axes` has half the length of the box along that axis.
 pub fn corners(centre: Vec3, axes: [Vec3; 3]) -> [Vec3; 8] {
     core::array::from_fn(|corner| {
-        let side = |axis: usize| if corner >> axis & 1 == 1 { axes[axis] } else { -axes[axis] };
+        let side = |axis: usize| if corner >> axis & 1 == 1 { axes.at(axis) } else { -axes.at(axis) };
         centre + side(0) + side(1) + side(2)
     })
 }
@@ -30,9 +31,9 @@ pub fn corners(centre: Vec3, axes: [Vec3; 3]) -> [Vec3; 8] {
 /// Depth of a point inside the box, m; 0 outside.
 pub fn depth(corners: &[Vec3], point: Vec3) -> Real {
     let least = |depth: Real, axis: usize| {
-        let edge = corners[1 << axis] - corners[0];
+        let edge = corners.at(1 << axis) - corners.at(0);
         let length = sqrt(edge.length_squared());
-        let along = (point - corners[0]).dot(edge) / length;
+        let along = (point - corners.at(0)).dot(edge) / length;
         depth.min(along).min(length - along)
     };
     (0..3).fold(Real::INFINITY, least).max(0.0)

@@ -11,6 +11,7 @@ pub mod round;
 use bytemuck::Zeroable;
 use glam::DVec3;
 
+use crate::column::Column;
 use crate::kinematic::{Kinematic, Pose, Twist};
 use crate::motion::{JumpSide, Key, Motion};
 use crate::real::{Real, Sum, Vec3, sqrt, to_f64, vec3};
@@ -128,7 +129,7 @@ impl Cache {
         let at = ((time - self.start) * self.rate).clamp(0.0, last as Sum);
         let frame = at as usize;
         let part = (at - frame as Sum) as Real;
-        let [now, next] = [frame, (frame + 1).min(last)].map(|frame| frames[first + frame * count + vertex]);
+        let [now, next] = [frame, (frame + 1).min(last)].map(|frame| frames.at(first + frame * count + vertex));
         now + (next - now) * part
     }
 
@@ -202,7 +203,7 @@ impl From<Drive> for StoredDrive {
             Drive::Cache(cache) => (2, bytemuck::bytes_of(cache)),
             Drive::Host(kinematic) => (3, bytemuck::bytes_of(kinematic)),
         };
-        room[..bytes.len()].copy_from_slice(bytes);
+        room.part_mut(..bytes.len()).copy_from(bytes);
         Self { kind, ..stored }
     }
 }
@@ -211,7 +212,10 @@ impl From<&StoredDrive> for Drive {
     #[cfg_attr(small, optimize(size), inline(never))]
     fn from(stored: &StoredDrive) -> Self {
         fn read<T: bytemuck::Pod>(stored: &StoredDrive) -> T {
-            bytemuck::pod_read_unaligned(&bytemuck::bytes_of(&stored.words)[..size_of::<T>()])
+            let mut drive = T::zeroed();
+            let bytes = bytemuck::bytes_of(&stored.words).part(..size_of::<T>());
+            bytemuck::bytes_of_mut(&mut drive).copy_from(bytes);
+            drive
         }
         match stored.kind {
             1 => Self::Motion(read(stored)),
@@ -287,7 +291,7 @@ impl Body {
     /// The mean of its vertices before any motion, m, which moves straight when a host moves it.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn middle(&self, anchors: &[Vec3]) -> DVec3 {
-        let own = &anchors[self.range()];
+        let own = anchors.part(self.range());
         own.iter().map(|&x| DVec3::from(to_f64(x))).sum::<DVec3>() / own.len() as Sum
     }
 
@@ -320,9 +324,9 @@ impl Colliders<'_> {
     /// place of its first, so that nothing crosses it.
     pub fn place(&self, time: Sum, out: &mut [Vec3]) {
         for body in self.bodies {
-            let out = &mut out[body.range()];
+            let out = out.part_mut(body.range());
             if body.is_off() {
-                out.fill(self.anchors[body.range()][0]);
+                out.fill(self.anchors.at(body.range().start));
             } else {
                 self.place_body(body, time, out);
             }
@@ -332,10 +336,10 @@ impl Colliders<'_> {
     /// Writes the positions of the vertices of a collider at `time`, s, whether or not it is switched off.
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn place_body(&self, body: &Body, time: Sum, out: &mut [Vec3]) {
-        let anchors = &self.anchors[body.range()];
+        let anchors = self.anchors.part(body.range());
         let drive = body.drive();
         match drive {
-            Drive::Rest => out.copy_from_slice(anchors),
+            Drive::Rest => out.copy_from(anchors),
             Drive::Motion(_) | Drive::Host(_) => {
                 for (out, &anchor) in out.iter_mut().zip(anchors) {
                     *out = vec3(drive.at(self.keys, anchor, time, JumpSide::After).0.into());
@@ -358,7 +362,7 @@ impl Colliders<'_> {
             _ if body.is_off() => 0.0,
             Drive::Cache(cache) => cache.deviation(self.frames, body.range().len(), times),
             drive => {
-                drive.deviation(self.keys, &self.anchors[body.range()], Sum::from(body.radius), Some(cloth), times)
+                drive.deviation(self.keys, self.anchors.part(body.range()), Sum::from(body.radius), Some(cloth), times)
             }
         };
         self.bodies.iter().map(of).fold(0.0, Sum::max)
@@ -368,11 +372,11 @@ impl Colliders<'_> {
     /// the vertex positions. Meshes may be open, so they count as surfaces without an inside.
     pub fn depth(&self, places: &[Vec3], point: Vec3) -> Real {
         let depths = self.bodies.iter().filter(|body| !body.is_off()).map(|body| {
-            let vertices = &places[body.range()];
+            let vertices = places.part(body.range());
             match body.form() {
-                Form::Plane(normal) => plane::depth(vertices[0], normal, point),
-                Form::Sphere => round::depth(vertices[0], vertices[0], body.radius, point),
-                Form::Capsule => round::depth(vertices[0], vertices[1], body.radius, point),
+                Form::Plane(normal) => plane::depth(vertices.at(0), normal, point),
+                Form::Sphere => round::depth(vertices.at(0), vertices.at(0), body.radius, point),
+                Form::Capsule => round::depth(vertices.at(0), vertices.at(1), body.radius, point),
                 Form::Box => cuboid::depth(vertices, point),
                 Form::Mesh => 0.0,
             }

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::real::{Real, Vec3};
 
 /// A box. The empty box has its corners swapped at infinity.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Aabb {
     /// Low corner, m.

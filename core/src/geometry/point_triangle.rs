@@ -10,6 +10,7 @@
 //! The error of the distance is a few roundings of the coordinates for every shape of the triangle.
 
 use super::{FLAT, point_edge};
+use crate::column::Column;
 use crate::lanes::{Vec3x4, first};
 use crate::real::{Lanes, Real, Vec3};
 
@@ -48,15 +49,14 @@ pub fn closest_weights_x4(p: Vec3x4, corners: [Vec3x4; 3]) -> [Lanes; 3] {
 fn on_edges(p: Vec3x4, corners: [Vec3x4; 3], seen: [Lanes; 3]) -> [Lanes; 3] {
     let (mut weights, mut nearest) = ([Lanes::ONE, Lanes::ZERO, Lanes::ZERO], Lanes::splat(Real::INFINITY));
     for k in 0..3 {
-        let (next, last) = ((k + 1) % 3, (k + 2) % 3);
-        let (from, to) = (corners[k], corners[next]);
+        let (from, to) = (corners.at(k), corners.at((k + 1) % 3));
         let s = point_edge::closest_parameters(p, from, to);
         let distance = (p - from - (to - from) * s).length_squared();
-        let nearer = seen[k] & distance.simd_lt(nearest);
+        let nearer = seen.at(k) & distance.simd_lt(nearest);
         nearest = nearer.bitselect(distance, nearest);
-        weights[k] = nearer.bitselect(Lanes::ONE - s, weights[k]);
-        weights[next] = nearer.bitselect(s, weights[next]);
-        weights[last] = nearer.bitselect(Lanes::ZERO, weights[last]);
+        let from_here = [Lanes::ONE - s, s, Lanes::ZERO];
+        weights =
+            core::array::from_fn(|corner| nearer.bitselect(from_here.at((corner + 3 - k) % 3), weights.at(corner)));
     }
     weights
 }

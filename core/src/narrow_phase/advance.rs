@@ -14,6 +14,7 @@
 //! All positions are relative to the first vertex. The error of a distance is then less than [`ROUNDING`] times the
 //! largest coordinate, which is kept as a reserve.
 
+use crate::column::Column;
 use crate::lanes::{self, Vec3x4, greater, lesser};
 use crate::real::{Lanes, Real, Vec3, sqrt};
 
@@ -70,7 +71,7 @@ pub fn advance(
         let mut next = closing(first, between, &now, &end, time, target);
         if next < 1.0 {
             if advances == 0 {
-                speed = fastest(first, &core::array::from_fn(|i| end[i] - start[i]));
+                speed = fastest(first, &core::array::from_fn(|i| end.at(i) - start.at(i)));
             }
             let upright = upright(first, &now, between);
             next = next.max(closing(first, upright, &now, &end, time, target));
@@ -80,7 +81,7 @@ pub fn advance(
             return None;
         }
         time = next;
-        now = core::array::from_fn(|i| start[i] + time * (end[i] - start[i]));
+        now = core::array::from_fn(|i| start.at(i) + time * (end.at(i) - start.at(i)));
     }
     Some(time)
 }
@@ -130,7 +131,7 @@ pub fn slab(first: usize, direction: Vec3, x: &[Vec3; 4]) -> Real {
 /// The thicknesses of the [slabs](slab) of four pairs.
 #[inline(always)]
 pub fn slabs(first: usize, direction: Vec3x4, x: &[Vec3x4; 4]) -> Lanes {
-    let (first, second) = x.split_at(first);
+    let (first, second) = x.cut(first);
     let low = first.iter().fold(Lanes::splat(Real::INFINITY), |low, &x| lesser(direction.dot(x), low));
     let high = second.iter().fold(Lanes::splat(Real::NEG_INFINITY), |high, &x| greater(direction.dot(x), high));
     low - high
@@ -153,7 +154,7 @@ pub fn fastest(first: usize, displacements: &[Vec3; 4]) -> Real {
 /// The [largest relative displacements](fastest) of four pairs.
 #[inline(always)]
 pub fn fastest_x4(first: usize, displacements: &[Vec3x4; 4]) -> Lanes {
-    let (first, second) = displacements.split_at(first);
+    let (first, second) = displacements.cut(first);
     let pairs = first.iter().flat_map(|&a| second.iter().map(move |&b| (a - b).length_squared()));
     pairs.fold(Lanes::ZERO, |most, squared| greater(squared, most)).sqrt()
 }

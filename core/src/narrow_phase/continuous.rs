@@ -17,8 +17,9 @@
 
 use super::advance::{ROUNDING, fastest_x4, largest};
 use super::time_of_impact::{StoredTime, TimeOfImpact};
-use super::{Pairing, gather, gather_x4, vertices_x4};
+use super::{Pairing, first_four, gather, gather_x4, vertices_x4};
 use crate::broad_phase::Surface;
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::lanes::{Vec3x4, min};
 use crate::real::{Lanes, Real, Vec3};
@@ -67,7 +68,7 @@ fn stay_apart(
     let [a, b, c, d] = start;
     let reserve = Lanes::splat(RESERVE) * largest(&[Vec3x4::default(), b - a, c - a, d - a]);
     let separation = min(Lanes::splat(separation), Lanes::splat(0.5) * distances);
-    let displacements = core::array::from_fn(|k| end[k] - start[k]);
+    let displacements = core::array::from_fn(|k| end.at(k) - start.at(k));
     let approach = farthest(first, &displacements);
     (approach + reserve).simd_lt(distances - separation).to_bitmask()
 }
@@ -95,26 +96,24 @@ pub fn times<P: Pairing>(
 ) {
     dispatch.run(times, |first, part| {
         let range = first..first + part.len();
-        let measured = candidates[range.clone()].chunks(4).zip(distances[range].chunks(4));
+        let measured = candidates.part(range.clone()).chunks(4).zip(distances.part(range).chunks(4));
         for ((candidates, distances), times) in measured.zip(part.chunks_mut(4)) {
-            let is_tested = |k: usize| motion.tests(P::vertices(surface, candidates[k]));
-            if !(0..times.len()).any(is_tested) {
+            let is_tested = |&candidate: &[u32; 2]| motion.tests(P::vertices(surface, candidate));
+            if !candidates.iter().any(is_tested) {
                 times.fill(TimeOfImpact::Never.into());
                 continue;
             }
             let vertices = &vertices_x4::<P>(surface, candidates);
-            let last = distances.len() - 1;
-            let four = [distances[0], distances[last.min(1)], distances[last.min(2)], distances[last.min(3)]];
-            let apart = stay_apart(P::FIRST, vertices, Lanes::new(four), &motion, separation);
-            for (k, time) in times.iter_mut().enumerate() {
-                *time = if !is_tested(k) {
+            let apart = stay_apart(P::FIRST, vertices, Lanes::new(first_four(distances)), &motion, separation);
+            for (k, ((time, candidate), &distance)) in times.iter_mut().zip(candidates).zip(distances).enumerate() {
+                *time = if !is_tested(candidate) {
                     TimeOfImpact::Never
-                } else if distances[k] <= TOUCH * separation {
+                } else if distance <= TOUCH * separation {
                     TimeOfImpact::Touching
                 } else if apart >> k & 1 == 1 {
                     TimeOfImpact::Never
                 } else {
-                    time_of::<P>(vertices.map(|of_all| of_all[k]), distances[k], &motion, separation)
+                    time_of::<P>(P::vertices(surface, *candidate), distance, &motion, separation)
                 }
                 .into();
             }

@@ -4,6 +4,7 @@
 
 use super::{Contact, Kind, Pairing, with_pairing};
 use crate::broad_phase::Surface;
+use crate::column::Column;
 use crate::real::{Real, Vec3, sqrt};
 
 /// Sine of the angle by which a neighbour may rise above a feature: larger than rounding errors, but too small to
@@ -19,7 +20,7 @@ pub fn is_local_minimum(kind: Kind, surface: &Surface<'_>, x: &[Vec3], contact: 
     let Contact { vertices, weights, normal, .. } = contact;
     let middle = with_pairing!(kind, P => P::FIRST);
     let [first, second] =
-        [0..middle, middle..4].map(|k| Feature { vertices: &vertices[k.clone()], weights: &weights[k] });
+        [0..middle, middle..4].map(|k| Feature { vertices: vertices.part(k.clone()), weights: weights.part(k) });
     let on_face = second.touched() == 3;
     on_face || is_lowest(surface, x, first, second, -*normal) && is_lowest(surface, x, second, first, *normal)
 }
@@ -47,9 +48,9 @@ impl Feature<'_> {
 /// in its own plane.
 fn is_lowest(surface: &Surface<'_>, x: &[Vec3], feature: Feature<'_>, other: Feature<'_>, out: Vec3) -> bool {
     let Some(foot) = feature.vertices.iter().copied().find(|&v| feature.touches(v)) else { return true };
-    let foot_at = x[foot as usize];
+    let foot_at = x.at(foot as usize);
     let rises = |&v: &u32| {
-        let arm = x[v as usize] - foot_at;
+        let arm = x.at(v as usize) - foot_at;
         !feature.touches(v) && out.dot(arm) > RISE * sqrt(arm.length_squared())
     };
     let joins = |v: &u32| other.vertices.iter().any(|of| of == v || surface.sewn.joins(*of, *v));
@@ -58,10 +59,10 @@ fn is_lowest(surface: &Surface<'_>, x: &[Vec3], feature: Feature<'_>, other: Fea
         out.dot(normal).abs() <= ALONG * sqrt(normal.length_squared())
     };
     surface.incidence.at(foot as usize).iter().all(|&slot| {
-        let corners = surface.triangles[slot as usize / 3];
+        let corners = surface.triangles.at(slot as usize / 3);
         let is_around = corners.iter().filter(|&&v| feature.touches(v)).count() >= feature.touched();
         !(is_around && corners.iter().any(rises))
             || corners.iter().any(joins)
-            || lies_along(corners.map(|v| x[v as usize]))
+            || lies_along(corners.map(|v| x.at(v as usize)))
     })
 }

@@ -16,6 +16,7 @@ pub mod vertex_triangle_ccd;
 use bytemuck::{Pod, Zeroable};
 
 use crate::broad_phase::Surface;
+use crate::column::Column;
 use crate::lanes::{Vec3x4, first, max};
 use crate::real::{Lanes, Real, Vec3};
 
@@ -79,8 +80,9 @@ pub struct EdgeEdge;
 impl Pairing for VertexTriangle {
     const FIRST: usize = 1;
 
+    #[inline]
     fn vertices(surface: &Surface<'_>, [vertex, triangle]: [u32; 2]) -> [u32; 4] {
-        let [a, b, c] = surface.triangles[triangle as usize];
+        let [a, b, c] = surface.triangles.at(triangle as usize);
         [vertex, a, b, c]
     }
     #[inline]
@@ -113,8 +115,9 @@ impl Pairing for VertexTriangle {
 impl Pairing for EdgeEdge {
     const FIRST: usize = 2;
 
+    #[inline]
     fn vertices(surface: &Surface<'_>, [first, second]: [u32; 2]) -> [u32; 4] {
-        let ([a, b], [c, d]) = (surface.edges[first as usize], surface.edges[second as usize]);
+        let ([a, b], [c, d]) = (surface.edges.at(first as usize), surface.edges.at(second as usize));
         [a, b, c, d]
     }
     #[inline]
@@ -172,9 +175,9 @@ pub(crate) use with_pairing;
 
 /// Four entries of a column, one for each vertex.
 #[inline]
-pub fn gather<T: Copy>([a, b, c, d]: [u32; 4], column: &[T]) -> [T; 4] {
+pub fn gather<T: Copy + Default>([a, b, c, d]: [u32; 4], column: &[T]) -> [T; 4] {
     // The compiler keeps these in registers, but not the result of `map`.
-    [column[a as usize], column[b as usize], column[c as usize], column[d as usize]]
+    [column.at(a as usize), column.at(b as usize), column.at(c as usize), column.at(d as usize)]
 }
 
 /// The vertices of four candidates, by their place in a candidate. If there are fewer than four, the last one is
@@ -182,11 +185,18 @@ pub fn gather<T: Copy>([a, b, c, d]: [u32; 4], column: &[T]) -> [T; 4] {
 #[cfg_attr(small, inline(never))]
 #[cfg_attr(not(small), inline(always))]
 fn vertices_x4<P: Pairing>(surface: &Surface<'_>, candidates: &[[u32; 2]]) -> [[u32; 4]; 4] {
-    let last = candidates.len() - 1;
-    let of = |lane: usize| P::vertices(surface, candidates[lane.min(last)]);
-    let (a, b, c, d) = (of(0), of(1), of(2), of(3));
-    let vertices = |k: usize| [a[k], b[k], c[k], d[k]];
+    let of = |candidate| P::vertices(surface, candidate);
+    let [a, b, c, d] = first_four(candidates);
+    let (a, b, c, d) = (of(a), of(b), of(c), of(d));
+    let vertices = |k: usize| [a.at(k), b.at(k), c.at(k), d.at(k)];
     [vertices(0), vertices(1), vertices(2), vertices(3)]
+}
+
+/// The first four elements. If there are fewer than four, the last one is repeated.
+#[inline(always)]
+fn first_four<T: Copy + Default>(elements: &[T]) -> [T; 4] {
+    let of = |lane: usize| elements.at(lane.min(elements.len().saturating_sub(1)));
+    [of(0), of(1), of(2), of(3)]
 }
 
 /// Vectors of the vertices of four candidates.
@@ -212,7 +222,7 @@ pub fn contact(kind: Kind, vertices: [u32; 4], x: &[Vec3; 4], start: &[Vec3; 4],
         Some(normal) => normal,
         None => with_pairing!(kind, P => P::direction(x))?,
     };
-    let apart = |k: usize| (start[k] - start[3]) * weights[k];
+    let apart = |k: usize| (start.at(k) - start[3]) * weights.at(k);
     // The weights have sum 0, so relative positions give the same sum with less cancellation.
     let gap = normal.dot(apart(0) + apart(1) + apart(2)) - radius;
     Some(Contact { vertices, weights, normal, gap })

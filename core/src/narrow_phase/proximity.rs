@@ -2,6 +2,7 @@
 
 use super::{Pairing, gather, gather_x4, vertices_x4};
 use crate::broad_phase::Surface;
+use crate::column::Column;
 use crate::contact::Pairs;
 use crate::dispatch::Dispatch;
 use crate::real::{Lanes, Real, Vec3};
@@ -18,7 +19,7 @@ pub fn distances<P: Pairing>(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(distances, |first, part| {
-        let candidates = &candidates[first..first + part.len()];
+        let candidates = candidates.part(first..first + part.len());
         for (candidates, distances) in candidates.chunks(4).zip(part.chunks_mut(4)) {
             let vertices = &vertices_x4::<P>(surface, candidates);
             let [a, b, c, d] = *vertices;
@@ -27,7 +28,7 @@ pub fn distances<P: Pairing>(
             let bound = P::box_distances(x) - radius;
             let far = bound.simd_gt(Lanes::splat(reach));
             let four = far.bitselect(bound, P::squared_distances(x).sqrt() - radius).to_array();
-            distances.copy_from_slice(&four[..distances.len()]);
+            distances.copy_from(four.part(..distances.len()));
         }
     });
 }
@@ -36,9 +37,10 @@ pub fn distances<P: Pairing>(
 pub fn drop_far(pairs: &mut Pairs<'_>, count: usize, reach: Real) -> usize {
     let mut left = 0;
     for k in 0..count {
-        if pairs.distances[k] <= reach {
-            pairs.candidates[left] = pairs.candidates[k];
-            pairs.distances[left] = pairs.distances[k];
+        let (candidate, distance) = (pairs.candidates.at(k), pairs.distances.at(k));
+        if distance <= reach {
+            pairs.candidates.set(left, candidate);
+            pairs.distances.set(left, distance);
             left += 1;
         }
     }

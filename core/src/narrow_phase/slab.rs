@@ -8,6 +8,7 @@ use super::advance::{LEAST_SQUARED, slabs};
 use super::{Pairing, gather, vertices_x4};
 use crate::broad_phase::Surface;
 use crate::broad_phase::comoving::Motion;
+use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::lanes::{Vec3x4, greater, min};
 use crate::real::{Lanes, Real};
@@ -22,10 +23,10 @@ pub fn bounds<P: Pairing>(
     dispatch: &impl Dispatch,
 ) {
     dispatch.run(bounds, |first, part| {
-        let candidates = &candidates[first..first + part.len()];
+        let candidates = candidates.part(first..first + part.len());
         for (candidates, bounds) in candidates.chunks(4).zip(part.chunks_mut(4)) {
             let four = bound(P::FIRST, &vertices_x4::<P>(surface, candidates), motion).to_array();
-            bounds.copy_from_slice(&four[..bounds.len()]);
+            bounds.copy_from(four.part(..bounds.len()));
         }
     });
 }
@@ -39,18 +40,22 @@ fn bound(first: usize, vertices: &[[u32; 4]; 4], motion: &Motion<'_>) -> Lanes {
     let (mut half, mut radius) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2]);
     let (mut from, mut to) = (Vec3x4::default(), Vec3x4::default());
     let weights = if first == 1 { [3.0, -1.0, -1.0, -1.0] } else { [1.0, 1.0, -1.0, -1.0] };
-    for k in 0..4 {
-        let (v, second) = (vertices[k], usize::from(k >= first));
+    for (k, (&v, weight)) in vertices.iter().zip(weights).enumerate() {
+        let second = usize::from(k >= first);
         let [a, b, c, d] = gather(v, motion.ends);
         let (min, max) = (Vec3x4::new([a.min, b.min, c.min, d.min]), Vec3x4::new([a.max, b.max, c.max, d.max]));
-        half[second] = greater((max - min).max_element(), half[second]);
-        radius[second] = greater(Lanes::new(gather(v, motion.radii)), radius[second]);
-        (x[k], y[k]) = (Vec3x4::new(gather(v, motion.start)), (min + max) * splat(0.5));
+        let widest = greater((max - min).max_element(), half.at(second));
+        half.set(second, widest);
+        let largest = greater(Lanes::new(gather(v, motion.radii)), radius.at(second));
+        radius.set(second, largest);
+        let (start, end) = (Vec3x4::new(gather(v, motion.start)), (min + max) * splat(0.5));
         if k == 0 {
-            (from, to) = (x[0], y[0]);
+            (from, to) = (start, end);
         }
-        (x[k], y[k]) = (x[k] - from, y[k] - to);
-        towards = towards + (x[k] + y[k]) * splat(weights[k]);
+        let (start, end) = (start - from, end - to);
+        towards = towards + (start + end) * splat(weight);
+        x.set(k, start);
+        y.set(k, end);
     }
     let radius = radius[0] + radius[1];
     let uncertain = greater(splat(0.5) * (half[0] + half[1]) - splat(2.0 * motion.margin) - radius, Lanes::ZERO);
