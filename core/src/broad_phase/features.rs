@@ -98,6 +98,7 @@ const ROWS: [u16; 128] = by_ownership(true);
 /// The bits of the features of the second triangle, which are the columns, indexed by its `owned` bits.
 const COLUMNS: [u16; 128] = by_ownership(false);
 
+#[expect(clippy::indexing_slicing, reason = "the compiler evaluates it")]
 const fn by_ownership(in_rows: bool) -> [u16; 128] {
     let mut table = [0; 128];
     let mut owned = 0;
@@ -123,6 +124,7 @@ const fn by_ownership(in_rows: bool) -> [u16; 128] {
 }
 
 /// The bits of the pairs of features that share no vertex, indexed by the result of [`equal_corners`].
+#[expect(clippy::indexing_slicing, reason = "the compiler evaluates it")]
 const APART: [u16; 512] = {
     let mut table = [0; 512];
     let mut equal = 0;

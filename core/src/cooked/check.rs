@@ -44,7 +44,7 @@ fn all_below(indices: &[u32], end: usize) -> bool {
 fn divides(offsets: &[u32], rows: usize, length: usize) -> bool {
     offsets.len() == rows + 1
         && offsets.first() == Some(&0)
-        && offsets.is_sorted()
+        && offsets.iter().is_sorted()
         && offsets.last().is_some_and(|&last| last as usize == length)
 }
 
@@ -282,7 +282,11 @@ fn check_solids(solids: &Solids<'_>, n: usize) -> Checked {
     let lengths = [solids.radii.len(), solids.inverse_masses.len(), solids.law_of.len()];
     ensure(are(&lengths, vertices) && solids.material.len() == n && all_below(solids.law_of, solids.laws.len()))?;
     let firsts = solids.firsts;
-    ensure(firsts.is_sorted() && firsts.first() == Some(&0) && firsts.last().is_some_and(|&last| last as usize == n))?;
+    ensure(
+        firsts.iter().is_sorted()
+            && firsts.first() == Some(&0)
+            && firsts.last().is_some_and(|&last| last as usize == n),
+    )?;
     ensure(solids.thickness > 0.0 && solids.thickness.is_finite())?;
     let mut next = 0;
     for body in &*solids.bodies {

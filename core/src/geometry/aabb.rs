@@ -15,12 +15,6 @@ pub struct Aabb {
     pub max: Vec3,
 }
 
-impl Default for Aabb {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
 impl Aabb {
     /// The box that contains nothing.
     pub const EMPTY: Self = Self { min: Vec3::splat(Real::INFINITY), max: Vec3::splat(Real::NEG_INFINITY) };
