@@ -45,8 +45,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "BDF2 looks back by the wrong part",
         file: "core/src/integrate/bdf2.rs",
-        old: "*vh = v[i] + dvp[i] * part;",
-        new: "*vh = v[i] + dvp[i] * (0.9 * part);",
+        old: "*vh = v.at(i) + dvp.at(i) * part;",
+        new: "*vh = v.at(i) + dvp.at(i) * (0.9 * part);",
         everyday: &["integrate"],
         all: &[],
     },
@@ -109,8 +109,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "The last resort moves held axes too",
         file: "core/src/response/hold.rs",
-        old: "motion.displacements[vertex] = Vec3::select(free, displacements, motion.displacements[vertex]);",
-        new: "motion.displacements[vertex] = displacements;",
+        old: "motion.displacements.set(vertex, Vec3::select(free, displacements, before));",
+        new: "motion.displacements.set(vertex, displacements);",
         everyday: &["response"],
         all: &[],
     },

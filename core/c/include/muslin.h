@@ -50,6 +50,8 @@ typedef enum MuslinStatus {
   MUSLIN_STATUS_NO_ROOM = 34,
   // The step would need more than its budget.
   MUSLIN_STATUS_OVER_BUDGET = 35,
+  // The step met a fault of Muslin, please report it; the state has not changed.
+  MUSLIN_STATUS_FAULT = 36,
   // There is no such vertex.
   MUSLIN_STATUS_NO_VERTEX = 50,
   // There is no such triangle.

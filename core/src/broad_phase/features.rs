@@ -54,7 +54,9 @@ pub fn add_features(
                 } else {
                     let (vertex, face, corners) = if row < 3 { (p.at(row), b, q) } else { (q.at(column), a, p) };
                     let is_sewn = |&corner: &u32| surface.sewn.joins(vertex, corner);
-                    if boxes.at(vertex as usize).overlaps(&triangle_boxes.at(face)) && !corners.iter().any(is_sewn) {
+                    let (own, around) = (boxes.element(vertex as usize), triangle_boxes.element(face));
+                    let overlap = own.zip(around).is_some_and(|(own, around)| own.overlaps(around));
+                    if overlap && !corners.iter().any(is_sewn) {
                         out.add_vertex_triangle(counts, vertex, face as u32);
                     }
                 }
@@ -70,8 +72,8 @@ fn may_touch(moving: &[MovingBox], a: usize, b: usize) -> bool {
 
 #[inline(always)]
 fn edges_overlap(boxes: &[Aabb], &ends: &[u32; 4]) -> bool {
-    let [a, b, c, d] = ends.map(|v| boxes.at(v as usize));
-    a.union(&b).overlaps(&c.union(&d))
+    let [Some(a), Some(b), Some(c), Some(d)] = ends.map(|v| boxes.element(v as usize)) else { return false };
+    a.union(b).overlaps(&c.union(d))
 }
 
 #[inline(always)]
