@@ -3,7 +3,7 @@
 //! All indices are in range: scenes and cooked scenes are checked when they are opened. An index that is not is a defect
 //! of Muslin, a *fault*. In a build with debug assertions, as in all tests, it panics. In other builds a read gives the
 //! default, a write is dropped, and the fault is counted. [`step::take`](crate::step::take) gives up a step in which
-//! faults were counted, and the state does not change.
+//! faults were counted, and the state does not change. The module of the page stops at a fault, as at a panic.
 
 use core::ops::AddAssign;
 use core::slice::SliceIndex;
@@ -19,12 +19,20 @@ pub(crate) fn faults() -> u32 {
 
 /// Counts a fault. Not one atomic operation, which some processors lack: if two threads count at once, one of the two may
 /// be lost, but the number still changes.
+#[cfg(not(all(small, target_arch = "wasm32")))]
 #[cold]
 #[inline(never)]
 #[cfg_attr(debug_assertions, track_caller)]
 pub(crate) fn fault() {
     debug_assert!(false, "an index is out of range");
     FAULTS.store(faults().wrapping_add(1), Relaxed);
+}
+
+/// Stops the module of the page, which is smaller so.
+#[cfg(all(small, target_arch = "wasm32"))]
+#[inline(always)]
+pub(crate) fn fault() {
+    core::arch::wasm32::unreachable()
 }
 
 /// Access to the elements of a column, or of an array, by indices that are computed.
