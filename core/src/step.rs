@@ -5,7 +5,7 @@
 //! [`new_crossing`](audit::new_crossing), if surfaces [touch](Outcome::Touches) -> keep the forces of contacts, commit.
 //! Without contact a step consists of the first and the last phase. Each phase of contact begins with a
 //! [`search`](detection::search) for candidates and their distances, where the motion needs other ones; [`await_take`]
-//! waits there, and [`take`] does not.
+//! awaits them. [`take`] is a function of its own, because a future can panic: when it is polled after its end.
 //!
 //! Backward Euler without Newton's method predicts the motion without any force and leaves its one linear solve to the
 //! solve with contacts.
@@ -116,12 +116,12 @@ pub fn take<D: Dispatch, R: ContactRoom>(
     let input = &attempt.input(input);
     let mut corrected = false;
     if let Some(contact) = &mut contact {
-        let mut wait = Wait::begin(input, particles, scratch, contact);
-        while let Wait::Search(sought) = wait {
-            let found = detection::search(contact.model, sought.purpose(), contact.columns, input.dispatch);
-            wait = sought.go_on(found, input, particles, scratch, contact, &mut work)?;
+        let mut next = Next::begin(input, particles, scratch, contact);
+        while let Next::Phase(phase) = next {
+            let found = detection::search(contact.model, phase.purpose(), contact.columns, input.dispatch);
+            next = phase.take(found, input, particles, scratch, contact, &mut work)?;
         }
-        corrected = wait.corrected();
+        corrected = next.corrected();
     }
     attempt.end(input, particles, scratch, contact, corrected, history, work)
 }
@@ -139,12 +139,12 @@ pub async fn await_take<D: Dispatch, R: ContactRoom>(
     let input = &attempt.input(input);
     let mut corrected = false;
     if let Some(contact) = &mut contact {
-        let mut wait = Wait::begin(input, particles, scratch, contact);
-        while let Wait::Search(sought) = wait {
-            let found = detection::await_search(contact.model, sought.purpose(), contact.columns, input.dispatch).await;
-            wait = sought.go_on(found, input, particles, scratch, contact, &mut work)?;
+        let mut next = Next::begin(input, particles, scratch, contact);
+        while let Next::Phase(phase) = next {
+            let found = detection::await_search(contact.model, phase.purpose(), contact.columns, input.dispatch).await;
+            next = phase.take(found, input, particles, scratch, contact, &mut work)?;
         }
-        corrected = wait.corrected();
+        corrected = next.corrected();
     }
     attempt.end(input, particles, scratch, contact, corrected, history, work)
 }
@@ -299,21 +299,18 @@ fn test_finite(scratch: &Scratch<'_>) -> Result<(), Obstacle> {
     }
 }
 
-/// What the phases between prediction and commit wait for.
-enum Wait {
-    Search(Sought),
-    /// Nothing: they are done.
-    Done {
-        corrected: bool,
-    },
+/// The next phase between prediction and commit, which needs the pairs of a search, or their end.
+enum Next {
+    Phase(Phase),
+    Done { corrected: bool },
 }
 
-/// The phase that needs the pairs of a search.
-enum Sought {
+/// A phase between prediction and commit.
+enum Phase {
     /// An implicit step is solved together with its contacts.
     Solve,
     /// It is solved again with the impacts of its motion.
-    Impacts {
+    SolveImpacts {
         /// Number of constraints of the first solve.
         constraints: usize,
         /// Number of contacts of the first solve.
@@ -321,10 +318,10 @@ enum Sought {
         has_begun: bool,
     },
     /// Contacts correct the motion. Searches again with wider boxes if the response leaves them.
-    Response { widened: u32 },
+    Respond { widened: u32 },
 }
 
-impl Wait {
+impl Next {
     fn begin<D: Dispatch, R: ContactRoom>(
         input: &StepInput<'_, D>,
         particles: &Particles<'_>,
@@ -336,7 +333,7 @@ impl Wait {
         place(contact.model, times, particles.positions, scratch.next_positions, columns);
         take_prediction(particles, scratch, columns);
         let is_implicit = input.scheme.method.is_implicit();
-        Self::Search(if is_implicit { Sought::Solve } else { Sought::Response { widened: 0 } })
+        Self::Phase(if is_implicit { Phase::Solve } else { Phase::Respond { widened: 0 } })
     }
 
     /// Whether any vertex was corrected.
@@ -345,17 +342,17 @@ impl Wait {
     }
 }
 
-impl Sought {
+impl Phase {
     fn purpose(&self) -> Purpose {
         match *self {
             Self::Solve => Purpose::Solve,
-            Self::Impacts { .. } => Purpose::Response { widened: 0 },
-            Self::Response { widened } => Purpose::Response { widened },
+            Self::SolveImpacts { .. } => Purpose::Response { widened: 0 },
+            Self::Respond { widened } => Purpose::Response { widened },
         }
     }
 
-    /// Takes the phase, once its pairs are found.
-    fn go_on<D: Dispatch, R: ContactRoom>(
+    /// Takes the phase with the pairs found.
+    fn take<D: Dispatch, R: ContactRoom>(
         self,
         found: Result<Counts, Cause>,
         input: &StepInput<'_, D>,
@@ -363,20 +360,20 @@ impl Sought {
         scratch: &mut Scratch<'_>,
         contact: &mut StepContact<'_, R>,
         work: &mut Work<'_>,
-    ) -> Result<Wait, Obstacle> {
+    ) -> Result<Next, Obstacle> {
         let counts = found.map_err(|cause| farthest(cause, particles, scratch))?;
         let StepContact { model, columns, .. } = contact;
         let solved = match self {
             Self::Solve => solve(input, particles, scratch, model, *columns, work.integrator),
-            Self::Impacts { constraints, known, has_begun } => {
+            Self::SolveImpacts { constraints, known, has_begun } => {
                 let before = (constraints, known, has_begun);
                 solve_impacts(input, particles, scratch, model, *columns, before, work.integrator)
             }
-            Self::Response { widened } => return respond(widened, counts, input, particles, scratch, contact, work),
+            Self::Respond { widened } => return respond(widened, counts, input, particles, scratch, contact, work),
         };
         let next = solved.map_err(|cause| farthest(cause, particles, scratch))?;
         test_stopped(input)?;
-        Ok(Wait::Search(next))
+        Ok(Next::Phase(next))
     }
 }
 
@@ -388,7 +385,7 @@ fn solve<D: Dispatch>(
     model: &ContactModel<'_>,
     columns: &mut impl ContactRoom,
     statistics: &mut IntegratorStatistics,
-) -> Result<Sought, Cause> {
+) -> Result<Phase, Cause> {
     input.dispatch.enter(Stage::Response);
     // Backward Euler predicts without gravity, which closes a gap by half of this in a step.
     let gravity = input.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.acceleration);
@@ -402,7 +399,7 @@ fn solve<D: Dispatch>(
     let contacts = (contact.contacts.part_mut(..known), &mut *contact.lines);
     let has_begun = implicit_contact::correct(input, particles, contacts, scratch, statistics);
     take_prediction(particles, scratch, contact);
-    Ok(Sought::Impacts { constraints, known, has_begun })
+    Ok(Phase::SolveImpacts { constraints, known, has_begun })
 }
 
 /// Solves it again if its motion has impacts.
@@ -414,7 +411,7 @@ fn solve_impacts<D: Dispatch>(
     columns: &mut impl ContactRoom,
     (constraints, known, has_begun): (usize, usize, bool),
     statistics: &mut IntegratorStatistics,
-) -> Result<Sought, Cause> {
+) -> Result<Phase, Cause> {
     with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
     let contact = &mut columns.columns();
     exchange::add_contacts(model, contact, constraints..contact.lengths.constraints, input.step);
@@ -425,7 +422,7 @@ fn solve_impacts<D: Dispatch>(
         implicit_contact::finish(input, particles, scratch);
     }
     take_prediction(particles, scratch, contact);
-    Ok(Sought::Response { widened: 0 })
+    Ok(Phase::Respond { widened: 0 })
 }
 
 /// Corrects the motion of the step.
@@ -437,7 +434,7 @@ fn respond<D: Dispatch, R: ContactRoom>(
     scratch: &mut Scratch<'_>,
     contact: &mut StepContact<'_, R>,
     work: &mut Work<'_>,
-) -> Result<Wait, Obstacle> {
+) -> Result<Next, Obstacle> {
     let StepContact { model, columns, hold } = contact;
     let (dispatch, settings) = (input.dispatch, Settings { step: input.step, hold: *hold });
     let count = (counts.vertex_triangle + counts.edge_edge) as u64;
@@ -456,18 +453,18 @@ fn respond<D: Dispatch, R: ContactRoom>(
     let outcome = responded.map_err(|cause| farthest(cause, particles, scratch))?;
     let columns = &mut columns.columns();
     match outcome {
-        Outcome::Free => Ok(Wait::Done { corrected: settle(input.step, particles, columns, scratch) }),
+        Outcome::Free => Ok(Next::Done { corrected: settle(input.step, particles, columns, scratch) }),
         Outcome::Touches => {
             let corrected = settle(input.step, particles, columns, scratch);
             match audit::new_crossing(&model.surface, columns.start, columns.end, &mut columns.room) {
                 Some(crossing) => Err(Obstacle::at_crossing(model, crossing)),
-                None => Ok(Wait::Done { corrected }),
+                None => Ok(Next::Done { corrected }),
             }
         }
         Outcome::Collides(vertices) => Err(Obstacle::between(model, vertices)),
         Outcome::Stopped => Err(Obstacle::STOPPED),
         Outcome::LeavesBoxes if widened < if *hold { LAST_WIDENINGS } else { MOST_WIDENINGS } => {
-            Ok(Wait::Search(Sought::Response { widened: widened + 1 }))
+            Ok(Next::Phase(Phase::Respond { widened: widened + 1 }))
         }
         Outcome::LeavesBoxes => Err(farthest(Cause::TooMuch, particles, scratch)),
     }

@@ -1,7 +1,8 @@
 //! The C interface, called from Rust: it takes the steps of a simulation, refuses bad pointers, and gives reasons.
 //!
 //! Run: `cargo test -p muslin-c --test c_calls`, or under Miri:
-//! `MIRIFLAGS=-Zmiri-disable-isolation cargo +nightly miri test -p muslin-c --test c_calls`.
+//! `MIRIFLAGS=-Zmiri-disable-isolation cargo +nightly miri test -p muslin-c --test c_calls --target
+//! riscv64gc-unknown-linux-gnu`: libm has assembly for x86, which Miri does not run.
 
 use std::ffi::CStr;
 use std::hint::black_box;

@@ -107,7 +107,7 @@ impl<'a> Cloth<'a> {
     }
 
     /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that
-    /// fails does not change the state.
+    /// fails does not change the state. Candidates are found here, never by [`Dispatch::detect`].
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;
