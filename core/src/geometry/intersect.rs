@@ -13,7 +13,7 @@
 //! plane by more than the rounding error, or a line separates the edge and the triangle in one projection. The
 //! second test serves coplanar points, for which the exact volume is most expensive.
 //!
-//! Signs come from [`exact`].
+//! Signs come from `exact.rs`.
 
 use super::exact::{self, Point, plain_volume, volume};
 use crate::column::Column;
