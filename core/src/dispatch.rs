@@ -141,8 +141,7 @@ impl<D: Dispatch> Dispatch for Limited<'_, D> {
     }
 }
 
-/// Waits for a future by polling it in a loop. For futures that are ready soon, and whose work
-/// needs no other thread of the host.
+/// Waits for a future by polling it in a loop. For futures that are ready soon, and whose work does not need this thread.
 pub fn block_on<F: Future>(future: F) -> F::Output {
     let (mut future, mut context) = (pin!(future), Context::from_waker(Waker::noop()));
     loop {

@@ -1,5 +1,6 @@
 //! The live interface: the calls by which a host changes and reads a cloth between steps. A
-//! [`Simulation`](crate::simulation::Simulation) and a [cooked](crate::cooked) cloth have the same calls, because both lend the same columns.
+//! [`Simulation`](crate::simulation::Simulation) and a [cooked](crate::cooked) cloth have the same calls, because both
+//! lend the same columns.
 //!
 //! Positions are in the world, in meters; times are in seconds. A call that is refused changes nothing.
 
