@@ -42,6 +42,11 @@ pub(crate) trait Column<T> {
     where
         T: Copy + Default;
 
+    /// The elements with these indices.
+    fn gather<const K: usize>(&self, indices: &[u32; K]) -> [T; K]
+    where
+        T: Copy + Default;
+
     /// The element by reference, where it is large or not `Copy`.
     fn element(&self, index: usize) -> Option<&T>;
 
@@ -91,6 +96,20 @@ impl<T> Column<T> for [T] {
                 T::default()
             }
         }
+    }
+
+    #[inline(always)]
+    #[cfg_attr(debug_assertions, track_caller)]
+    fn gather<const K: usize>(&self, indices: &[u32; K]) -> [T; K]
+    where
+        T: Copy + Default,
+    {
+        // The compiler keeps these in registers, but not the result of `map`.
+        let mut elements = [T::default(); K];
+        for (element, &index) in elements.iter_mut().zip(indices) {
+            *element = self.at(index as usize);
+        }
+        elements
     }
 
     #[inline(always)]

@@ -214,7 +214,7 @@ fn is_fast(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
     let moved: Real = (start.iter().zip(end)).map(|(&start, &end)| (end - start).abs().max_element()).sum();
     let edges = model.surface.edges.iter().filter(|edge| edge[0].max(edge[1]) < cloth as u32);
     let (long, count) = edges.fold((0.0, 0), |(long, count), edge| {
-        let [a, b] = edge.map(|v| start.at(v as usize));
+        let [a, b] = start.gather(edge);
         (long + (b - a).abs().max_element(), count + 1)
     });
     moved * count as Real > FAST * long * cloth as Real

@@ -32,7 +32,7 @@
 //!     both.
 //!
 //! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time),
-//! [`rigid_body`] (a cloth as if it were rigid), `column` and `heap_sort` (access to columns, and a sort, that cannot
+//! [`rigid_body`] (a cloth as if it were rigid), `column` and `quicksort` (access to columns, and a sort, that cannot
 //! panic), [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over time), [`error`], [`stage`] (names
 //! of the stages, for hosts that measure time) and [`traffic`] (bytes that each stage streams).
 //!
@@ -148,11 +148,11 @@ mod column;
 pub mod dispatch;
 pub mod error;
 mod halving;
-mod heap_sort;
 pub mod keys;
 pub mod kinematic;
 pub mod lanes;
 pub mod motion;
+mod quicksort;
 pub mod real;
 pub mod stage;
 pub mod traffic;

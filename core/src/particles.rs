@@ -53,22 +53,28 @@ impl Positions<'_> {
         DVec3::from(to_f64(self.rounded.at(particle))) + low
     }
 
-    /// The positions of some particles relative to the first, m.
+    /// The vectors from the first of some particles to each, m.
     #[inline(always)]
     pub fn relative<const K: usize>(&self, particles: &[u32; K]) -> [Vec3; K] {
-        let rounded = from_first(particles.map(|i| self.rounded.at(i as usize)));
-        if !SEES_ROUNDING || self.low.is_empty() {
-            return rounded;
+        let mut rounded = self.rounded.gather(particles);
+        subtract_first(&mut rounded);
+        if SEES_ROUNDING && !self.low.is_empty() {
+            let mut low = self.low.gather(particles);
+            subtract_first(&mut low);
+            for (rounded, low) in rounded.iter_mut().zip(low) {
+                *rounded += low;
+            }
         }
-        let low = from_first(particles.map(|i| self.low.at(i as usize)));
-        core::array::from_fn(|k| rounded.at(k) + low.at(k))
+        rounded
     }
 }
 
-/// The vectors from the first point to each.
 #[inline(always)]
-fn from_first<const K: usize>(points: [Vec3; K]) -> [Vec3; K] {
-    core::array::from_fn(|k| if k == 0 { Vec3::ZERO } else { points.at(k) - points.at(0) })
+fn subtract_first<const K: usize>(points: &mut [Vec3; K]) {
+    let first = points.at(0);
+    for point in points {
+        *point -= first;
+    }
 }
 
 /// [`Positions`] that a step writes.

@@ -96,14 +96,14 @@ fn compare_all(surface: &Surface<'_>, positions: &[Vec3], found: &mut dyn FnMut(
         // An edge of both parts counts as an edge of the cloth, which comes first.
         let owner = faces(surface).find(|&face| surface.triangle_edges.at(face as usize).contains(&edge));
         let Some(owner) = owner else { continue };
-        let own = around(&places(positions, ends));
+        let own = around(&positions.gather(&ends));
         for triangle in faces(surface) {
             let may_meet = match [is_passive(owner), is_passive(triangle)] {
                 [true, true] => false,
                 [false, false] => surface.own_contact,
                 _ => true,
             };
-            let corners = || places(positions, surface.triangles.at(triangle as usize));
+            let corners = || positions.gather(&surface.triangles.at(triangle as usize));
             if may_meet && own.overlaps(&around(&corners())) && crosses(surface, positions, [edge, triangle]) {
                 found([edge, triangle]);
             }
@@ -117,7 +117,7 @@ fn compare_all(surface: &Surface<'_>, positions: &[Vec3], found: &mut dyn FnMut(
 fn questions<'a>(surface: &Surface<'_>, positions: &[Vec3], room: &'a mut Room<'_>) -> [Question<'a>; 2] {
     let (mut cloth, mut total) = (0, 0);
     for (slot, triangle) in room.boxes.iter_mut().zip(faces(surface)) {
-        let corners = places(positions, surface.triangles.at(triangle as usize));
+        let corners = positions.gather(&surface.triangles.at(triangle as usize));
         *slot = Boxed::new(triangle, around(&corners));
         cloth += usize::from(triangle < surface.first_passive);
         total += 1;
@@ -156,7 +156,7 @@ fn visit(
 ) {
     let mut boxes = [Aabb::EMPTY; GROUP];
     for (bounds, &edge) in boxes.iter_mut().zip(edges) {
-        *bounds = around(&places(positions, surface.edges.at(edge as usize)));
+        *bounds = around(&positions.gather(&surface.edges.at(edge as usize)));
     }
     let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
     for tree in trees.iter().flatten() {
@@ -177,16 +177,12 @@ fn crosses(surface: &Surface<'_>, positions: &[Vec3], [edge, triangle]: [u32; 2]
     let (ends, corners) = (surface.edges.at(edge as usize), surface.triangles.at(triangle as usize));
     let is_sewn = |a: u32| corners.iter().any(|&b| surface.sewn.joins(a, b));
     let is_near = |a: u32| corners.contains(&a) || !surface.sewn.offsets.is_empty() && is_sewn(a);
-    !ends.into_iter().any(is_near) && edge_meets_triangle(places(positions, ends), places(positions, corners))
+    !ends.into_iter().any(is_near) && edge_meets_triangle(positions.gather(&ends), positions.gather(&corners))
 }
 
 /// The triangles that are faces.
 fn faces(surface: &Surface<'_>) -> impl Iterator<Item = u32> {
     (0..surface.triangles.len() as u32).filter(|&triangle| surface.owned.at(triangle as usize) & IS_FACE != 0)
-}
-
-fn places<const N: usize>(positions: &[Vec3], vertices: [u32; N]) -> [Vec3; N] {
-    vertices.map(|vertex| positions.at(vertex as usize))
 }
 
 #[inline(never)]

@@ -49,10 +49,9 @@ impl ByteBoxes {
     /// The boxes as the second operand of [`may_overlap`], in the lanes of [`rows`](Self::rows).
     #[inline(always)]
     pub fn columns(&self) -> ByteLanes {
-        core::array::from_fn(|k| {
-            let [edges, vertices] = self.0.at(k);
-            bytemuck::cast([edges, edges, edges, vertices])
-        })
+        let lane = |[edges, vertices]: [u32; 2]| bytemuck::cast([edges, edges, edges, vertices]);
+        let [a, b, c, d, e, f] = self.0;
+        [lane(a), lane(b), lane(c), lane(d), lane(e), lane(f)]
     }
 }
 
@@ -76,9 +75,8 @@ pub fn write_byte_boxes(
 ) {
     dispatch.run(byte_boxes, |start, part| {
         let present = triangles.part(start..).iter().zip(levels.part(start..)).zip(part);
-        for ((&[a, b, c], _), out) in present.filter(|&((_, &own), _)| own <= level) {
-            let at = |v: u32| quantized_boxes.at(v as usize);
-            let [a, b, c] = [at(a), at(b), at(c)];
+        for ((triangle, _), out) in present.filter(|&((_, &own), _)| own <= level) {
+            let [a, b, c] = quantized_boxes.gather(triangle);
             let edges = [a.union(&b), b.union(&c), c.union(&a)];
             let whole = edges[0].union(&c);
             for (k, out) in out.0.iter_mut().enumerate() {

@@ -5,9 +5,11 @@
 //! are bits of a word in the layout of [`ByteBoxes::rows`]. Lookup tables remove the features that a triangle does
 //! not own and the pairs that share a vertex.
 
+use wide::i32x4;
+
 use super::byte_boxes::{ByteBoxes, may_overlap};
 use super::comoving::MovingBox;
-use super::{Candidates, Counts, IS_FACE, OWNS_EDGE, OWNS_VERTEX, Surface, runs};
+use super::{Candidates, Counts, IS_FACE, OWNS_EDGE, OWNS_VERTEX, Surface};
 use crate::column::Column;
 use crate::geometry::aabb::Aabb;
 
@@ -25,40 +27,42 @@ pub fn add_features(
     counts: &mut Counts,
 ) {
     // Consecutive pairs often have the same first triangle.
-    for (a, pairs) in runs(pairs, |&[a, _]| a as usize) {
-        let Some(p) = surface.triangles.element(a) else { continue };
-        let rows = byte_boxes.and_then(|byte_boxes| byte_boxes.element(a)).map(ByteBoxes::rows);
-        let own = ROWS.at(usize::from(owned.at(a) & 0x7f));
-        for &[_, b] in pairs {
-            let b = b as usize;
-            let Some(q) = surface.triangles.element(b) else { continue };
-            let near = match (byte_boxes, &rows) {
-                (Some(byte_boxes), Some(rows)) => byte_boxes.element(b).map_or(0, |b| may_overlap(rows, &b.columns())),
-                _ => 0xffff,
-            };
-            let named = own & COLUMNS.at(usize::from(owned.at(b) & 0x7f));
-            let mut left = near & u32::from(named & APART.at(equal_corners(p, q)));
-            if left == 0 || moving_boxes.is_some_and(|moving| !may_touch(moving, a, b)) {
-                continue;
+    let (mut rows, mut rows_of) = (ByteBoxes::default().rows(), u32::MAX);
+    for &[a, b] in pairs {
+        let near = match byte_boxes {
+            Some(byte_boxes) => {
+                if a != rows_of {
+                    (rows, rows_of) = (byte_boxes.element(a as usize).map_or(rows, ByteBoxes::rows), a);
+                }
+                byte_boxes.element(b as usize).map_or(0, |b| may_overlap(&rows, &b.columns()))
             }
-            while left != 0 {
-                let bit = left.trailing_zeros() as usize;
-                left &= left - 1;
-                let (row, column) = (bit / 4, bit % 4);
-                if row < 3 && column < 3 {
-                    let ends = [p.at(row), p.at((row + 1) % 3), q.at(column), q.at((column + 1) % 3)];
-                    if edges_overlap(boxes, &ends) && !edges_are_sewn(surface, &ends) {
-                        let edges = surface.triangle_edges.as_flattened();
-                        out.add_edge_edge(counts, edges.at(3 * a + row), edges.at(3 * b + column));
-                    }
-                } else {
-                    let (vertex, face, corners) = if row < 3 { (p.at(row), b, q) } else { (q.at(column), a, p) };
-                    let is_sewn = |&corner: &u32| surface.sewn.joins(vertex, corner);
-                    let (own, around) = (boxes.element(vertex as usize), triangle_boxes.element(face));
-                    let overlap = own.zip(around).is_some_and(|(own, around)| own.overlaps(around));
-                    if overlap && !corners.iter().any(is_sewn) {
-                        out.add_vertex_triangle(counts, vertex, face as u32);
-                    }
+            None => 0xffff,
+        };
+        let (a, b) = (a as usize, b as usize);
+        let (Some(p), Some(q)) = (surface.triangles.element(a), surface.triangles.element(b)) else { continue };
+        let named = ROWS.at(usize::from(owned.at(a) & 0x7f)) & COLUMNS.at(usize::from(owned.at(b) & 0x7f));
+        let mut left = near & u32::from(named & APART.at(equal_corners(p, q)));
+        if left == 0 || moving_boxes.is_some_and(|moving| !may_touch(moving, a, b)) {
+            continue;
+        }
+        while left != 0 {
+            let bit = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (row, column) = (bit / 4, bit % 4);
+            if row < 3 && column < 3 {
+                let ends = [p.at(row), p.at((row + 1) % 3), q.at(column), q.at((column + 1) % 3)];
+                if edges_overlap(boxes, &ends) && !edges_are_sewn(surface, &ends) {
+                    let edges = surface.triangle_edges.as_flattened();
+                    out.add_edge_edge(counts, edges.at(3 * a + row), edges.at(3 * b + column));
+                }
+            } else {
+                let (vertex, face, corners) = if row < 3 { (p.at(row), b, q) } else { (q.at(column), a, p) };
+                let is_sewn = |&corner: &u32| surface.sewn.joins(vertex, corner);
+                let (Some(own), Some(around)) = (boxes.element(vertex as usize), triangle_boxes.element(face)) else {
+                    continue;
+                };
+                if own.overlaps(around) && !corners.iter().any(is_sewn) {
+                    out.add_vertex_triangle(counts, vertex, face as u32);
                 }
             }
         }
@@ -84,14 +88,10 @@ fn edges_are_sewn(surface: &Surface<'_>, &[a, b, c, d]: &[u32; 4]) -> bool {
 
 /// Bit `3 i + j` is set if corner `i` of one triangle is corner `j` of the other.
 #[inline(always)]
-fn equal_corners(p: &[u32; 3], q: &[u32; 3]) -> usize {
-    let mut equal = 0;
-    for i in 0..3 {
-        for j in 0..3 {
-            equal |= usize::from(p.at(i) == q.at(j)) << (3 * i + j);
-        }
-    }
-    equal
+fn equal_corners(&[a, b, c]: &[u32; 3], &[d, e, f]: &[u32; 3]) -> usize {
+    let other = i32x4::new([d, e, f, f].map(|corner| corner as i32));
+    let equal = |corner: u32| (i32x4::splat(corner as i32).simd_eq(other).to_bitmask() & 0b111) as usize;
+    equal(a) | equal(b) << 3 | equal(c) << 6
 }
 
 /// The bits of the features of the first triangle, which are the rows, indexed by its `owned` bits.

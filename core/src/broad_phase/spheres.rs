@@ -33,7 +33,7 @@ pub fn write_spheres(
     dispatch.run(spheres, |start, part| {
         for ((triangle, &own), out) in triangles.part(start..).iter().zip(levels.part(start..)).zip(part) {
             *out = if own <= level {
-                let [a, b, c] = triangle.map(|v| quantized_boxes.at(v as usize));
+                let [a, b, c] = quantized_boxes.gather(triangle);
                 around(&a.union(&b).union(&c))
             } else {
                 Sphere::ABSENT

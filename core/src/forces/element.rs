@@ -64,11 +64,6 @@ pub trait ElementTerm {
     fn material_bytes(&self) -> usize;
 }
 
-#[inline]
-fn corners<const K: usize>(ids: &[u32; K], column: &[Vec3]) -> [Vec3; K] {
-    ids.map(|i| column.at(i as usize))
-}
-
 /// Adds the forces without scratch: computes those of an element for each of its corners.
 fn add_recomputed<E: Element<K>, const K: usize>(
     term: &E,
@@ -83,7 +78,7 @@ fn add_recomputed<E: Element<K>, const K: usize>(
             for &slot in incidence.at(start + vertex) {
                 let (element, corner) = (slot as usize / K, slot as usize % K);
                 let Some(ids) = vertices.element(element) else { return };
-                *f += term.force(element, &x.relative(ids), &corners(ids, v)).at(corner);
+                *f += term.force(element, &x.relative(ids), &v.gather(ids)).at(corner);
             }
         }
     });
@@ -112,7 +107,7 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
         let (slots, _) = scratch.part_mut(..vertices.len() * K).as_chunks_mut::<K>();
         dispatch.run(slots, |start, part| {
             for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
-                *slot = self.force(element, &x.relative(ids), &corners(ids, v));
+                *slot = self.force(element, &x.relative(ids), &v.gather(ids));
             }
         });
         let (forces, incidence) = (&*scratch, self.incidence());
@@ -152,7 +147,7 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
         if jacobian == Jacobian::Projected {
             dispatch.run(&mut *tangents, |start, part| {
                 for (slot, (element, ids)) in part.iter_mut().zip(vertices.iter().enumerate().skip(start)) {
-                    *slot = self.tangent(element, &corners(ids, x), scale);
+                    *slot = self.tangent(element, &x.gather(ids), scale);
                 }
             });
         }
@@ -176,7 +171,7 @@ impl<E: ElementTerm<Corners = [u32; K]> + Element<K>, const K: usize> ForceTerm 
                         // With v = 0 damping does not contribute to df/dx, and the matrix stays symmetric.
                         Jacobian::Exact => {
                             let Some(ids) = vertices.element(element) else { return };
-                            let blocks = self.exact(element, &corners(ids, x), &[Vec3::ZERO; K], scale);
+                            let blocks = self.exact(element, &x.gather(ids), &[Vec3::ZERO; K], scale);
                             let Some(blocks) = blocks.element(a) else { return };
                             for (&place, block) in places.iter().zip(blocks).filter(|&(&place, _)| place != NOT_STORED)
                             {

@@ -264,7 +264,7 @@ impl ElementTerm for Membrane<'_> {
     /// The largest rate of change of wu or wv, 1/s.
     fn strain_rate(&self, v: &[Vec3]) -> Real {
         let squares = self.vertices.iter().zip(self.weights).map(|(triangle, w)| {
-            let (u, v) = gradient(w, &triangle.map(|i| v.at(i as usize)));
+            let (u, v) = gradient(w, &v.gather(triangle));
             u.length_squared().max(v.length_squared())
         });
         sqrt(squares.fold(0.0, Real::max))
@@ -273,8 +273,8 @@ impl ElementTerm for Membrane<'_> {
     /// The largest rate of change of |wu|, |wv| or wu . wv, 1/s.
     fn stretch_rate(&self, x: &[Vec3], v: &[Vec3]) -> Real {
         let rates = self.vertices.iter().zip(self.weights).map(|(triangle, w)| {
-            let (wu, wv) = gradient(w, &triangle.map(|i| x.at(i as usize)));
-            let (du, dv) = gradient(w, &triangle.map(|i| v.at(i as usize)));
+            let (wu, wv) = gradient(w, &x.gather(triangle));
+            let (du, dv) = gradient(w, &v.gather(triangle));
             wu.dot(du).abs().max(wv.dot(dv).abs()).max((wu.dot(dv) + wv.dot(du)).abs())
         });
         rates.fold(0.0, Real::max)

@@ -7,7 +7,7 @@ use crate::real::Vec3;
 pub fn write_normals(positions: &[Vec3], triangles: &[[u32; 3]], normals: &mut [Vec3]) {
     normals.fill(Vec3::ZERO);
     for triangle in triangles {
-        let [a, b, c] = triangle.map(|v| positions.at(v as usize));
+        let [a, b, c] = positions.gather(triangle);
         let normal = (b - a).cross(c - a);
         triangle.iter().for_each(|&v| normals.add(v as usize, normal));
     }

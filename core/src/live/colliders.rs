@@ -159,8 +159,7 @@ impl PartsMut<'_> {
             Form::Plane(_) => false,
             Form::Sphere | Form::Capsule => {
                 let axis = [own.first(), own.last()].map(|end| end.copied().unwrap_or_default());
-                let near =
-                    |corners: &[u32; 3]| distance(axis, corners.map(|v| cloth.at(v as usize))) < of.radius - slack;
+                let near = |corners: &[u32; 3]| distance(axis, cloth.gather(corners)) < of.radius - slack;
                 self.triangles.iter().any(near)
             }
             Form::Box | Form::Mesh => {

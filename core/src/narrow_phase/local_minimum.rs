@@ -61,8 +61,6 @@ fn is_lowest(surface: &Surface<'_>, x: &[Vec3], feature: Feature<'_>, other: Fea
     surface.incidence.at(foot as usize).iter().all(|&slot| {
         let corners = surface.triangles.at(slot as usize / 3);
         let is_around = corners.iter().filter(|&&v| feature.touches(v)).count() >= feature.touched();
-        !(is_around && corners.iter().any(rises))
-            || corners.iter().any(joins)
-            || lies_along(corners.map(|v| x.at(v as usize)))
+        !(is_around && corners.iter().any(rises)) || corners.iter().any(joins) || lies_along(x.gather(&corners))
     })
 }

@@ -195,8 +195,13 @@ fn vertices_x4<P: Pairing>(surface: &Surface<'_>, candidates: &[[u32; 2]]) -> [[
 /// The first four elements. If there are fewer than four, the last one is repeated.
 #[inline(always)]
 fn first_four<T: Copy + Default>(elements: &[T]) -> [T; 4] {
-    let of = |lane: usize| elements.at(lane.min(elements.len().saturating_sub(1)));
-    [of(0), of(1), of(2), of(3)]
+    match *elements {
+        [a, b, c, d, ..] => [a, b, c, d],
+        [a, b, c] => [a, b, c, c],
+        [a, b] => [a, b, b, b],
+        [a] => [a; 4],
+        [] => Default::default(),
+    }
 }
 
 /// Vectors of the vertices of four candidates.

@@ -72,7 +72,7 @@ fn find_pairs<D: Dispatch>(
         let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
         let (x, ends) = (gather(vertices, start), gather(vertices, end));
         let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
-        let at: [Vec3; 4] = time.map_or(x, |time| core::array::from_fn(|k| x.at(k) + (ends.at(k) - x.at(k)) * time));
+        let at = time.map_or(x, |time| between(x, &ends, time));
         let (Some(impact), Some(before)) =
             (contact(kind, vertices, &at, &x, radius), contact(kind, vertices, &x, &x, radius))
         else {
@@ -89,6 +89,15 @@ fn find_pairs<D: Dispatch>(
         list.push(repulsion::constraint(model, impact, target, motion, MOST_LEVER_RATIO));
     }
     list.sort_from(first);
+}
+
+/// Where four points are in the course of their motion: at its start for 0, at its end for 1.
+#[inline(always)]
+fn between(mut start: [Vec3; 4], end: &[Vec3; 4], part: Real) -> [Vec3; 4] {
+    for (start, &end) in start.iter_mut().zip(end) {
+        *start += (end - *start) * part;
+    }
+    start
 }
 
 /// Solves all impacts so far.

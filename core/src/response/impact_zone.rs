@@ -4,7 +4,7 @@
 use super::constraint::Constraint;
 use super::work::{Work, relax};
 use crate::column::Column;
-use crate::heap_sort;
+use crate::quicksort;
 use crate::real::{Real, Vec3};
 
 /// Sweeps over a zone.
@@ -32,7 +32,7 @@ pub(crate) fn resolve(work: &mut Work<'_>) {
         }
     }
     let roots = roots.part_mut(..wanted);
-    heap_sort::sort_by_key(roots, |&root| root);
+    quicksort::sort_by_key(roots, |&root| root);
     let mut count = 0;
     for (k, constraint) in (0..).zip(constraints.iter()) {
         let root = root_of(zones, constraint, inverse_masses);

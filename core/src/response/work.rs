@@ -6,7 +6,7 @@ use crate::column::Column;
 use crate::contact::ContactModel;
 use crate::detection;
 use crate::geometry::aabb::Aabb;
-use crate::heap_sort;
+use crate::quicksort;
 use crate::real::{Real, Vec3};
 
 /// The input and output of a pass.
@@ -62,7 +62,7 @@ impl List<'_> {
     /// Sorts those from `first` on by their vertices: bits must not depend on the order of the candidates.
     pub fn sort_from(&mut self, first: usize) {
         if let Some(added) = self.all.get_mut(first..self.count) {
-            heap_sort::sort_by_key(added, |constraint| constraint.contact.vertices);
+            quicksort::sort_by_key(added, |constraint| constraint::as_number(constraint.contact.vertices));
         }
     }
 
