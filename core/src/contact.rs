@@ -4,6 +4,7 @@
 use crate::audit::Room;
 use crate::broad_phase::{Counts, Grid, KeptPairs, Surface};
 use crate::colliders::{Body, Colliders};
+use crate::column::Column;
 use crate::geometry::aabb::Aabb;
 use crate::implicit_contact::augmented_contact::{AugmentedContact, ContactLines};
 use crate::implicit_contact::multiplier::Multiplier;
@@ -110,13 +111,9 @@ impl Solids<'_> {
 pub struct ContactScratch<'a> {
     /// Positions at the start of the step, m.
     pub start: &'a mut [Vec3],
-    /// Positions at the end of the step before the response, m.
-    pub predicted: &'a mut [Vec3],
     /// Positions at the end of the step, m.
     pub end: &'a mut [Vec3],
-    /// Displacements from start to the end before the response, m. They are stored because the ends are rounded.
-    pub predicted_displacements: &'a mut [Vec3],
-    /// Displacements from start to end, m.
+    /// Displacements from start to end, m. They are stored because the ends are rounded.
     pub displacements: &'a mut [Vec3],
     /// The part of the displacements that only separates surfaces and changes no velocity, m.
     pub corrections: &'a mut [Vec3],
@@ -158,6 +155,25 @@ pub struct ContactScratch<'a> {
     pub room: Room<'a>,
 }
 
+/// The motion of the cloth in a step without contact, by vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Prediction<'a> {
+    /// Positions at its end, m.
+    pub positions: &'a [Vec3],
+    /// Displacements from the exact positions at the start, m.
+    pub displacements: &'a [Vec3],
+    /// Rounding errors of the positions at the start, m; may be empty.
+    pub low: &'a [Vec3],
+}
+
+impl Prediction<'_> {
+    /// The displacement of a vertex from its rounded position, where gaps are measured, m.
+    #[inline]
+    pub fn displacement(&self, vertex: usize) -> Vec3 {
+        self.low.get(vertex).copied().unwrap_or_default() + self.displacements.at(vertex)
+    }
+}
+
 /// The kind of the candidates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::CheckedBitPattern, bytemuck::NoUninit)]
 #[repr(u32)]
@@ -190,9 +206,7 @@ impl ContactScratch<'_> {
     pub fn reborrow(&mut self) -> ContactScratch<'_> {
         ContactScratch {
             start: self.start,
-            predicted: self.predicted,
             end: self.end,
-            predicted_displacements: self.predicted_displacements,
             displacements: self.displacements,
             corrections: self.corrections,
             turns: self.turns,
@@ -213,6 +227,14 @@ impl ContactScratch<'_> {
             grid: self.grid.reborrow(),
             kept: self.kept.reborrow(),
             room: self.room.reborrow(),
+        }
+    }
+
+    /// Takes the motion of the cloth from a prediction.
+    pub fn take(&mut self, prediction: &Prediction<'_>) {
+        self.end.part_mut(..prediction.positions.len()).copy_from(prediction.positions);
+        for (v, displacement) in self.displacements.iter_mut().enumerate().take(prediction.displacements.len()) {
+            *displacement = prediction.displacement(v);
         }
     }
 
@@ -405,9 +427,7 @@ mod owned {
     #[derive(Clone, Debug, Default)]
     pub struct ContactScratchColumns {
         start: Vec<Vec3>,
-        predicted: Vec<Vec3>,
         end: Vec<Vec3>,
-        predicted_displacements: Vec<Vec3>,
         displacements: Vec<Vec3>,
         corrections: Vec<Vec3>,
         turns: Vec<Vec3>,
@@ -439,9 +459,7 @@ mod owned {
             let column = vec![Vec3::ZERO; vertices];
             let mut columns = Self {
                 start: column.clone(),
-                predicted: column.clone(),
                 end: column.clone(),
-                predicted_displacements: column.clone(),
                 displacements: column.clone(),
                 corrections: column,
                 turns: vec![Vec3::ZERO; model.colliders.bodies.len()],
@@ -564,9 +582,7 @@ mod owned {
         pub fn view(&mut self) -> ContactScratch<'_> {
             ContactScratch {
                 start: &mut self.start,
-                predicted: &mut self.predicted,
                 end: &mut self.end,
-                predicted_displacements: &mut self.predicted_displacements,
                 displacements: &mut self.displacements,
                 corrections: &mut self.corrections,
                 turns: &mut self.turns,

@@ -175,14 +175,13 @@ pub fn place(
     let cloth = model.cloth();
     contact.start.part_mut(..cloth).copy_from(positions);
     model.colliders.place(time, contact.start.part_mut(cloth..));
-    contact.predicted.part_mut(..cloth).copy_from(next_positions);
-    model.colliders.place(time + step, contact.predicted.part_mut(cloth..));
+    contact.end.part_mut(..cloth).copy_from(next_positions);
+    model.colliders.place(time + step, contact.end.part_mut(cloth..));
     for (turn, body) in contact.turns.iter_mut().zip(model.colliders.bodies) {
         *turn = body.turns([time, step]);
     }
-    contact.end.copy_from(contact.predicted);
-    let ends = contact.start.iter().zip(&*contact.predicted);
-    for (displacement, (&start, &end)) in contact.predicted_displacements.iter_mut().zip(ends) {
+    let ends = contact.start.iter().zip(&*contact.end);
+    for (displacement, (&start, &end)) in contact.displacements.iter_mut().zip(ends) {
         *displacement = end - start;
     }
     contact.ends.fill(Aabb::EMPTY);
@@ -202,7 +201,7 @@ fn leave_out(model: &ContactModel<'_>, boxes: &mut [Aabb]) {
 /// matter. Then the candidates can be limited to the pairs within [`REACH`] at its start, most of which
 /// [last](broad_phase::kept_pairs) from step to step.
 pub fn is_quiet(model: &ContactModel<'_>, contact: &ContactScratch<'_>) -> bool {
-    let mut motion = contact.start.iter().zip(&*contact.predicted);
+    let mut motion = contact.start.iter().zip(&*contact.end);
     motion.all(|(&start, &end)| (end - start).abs().max_element() <= QUIET * model.thickness)
         && rounding(model, contact.start) <= MOST_ROUNDED * model.thickness
 }

@@ -19,7 +19,7 @@ use crate::audit;
 use crate::broad_phase::Counts;
 use crate::colliders::Colliders;
 use crate::column::{self, Column};
-use crate::contact::{ContactModel, ContactRoom, ContactScratch};
+use crate::contact::{ContactModel, ContactRoom, ContactScratch, Prediction};
 use crate::detection::{self, Purpose, place};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
@@ -331,7 +331,7 @@ impl Next {
         input.dispatch.enter(Stage::BroadPhase);
         let (times, columns) = ([input.time, input.step.into()], &mut contact.columns.columns());
         place(contact.model, times, particles.positions, scratch.next_positions, columns);
-        take_prediction(particles, scratch, columns);
+        columns.take(&prediction(particles, scratch));
         let is_implicit = input.scheme.method.is_implicit();
         Self::Phase(if is_implicit { Phase::Solve } else { Phase::Respond { widened: 0 } })
     }
@@ -391,14 +391,15 @@ fn solve<D: Dispatch>(
     let gravity = input.model.gravity.map_or(Vec3::ZERO, |gravity| gravity.acceleration);
     let fall = 2.0 * sqrt(gravity.length_squared()) * input.step * input.step;
     let margin = fall + REST * model.thickness;
-    with_room(columns, |contact| response::find_contacts(model, contact, input.step, margin))?;
+    let predicted = &prediction(particles, scratch);
+    with_room(columns, |contact| response::find_contacts(model, predicted, contact, input.step, margin))?;
     let contact = &mut columns.columns();
     let constraints = contact.lengths.constraints;
     exchange::add_contacts(model, contact, 0..constraints, input.step);
     let known = contact.lengths.contacts;
     let contacts = (contact.contacts.part_mut(..known), &mut *contact.lines);
     let has_begun = implicit_contact::correct(input, particles, contacts, scratch, statistics);
-    take_prediction(particles, scratch, contact);
+    contact.take(&prediction(particles, scratch));
     Ok(Phase::SolveImpacts { constraints, known, has_begun })
 }
 
@@ -412,7 +413,8 @@ fn solve_impacts<D: Dispatch>(
     (constraints, known, has_begun): (usize, usize, bool),
     statistics: &mut IntegratorStatistics,
 ) -> Result<Phase, Cause> {
-    with_room(columns, |contact| response::find_impacts(model, contact, input.step, input.dispatch))?;
+    let predicted = &prediction(particles, scratch);
+    with_room(columns, |contact| response::find_impacts(model, predicted, contact, input.step, input.dispatch))?;
     let contact = &mut columns.columns();
     exchange::add_contacts(model, contact, constraints..contact.lengths.constraints, input.step);
     let contacts = (contact.contacts.part_mut(..contact.lengths.contacts), &mut *contact.lines);
@@ -421,7 +423,7 @@ fn solve_impacts<D: Dispatch>(
     if contact.lengths.contacts > if has_begun { 0 } else { known } {
         implicit_contact::finish(input, particles, scratch);
     }
-    take_prediction(particles, scratch, contact);
+    contact.take(&prediction(particles, scratch));
     Ok(Phase::Respond { widened: 0 })
 }
 
@@ -448,7 +450,7 @@ fn respond<D: Dispatch, R: ContactRoom>(
     dispatch.enter(Stage::Response);
     let responded = with_room(*columns, |contact| {
         exchange::write_impulses(model, contact, input.stage_length(scratch.last_step));
-        response::respond(model, contact, settings, work.contact, dispatch)
+        response::respond(model, &prediction(particles, scratch), contact, settings, work.contact, dispatch)
     });
     let outcome = responded.map_err(|cause| farthest(cause, particles, scratch))?;
     let columns = &mut columns.columns();
@@ -470,15 +472,9 @@ fn respond<D: Dispatch, R: ContactRoom>(
     }
 }
 
-/// Copies the candidate state to the columns of contact. Displacements begin at the rounded positions, as gaps do.
-fn take_prediction(particles: &Particles<'_>, scratch: &Scratch<'_>, contact: &mut ContactScratch<'_>) {
-    for column in [&mut *contact.predicted, &mut *contact.end] {
-        column.part_mut(..scratch.next_positions.len()).copy_from(scratch.next_positions);
-    }
-    let changes = particles.low_positions.iter().zip(&*scratch.displacements);
-    for (out, (&low, &change)) in contact.predicted_displacements.iter_mut().zip(changes) {
-        *out = low + change;
-    }
+/// The candidate state, before contacts correct it.
+fn prediction<'a>(particles: &'a Particles<'_>, scratch: &'a Scratch<'_>) -> Prediction<'a> {
+    Prediction { positions: scratch.next_positions, displacements: scratch.displacements, low: particles.low_positions }
 }
 
 /// Calls a phase again with more room as long as it fails with the number of constraints that it needs room for.
@@ -511,7 +507,7 @@ fn settle(step: Real, particles: &Particles<'_>, contact: &ContactScratch<'_>, s
     for (v, next) in scratch.next_positions.iter_mut().enumerate() {
         if contact.rounds.at(v) > 0 {
             let displacement = contact.displacements.at(v);
-            let moved = displacement - contact.predicted_displacements.at(v);
+            let moved = displacement - (particles.low_positions.at(v) + scratch.displacements.at(v));
             let change = scratch.velocity_changes.at(v) + (moved - contact.corrections.at(v)) / step;
             scratch.velocity_changes.set(v, change);
             scratch.next_velocities.set(v, particles.velocities.at(v) + (particles.low_velocities.at(v) + change));

@@ -24,7 +24,7 @@ macro_rules! kit {
         #[doc = $doc]
         pub mod $name {
             use $crate::steps::Steps;
-            use $muslin::contact::{ContactColumns, ContactScratchColumns};
+            use $muslin::contact::{ContactColumns, ContactScratchColumns, Prediction};
             use $muslin::detection;
             use $muslin::dispatch::Serial;
             use $muslin::forces::element::Element;
@@ -385,8 +385,11 @@ macro_rules! kit {
                 detection::place(&model, [0.0, 1.0], &from, &to, &mut scratch);
                 detection::sweep(&model, 10.0, &mut scratch);
                 detection::detect(&model, &mut scratch, &Serial).expect("nothing stops the search");
-                change(scratch.predicted);
-                let outcome = response::respond(&model, &mut scratch, settings, &mut contact_statistics, &Serial);
+                let displacements: Vec<_> = to.iter().zip(&from).map(|(to, from)| *to - *from).collect();
+                change(&mut to);
+                let prediction = Prediction { positions: &to, displacements: &displacements, low: &[] };
+                let outcome =
+                    response::respond(&model, &prediction, &mut scratch, settings, &mut contact_statistics, &Serial);
                 let wide = |column: &[Vec3]| column.iter().map(|&x| to_f64(x).into()).collect();
                 let kept = scratch.constraints.iter().filter(|c| c.contact.normal != Vec3::ZERO).map(|c| Kept {
                     vertices: c.contact.vertices.map(|v| v as usize),
@@ -403,7 +406,7 @@ macro_rules! kit {
                     counts: [contact_statistics.proximity, contact_statistics.impacts, contact_statistics.zones],
                     failsafe: contact_statistics.failsafe,
                     start: wide(scratch.start),
-                    predicted: wide(scratch.predicted),
+                    predicted: wide(&to),
                     end: wide(scratch.end),
                     touched: scratch.rounds.iter().map(|&round| round > 0).collect(),
                     masses,

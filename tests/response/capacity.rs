@@ -36,7 +36,7 @@ const FALLING: &str = r#"
 both_precisions! {
     use super::FALLING;
     use muslin::broad_phase::Counts;
-    use muslin::contact::{ContactRoom, ContactScratch, ContactScratchColumns};
+    use muslin::contact::{ContactRoom, ContactScratch, ContactScratchColumns, Prediction};
     use muslin::diagnostics::StateHash;
     use muslin::dispatch::Serial;
     use muslin::integrate::{IntegratorStatistics, Method, Scheme, StepInput};
@@ -69,9 +69,11 @@ both_precisions! {
             short += 1;
             assert_eq!(detection::detect(&model, &mut columns.view(), &Serial), Some(counts), "counts depend on the room");
         }
+        let displacements: Vec<_> = to.iter().zip(from).map(|(to, from)| *to - *from).collect();
+        let prediction = Prediction { positions: &to, displacements: &displacements, low: &[] };
         let settings = Settings { step: 0.005, hold: false };
         loop {
-            match response::respond(&model, &mut columns.view(), settings, &mut contact_statistics, &Serial) {
+            match response::respond(&model, &prediction, &mut columns.view(), settings, &mut contact_statistics, &Serial) {
                 Err(needed) => assert!(columns.grow_constraints(needed), "no memory"),
                 Ok(Outcome::Free) => break,
                 other => panic!("with room for {room}: {other:?}"),

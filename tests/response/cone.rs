@@ -31,7 +31,7 @@ const PILE: &str = r#"
 
 both_precisions! {
     use super::PILE;
-    use muslin::contact::ContactScratchColumns;
+    use muslin::contact::{ContactScratchColumns, Prediction};
     use muslin::dispatch::Serial;
     use muslin::real::{Real, Vec3, to_f64, vec3};
     use muslin::response::friction::Law;
@@ -91,8 +91,10 @@ both_precisions! {
         detection::place(&model, [0.0, 0.001], from, &to, &mut scratch);
         detection::sweep(&model, 0.01, &mut scratch);
         detection::detect(&model, &mut scratch, &Serial).expect("nothing stops the search");
+        let displacements: Vec<_> = to.iter().zip(from).map(|(to, from)| *to - *from).collect();
+        let prediction = Prediction { positions: &to, displacements: &displacements, low: &[] };
         let settings = Settings { step: 0.001, hold: false };
-        response::respond(&model, &mut scratch, settings, &mut ContactStatistics::default(), &Serial).expect("there is room");
+        response::respond(&model, &prediction, &mut scratch, settings, &mut ContactStatistics::default(), &Serial).expect("there is room");
         let mut steepest = [0.0_f64; 2];
         for constraint in scratch.constraints.iter() {
             let [normal, across] =

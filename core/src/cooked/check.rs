@@ -323,9 +323,7 @@ fn check_columns(c: &ContactScratch<'_>, solids: &Solids<'_>, is_implicit: bool)
     let (vertices, triangles, edges) = (solids.radii.len(), solids.surface.triangles.len(), solids.surface.edges.len());
     let of_vertices = [
         c.start.len(),
-        c.predicted.len(),
         c.end.len(),
-        c.predicted_displacements.len(),
         c.displacements.len(),
         c.corrections.len(),
         c.rounds.len(),

@@ -126,7 +126,7 @@ columns! { Surface {
 columns! { Sewn { constant offsets, constant others } }
 
 columns! { ContactScratch {
-    scratch start, scratch predicted, scratch end, scratch predicted_displacements, scratch displacements,
+    scratch start, scratch end, scratch displacements,
     scratch corrections, scratch turns, scratch rounds, scratch zones, scratch boxes, scratch ends, cell searched,
     cell counts, part vertex_triangle, part edge_edge, cell lengths, scratch constraints, scratch contacts, scratch lines,
     scratch multipliers, scratch order, part grid, part kept, part room,

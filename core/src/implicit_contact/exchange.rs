@@ -23,8 +23,8 @@ const VIOLATION: Real = 0.3;
 /// the cone: the response knows only masses, and a little more friction would hold against all tension.
 const SMALL: Real = 0.1;
 
-/// Adds the constraints whose vertices can move to the contacts of the solve, with their displacements in place of
-/// velocities. If a pair has several constraints, the first one gets its multiplier. `step` is the length of the step,
+/// Adds the constraints whose vertices can move to the contacts of the solve, with their predicted displacements in place
+/// of velocities. If a pair has several constraints, the first one gets its multiplier. `step` is the length of the step,
 /// s.
 pub fn add_contacts(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, constraints: Range<usize>, step: Real) {
     let multipliers = scratch.multipliers.part(..scratch.lengths.multipliers);
@@ -45,7 +45,7 @@ pub fn add_contacts(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, 
             centre_distance: if radius > 0.0 { radius + contact.gap } else { 0.0 },
             least_velocity: target - contact.gap,
             slack: VIOLATION * model.thickness,
-            velocity: constraint.relative(scratch.predicted_displacements),
+            velocity: constraint.relative(scratch.displacements),
             multiplier: force * step,
             coefficients: [coefficients.at_rest, coefficients.kinetic],
             constraint: index,

@@ -26,7 +26,7 @@ mod work;
 use core::ops::Range;
 
 use crate::column::Column;
-use crate::contact::{ContactModel, ContactScratch};
+use crate::contact::{ContactModel, ContactScratch, Prediction};
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3};
 use crate::stage::Stage;
@@ -105,11 +105,12 @@ pub struct Settings {
 /// the predicted motion leaves up to `margin` apart may push, m.
 pub fn find_contacts(
     model: &ContactModel<'_>,
+    prediction: &Prediction<'_>,
     scratch: &mut ContactScratch<'_>,
     step: Real,
     margin: Real,
 ) -> Result<(), usize> {
-    let count = find_near(model, scratch, step, 0, margin)?;
+    let count = find_near(model, prediction, scratch, step, 0, margin)?;
     scratch.lengths.constraints = count;
     Ok(())
 }
@@ -118,12 +119,13 @@ pub fn find_contacts(
 /// latter at the place and along the direction of their impact [Otaduy 2009].
 pub fn find_impacts<D: Dispatch>(
     model: &ContactModel<'_>,
+    prediction: &Prediction<'_>,
     scratch: &mut ContactScratch<'_>,
     step: Real,
     dispatch: &D,
 ) -> Result<(), usize> {
     dispatch.enter(Stage::Response);
-    let near = find_near(model, scratch, step, scratch.lengths.constraints, 0.0)?;
+    let near = find_near(model, prediction, scratch, step, scratch.lengths.constraints, 0.0)?;
     let ContactScratch { start, end, displacements, turns, rounds, counts, constraints, .. } = scratch;
     let mut pairs = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
     let motion = Motion { start, end, displacements, turns, rounds, round: 0, step };
@@ -135,15 +137,15 @@ pub fn find_impacts<D: Dispatch>(
 /// Adds the near pairs behind the first `before` constraints. Returns the number of constraints.
 fn find_near(
     model: &ContactModel<'_>,
+    prediction: &Prediction<'_>,
     scratch: &mut ContactScratch<'_>,
     step: Real,
     before: usize,
     margin: Real,
 ) -> Result<usize, usize> {
+    scratch.take(prediction);
     let ContactScratch { start, end, displacements, corrections, turns, rounds, counts, constraints, order, .. } =
         scratch;
-    end.copy_from(scratch.predicted);
-    displacements.copy_from(scratch.predicted_displacements);
     corrections.fill(Vec3::ZERO);
     rounds.fill(0);
     let mut list = List { all: constraints, count: before, touching: 0 };
@@ -154,16 +156,16 @@ fn find_near(
     list.count()
 }
 
-/// Corrects the motion from `scratch.start` to `scratch.predicted` until no features collide, and writes its end to
-/// `scratch.end`. Without room for all constraints, returns the number that needs room as an error.
+/// Corrects the predicted motion from `scratch.start` until no features collide, and writes its end to `scratch.end`. Without room for all constraints, returns the number that needs room as an error.
 pub fn respond<D: Dispatch>(
     model: &ContactModel<'_>,
+    prediction: &Prediction<'_>,
     scratch: &mut ContactScratch<'_>,
     settings: Settings,
     contact_statistics: &mut ContactStatistics,
     dispatch: &D,
 ) -> Result<Outcome, usize> {
-    let near = find_near(model, scratch, settings.step, scratch.lengths.constraints, 0.0)?;
+    let near = find_near(model, prediction, scratch, settings.step, scratch.lengths.constraints, 0.0)?;
     let ContactScratch {
         start,
         end,

@@ -1,11 +1,13 @@
 //! Removes the intersections of a start state.
 
+use alloc::vec;
+
 use super::Simulation;
 use crate::audit;
-use crate::contact::ContactScratch;
+use crate::contact::{ContactScratch, Prediction};
 use crate::detection::{self, Purpose};
 use crate::dispatch::Dispatch;
-use crate::real::{Real, sqrt};
+use crate::real::{Real, Vec3, sqrt};
 use crate::response::impact::SEPARATION;
 use crate::response::{self, ContactStatistics, Outcome, Settings};
 use crate::step;
@@ -59,6 +61,7 @@ impl Simulation {
         let (Some(model), Some(contact)) = (&built.contact, contact) else { return false };
         let (model, positions) = (&model.view(), &mut built.particles.positions);
         detection::place(model, [time, 0.0], positions, positions, &mut contact.view());
+        let still = vec![Vec3::ZERO; positions.len()];
         for widened in 0..MOST_WIDENINGS {
             let searched = detection::search(model, Purpose::Response { widened }, contact, dispatch);
             let Ok(counts) = searched else { return false };
@@ -69,8 +72,9 @@ impl Simulation {
                 return false;
             }
             let settings = Settings { step, hold: false };
+            let prediction = Prediction { positions, displacements: &still, low: &[] };
             let respond = |contact: &mut ContactScratch<'_>| {
-                response::respond(model, contact, settings, &mut ContactStatistics::default(), dispatch)
+                response::respond(model, &prediction, contact, settings, &mut ContactStatistics::default(), dispatch)
             };
             match step::with_room(contact, respond) {
                 // The next call counts the pairs again.
