@@ -303,7 +303,7 @@ mod owned {
 
     use super::{
         Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactRoom, ContactScratch, Counts, Law,
-        Lengths, Multiplier, Pairs, Real, Searched, Solids, StoredTime, Vec3,
+        Lengths, Multiplier, Pairs, Real, Searched, Solids, StoredTime, Surface, Vec3,
     };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
@@ -397,6 +397,12 @@ mod owned {
         has_room
     }
 
+    /// Whether edges of the cloth, which has so many vertices, may pair with others: spheres and planes have no
+    /// edges.
+    fn edges_may_pair(surface: &Surface<'_>, cloth: u32) -> bool {
+        surface.own_contact || surface.edges.iter().any(|&[a, b]| a != b && a.min(b) >= cloth)
+    }
+
     /// Owned columns of one kind of candidates.
     #[derive(Clone, Debug, Default)]
     struct PairColumns {
@@ -468,7 +474,7 @@ mod owned {
                 boxes: vec![Aabb::EMPTY; vertices],
                 ends: vec![Aabb::EMPTY; vertices],
                 grid: GridColumns::build(vertices, model.surface.triangles.len()),
-                kept: KeptPairColumns::build(vertices, 3 * pairs / 4),
+                kept: KeptPairColumns::build(vertices, [3 * pairs / 4; 2]),
                 room: RoomColumns::build(&model.surface),
                 ..Self::default()
             };
@@ -480,10 +486,10 @@ mod owned {
         /// Columns with exactly this room. Only implicit methods solve a step together with its contacts.
         pub(crate) fn fit(model: &ContactModel<'_>, room: crate::cooked::Room, is_implicit: bool) -> Self {
             let mut columns = Self::build(model, 0);
-            for pairs in [&mut columns.vertex_triangle, &mut columns.edge_edge] {
-                pairs.grow(room.pairs);
-            }
-            columns.kept = KeptPairColumns::build(model.radii.len(), room.pairs);
+            let edge_edge = if edges_may_pair(&model.surface, model.cloth() as u32) { room.pairs } else { 0 };
+            columns.vertex_triangle.grow(room.pairs);
+            columns.edge_edge.grow(edge_edge);
+            columns.kept = KeptPairColumns::build(model.radii.len(), [room.pairs, edge_edge]);
             columns.fit_constraints(room.contacts);
             if !is_implicit {
                 (columns.contacts, columns.lines, columns.multipliers) = Default::default();
@@ -497,7 +503,7 @@ mod owned {
         /// Removes the columns without which a search and an audit take longer.
         pub(crate) fn make_lean(&mut self) {
             self.kept = KeptPairColumns::default();
-            self.grid = self.grid.lean();
+            self.grid = GridColumns::default();
             self.room = RoomColumns::default();
         }
 

@@ -23,11 +23,13 @@ impl Found {
 /// A method with a capacity for the candidates of each kind.
 pub type Method = fn(&Case, [usize; 2]) -> Found;
 
-pub const METHODS: [(&str, Method); 6] = [
+pub const METHODS: [(&str, Method); 8] = [
     ("brute force in f32", single::brute_force),
     ("brute force in f64", double::brute_force),
     ("reference cell in f32", single::reference_cell),
     ("reference cell in f64", double::reference_cell),
+    ("lean search in f32", single::lean),
+    ("lean search in f64", double::lean),
     ("grid in f32", single::grid),
     ("grid in f64", double::grid),
 ];
@@ -40,7 +42,7 @@ pub fn all(method: Method, case: &Case) -> Found {
 
 harness::both_precisions! {
     use super::{Case, Found};
-    use muslin::broad_phase::{self, Candidates, Counts, GridColumns, Surface, brute_force, reference_cell};
+    use muslin::broad_phase::{self, Candidates, Counts, GridColumns, Surface, brute_force, lean, reference_cell};
     use muslin::dispatch::Serial;
     use muslin::geometry::aabb::Aabb;
     use muslin::mesh::SurfaceColumns;
@@ -83,6 +85,12 @@ harness::both_precisions! {
         found(case, room, |boxes, surface, out| {
             let mut work = GridColumns::build(boxes.len(), surface.triangles.len());
             broad_phase::candidates(boxes, surface, &mut work.view(), None, out, &Serial).expect("nothing stops the search")
+        })
+    }
+
+    pub fn lean(case: &Case, room: [usize; 2]) -> Found {
+        found(case, room, |boxes, surface, out| {
+            lean::candidates(boxes, surface, out, &Serial).expect("nothing stops the search")
         })
     }
 

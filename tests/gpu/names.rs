@@ -13,11 +13,12 @@ use super::methods::gpu;
 use super::stages::evenly;
 
 /// Files without a twin on the device, and the reasons.
-const WITHOUT: [(&str, &str); 12] = [
+const WITHOUT: [(&str, &str); 13] = [
     ("broad_phase/mod", "types"),
     ("broad_phase/grid", "the order of the stages: gpu/src/schedule.rs"),
     ("broad_phase/kept_pairs", "pairs from one step to the next, which the core keeps"),
     ("broad_phase/comoving", "leaves out pairs that the device finds: they touch nothing"),
+    ("broad_phase/lean", "a search without columns, for processors with little memory"),
     ("broad_phase/brute_force", "what the core is tested against"),
     ("broad_phase/reference_cell", "what the core is tested against"),
     ("narrow_phase/mod", "types"),

@@ -91,20 +91,20 @@ fn for_each(surface: &Surface<'_>, positions: &[Vec3], room: &mut Room<'_>, foun
 /// Calls `found` with all crossings, without room.
 #[inline(never)]
 fn compare_all(surface: &Surface<'_>, positions: &[Vec3], found: &mut dyn FnMut([u32; 2])) {
-    let is_passive = |triangle: u32| triangle >= surface.first_passive;
+    let (passive, count) = (surface.first_passive, surface.triangles.len() as u32);
     for (edge, &ends) in (0..).zip(surface.edges) {
         // An edge of both parts counts as an edge of the cloth, which comes first.
         let owner = faces(surface).find(|&face| surface.triangle_edges.at(face as usize).contains(&edge));
         let Some(owner) = owner else { continue };
         let own = around(&positions.gather(&ends));
-        for triangle in faces(surface) {
-            let may_meet = match [is_passive(owner), is_passive(triangle)] {
-                [true, true] => false,
-                [false, false] => surface.own_contact,
-                _ => true,
-            };
+        let others = match (owner >= passive, surface.own_contact) {
+            (true, _) => 0..passive,
+            (false, true) => 0..count,
+            (false, false) => passive..count,
+        };
+        for triangle in faces(surface).filter(|face| others.contains(face)) {
             let corners = || positions.gather(&surface.triangles.at(triangle as usize));
-            if may_meet && own.overlaps(&around(&corners())) && crosses(surface, positions, [edge, triangle]) {
+            if own.overlaps(&around(&corners())) && crosses(surface, positions, [edge, triangle]) {
                 found([edge, triangle]);
             }
         }

@@ -34,13 +34,17 @@ pub fn write_bounds(
     dispatch.run((triangle_boxes, owned), |start, (triangle_boxes, owned)| {
         let given = surface.triangles.part(start..).iter().zip(surface.owned.part(start..));
         for ((triangle, &all), (whole, owned)) in given.zip(triangle_boxes.iter_mut().zip(owned)) {
-            let corners = triangle.map(|v| boxes.element(v as usize).unwrap_or(&NOWHERE));
-            (*whole, *owned) = (around(corners), all);
-            if !is_valid(whole) {
-                (*whole, *owned) = around_valid(corners, all);
-            }
+            (*whole, *owned) = bounds_of(boxes, triangle, all);
         }
     });
+}
+
+/// The box of a triangle and its bits of [`Surface::owned`], of which `owned` are all.
+#[inline(always)]
+pub fn bounds_of(boxes: &[Aabb], triangle: &[u32; 3], owned: u8) -> (Aabb, u8) {
+    let corners = triangle.map(|v| boxes.element(v as usize).unwrap_or(&NOWHERE));
+    let whole = around(corners);
+    if is_valid(&whole) { (whole, owned) } else { around_valid(corners, owned) }
 }
 
 #[cold]

@@ -39,31 +39,54 @@ pub fn add_features(
             None => 0xffff,
         };
         let (a, b) = (a as usize, b as usize);
-        let (Some(p), Some(q)) = (surface.triangles.element(a), surface.triangles.element(b)) else { continue };
-        let named = ROWS.at(usize::from(owned.at(a) & 0x7f)) & COLUMNS.at(usize::from(owned.at(b) & 0x7f));
-        let mut left = near & u32::from(named & APART.at(equal_corners(p, q)));
+        let left = near & named(surface, [a, b], [owned.at(a), owned.at(b)]);
         if left == 0 || moving_boxes.is_some_and(|moving| !may_touch(moving, a, b)) {
             continue;
         }
-        while left != 0 {
-            let bit = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let (row, column) = (bit / 4, bit % 4);
-            if row < 3 && column < 3 {
-                let ends = [p.at(row), p.at((row + 1) % 3), q.at(column), q.at((column + 1) % 3)];
-                if edges_overlap(boxes, &ends) && !edges_are_sewn(surface, &ends) {
-                    let edges = surface.triangle_edges.as_flattened();
-                    out.add_edge_edge(counts, edges.at(3 * a + row), edges.at(3 * b + column));
-                }
-            } else {
-                let (vertex, face, corners) = if row < 3 { (p.at(row), b, q) } else { (q.at(column), a, p) };
-                let is_sewn = |&corner: &u32| surface.sewn.joins(vertex, corner);
-                let (Some(own), Some(around)) = (boxes.element(vertex as usize), triangle_boxes.element(face)) else {
-                    continue;
-                };
-                if own.overlaps(around) && !corners.iter().any(is_sewn) {
-                    out.add_vertex_triangle(counts, vertex, face as u32);
-                }
+        if let (Some(first), Some(second)) = (triangle_boxes.element(a), triangle_boxes.element(b)) {
+            add_pair(boxes, surface, [a, b], [first, second], left, out, counts);
+        }
+    }
+}
+
+/// The bits of the pairs of features of two triangles that share no vertex and that they own, each by its `owned`.
+#[inline(always)]
+pub fn named(surface: &Surface<'_>, [a, b]: [usize; 2], owned: [u8; 2]) -> u32 {
+    let [own, others] = owned.map(|owned| usize::from(owned & 0x7f));
+    let named = ROWS.at(own) & COLUMNS.at(others);
+    u32::from(named & APART.at(equal_corners(&surface.triangles.at(a), &surface.triangles.at(b))))
+}
+
+/// Adds the candidates of two triangles with these boxes, of the pairs of features whose bits are set.
+#[inline(always)]
+pub fn add_pair(
+    boxes: &[Aabb],
+    surface: &Surface<'_>,
+    [a, b]: [usize; 2],
+    triangle_boxes: [&Aabb; 2],
+    mut left: u32,
+    out: &mut Candidates<'_>,
+    counts: &mut Counts,
+) {
+    let (p, q) = (surface.triangles.at(a), surface.triangles.at(b));
+    while left != 0 {
+        let bit = left.trailing_zeros() as usize;
+        left &= left - 1;
+        let (row, column) = (bit / 4, bit % 4);
+        if row < 3 && column < 3 {
+            let ends = [p.at(row), p.at((row + 1) % 3), q.at(column), q.at((column + 1) % 3)];
+            if edges_overlap(boxes, &ends) && !edges_are_sewn(surface, &ends) {
+                let edges = surface.triangle_edges.as_flattened();
+                out.add_edge_edge(counts, edges.at(3 * a + row), edges.at(3 * b + column));
+            }
+        } else {
+            let [first, second] = triangle_boxes;
+            let (vertex, face, around, corners) =
+                if row < 3 { (p.at(row), b, second, &q) } else { (q.at(column), a, first, &p) };
+            let is_sewn = |&corner: &u32| surface.sewn.joins(vertex, corner);
+            let overlap = boxes.element(vertex as usize).is_some_and(|own| own.overlaps(around));
+            if overlap && !corners.iter().any(is_sewn) {
+                out.add_vertex_triangle(counts, vertex, face as u32);
             }
         }
     }

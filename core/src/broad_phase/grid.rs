@@ -7,6 +7,7 @@ use super::cells::{CellGrid, Home, write_cells};
 use super::comoving::{Motion, MovingBox, write_moving_boxes};
 use super::entries::{Entry, write_entries};
 use super::features::add_features;
+use super::lean;
 use super::levels;
 use super::pairs::for_each_pair;
 use super::quantized_boxes::{Quantization, QuantizedBox, write_quantized_boxes};
@@ -86,17 +87,16 @@ pub fn candidates(
         entries,
         spare,
     } = work;
+    if MAY_BE_LEAN && entries.is_empty() {
+        return lean::candidates(boxes, surface, out, dispatch);
+    }
     write_bounds(boxes, surface, triangle_boxes, owned, dispatch);
     leave_out_far(triangle_boxes, surface.first_passive as usize);
-    let is_lean = MAY_BE_LEAN && entries.is_empty();
-    let moving_boxes = motion.filter(|_| !is_lean).map(|motion| {
+    let moving_boxes = motion.map(|motion| {
         write_moving_boxes(motion, surface.triangles, moving_boxes, dispatch);
         &**moving_boxes
     });
-    let mut sizes = levels::assign(triangle_boxes, levels);
-    if is_lean {
-        sizes = sizes.without_cells(levels);
-    }
+    let sizes = levels::assign(triangle_boxes, levels);
     let mut counts = Counts::default();
     for level in 0..sizes.graded {
         let quantization = Quantization::new(&sizes.scene, sizes.extents.at(level as usize));
@@ -172,12 +172,6 @@ impl GridColumns {
             entries: vec![Entry::default(); 8 * triangles],
             spare: vec![Entry::default(); 8 * triangles],
         }
-    }
-
-    /// Only the columns that a search without cells needs.
-    pub(crate) fn lean(&self) -> Self {
-        let Self { triangle_boxes, owned, levels, .. } = self;
-        Self { triangle_boxes: triangle_boxes.clone(), owned: owned.clone(), levels: levels.clone(), ..Self::default() }
     }
 
     /// Borrows the columns for [`candidates`].

@@ -84,12 +84,13 @@ pub struct KeptPairColumns {
 
 #[cfg(feature = "alloc")]
 impl KeptPairColumns {
-    /// Columns for so many vertices and for `pairs` of each kind, which hold no pairs yet.
-    pub fn build(vertices: usize, pairs: usize) -> Self {
+    /// Columns for so many vertices and so many pairs of a vertex and a triangle, and of two edges. They hold no pairs
+    /// yet.
+    pub fn build(vertices: usize, [vertex_triangle, edge_edge]: [usize; 2]) -> Self {
         Self {
             boxes: alloc::vec![Aabb::EMPTY; vertices],
-            vertex_triangle: alloc::vec![[0; 2]; pairs],
-            edge_edge: alloc::vec![[0; 2]; pairs],
+            vertex_triangle: alloc::vec![[0; 2]; vertex_triangle],
+            edge_edge: alloc::vec![[0; 2]; edge_edge],
             counts: Counts::UNKNOWN,
         }
     }

@@ -41,15 +41,6 @@ pub struct Levels {
     pub scene: Aabb,
 }
 
-impl Levels {
-    /// All triangles on the last level, which has no cells.
-    pub fn without_cells(self, levels: &mut [u8]) -> Self {
-        let bounded = levels.iter_mut().filter(|level| **level != NO_LEVEL);
-        let single = bounded.map(|level| *level = 0).count() as u32;
-        Self { graded: 0, single, ..self }
-    }
-}
-
 /// Writes the level of every triangle to `levels`, and returns the division.
 pub fn assign(triangle_boxes: &[Aabb], levels: &mut [u8]) -> Levels {
     let mut histogram = [0u32; BINS];

@@ -33,6 +33,7 @@ pub mod comoving;
 pub mod features;
 
 pub mod grid;
+pub mod lean;
 
 pub mod kept_pairs;
 

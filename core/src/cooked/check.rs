@@ -337,15 +337,19 @@ fn check_columns(c: &ContactScratch<'_>, solids: &Solids<'_>, is_implicit: bool)
     let room = c.constraints.len();
     let solved = if is_implicit { room } else { 0 };
     ensure(are(&[c.contacts.len(), c.multipliers.len()], solved) && c.lines.len() == solved.div_ceil(4))?;
-    // Without room for cells, all are compared with all.
+    // A lean search has no columns.
     let is_lean = MAY_BE_LEAN && c.grid.entries.is_empty();
     let when = |count: usize| if is_lean { 0 } else { count };
     ensure(are(&[c.kept.boxes.len(), c.grid.quantized_boxes.len()], when(vertices)))?;
     ensure(c.order.len() == 2 * room)?;
     let Grid { triangle_boxes, moving_boxes, owned, levels, spheres, byte_boxes, homes, entries, spare, .. } = &c.grid;
-    ensure(are(&[triangle_boxes.len(), owned.len(), levels.len()], triangles))?;
-    let of_triangles = [moving_boxes.len(), spheres.len(), byte_boxes.len(), homes.len(), c.room.boxes.len()];
-    ensure(are(&of_triangles, when(triangles)) && are(&[entries.len(), spare.len()], when(8 * triangles)))?;
+    let of_triangles = [triangle_boxes.len(), moving_boxes.len(), spheres.len(), byte_boxes.len(), homes.len()];
+    let bytes = [owned.len(), levels.len(), c.room.boxes.len()];
+    ensure(
+        are(&of_triangles, when(triangles))
+            && are(&bytes, when(triangles))
+            && are(&[entries.len(), spare.len()], when(8 * triangles)),
+    )?;
     ensure(c.room.bounds.len() == when(2 * tree::nodes(triangles)))?;
     ensure(are(&[c.room.edges.len(), c.room.taken.len()], when(edges)))
 }

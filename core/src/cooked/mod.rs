@@ -32,7 +32,7 @@ pub const ALIGNMENT: usize = 32;
 const MAGIC: [u8; 8] = *b"MuslinCl";
 
 /// Changes with every change of the columns.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The beginning of a block.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
