@@ -230,8 +230,8 @@ impl ContactScratch<'_> {
         }
     }
 
-    /// Takes the motion of the cloth from a prediction.
-    pub fn take(&mut self, prediction: &Prediction<'_>) {
+    /// Sets the motion of the cloth to a prediction.
+    pub fn set_motion(&mut self, prediction: &Prediction<'_>) {
         self.end.part_mut(..prediction.positions.len()).copy_from(prediction.positions);
         for (v, displacement) in self.displacements.iter_mut().enumerate().take(prediction.displacements.len()) {
             *displacement = prediction.displacement(v);

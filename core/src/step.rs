@@ -331,7 +331,7 @@ impl Next {
         input.dispatch.enter(Stage::BroadPhase);
         let (times, columns) = ([input.time, input.step.into()], &mut contact.columns.columns());
         place(contact.model, times, particles.positions, scratch.next_positions, columns);
-        columns.take(&prediction(particles, scratch));
+        columns.set_motion(&prediction(particles, scratch));
         let is_implicit = input.scheme.method.is_implicit();
         Self::Phase(if is_implicit { Phase::Solve } else { Phase::Respond { widened: 0 } })
     }
@@ -399,7 +399,7 @@ fn solve<D: Dispatch>(
     let known = contact.lengths.contacts;
     let contacts = (contact.contacts.part_mut(..known), &mut *contact.lines);
     let has_begun = implicit_contact::correct(input, particles, contacts, scratch, statistics);
-    contact.take(&prediction(particles, scratch));
+    contact.set_motion(&prediction(particles, scratch));
     Ok(Phase::SolveImpacts { constraints, known, has_begun })
 }
 
@@ -423,7 +423,7 @@ fn solve_impacts<D: Dispatch>(
     if contact.lengths.contacts > if has_begun { 0 } else { known } {
         implicit_contact::finish(input, particles, scratch);
     }
-    contact.take(&prediction(particles, scratch));
+    contact.set_motion(&prediction(particles, scratch));
     Ok(Phase::Respond { widened: 0 })
 }
 

@@ -143,7 +143,7 @@ fn find_near(
     before: usize,
     margin: Real,
 ) -> Result<usize, usize> {
-    scratch.take(prediction);
+    scratch.set_motion(prediction);
     let ContactScratch { start, end, displacements, corrections, turns, rounds, counts, constraints, order, .. } =
         scratch;
     corrections.fill(Vec3::ZERO);
