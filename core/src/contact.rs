@@ -397,8 +397,7 @@ mod owned {
         has_room
     }
 
-    /// Whether edges of the cloth, which has so many vertices, may pair with others: spheres and planes have no
-    /// edges.
+    /// Whether edges of the cloth, which has so many vertices, may pair with others: spheres and planes have none.
     fn edges_may_pair(surface: &Surface<'_>, cloth: u32) -> bool {
         surface.own_contact || surface.edges.iter().any(|&[a, b]| a != b && a.min(b) >= cloth)
     }

@@ -6,8 +6,7 @@ use crate::column::Column;
 /// Lists up to this length are sorted by insertion.
 const SHORT: usize = 16;
 
-/// Sorts by keys, in ascending order. Elements with the same key may change places. Keys that are numbers are compared
-/// without branches.
+/// Sorts by keys, in ascending order. Elements with the same key may change places.
 pub(crate) fn sort_by_key<T, K: Copy + Ord>(list: &mut [T], key: impl Fn(&T) -> K) {
     // Twice the depth of even halves.
     let depth = 2 * (usize::BITS - list.len().leading_zeros());
@@ -95,6 +94,7 @@ fn sift_down<T, K: Copy + Ord>(heap: &mut [T], mut root: usize, key: &impl Fn(&T
 fn is_less<T, K: Copy + Ord>(list: &[T], a: usize, b: usize, key: &impl Fn(&T) -> K) -> bool {
     list.element(a).map(key) < list.element(b).map(key)
 }
+
 #[cfg(test)]
 mod tests {
     use super::sort;

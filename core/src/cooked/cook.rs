@@ -30,8 +30,8 @@ pub struct Room {
     pub deforms: bool,
     /// Whether impulses on colliders are measured.
     pub impulses: bool,
-    /// Whether to save memory and take more time: forces of elements are computed for each of their vertices, and all
-    /// triangles are compared with all. The steps are the same; a few candidates more need room.
+    /// Whether to save memory: forces of elements are computed for each of their vertices, and all triangles that may
+    /// touch are compared. With contact of the cloth with itself, that takes more time. The steps are the same; a few candidates more need room.
     pub is_lean: bool,
 }
 

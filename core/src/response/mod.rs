@@ -156,7 +156,8 @@ fn find_near(
     list.count()
 }
 
-/// Corrects the predicted motion from `scratch.start` until no features collide, and writes its end to `scratch.end`. Without room for all constraints, returns the number that needs room as an error.
+/// Corrects the predicted motion from `scratch.start` until no features collide, and writes its end to `scratch.end`.
+/// Without room for all constraints, returns the number that needs room as an error.
 pub fn respond<D: Dispatch>(
     model: &ContactModel<'_>,
     prediction: &Prediction<'_>,

@@ -172,8 +172,8 @@ impl Simulation {
     }
 
     /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that
-    /// fails does not change the state, except that pins whose time has come have begun. Blocks while candidates are found elsewhere, for example on a GPU; that work
-    /// must not need this thread. [`await_step`](Self::await_step) does not block.
+    /// fails does not change the state, except that pins whose time has come have begun. Blocks while candidates are
+    /// found elsewhere, for example on a GPU; that work must not need this thread. [`await_step`](Self::await_step) does not block.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         block_on(self.await_step(dispatch))
     }

@@ -34,7 +34,7 @@ pub struct CookArguments {
     /// Let the program deform colliders that are meshes
     #[arg(long)]
     pub deform: bool,
-    /// Save memory and take more time: no cells for detection, no forces of elements are kept
+    /// Save memory: no cells for detection, no forces of elements are kept. With self-contact, steps take more time
     #[arg(long)]
     pub lean: bool,
     /// Measure the impulses that the cloth gives to colliders; each step costs one or two evaluations of the forces more
