@@ -4,7 +4,6 @@
 //! Run: `cargo test -p muslin-tests --test allocation`.
 
 use harness::kit::single as kit;
-use harness::steps::Steps;
 use muslin_core::integrate::{Method, Preconditioner};
 use muslin_core::simulation::Simulation;
 use muslin_core::work_done::WorkDone;

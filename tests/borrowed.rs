@@ -40,7 +40,6 @@ both_precisions! {
     use super::{BLOCKS, ENDS, SIDE, SPRINGS, STEP, STEPS, VERTICES, springs};
     use muslin::contact::NoContact;
     use muslin::dispatch::Serial;
-    use harness::steps::Steps;
     use muslin::forces::gravity::{Gravity, GravityColumns};
     use muslin::forces::spring::{Spring, SpringColumns, Springs};
     use muslin::forces::{Model, ModelColumns, Term};

@@ -5,7 +5,6 @@
 //! `-- --include-ignored`.
 
 use harness::kit::single;
-use harness::steps::Steps;
 use muslin_core::dispatch::Serial;
 use muslin_core::scene::BUILT_IN;
 use muslin_core::simulation::Simulation;

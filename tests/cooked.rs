@@ -9,7 +9,6 @@ both_precisions! {
     use harness::aligned::Aligned;
     use harness::cooked::mend;
     use harness::rng::Rng;
-    use harness::steps::Steps;
     use muslin::cooked::{self, Cloth, CookedError, Room, cook};
     use muslin::dispatch::Serial;
     use muslin::error::LiveError;

@@ -8,8 +8,6 @@
 use std::fs;
 use std::path::PathBuf;
 
-use harness::steps::Steps;
-
 /// Steps after which the line records the hash; it covers all earlier steps.
 const CHECKPOINTS: [u64; 7] = [1, 2, 3, 5, 7, 10, 20];
 /// Steps of scenes with contact: without optimisation more would take minutes.

@@ -9,7 +9,6 @@ use harness::belt::{DRAWN, HELD, ROUND_ONES, belt, drum, hanging, holding_end};
 use harness::kit::double as kit;
 use harness::kit::single;
 use harness::net::{converged, settle};
-use harness::steps::Steps;
 use harness::stiff::SWINGING;
 use muslin_core_f64::forces::TangentScale;
 use muslin_core_f64::forces::element::Element;

@@ -8,7 +8,6 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use harness::kit::single;
-use harness::steps::Steps;
 use muslin_core::integrate::Method;
 use muslin_core::scene::BUILT_IN;
 use muslin_core::simulation::Simulation;
@@ -18,9 +17,11 @@ const RUNNING: &str = include_str!("../host-cli/manual/running.md");
 const METHODS: &str = include_str!("../host-cli/manual/methods.md");
 
 /// All manuals, relative to the root of the project.
-const MANUALS: [&str; 15] = [
+const MANUALS: [&str; 17] = [
     "README.md",
     "core/README.md",
+    "core/manual/driving.md",
+    "core/manual/no_heap.md",
     "core/c/README.md",
     "gpu/README.md",
     "host-cli/README.md",
@@ -73,7 +74,7 @@ fn every_manual_is_listed() {
         let entries = std::fs::read_dir(root.join(folder)).expect("the folder exists").flatten();
         entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|end| end == "md")).collect()
     };
-    let folders = ["", "core", "gpu", "host-cli", "host-cli/manual", "host-wasm", "tests"];
+    let folders = ["", "core", "core/c", "core/manual", "gpu", "host-cli", "host-cli/manual", "host-wasm", "tests"];
     let found: BTreeSet<PathBuf> = folders.into_iter().flat_map(|folder| -> Vec<_> { in_folder(folder) }).collect();
     let mut listed: BTreeSet<PathBuf> = MANUALS.iter().map(|manual| root.join(manual)).collect();
     listed.insert(root.join("CHANGELOG.md"));

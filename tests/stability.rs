@@ -7,7 +7,6 @@
 use glam::DVec3;
 use harness::net::{Net, XYZ, linearised};
 use harness::oscillator::{spectral_radius, stable_limit, update};
-use harness::steps::Steps;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::stability::{self, Mode};
 use muslin_core_f64::integrate::{Jacobian, Method};

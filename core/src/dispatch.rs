@@ -75,7 +75,8 @@ pub trait Dispatch: Sync {
     #[inline]
     fn enter(&self, _: Stage) {}
 
-    /// Counts iterations, of a linear solve or of the response, and candidates when the step begins to work on them.
+    /// Counts iterations of a linear solve, rounds of the response after the first, and candidates when the step begins to
+    /// work on them.
     #[inline]
     fn spend(&self, _iterations: u32, _candidates: u32) {}
 
@@ -97,7 +98,7 @@ pub struct Limited<'a, D> {
 }
 
 impl<'a, D> Limited<'a, D> {
-    /// A budget of iterations and of candidates.
+    /// A budget of [iterations and of candidates](Dispatch::spend), for one step.
     pub fn new(inner: &'a D, iterations: u32, candidates: u32) -> Self {
         Self { inner, budget: [iterations, candidates], spent: Default::default() }
     }

@@ -26,13 +26,14 @@ pub struct PinGroup {
     pub pins: Range<usize>,
 }
 
-/// An impulse on the cloth.
+/// An impulse and its moment. [`Reactions`] are those on the cloth, about the origin of the positions;
+/// [`take_impulse`](crate::live::Live::take_impulse) gives that on a collider, about its centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Impulse {
     /// The impulse, N s.
     pub linear: DVec3,
-    /// Its moment about the origin of the positions, N m s.
+    /// Its moment, N m s.
     pub angular: DVec3,
 }
 

@@ -3,17 +3,20 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use muslin_core::cooked::Room;
+use muslin_core::cooked::{ALIGNMENT, Room};
+use serde::Serialize;
 
 use crate::args::CookArguments;
+use crate::divergence::Divergence;
 use crate::engine::{self, Engine, Halt};
 use crate::export::whole;
-use crate::failure::{Failure, print_data};
+use crate::failure::{Failure, print_data, print_json};
 use crate::pool::Pool;
 use crate::progress;
 use crate::run::start;
 use crate::scene_file::{self, SceneFile};
 use crate::stopwatch::Stopwatch;
+use crate::warning::Warning;
 
 /// Room for candidates and for contacts, and the simulated time of the run that measured it, s; 0: no run.
 struct Measured {
@@ -27,7 +30,8 @@ pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
     let overrides = [&arguments.set[..], &overrides].concat();
     let scene = scene_file::load(&arguments.scene, &overrides)?;
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
-    let engine = begin(&scene, arguments, &pool)?;
+    let (engine, warnings) = begin(&scene, arguments, &pool)?;
+    warnings.iter().for_each(Warning::print);
     let measured = match (arguments.pairs, arguments.contacts) {
         _ if scene.desc.contact.is_none() => Measured { room: [0; 2], seconds: 0.0 },
         (Some(pairs), Some(contacts)) => Measured { room: [pairs, contacts], seconds: 0.0 },
@@ -39,36 +43,74 @@ pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
     let [pairs, contacts] = measured.room;
     let CookArguments { hands, forces, deform: deforms, impulses, lean: is_lean, .. } = *arguments;
     let block = engine.cook(&Room { pairs, contacts, hands, forces, deforms, impulses, is_lean });
-    let memory = engine::required_bytes(&block);
+    let memory_bytes = engine::required_bytes(&block);
     let file = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.bin", scene.desc.name)));
-    let file = whole::write(file, |out| out.write_all(&block))?;
-    print_data(&report(&block, memory, &measured, &file.display().to_string(), arguments))
+    let file = whole::write(file, |out| out.write_all(&block))?.display().to_string();
+    let cooked = Cooked {
+        file,
+        block_bytes: block.len(),
+        memory_bytes,
+        alignment: ALIGNMENT,
+        candidates: pairs,
+        contacts,
+        hands,
+        forces,
+        measured_s: measured.seconds,
+    };
+    if arguments.json { print_json(&cooked) } else { print_data(&report(&cooked, arguments.margin)) }
 }
 
-/// The engine at the start of the scene, untangled.
-fn begin(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<Box<dyn Engine>, Failure> {
+/// The needs of a cooked scene.
+#[derive(Serialize)]
+struct Cooked {
+    file: String,
+    block_bytes: usize,
+    memory_bytes: usize,
+    alignment: usize,
+    candidates: usize,
+    contacts: usize,
+    hands: u32,
+    forces: u32,
+    /// Simulated time of the run that measured the room, s; 0: no run.
+    measured_s: f64,
+}
+
+/// The engine at the start of the scene, untangled, and the warnings of that.
+fn begin(
+    scene: &SceneFile,
+    arguments: &CookArguments,
+    pool: &Pool,
+) -> Result<(Box<dyn Engine>, Vec<Warning>), Failure> {
     let (mut engine, _) = engine::build(scene, arguments.precision).map_err(Failure::Usage)?;
     let never = std::sync::atomic::AtomicBool::new(false);
-    if let Some((_, Some(warning))) = pool.install(|| start::untangle(engine.as_mut(), false, pool, &never)) {
-        warning.print();
-    }
-    Ok(engine)
+    let warnings = pool.install(|| {
+        let mut all = start::warnings(engine.as_ref(), scene, arguments.precision, &Stopwatch::new(pool));
+        all.extend(start::untangle(engine.as_mut(), false, pool, &never).and_then(|(_, warning)| warning));
+        all
+    });
+    Ok((engine, warnings))
 }
 
 /// Runs the scene and measures the room that its contacts need, with a quarter more.
 fn measure(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<Measured, Failure> {
-    let mut engine = begin(scene, arguments, pool)?;
+    let (mut engine, _) = begin(scene, arguments, pool)?;
     engine.measure_room(arguments.lean);
+    let first = engine.largest_stretch();
     let timing = scene.desc.timing();
     let steps = timing.frames * timing.steps_per_frame;
     let stopwatch = Stopwatch::new(pool);
     let template = "measuring the room for contacts {wide_bar} step {pos}/{len}, {eta} left";
     let bar = progress::bar(steps, template, arguments.quiet);
-    for _ in 0..steps {
+    for step in 1..=steps {
         match pool.install(|| engine.step(&stopwatch)) {
             Ok(()) => bar.inc(1),
-            Err(Halt::Diverged(divergence)) => return Err(Failure::Diverged(divergence.what)),
+            Err(Halt::Diverged(divergence)) => {
+                return Err(Failure::Diverged(divergence.in_words(&scene.desc)));
+            }
             Err(Halt::Stopped) => break,
+        }
+        if let Some(divergence) = Divergence::of_stretch(engine.as_ref(), step, first) {
+            return Err(Failure::Diverged(divergence.in_words(&scene.desc)));
         }
     }
     bar.finish_and_clear();
@@ -76,25 +118,22 @@ fn measure(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<
     Ok(Measured { room, seconds: steps as f64 * timing.step })
 }
 
-fn report(block: &[u8], memory: usize, measured: &Measured, file: &str, arguments: &CookArguments) -> String {
-    let [pairs, contacts] = measured.room;
-    let source = match measured.seconds {
+fn report(cooked: &Cooked, margin: f64) -> String {
+    let Cooked { file, block_bytes, memory_bytes, alignment, candidates, contacts, hands, forces, .. } = cooked;
+    let source = match cooked.measured_s {
         0.0 => "as asked for".to_owned(),
-        seconds if arguments.margin > 1.0 => {
-            format!("{} times a quarter more than {seconds} s of the scene needed at most", arguments.margin)
+        seconds if margin > 1.0 => {
+            format!("{margin} times a quarter more than {seconds} s of the scene needed at most")
         }
         seconds => format!("a quarter more than {seconds} s of the scene needed at most"),
     };
-    let contact = match measured.room {
+    let contact = match [candidates, contacts] {
         [0, 0] => "no contacts".to_owned(),
-        _ => format!("room for {pairs} candidates of each kind and {contacts} contacts ({source})"),
+        _ => format!("room for {candidates} candidates of each kind and {contacts} contacts ({source})"),
     };
     format!(
-        "{file}: {} bytes, which may stay in flash memory\n\
-         {memory} bytes of memory (in C: muslin_required_bytes), both aligned to 32 bytes\n\
-         {contact}; room for {} vertices that the program holds, and for {} on which it sets forces",
-        block.len(),
-        arguments.hands,
-        arguments.forces
+        "{file}: {block_bytes} bytes, which may stay in flash memory\n\
+         {memory_bytes} bytes of memory (in C: muslin_required_bytes), both aligned to {alignment} bytes\n\
+         {contact}; room for {hands} vertices that the program holds, and for {forces} on which it sets forces"
     )
 }

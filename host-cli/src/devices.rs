@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::args::DevicesArguments;
 use crate::bench::cpu_name;
 use crate::device::INSTALL;
-use crate::failure::{Failure, print_data};
+use crate::failure::{Failure, print_data, print_json};
 
 #[derive(Serialize)]
 struct Devices {
@@ -34,7 +34,7 @@ pub fn print(arguments: &DevicesArguments) -> Result<(), Failure> {
     let threads = std::thread::available_parallelism().map_or(1, Into::into);
     let devices = Devices { cpu: cpu_name(), threads, adapters: adapters.iter().map(describe).collect() };
     match arguments.json {
-        true => print_data(&serde_json::to_string_pretty(&devices).map_err(|error| Failure::Tool(error.to_string()))?),
+        true => print_json(&devices),
         false => print_data(&devices.lines()),
     }
 }

@@ -8,6 +8,7 @@ use muslin_core::work_done::WorkDone;
 use serde::{Deserialize, Serialize};
 
 use crate::args::Precision;
+use crate::divergence::Divergence;
 use crate::limits;
 use crate::preview::Solid;
 use crate::scene_file::SceneFile;
@@ -20,31 +21,6 @@ pub enum Halt {
     Diverged(Divergence),
     /// The stopwatch stopped the step.
     Stopped,
-}
-
-/// Why a step cannot be taken.
-#[derive(Clone, Debug)]
-pub struct Divergence {
-    /// What went wrong, in which step and where.
-    pub what: String,
-    /// Advice to the user; `None` if it depends on the settings of the scene.
-    pub advice: Option<&'static str>,
-    /// Whether a more stable method may help.
-    pub is_instability: bool,
-}
-
-/// Ratio of edge length to rest length beyond which the cloth has flown apart, unless it starts with a larger
-/// ratio. Rubber and elastane, the most extensible materials, break at six to nine times their length.
-const FLOWN_APART: f64 = 10.0;
-
-/// Describes the stretch of cloth that has flown apart, even if all numbers are still finite; otherwise `None`.
-/// `stretch` is the largest ratio now, `first` the largest ratio in the first frame.
-pub fn flown_apart(stretch: f64, first: f64) -> Option<String> {
-    (stretch > FLOWN_APART * first.max(1.0)).then(|| match stretch {
-        endless if endless.is_infinite() => "the length of an edge is not a finite number".to_owned(),
-        few if few < 1e4 => format!("an edge is {few:.0} times as long as at rest"),
-        many => format!("an edge is {many:.1e} times as long as at rest"),
-    })
 }
 
 /// Numbers about the state and the work, in double precision.

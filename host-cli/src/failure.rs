@@ -85,6 +85,11 @@ pub fn print_data(text: &str) -> Result<(), Failure> {
     writeln!(io::stdout().lock(), "{text}").map_err(|error| unprinted(&error))
 }
 
+/// Prints one JSON document to stdout. It is an error if nobody reads it.
+pub fn print_json(data: &impl serde::Serialize) -> Result<(), Failure> {
+    print_data(&serde_json::to_string_pretty(data).map_err(|error| Failure::Tool(error.to_string()))?)
+}
+
 /// The failure to print data to stdout.
 pub fn unprinted(error: &io::Error) -> Failure {
     Failure::Tool(format!("cannot write to stdout: {error}"))

@@ -10,6 +10,7 @@ mod detect;
 mod device;
 mod devices;
 mod disk;
+mod divergence;
 mod engine;
 mod export;
 mod failure;

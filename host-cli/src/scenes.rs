@@ -4,7 +4,7 @@ use muslin_core::scene::{BUILT_IN, SceneDesc};
 use serde::Serialize;
 
 use crate::args::ScenesArguments;
-use crate::failure::{Failure, print_data};
+use crate::failure::{Failure, print_data, print_json};
 
 #[derive(Serialize)]
 struct Row {
@@ -28,7 +28,7 @@ pub fn print(arguments: &ScenesArguments) -> Result<(), Failure> {
     };
     let rows = BUILT_IN.iter().map(row).collect::<Result<Vec<Row>, Failure>>()?;
     if arguments.json {
-        return print_data(&serde_json::to_string_pretty(&rows).map_err(|error| Failure::Tool(error.to_string()))?);
+        return print_json(&rows);
     }
     let width = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
     let lines: Vec<_> = rows.iter().map(|row| format!("{:width$}  {}", row.name, row.description)).collect();

@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use harness::net::{Net, XYZ, linearised, settle};
-use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;

@@ -4,7 +4,6 @@ use glam::{DQuat, DVec3};
 use harness::kit::{double, single};
 use harness::net::linearised;
 use harness::soft::sheet;
-use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;

@@ -3,7 +3,6 @@
 use glam::DVec3;
 use harness::kit::double as kit;
 use harness::net::{converged, linearised, settle};
-use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;

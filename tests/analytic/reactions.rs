@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use harness::kit::double as kit;
-use harness::steps::Steps;
 use muslin_core_f64::forces::ModelColumns;
 use muslin_core_f64::forces::gravity::GravityColumns;
 use muslin_core_f64::forces::spring::{Spring, SpringColumns};

@@ -3,7 +3,6 @@
 
 use glam::DVec3;
 use harness::kit::{double, single};
-use harness::steps::Steps;
 use muslin_core::integrate::Method;
 
 const G: f64 = 9.81;

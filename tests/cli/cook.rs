@@ -49,7 +49,25 @@ fn what_cannot_be_cooked_leaves_no_file() {
         assert!(told.contains(said), "{words}: {told}");
         assert!(!place.path("a.bin").exists(), "{words}");
     }
+    // It says what helps, as `muslin run` does, also before the first step.
+    let words = "cook floor.toml --set integrator.method=rk4 --set cloth.stretch.stiffness=1e7 --quiet";
+    let told = place.muslin(words).expect(3).stderr;
+    assert!(told.contains("an implicit method"), "{told}");
+    assert!(told.lines().filter(|line| line.contains("integrator.step")).count() > 1, "no warning: {told}");
     // With the room given, no step is taken.
     place.muslin("cook tiny.toml -o b.bin --pairs 10 --contacts 5 --precision f64 --quiet").expect(0);
     assert!(place.path("b.bin").exists());
+}
+
+#[test]
+fn a_build_system_reads_the_needs() {
+    let place = Place::new();
+    place.write("floor.toml", format!("{TINY}{FLOOR}"));
+    let told = place.muslin("cook floor.toml -o floor.bin --hands 2 --json").expect(0).stdout;
+    let needs: serde_json::Value = serde_json::from_str(&told).expect("it is JSON");
+    let file = fs::read(place.path("floor.bin")).expect("it is written");
+    assert_eq!(needs["block_bytes"], file.len());
+    assert_eq!(needs["memory_bytes"], required_bytes(&file).expect("it is cooked"));
+    assert_eq!((&needs["alignment"], &needs["hands"], &needs["forces"]), (&32.into(), &2.into(), &0.into()));
+    assert!(needs["measured_s"].as_f64().is_some_and(|seconds| seconds > 0.0), "{told}");
 }

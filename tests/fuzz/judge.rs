@@ -8,7 +8,6 @@ use std::process::{Command, Stdio};
 use glam::DVec3;
 use harness::kit::{double, single};
 use harness::rng::Rng;
-use harness::steps::Steps;
 use muslin_core::real::to_f64 as from_single;
 use muslin_core_f64::real::to_f64 as from_double;
 use serde_json::Value;

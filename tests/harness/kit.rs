@@ -23,7 +23,6 @@ macro_rules! kit {
     ($name:ident, $muslin:ident, $doc:literal) => {
         #[doc = $doc]
         pub mod $name {
-            use $crate::steps::Steps;
             use $muslin::contact::{ContactColumns, ContactScratchColumns, Prediction};
             use $muslin::detection;
             use $muslin::dispatch::Serial;

@@ -22,7 +22,6 @@ pub mod query;
 pub mod rng;
 pub mod soft;
 pub mod states;
-pub mod steps;
 pub mod stiff;
 pub mod threads;
 pub mod topology;
@@ -34,4 +33,6 @@ pub mod worst;
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 #[doc = include_str!("../../core/README.md")]
+#[doc = include_str!("../../core/manual/driving.md")]
+#[doc = include_str!("../../core/manual/no_heap.md")]
 pub struct Manuals;

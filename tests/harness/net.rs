@@ -1,7 +1,6 @@
 //! Nets of masses and springs in f64 that no scene can describe: single springs, chains, lattices. Held axes
 //! are bits: x = 1, y = 2, z = 4.
 
-use crate::steps::Steps;
 use glam::DVec3;
 use muslin_core_f64::forces::ModelColumns;
 use muslin_core_f64::forces::drag::DragColumns;

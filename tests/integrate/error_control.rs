@@ -88,7 +88,6 @@ both_precisions! {
     use core::ops::Range;
 
     use super::{ERROR, FINER, LANDING, SOFT, STIFF, SWING, TURNED};
-    use harness::steps::Steps;
     use muslin::implicit_contact::multiplier::Multiplier;
     use muslin::integrate::{Method, Scheme, Tolerance};
     use muslin::real::{Real, Sum, Vec3};

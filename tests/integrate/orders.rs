@@ -9,7 +9,6 @@ use glam::DVec3;
 use harness::kit::double as kit;
 use harness::net::{converged, linearised};
 use harness::rng::Rng;
-use harness::steps::Steps;
 use muslin_core_f64::contact::NoContact;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::pins::{JumpSide, Key};

@@ -4,7 +4,6 @@
 use glam::{DVec2, DVec3};
 use harness::net::{Net, XYZ, linearised};
 use harness::oscillator::update;
-use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::{Simulation, State};

@@ -137,7 +137,6 @@ fn pierced() -> String {
 
 both_precisions! {
     use glam::DVec3;
-    use harness::steps::Steps;
     use muslin::live::Live as _;
     use muslin::dispatch::Serial;
     use muslin::kinematic::Pose;

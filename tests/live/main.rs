@@ -6,7 +6,6 @@
 
 use glam::DVec3;
 use harness::kit::double as kit;
-use harness::steps::Steps;
 use muslin_core_f64::simulation::Simulation;
 
 mod both_owners;

@@ -12,7 +12,6 @@ fn scene(method: &str) -> String {
 
 both_precisions! {
     use glam::DVec3;
-    use harness::steps::Steps;
     use muslin::diagnostics::StateHash;
     use muslin::dispatch::Serial;
     use muslin::kinematic::Pose;

@@ -17,7 +17,6 @@ fn carried() -> String {
 
 both_precisions! {
     use glam::DVec3;
-    use harness::steps::Steps;
     use muslin::kinematic::Pose;
     use muslin::real::Real;
     use muslin::live::Live as _;

@@ -5,7 +5,6 @@
 use glam::DVec3;
 use harness::kit::double as kit;
 use harness::rng::Rng;
-use harness::steps::Steps;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::{Method, Scheme};
 use muslin_core_f64::scene::BuiltScene;

@@ -12,7 +12,6 @@ mod contact;
 use glam::DVec3;
 use harness::kit::double as kit;
 use harness::rng::Rng;
-use harness::steps::Steps;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::stability::longest_step;
 use muslin_core_f64::integrate::{Method, Scheme, Tolerance};

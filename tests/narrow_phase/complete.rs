@@ -7,7 +7,6 @@
 
 harness::both_precisions! {
     use harness::rng::Rng;
-    use harness::steps::Steps;
     use muslin::broad_phase::{self, Candidates, Counts, GridColumns};
     use muslin::contact::{ContactModel, ContactRoom, ContactScratch, ContactScratchColumns, Searched};
     use muslin::detection::{self, Purpose};

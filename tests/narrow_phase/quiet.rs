@@ -5,7 +5,6 @@ harness::both_precisions! {
     use glam::DVec3;
     use harness::query::Pair;
     use harness::rng::Rng;
-    use harness::steps::Steps;
     use muslin::contact::{ContactRoom, ContactModel, ContactScratch, ContactScratchColumns};
     use muslin::dispatch::Serial;
     use muslin::narrow_phase::{EdgeEdge, Pairing, VertexTriangle, proximity};

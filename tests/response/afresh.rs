@@ -23,7 +23,6 @@ const SCENE: &str = r#"
 both_precisions! {
     use super::SCENE;
     use crate::CLOTH;
-    use harness::steps::Steps;
     use muslin::real::{Real, Vec3};
     use muslin::simulation::Simulation;
 

@@ -48,7 +48,6 @@ both_precisions! {
     use muslin::simulation::Simulation;
     use muslin::step::{self, History, StepContact, Work};
     use muslin::detection;
-    use harness::steps::Steps;
     use harness::rng::Rng;
 
     /// Where a step ends that begins with so much room, how many constraints it has, and how often

@@ -66,7 +66,6 @@ both_precisions! {
 
     use nalgebra::DMatrix;
     use harness::rng::Rng;
-    use harness::steps::Steps;
     use harness::worst::Worst;
 
     const VERTICES: u32 = GRID[0] * GRID[1];

@@ -22,7 +22,6 @@ both_precisions! {
     use super::HEAD;
     use glam::DVec3;
     use muslin::dispatch::Serial;
-    use harness::steps::Steps;
     use muslin::mesh::TriMesh;
     use muslin::scene::{Content, Resource};
     use muslin::simulation::{Cause, StepError, Simulation};

@@ -31,7 +31,6 @@ both_precisions! {
     use super::{HEAD, SHEET};
     use crate::CLOTH;
     use glam::DVec3;
-    use harness::steps::Steps;
     use muslin::real::{Real, to_f64};
     use muslin::live::Live as _;
     use muslin::simulation::Simulation;

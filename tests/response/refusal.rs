@@ -64,7 +64,6 @@ both_precisions! {
     use core::sync::atomic::{AtomicU32, Ordering};
     use glam::DVec3;
     use muslin::audit;
-    use harness::steps::Steps;
     use muslin::dispatch::{Dispatch, Serial, Split};
     use muslin::mesh::{SurfaceColumns, TriMesh};
     use muslin::real::Vec3;

@@ -4,7 +4,6 @@ use glam::DVec3;
 use harness::kit::double as kit;
 use harness::net::linearised;
 use harness::rng::Rng;
-use harness::steps::Steps;
 use muslin_core_f64::forces::Term;
 use muslin_core_f64::integrate::Method;
 use muslin_core_f64::simulation::Simulation;

@@ -7,7 +7,6 @@ use glam::{DMat3, DQuat, DVec3};
 use harness::kit::double as kit;
 use harness::net::linearised;
 use harness::rng::Rng;
-use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::forces::strain_rate;

@@ -4,14 +4,12 @@
 use glam::DVec3;
 use harness::both_precisions;
 use harness::kit::double as kit;
-use harness::steps::Steps;
 use muslin_core_f64::dispatch::Serial;
 use muslin_core_f64::integrate::{Jacobian, Method};
 use muslin_core_f64::spectrum::Tangent;
 
 both_precisions! {
     use glam::DVec3;
-    use harness::steps::Steps;
     use muslin::integrate::{Method, Scheme};
     use muslin::real::{Real, Vec3, to_f64, vec3};
     use muslin::simulation::Simulation;

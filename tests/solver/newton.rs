@@ -5,7 +5,6 @@ use glam::DVec3;
 use harness::kit::double as kit;
 use harness::net::{converged, linearised};
 use harness::rng::Rng;
-use harness::steps::Steps;
 use muslin_core_f64::diagnostics;
 use muslin_core_f64::integrate::pins::JumpSide;
 use muslin_core_f64::integrate::{Jacobian, Method, Scheme};

@@ -4,7 +4,6 @@
 use glam::{DMat3, DVec3};
 use harness::kit::double as kit;
 use harness::net::{converged, linearised};
-use harness::steps::Steps;
 use harness::worst::Worst;
 use muslin_core_f64::integrate::{Method, Scheme};
 use muslin_core_f64::live::Live as _;

@@ -5,7 +5,6 @@
 use glam::{Mat3, Quat};
 use harness::kit::single;
 use harness::rng::Rng;
-use harness::steps::Steps;
 use muslin_core::dispatch::Serial;
 use muslin_core::forces::matrix::{self, Block, BlockMatrix};
 use muslin_core::integrate::conjugate_gradient::{System, write_inverse_diagonal};

@@ -17,7 +17,6 @@ both_precisions! {
     use super::{SCENES, Scene};
     use glam::DVec3;
     use muslin::dispatch::Serial;
-    use harness::steps::Steps;
     use muslin::real::{to_f64, vec3};
     use harness::rng::Rng;
 

@@ -4,7 +4,6 @@ use harness::both_precisions;
 
 both_precisions! {
     use harness::torture::SCENES;
-    use harness::steps::Steps;
     use muslin::real::{Real, Vec3};
 
     #[test]

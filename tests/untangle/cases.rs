@@ -7,7 +7,6 @@ both_precisions! {
     use glam::DVec3;
     use muslin::contact::ContactScratchColumns;
     use muslin::dispatch::Serial;
-    use harness::steps::Steps;
     use muslin::real::{NAME, Real, Vec3, to_f64, vec3};
     use muslin::simulation::Simulation;
     use muslin::detection;

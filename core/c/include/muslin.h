@@ -160,7 +160,7 @@ typedef struct MuslinHit {
 
 // The work after which a step is given up, at the next place where it can be. It does not depend on the machine.
 typedef struct MuslinBudget {
-  // Iterations of the linear solver and of the response to contacts.
+  // Iterations of the linear solver, and rounds of the response to contacts after the first.
   uint32_t iterations;
   // Pairs of features that the response has to test.
   uint32_t candidates;
@@ -168,7 +168,7 @@ typedef struct MuslinBudget {
 
 // The work of a step, whether or not it succeeded.
 typedef struct MuslinReport {
-  // Iterations of the linear solver and of the response to contacts.
+  // Iterations of the linear solver, and rounds of the response to contacts after the first.
   uint32_t iterations;
   // Pairs of features that the response had to test.
   uint32_t candidates;

@@ -10,7 +10,7 @@ use crate::status::MuslinStatus;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct MuslinBudget {
-    /// Iterations of the linear solver and of the response to contacts.
+    /// Iterations of the linear solver, and rounds of the response to contacts after the first.
     pub iterations: u32,
     /// Pairs of features that the response has to test.
     pub candidates: u32,
@@ -20,7 +20,7 @@ pub struct MuslinBudget {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MuslinReport {
-    /// Iterations of the linear solver and of the response to contacts.
+    /// Iterations of the linear solver, and rounds of the response to contacts after the first.
     pub iterations: u32,
     /// Pairs of features that the response had to test.
     pub candidates: u32,

@@ -29,7 +29,7 @@ use crate::real::Real;
 pub const ALIGNMENT: usize = 32;
 
 /// The first bytes of a block.
-const MAGIC: [u8; 8] = *b"MuslinCl";
+const MAGIC: u64 = u64::from_le_bytes(*b"MuslinCl");
 
 /// Changes with every change of the columns.
 const VERSION: u32 = 3;
@@ -38,7 +38,7 @@ const VERSION: u32 = 3;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 struct Header {
-    magic: [u8; 8],
+    magic: u64,
     version: u32,
     /// Bytes of a scalar.
     scalar: u32,
@@ -54,6 +54,26 @@ struct Header {
 }
 
 const HEADER: usize = size_of::<Header>();
+
+impl Header {
+    const fn read(bytes: &[u8; HEADER]) -> Self {
+        const fn word(bytes: &[u8; HEADER], number: usize) -> u64 {
+            let (words, _) = bytes.as_chunks();
+            u64::from_le_bytes(words[number])
+        }
+        let versions = word(bytes, 1);
+        Self {
+            magic: word(bytes, 0),
+            version: versions as u32,
+            scalar: (versions >> 32) as u32,
+            length: word(bytes, 2),
+            memory: word(bytes, 3),
+            checksum: word(bytes, 4),
+            vertices: word(bytes, 5),
+            reserved: [0; 2],
+        }
+    }
+}
 
 /// Reason why a cooked scene cannot be opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,22 +129,28 @@ impl core::fmt::Display for CookedError {
 impl core::error::Error for CookedError {}
 
 /// Working memory that a cooked scene needs, bytes. It reads the header alone.
-pub fn required_bytes(block: &[u8]) -> Result<usize, CookedError> {
-    header(block).map(|header| header.memory as usize)
+pub const fn required_bytes(block: &[u8]) -> Result<usize, CookedError> {
+    match header(block) {
+        Ok(header) => Ok(header.memory as usize),
+        Err(error) => Err(error),
+    }
 }
 
 /// Number of vertices of a cooked scene. It reads the header alone.
-pub fn vertices(block: &[u8]) -> Result<usize, CookedError> {
-    header(block).map(|header| header.vertices as usize)
+pub const fn vertices(block: &[u8]) -> Result<usize, CookedError> {
+    match header(block) {
+        Ok(header) => Ok(header.vertices as usize),
+        Err(error) => Err(error),
+    }
 }
 
 /// The header of a block, if the block is one that this crate reads.
-fn header(block: &[u8]) -> Result<Header, CookedError> {
+const fn header(block: &[u8]) -> Result<Header, CookedError> {
     if cfg!(target_endian = "big") {
         return Err(CookedError::BigEndian);
     }
-    let bytes = block.get(..HEADER).ok_or(CookedError::NotCooked)?;
-    let header: Header = bytemuck::try_pod_read_unaligned(bytes).map_err(|_| CookedError::NotCooked)?;
+    let Some(bytes) = block.first_chunk() else { return Err(CookedError::NotCooked) };
+    let header = Header::read(bytes);
     if header.magic != MAGIC {
         return Err(CookedError::NotCooked);
     }

@@ -34,13 +34,15 @@ pub trait Live: Owner {
         self.parts_mut().move_collider(collider, to, seconds)
     }
 
-    /// The present pose of a collider.
+    /// The present pose of a collider. Before the first move its place is that of the scene rounded to the precision of
+    /// columns.
     fn collider_pose(&self, collider: u32) -> Result<Pose, LiveError> {
         self.parts().collider_pose(collider)
     }
 
-    /// The impulse that the cloth has given a collider since the last call, and its moment about the present centre of
-    /// the collider, or about the world's origin for one that deforms. They must be
+    /// The impulse that the cloth has given a collider since the last call, N s, and its moment about the present centre
+    /// of the collider, or about the world's origin for one that deforms, N m s. A rigid-body engine adds both to its body.
+    /// A host that divides the impulse by the time since the last call gets the mean force, N. They must be
     /// [measured](crate::simulation::Simulation::measure_reactions). What the cloth loses the collider gets, to rounding
     /// and to the tolerance of the solver.
     fn take_impulse(&mut self, collider: u32) -> Result<Impulse, LiveError> {
@@ -79,7 +81,7 @@ pub trait Live: Owner {
     }
 
     /// Removes all pins of a vertex. It keeps the velocity with which they moved it until now. Returns false if it has no
-    /// pin.
+    /// pin or does not exist.
     fn release(&mut self, vertex: u32) -> bool {
         self.parts_mut().release(vertex)
     }
@@ -112,7 +114,6 @@ pub trait Live: Owner {
     /// Refuses where cloth would intersect a collider that stays, where one that comes along still moves by keys or by a
     /// point cache, where a pin holds single axes that would have to turn, and where a collider that stays carries a pin.
     /// [Take](Self::take_impulse) impulses before it: it does not turn them.
-    /// [Take](Self::take_impulse) impulses before it: it does not turn them.
     fn teleport(&mut self, by: Pose, colliders: &[u32]) -> Result<(), LiveError> {
         self.parts_mut().teleport(by, colliders)
     }
@@ -130,7 +131,7 @@ pub trait Live: Owner {
     }
 
     /// The first triangle of any cloth, from either side, that a ray hits [Möller 1997]. `direction` need not have unit
-    /// length; a direction of zero hits nothing.
+    /// length; a direction of zero hits nothing. Colliders hide nothing. Every triangle is tested.
     fn hit(&self, origin: [Sum; 3], direction: [Sum; 3]) -> Result<Option<Hit>, LiveError> {
         self.parts().hit(origin, direction)
     }

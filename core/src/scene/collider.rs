@@ -74,6 +74,27 @@ pub struct ColliderDesc {
     pub friction: Option<FrictionDesc>,
 }
 
+impl ColliderDesc {
+    /// A collider that rests. Give it the keys of its shape.
+    pub fn of(shape: Shape) -> Self {
+        Self {
+            shape,
+            point: None,
+            normal: None,
+            center: None,
+            radius: None,
+            a: None,
+            b: None,
+            half: None,
+            rotation: None,
+            file: None,
+            motion: None,
+            motion_rate: None,
+            friction: None,
+        }
+    }
+}
+
 /// The motion of a collider.
 #[derive(Clone, Debug)]
 pub enum ColliderMotionDesc {

@@ -43,7 +43,7 @@ pub use tube::TubeDesc;
 pub use vector::VectorDesc;
 
 use crate::integrate::{Jacobian, Method, Preconditioner, Tolerance};
-use crate::mesh::rest::RestSource;
+pub use crate::mesh::rest::RestSource;
 use crate::real::Real;
 
 /// A whole scene.
@@ -78,6 +78,26 @@ pub struct SceneDesc {
     /// Time integration.
     #[cfg_attr(feature = "serde", serde(default))]
     pub integrator: IntegratorDesc,
+}
+
+/// The defaults of a scene file. Of the keys that a file must give, `duration` is 1 s, which matters only to a host that
+/// runs a scene to its end, and there is no cloth.
+impl Default for SceneDesc {
+    fn default() -> Self {
+        Self {
+            name: defaults::name(),
+            description: String::new(),
+            duration: 1.0,
+            until_rest: None,
+            frame_rate: defaults::frame_rate(),
+            gravity: None,
+            cloth: Vec::new(),
+            collider: Vec::new(),
+            contact: None,
+            drag: None,
+            integrator: IntegratorDesc::default(),
+        }
+    }
 }
 
 /// One sheet: its mesh, its placement and its material.
@@ -137,6 +157,36 @@ pub struct ClothDesc {
     /// Velocities of some vertices at the start.
     #[cfg_attr(feature = "serde", serde(default))]
     pub start: Vec<StartDesc>,
+}
+
+/// The defaults of a scene file, without a shape. `density`, which a file must give, is zero, and building such a scene
+/// fails.
+impl Default for ClothDesc {
+    fn default() -> Self {
+        Self {
+            grid: None,
+            tube: None,
+            disc: None,
+            mesh: None,
+            state: None,
+            rest: defaults::rest(),
+            uv_scale: defaults::one(),
+            position: [0.0; 3],
+            rotation: [0.0; 3],
+            scale: defaults::one(),
+            density: 0.0,
+            stretch: None,
+            shear: None,
+            bend: None,
+            pin: Vec::new(),
+            seam: Vec::new(),
+            load: Vec::new(),
+            mass: Vec::new(),
+            velocity: [0.0; 3],
+            spin: None,
+            start: Vec::new(),
+        }
+    }
 }
 
 /// The in-plane model that resists stretching.
@@ -219,6 +269,13 @@ pub struct PinDesc {
     pub from: f64,
     /// Time until which it holds them, s; absent: until the end.
     pub until: Option<f64>,
+}
+
+/// The defaults of a scene file: all axes are fixed all the time. It selects no vertices.
+impl Default for PinDesc {
+    fn default() -> Self {
+        Self { select: SelectDesc::default(), axes: defaults::axes(), motion: None, from: 0.0, until: None }
+    }
 }
 
 /// The motion of a pin or a collider: an offset by keys, and a rotation about the centre.
@@ -367,7 +424,6 @@ enum RestName {
     Uv,
 }
 
-#[cfg(feature = "serde")]
 mod defaults {
     use super::RestSource;
 

@@ -10,7 +10,7 @@ use crate::colliders::Colliders;
 use crate::contact::{ContactColumns, ContactScratchColumns};
 use crate::cooked;
 use crate::diagnostics::{self, Stretch};
-use crate::dispatch::{Dispatch, block_on};
+use crate::dispatch::{Dispatch, Serial, block_on};
 use crate::error::SceneError;
 use crate::forces::load::VertexForce;
 use crate::forces::{Energy, Model};
@@ -171,9 +171,16 @@ impl Simulation {
         }
     }
 
+    /// Takes one step on this thread: [`step`](Self::step) by [`Serial`]. It is compiled with this crate, so it is as fast as
+    /// the profile of this crate, also in a program without optimization.
+    pub fn take_step(&mut self) -> Result<(), StepError> {
+        self.step(&Serial)
+    }
+
     /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that
     /// fails does not change the state, except that pins whose time has come have begun. Blocks while candidates are
-    /// found elsewhere, for example on a GPU; that work must not need this thread. [`await_step`](Self::await_step) does not block.
+    /// found elsewhere, for example on a GPU; that work must not need this thread. [`await_step`](Self::await_step) does
+    /// not block.
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         block_on(self.await_step(dispatch))
     }

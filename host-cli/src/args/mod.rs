@@ -84,9 +84,11 @@ mod tests {
 
     use super::*;
 
-    const MANUALS: [&str; 10] = [
+    const MANUALS: [&str; 12] = [
         include_str!("../../../README.md"),
         include_str!("../../README.md"),
+        include_str!("../../../core/manual/driving.md"),
+        include_str!("../../../core/manual/no_heap.md"),
         include_str!("../../manual/cost.md"),
         include_str!("../../manual/detect.md"),
         include_str!("../../manual/methods.md"),

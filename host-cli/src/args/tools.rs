@@ -52,6 +52,9 @@ pub struct CookArguments {
     /// Threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<usize>,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
     /// Show no progress
     #[arg(long)]
     pub quiet: bool,

@@ -14,7 +14,7 @@ use muslin_core::stage::Stage;
 use muslin_core::traffic;
 
 use crate::args::BenchArguments;
-use crate::failure::{Failure, print_data, print_note};
+use crate::failure::{Failure, print_data, print_json, print_note};
 use crate::limits;
 use crate::pool::Pool;
 use crate::scene_file::{self, SceneFile};
@@ -50,7 +50,7 @@ pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
         report.candidates = pool.install(|| candidates::measure(&pool));
     }
     match arguments.json {
-        true => print_data(&serde_json::to_string_pretty(&report).map_err(|error| Failure::Tool(error.to_string()))?),
+        true => print_json(&report),
         false => print_data(&report.table()),
     }
 }

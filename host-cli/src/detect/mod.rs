@@ -12,7 +12,7 @@ use muslin_core::audit;
 use muslin_core::narrow_phase::contacts::contacts;
 
 use crate::args::{Backend, DetectArguments, DetectStage, Method};
-use crate::failure::{Failure, print_data, print_note};
+use crate::failure::{Failure, print_data, print_json, print_note};
 use crate::mesh_io;
 use crate::pool::Pool;
 use mesh::Subject;
@@ -39,7 +39,7 @@ pub fn detect(arguments: &DetectArguments) -> Result<(), Failure> {
         Backend::Gpu => on_gpu::report(arguments, &subject, &pool)?,
     };
     match arguments.json {
-        true => print_data(&serde_json::to_string_pretty(&report).map_err(|error| Failure::Tool(error.to_string()))?),
+        true => print_json(&report),
         false => print_data(&report.table()),
     }
 }

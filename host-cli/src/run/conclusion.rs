@@ -2,11 +2,9 @@
 
 use std::time::Duration;
 
-use muslin_core::scene::SceneDesc;
 use muslin_core::warning;
 
 use super::course::{Course, Ending};
-use super::remedy;
 use super::start;
 use super::words::{self, Known};
 use crate::args::Backend;
@@ -14,15 +12,6 @@ use crate::pool::Pool;
 use crate::scene_file::SceneFile;
 use crate::summary::{EnergyBalance, ErrorControl, StageMs, Stretch, Summary};
 use crate::warning::Warning;
-
-/// Advice for cloth that flew apart.
-fn flown_apart(scene: &SceneDesc) -> String {
-    let loads = match scene.cloth.iter().any(|cloth| !cloth.load.is_empty()) {
-        true => "; a load on a light edge also needs a shorter step, or mass there",
-        false => "; cloth that its own weight stretches must be stiffer",
-    };
-    remedy::of_steps(scene) + loads
-}
 
 impl Course {
     /// The message on crossings; `None` if the audit found no crossing in any frame.
@@ -57,11 +46,7 @@ impl Course {
         let [broad_phase, narrow_phase, response] = self.contact.map(per_step);
         let predict = per_step(self.stepping.saturating_sub(self.contact.iter().sum()));
         let divergence = match ending {
-            Ending::Diverged(d) => {
-                let method = d.is_instability && !self.engine.is_implicit();
-                let advice = d.advice.map_or_else(|| flown_apart(&scene.desc), str::to_owned);
-                Some(format!("{}; {advice}{}", d.what, if method { ", or an implicit method" } else { "" }))
-            }
+            Ending::Diverged(divergence) => Some(divergence.in_words(&scene.desc)),
             _ => None,
         };
         let record = self.record();

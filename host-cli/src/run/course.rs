@@ -11,7 +11,8 @@ use muslin_core::stage::Stage;
 use super::start::fastest_modes;
 use crate::args::Precision;
 use crate::checkpoint::Resumed;
-use crate::engine::{Divergence, Engine, Halt, flown_apart};
+use crate::divergence::Divergence;
+use crate::engine::{Engine, Halt};
 use crate::failure::Failure;
 use crate::pool::Pool;
 use crate::record::{Record, Start};
@@ -243,7 +244,8 @@ impl Course {
             self.chain = self.engine.chain(Some(self.chain));
             let frame_ends = self.steps.is_multiple_of(self.timing.steps_per_frame);
             let looks = frame_ends || self.engine.is_implicit() || self.steps.is_multiple_of(LOOKS);
-            if let Some(divergence) = looks.then(|| self.flown_apart()).flatten() {
+            let flown_apart = || Divergence::of_stretch(self.engine.as_ref(), self.steps, self.record.first_stretch);
+            if let Some(divergence) = looks.then(flown_apart).flatten() {
                 return Ok(Ending::Diverged(divergence));
             }
             if frame_ends {
@@ -252,15 +254,6 @@ impl Course {
             witness.step(self)?;
         }
         Ok(if self.record.awaits_audit { Ending::Interrupted } else { Ending::Complete })
-    }
-
-    /// Whether the cloth flew apart in the step just taken.
-    fn flown_apart(&self) -> Option<Divergence> {
-        flown_apart(self.engine.largest_stretch(), self.record.first_stretch).map(|how| Divergence {
-            what: format!("diverged in step {}: {how}", self.steps),
-            advice: None,
-            is_instability: false,
-        })
     }
 }
 

@@ -6,7 +6,7 @@ mod files;
 mod manifest;
 #[cfg(test)]
 mod power_loss;
-mod remedy;
+pub mod remedy;
 mod series_plot;
 pub mod start;
 mod step_plot;

@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use crate::args::Precision;
 use crate::checkpoint;
-use crate::engine::{Engine, Halt, Report, flown_apart};
+use crate::divergence::flown_apart;
+use crate::engine::{Engine, Halt, Report};
 use crate::failure::Failure;
 use crate::scene_file::SceneFile;
 use crate::stopwatch::Stopwatch;

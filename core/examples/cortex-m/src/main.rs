@@ -14,7 +14,7 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use muslin_core::cooked::Cloth;
+use muslin_core::cooked::{Cloth, required_bytes};
 use muslin_core::diagnostics::StateHash;
 use muslin_core::dispatch::Serial;
 
@@ -23,7 +23,15 @@ include!(concat!(env!("OUT_DIR"), "/expected.rs"));
 #[repr(align(32))]
 struct Aligned<T: ?Sized>(T);
 
+const SCENE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/cloth.bin"));
+
 static BLOCK: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(env!("OUT_DIR"), "/cloth.bin")));
+
+/// Memory of the scene, bytes.
+const MEMORY: usize = match required_bytes(SCENE) {
+    Ok(bytes) => bytes,
+    Err(_) => panic!("the scene was cooked by another version"),
+};
 
 /// Memory that one owner takes once.
 struct Once<T>(UnsafeCell<Aligned<T>>);

@@ -1,7 +1,6 @@
 //! A world of rapier and a cloth of Muslin that take their steps in turn.
 
 use glam::DVec3;
-use muslin_core::dispatch::Serial;
 use muslin_core::kinematic::Pose;
 use muslin_core::live::Live as _;
 use muslin_core::scene::SceneDesc;
@@ -46,7 +45,7 @@ impl Coupled {
             let to = pose(&self.world.bodies[*handle]);
             self.cloth.move_collider((first + number) as u32, to, step).expect("poses are finite");
         }
-        self.cloth.step(&Serial).unwrap_or_else(|failed| panic!("{failed}"));
+        self.cloth.take_step().unwrap_or_else(|failed| panic!("{failed}"));
         for (number, (_, handle)) in self.bodies.iter().enumerate() {
             let impulse = self.cloth.take_impulse((first + number) as u32).expect("it is measured");
             let [linear, angular] = [impulse.linear, impulse.angular].map(vector);
