@@ -186,7 +186,7 @@ both_precisions! {
         };
         let (mut work_columns, mut blocks) = ([[Vec3::ZERO; VERTICES]; 13], [Block::default(); BLOCKS]);
         let (mut inverse_diagonal, mut partials) = ([Mat3::ZERO; VERTICES], [[0.0; 2]; 1]);
-        let [forces, next_positions, next_velocities, displacements, velocity_changes, rounded, low, solution, residual, gradient, direction, products, preconditioned] =
+        let [forces, next_positions, stage_velocities, displacements, velocity_changes, rounded, low, solution, residual, gradient, direction, products, preconditioned] =
             &mut work_columns;
         let mut assembly_map = AssemblyMap::default();
         assembly_map[Term::StretchSpring as usize] = &targets;
@@ -194,7 +194,7 @@ both_precisions! {
             forces,
             next_positions,
             stage_positions: PositionsMut { rounded, low },
-            next_velocities,
+            stage_velocities,
             displacements,
             velocity_changes,
             solution,

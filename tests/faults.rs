@@ -29,9 +29,8 @@ fn step_with_spring_to(other: u32) -> (Result<Option<f32>, Obstacle>, [Vec3; 2])
         masses: &[1.0; 2],
         inverse_masses: &[1.0; 2],
     };
-    let [forces, next_positions, next_velocities, displacements, velocity_changes] = &mut [[Vec3::ZERO; 2]; 5];
-    let mut scratch =
-        Scratch { forces, next_positions, next_velocities, displacements, velocity_changes, ..Scratch::default() };
+    let [next_positions, displacements, velocity_changes] = &mut [[Vec3::ZERO; 2]; 3];
+    let mut scratch = Scratch { next_positions, displacements, velocity_changes, ..Scratch::default() };
     let input = StepInput {
         model: Model { stretch_springs: Some(springs), ..Model::default() },
         pins: &Pins::default(),

@@ -115,15 +115,10 @@ pub struct ContactScratch<'a> {
     pub end: &'a mut [Vec3],
     /// Displacements from start to end, m. They are stored because the ends are rounded.
     pub displacements: &'a mut [Vec3],
-    /// The part of the displacements that only separates surfaces and changes no velocity, m.
-    pub corrections: &'a mut [Vec3],
     /// Rotation of each collider in the step, rad.
     pub turns: &'a mut [Vec3],
-    /// The round in which the response last moved each vertex; 0 if it did not.
-    pub rounds: &'a mut [u32],
-    /// Union-find over vertices.
-    pub zones: &'a mut [u32],
-    /// Boxes around the motion.
+    /// Boxes around the motion. After a search, the response uses the memory for [columns of its
+    /// own](ResponseColumns).
     pub boxes: &'a mut [Aabb],
     /// Boxes in which the vertices may end: there, the candidates are complete.
     pub ends: &'a mut [Aabb],
@@ -153,6 +148,28 @@ pub struct ContactScratch<'a> {
     pub kept: KeptPairs<'a>,
     /// Columns of the exact test.
     pub room: Room<'a>,
+}
+
+/// The columns that only the response needs, one entry per vertex. They lie in the column of the boxes, which every
+/// search writes anew.
+#[derive(Debug)]
+pub struct ResponseColumns<'a> {
+    /// The part of the displacements that only separates surfaces and changes no velocity, m.
+    pub corrections: &'a mut [Vec3],
+    /// The round in which the response last moved each vertex; 0 if it did not.
+    pub rounds: &'a mut [u32],
+    /// Union-find over vertices.
+    pub zones: &'a mut [u32],
+}
+
+impl<'a> ResponseColumns<'a> {
+    /// The columns in those of the boxes.
+    pub fn within(boxes: &'a mut [Aabb]) -> Self {
+        let count = boxes.len();
+        let (corrections, rest) = bytemuck::must_cast_slice_mut::<Aabb, Vec3>(boxes).cut_mut(count);
+        let (rounds, rest) = bytemuck::must_cast_slice_mut::<Vec3, u32>(rest).cut_mut(count);
+        Self { corrections, rounds, zones: rest.part_mut(..count) }
+    }
 }
 
 /// The motion of the cloth in a step without contact, by vertex.
@@ -208,10 +225,7 @@ impl ContactScratch<'_> {
             start: self.start,
             end: self.end,
             displacements: self.displacements,
-            corrections: self.corrections,
             turns: self.turns,
-            rounds: self.rounds,
-            zones: self.zones,
             boxes: self.boxes,
             ends: self.ends,
             searched: self.searched,
@@ -236,6 +250,13 @@ impl ContactScratch<'_> {
         for (v, displacement) in self.displacements.iter_mut().enumerate().take(prediction.displacements.len()) {
             *displacement = prediction.displacement(v);
         }
+    }
+
+    /// The notes of the last response: the round in which it last moved each vertex, or 0, and the part of each
+    /// displacement that only separates surfaces, m.
+    pub fn response(&self) -> (&[u32], &[Vec3]) {
+        let (corrections, rest) = bytemuck::must_cast_slice::<Aabb, Vec3>(self.boxes).cut(self.boxes.len());
+        (bytemuck::must_cast_slice::<Vec3, u32>(rest).part(..self.boxes.len()), corrections)
     }
 
     /// Whether there is room for so many candidates.
@@ -434,10 +455,7 @@ mod owned {
         start: Vec<Vec3>,
         end: Vec<Vec3>,
         displacements: Vec<Vec3>,
-        corrections: Vec<Vec3>,
         turns: Vec<Vec3>,
-        rounds: Vec<u32>,
-        zones: Vec<u32>,
         boxes: Vec<Aabb>,
         ends: Vec<Aabb>,
         searched: Searched,
@@ -465,11 +483,8 @@ mod owned {
             let mut columns = Self {
                 start: column.clone(),
                 end: column.clone(),
-                displacements: column.clone(),
-                corrections: column,
+                displacements: column,
                 turns: vec![Vec3::ZERO; model.colliders.bodies.len()],
-                rounds: vec![0; vertices],
-                zones: vec![0; vertices],
                 boxes: vec![Aabb::EMPTY; vertices],
                 ends: vec![Aabb::EMPTY; vertices],
                 grid: GridColumns::build(vertices, model.surface.triangles.len()),
@@ -566,9 +581,8 @@ mod owned {
 
         /// Bytes held.
         pub fn bytes(&self) -> usize {
-            6 * size_of_val(&self.start[..])
+            3 * size_of_val(&self.start[..])
                 + size_of_val(&self.turns[..])
-                + 2 * size_of_val(&self.rounds[..])
                 + 2 * size_of_val(&self.boxes[..])
                 + self.vertex_triangle.bytes()
                 + self.edge_edge.bytes()
@@ -589,10 +603,7 @@ mod owned {
                 start: &mut self.start,
                 end: &mut self.end,
                 displacements: &mut self.displacements,
-                corrections: &mut self.corrections,
                 turns: &mut self.turns,
-                rounds: &mut self.rounds,
-                zones: &mut self.zones,
                 boxes: &mut self.boxes,
                 ends: &mut self.ends,
                 searched: &mut self.searched,

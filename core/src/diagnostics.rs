@@ -67,14 +67,14 @@ pub fn stretch(edges: &[[u32; 2]], rest: &[Real], x: &[Vec3]) -> Stretch {
     stretch
 }
 
-/// The first particle whose position or velocity is NaN or infinite.
-pub fn first_non_finite(x: &[Vec3], v: &[Vec3]) -> Option<u32> {
+/// The first particle whose position, or velocity, is NaN or infinite. `v` gives the velocity of a particle.
+pub fn first_non_finite(x: &[Vec3], v: impl Fn(usize) -> Vec3) -> Option<u32> {
     // Zero times a finite number is zero, so one sum checks all. Only if it is not zero, search.
-    let all = x.iter().zip(v).fold(Vec3::ZERO, |sum, (&x, &v)| sum + x * 0.0 + v * 0.0);
+    let all = x.iter().enumerate().fold(Vec3::ZERO, |sum, (i, &x)| sum + x * 0.0 + v(i) * 0.0);
     if all == Vec3::ZERO {
         return None;
     }
-    x.iter().zip(v).position(|(x, v)| !(x.is_finite() && v.is_finite())).map(|i| i as u32)
+    x.iter().enumerate().position(|(i, x)| !(x.is_finite() && v(i).is_finite())).map(|i| i as u32)
 }
 
 /// The term with the largest force on a particle, for the report of a divergence. Overwrites `scratch`

@@ -14,23 +14,22 @@ pub(crate) const MAY_BE_LEAN: bool = !cfg!(small);
 /// Work columns, borrowed. They have one entry per vertex unless stated otherwise.
 #[derive(Debug, Default)]
 pub struct Scratch<'a> {
-    /// Sum of all forces, N.
+    /// Sum of all forces, N. Euler's explicit methods need it only where [work](crate::work_done) is measured.
     pub forces: &'a mut [Vec3],
     /// Forces on element corners, N: [`Model::force_scratch`](crate::forces::Model::force_scratch) vectors.
     pub elements: &'a mut [Vec3],
     /// Positions after the step, until it is committed, m.
     pub next_positions: &'a mut [Vec3],
-    /// Velocities after the step, until it is committed, m/s.
-    pub next_velocities: &'a mut [Vec3],
     /// Change of the positions in the step, m.
     pub displacements: &'a mut [Vec3],
-    /// Change of the velocities in the step, inside implicit methods in a stage, m/s.
+    /// Change of the velocities in the step, inside implicit methods in a stage, m/s. Explicit Euler methods first write
+    /// the forces here, N.
     pub velocity_changes: &'a mut [Vec3],
 
     /// RK4, implicit methods, and where [work](crate::work_done) is measured: positions inside the step, m. RK4 needs
     /// no rounding errors.
     pub stage_positions: PositionsMut<'a>,
-    /// RK4, and where work is measured: velocities inside the step, m/s.
+    /// Midpoint, RK4, implicit methods, and where work is measured: velocities inside the step, m/s.
     pub stage_velocities: &'a mut [Vec3],
     /// Implicit, and where work is measured: the [forces on pins](crate::integrate::pin_forces), one per pin, N.
     pub pin_forces: &'a mut [Vec3],
@@ -86,7 +85,6 @@ impl Scratch<'_> {
             forces: self.forces,
             elements: self.elements,
             next_positions: self.next_positions,
-            next_velocities: self.next_velocities,
             displacements: self.displacements,
             velocity_changes: self.velocity_changes,
             stage_velocities: self.stage_velocities,
@@ -150,7 +148,6 @@ mod owned {
         forces: Vec<Vec3>,
         elements: Vec<Vec3>,
         pub(crate) next_positions: Vec<Vec3>,
-        pub(crate) next_velocities: Vec<Vec3>,
         displacements: Vec<Vec3>,
         velocity_changes: Vec<Vec3>,
         stage_positions: Vec<Vec3>,
@@ -211,6 +208,7 @@ mod owned {
             let implicit = scheme.method.is_implicit();
             let searches = implicit && scheme.newton > 1;
             let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
+            let has_more = scheme.method.has_more_columns();
             let history = bdf2 || (scheme.method == Method::ImplicitMidpoint && scheme.error.is_some());
             let pattern = if implicit { SparsityPattern::build(vertices, model) } else { SparsityPattern::default() };
             let patches = if implicit && scheme.preconditioner == Preconditioner::TwoLevel {
@@ -220,15 +218,14 @@ mod owned {
             };
             let [coarse_rows, coarse_values] = patches.sizes();
             Self {
-                forces: column(true),
+                forces: column(has_more),
                 elements: vec![Vec3::ZERO; model.force_scratch()],
                 next_positions: column(true),
-                next_velocities: column(true),
                 displacements: column(true),
                 velocity_changes: column(true),
                 stage_positions: column(rk4 || implicit),
                 low_stage_positions: column(implicit),
-                stage_velocities: column(rk4),
+                stage_velocities: column(has_more),
                 pin_forces: Vec::new(),
                 previous_displacements: column(history),
                 previous_velocity_changes: column(history),
@@ -260,19 +257,21 @@ mod owned {
         /// Adds the columns in which work is measured: those of a stage, if the method has none, and those of pins.
         pub(crate) fn add_work(&mut self, pins: usize) {
             self.pin_forces.resize(if self.solution.is_empty() { 0 } else { pins }, Vec3::ZERO);
-            for column in [&mut self.stage_positions, &mut self.low_stage_positions, &mut self.stage_velocities] {
-                column.resize(self.forces.len(), Vec3::ZERO);
-            }
+            let vertices = self.next_positions.len();
+            let stage = [&mut self.stage_positions, &mut self.low_stage_positions, &mut self.stage_velocities];
+            stage.into_iter().chain([&mut self.forces]).for_each(|column| column.resize(vertices, Vec3::ZERO));
         }
 
         /// Removes the columns in which work is measured.
         pub(crate) fn remove_work(&mut self, method: Method) {
             let keep = |column: &mut Vec<Vec3>, is_used: bool| column.truncate(if is_used { column.len() } else { 0 });
             let (rk4, implicit) = (method == Method::Rk4, method.is_implicit());
+            let has_more = method.has_more_columns();
             self.pin_forces.clear();
             keep(&mut self.stage_positions, rk4 || implicit);
             keep(&mut self.low_stage_positions, implicit);
-            keep(&mut self.stage_velocities, rk4);
+            keep(&mut self.stage_velocities, has_more);
+            keep(&mut self.forces, has_more);
         }
 
         /// Removes the column of the forces of elements: they are computed for each vertex.
@@ -289,7 +288,7 @@ mod owned {
         /// Sizes that the memory traffic depends on.
         pub fn sizes(&self) -> TrafficSizes {
             TrafficSizes {
-                vertices: self.forces.len(),
+                vertices: self.next_positions.len(),
                 blocks: [self.pattern.columns.len(), self.pattern.mirrored.len()],
                 coarse_values: self.coarse_values.len(),
             }
@@ -301,7 +300,6 @@ mod owned {
                 &self.forces,
                 &self.elements,
                 &self.next_positions,
-                &self.next_velocities,
                 &self.displacements,
                 &self.velocity_changes,
                 &self.stage_positions,
@@ -342,7 +340,6 @@ mod owned {
                 forces: &mut self.forces,
                 elements: &mut self.elements,
                 next_positions: &mut self.next_positions,
-                next_velocities: &mut self.next_velocities,
                 displacements: &mut self.displacements,
                 velocity_changes: &mut self.velocity_changes,
                 stage_positions: PositionsMut {

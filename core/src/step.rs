@@ -25,7 +25,7 @@ use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::implicit_contact::{self, exchange, multiplier};
 use crate::integrate::pins::Pins;
-use crate::integrate::{self, IntegratorStatistics, Method, Scheme, StepInput, bdf2, local_error};
+use crate::integrate::{self, IntegratorStatistics, Method, Scheme, StepInput, bdf2, local_error, next_velocity};
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3, rounding_error, sqrt};
 use crate::refusal::{Cause, Obstacle};
@@ -216,7 +216,7 @@ impl Attempt {
         if contact.is_some() {
             test_stopped(input)?;
             // The response decides by comparisons, which do not detect NaN.
-            test_finite(scratch)?;
+            test_finite(particles, scratch)?;
         }
         let contact_model = contact.as_ref().map(|contact| contact.model);
         let mut columns = contact.as_mut().map(|contact| contact.columns.columns());
@@ -285,15 +285,16 @@ fn predict<D: Dispatch>(
 ) -> Result<(), Obstacle> {
     integrate::advance(input, particles, scratch, statistics);
     test_stopped(input)?;
-    test_finite(scratch)
+    test_finite(particles, scratch)
 }
 
 fn test_stopped<D: Dispatch>(input: &StepInput<'_, D>) -> Result<(), Obstacle> {
     if input.dispatch.stopped() { Err(Obstacle::STOPPED) } else { Ok(()) }
 }
 
-fn test_finite(scratch: &Scratch<'_>) -> Result<(), Obstacle> {
-    match diagnostics::first_non_finite(scratch.next_positions, scratch.next_velocities) {
+fn test_finite(particles: &Particles<'_>, scratch: &Scratch<'_>) -> Result<(), Obstacle> {
+    let velocity = |v| next_velocity(particles, scratch.velocity_changes, v);
+    match diagnostics::first_non_finite(scratch.next_positions, velocity) {
         Some(particle) => Err(Obstacle { cause: Cause::NotFinite, particle }),
         None => Ok(()),
     }
@@ -503,14 +504,14 @@ fn farthest(cause: Cause, particles: &Particles<'_>, scratch: &Scratch<'_>) -> O
 /// Copies the positions that the response corrected. The velocities change by the correction over `step`,
 /// without the part that only separates surfaces. Returns whether any vertex was corrected.
 fn settle(step: Real, particles: &Particles<'_>, contact: &ContactScratch<'_>, scratch: &mut Scratch<'_>) -> bool {
+    let (rounds, corrections) = contact.response();
     let mut any = false;
     for (v, next) in scratch.next_positions.iter_mut().enumerate() {
-        if contact.rounds.at(v) > 0 {
+        if rounds.at(v) > 0 {
             let displacement = contact.displacements.at(v);
             let moved = displacement - (particles.low_positions.at(v) + scratch.displacements.at(v));
-            let change = scratch.velocity_changes.at(v) + (moved - contact.corrections.at(v)) / step;
+            let change = scratch.velocity_changes.at(v) + (moved - corrections.at(v)) / step;
             scratch.velocity_changes.set(v, change);
-            scratch.next_velocities.set(v, particles.velocities.at(v) + (particles.low_velocities.at(v) + change));
             scratch.displacements.set(v, displacement - particles.low_positions.at(v));
             *next = contact.end.at(v);
             any = true;
@@ -533,14 +534,15 @@ fn commit(particles: &mut Particles<'_>, scratch: &mut Scratch<'_>, statistics: 
         scratch.previous_velocity_changes.copy_from(scratch.velocity_changes);
     }
     let Particles { positions, velocities, low_positions, low_velocities, .. } = particles;
-    let columns = [
-        (positions, low_positions, &*scratch.displacements, &*scratch.next_positions),
-        (velocities, low_velocities, &*scratch.velocity_changes, &*scratch.next_velocities),
-    ];
-    for (now, low, changes, next) in columns {
-        for (((now, low), &change), &next) in now.iter_mut().zip(low.iter_mut()).zip(changes).zip(next) {
-            *low = rounding_error(*now, *low + change, next);
-            *now = next;
-        }
+    let changes = scratch.displacements.iter().zip(&*scratch.next_positions);
+    for ((now, low), (&change, &next)) in positions.iter_mut().zip(low_positions.iter_mut()).zip(changes) {
+        *low = rounding_error(*now, *low + change, next);
+        *now = next;
+    }
+    let changes = &*scratch.velocity_changes;
+    for ((now, low), &change) in velocities.iter_mut().zip(low_velocities.iter_mut()).zip(changes) {
+        let (before, change) = (*now, *low + change);
+        *now += change;
+        *low = rounding_error(before, change, *now);
     }
 }

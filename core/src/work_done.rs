@@ -18,7 +18,7 @@ use crate::forces::{self, Model, Term};
 use crate::implicit_contact::exchange;
 use crate::integrate::pin_forces;
 use crate::integrate::pins::{JumpSide, Pins};
-use crate::integrate::{Method, StepInput};
+use crate::integrate::{Method, StepInput, next_velocity};
 use crate::particles::Particles;
 use crate::reactions::{Reactions, impulses};
 use crate::real::{Real, Sum, Vec3, dot_sum, to_f64};
@@ -107,7 +107,7 @@ pub fn in_step<D: Dispatch>(
     }
     let wind = c.model.only(Term::Wind);
     let everything = reactions.is_some() || c.scheme.method == Method::ImplicitMidpoint && c.model.dissipates();
-    let separated = contact.map(|(_, contact)| contact.corrections.part(..from.positions.len()));
+    let separated = contact.map(|(_, contact)| contact.response().1.part(..from.positions.len()));
     let separated = separated.filter(|corrections| corrections.iter().any(|&moved| moved != Vec3::ZERO));
     let needs_forces = pins_move(c) || separated.is_some() || everything;
     if needs_forces || wind.is_some() {
@@ -227,7 +227,8 @@ fn by_change<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Sc
 fn by_pins<D>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &Scratch<'_>) -> Sum {
     let of_axis = |vertex: usize, axis: usize| {
         let scalar = |column: &[Vec3]| to_f64(column.at(vertex)).at(axis);
-        let [before, after] = [scalar(from.velocities), scalar(s.next_velocities)];
+        let after = to_f64(next_velocity(from, s.velocity_changes, vertex)).at(axis);
+        let before = scalar(from.velocities);
         let inertia = 0.5 * Sum::from(c.masses.at(vertex)) * (after * after - before * before);
         inertia - scalar(s.forces) * scalar(s.displacements)
     };
@@ -261,7 +262,7 @@ fn by_contacts<D>(
         let prescribed = contact.displacements.at(vertex) / c.step;
         let Some(&before) = from.velocities.get(vertex) else { return prescribed };
         let is_prescribed = model.inverse_masses.at(vertex).cmpeq(Vec3::ZERO);
-        Vec3::select(is_prescribed, prescribed, (before + s.next_velocities.at(vertex)) * 0.5)
+        Vec3::select(is_prescribed, prescribed, (before + next_velocity(from, s.velocity_changes, vertex)) * 0.5)
     };
     let constraints = contact.constraints.part(..contact.lengths.constraints);
     let of_vertex = |(vertex, impulse): (usize, DVec3)| impulse.dot(to_f64(velocity(vertex)).into());

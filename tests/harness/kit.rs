@@ -407,7 +407,7 @@ macro_rules! kit {
                     start: wide(scratch.start),
                     predicted: wide(&to),
                     end: wide(scratch.end),
-                    touched: scratch.rounds.iter().map(|&round| round > 0).collect(),
+                    touched: scratch.response().0.iter().map(|&round| round > 0).collect(),
                     masses,
                     kept: kept.collect(),
                 }

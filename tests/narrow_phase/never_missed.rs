@@ -122,10 +122,10 @@ harness::both_precisions! {
                 detection::sweep(&model, 0.5 * model.thickness, &mut scratch);
             }
             let counts = detection::detect(&model, &mut scratch, &Serial).expect("nothing stops the search");
-            let (start, end, rounds) = (&*scratch.start, &*scratch.end, &*scratch.rounds);
+            let (start, end) = (&*scratch.start, &*scratch.end);
             let motion = LinearMotion {
                 start, end,
-                radii: model.radii, rounds, round: 0,
+                radii: model.radii, rounds: &[], round: 0,
             };
             let separation = SEPARATION * model.thickness;
             macro_rules! meets {

@@ -60,6 +60,7 @@ both_precisions! {
     use muslin::integrate::conjugate_gradient::add_diagonal;
     use muslin::integrate::pins::JumpSide;
     use muslin::integrate::{self, StepInput, Method, Preconditioner, Scheme, IntegratorStatistics};
+    use muslin::particles::Particles;
     use muslin::real::{Mat3, Real, Vec3, to_f64, vec3};
     use muslin::scene::BuiltScene;
     use muslin::scratch::{Scratch, ScratchColumns};
@@ -202,7 +203,7 @@ both_precisions! {
             pins.filter(s.previous_velocity_changes);
         }
         integrate::advance(&context, particles, s, &mut work);
-        let predicted = [column(s.next_positions), column(s.next_velocities)];
+        let predicted = [column(s.next_positions), next_velocities(particles, s)];
         let matrix = dense(s, &built.particles.masses);
         let zero = vec![DVec3::ZERO; VERTICES as usize];
         let residual = if context.defers_solve() { column(s.residual) } else { zero };
@@ -218,9 +219,15 @@ both_precisions! {
         let moved = contacts[known].gather(s.solution) * advance.length() as Real;
         contacts[known].velocity += moved;
         implicit_contact::resume(&context, particles, (&mut contacts, lines), known, has_begun, s, &mut work);
-        let end = [column(s.next_positions), column(s.next_velocities)];
+        let end = [column(s.next_positions), next_velocities(particles, s)];
         let solution = first.iter().zip(column(s.solution)).map(|(&a, b)| a + b).collect();
         Corrected { matrix, residual, predicted, end, solution, given, contacts, built, work }
+    }
+
+    /// The velocities after the step.
+    fn next_velocities(from: &Particles<'_>, s: &Scratch<'_>) -> Vec<DVec3> {
+        let low = from.low_velocities.iter().zip(&*s.velocity_changes).map(|(&low, &change)| low + change);
+        column(&from.velocities.iter().zip(low).map(|(&velocity, change)| velocity + change).collect::<Vec<_>>())
     }
 
     /// A, read off products with unit vectors.

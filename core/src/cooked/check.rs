@@ -171,13 +171,7 @@ fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize, 
     let implicit = scheme.method.is_implicit();
     let (rk4, bdf2) = (scheme.method == Method::Rk4, scheme.method == Method::Bdf2);
     let history = bdf2 || scheme.method == Method::ImplicitMidpoint && scheme.error.is_some();
-    let always = [
-        s.forces.len(),
-        s.next_positions.len(),
-        s.next_velocities.len(),
-        s.displacements.len(),
-        s.velocity_changes.len(),
-    ];
+    let always = [s.next_positions.len(), s.displacements.len(), s.velocity_changes.len()];
     let solve = [
         s.solution.len(),
         s.residual.len(),
@@ -193,7 +187,8 @@ fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize, 
     let measures = pins.is_some();
     ensure(s.stage_positions.low.len() == when(implicit || measures))?;
     ensure(s.stage_positions.rounded.len() == when(rk4 || implicit || measures))?;
-    ensure(s.stage_velocities.len() == when(rk4 || measures))?;
+    let has_more = scheme.method.has_more_columns();
+    ensure(are(&[s.forces.len(), s.stage_velocities.len()], when(has_more || measures)))?;
     ensure(are(&[s.previous_displacements.len(), s.previous_velocity_changes.len()], when(history)))?;
     ensure(are(&[s.base_offsets.len(), s.base_velocities.len()], when(bdf2)))?;
     ensure(s.base_residual.len() == when(implicit && scheme.newton > 1))?;
@@ -321,16 +316,7 @@ fn check_own_frames(StoredContact { model, own_frames, .. }: &StoredContact<'_>)
 
 fn check_columns(c: &ContactScratch<'_>, solids: &Solids<'_>, is_implicit: bool) -> Checked {
     let (vertices, triangles, edges) = (solids.radii.len(), solids.surface.triangles.len(), solids.surface.edges.len());
-    let of_vertices = [
-        c.start.len(),
-        c.end.len(),
-        c.displacements.len(),
-        c.corrections.len(),
-        c.rounds.len(),
-        c.zones.len(),
-        c.boxes.len(),
-        c.ends.len(),
-    ];
+    let of_vertices = [c.start.len(), c.end.len(), c.displacements.len(), c.boxes.len(), c.ends.len()];
     ensure(are(&of_vertices, vertices) && c.turns.len() == solids.bodies.len())?;
     let are_pairs = |pairs: &Pairs<'_>| are(&[pairs.distances.len(), pairs.times.len()], pairs.candidates.len());
     ensure(are_pairs(&c.vertex_triangle) && are_pairs(&c.edge_edge))?;

@@ -191,7 +191,8 @@ impl<'a> Cloth<'a> {
             particles.velocities,
             particle,
             scratch.elements,
-            scratch.forces,
+            // Of the step that failed.
+            scratch.velocity_changes,
             dispatch,
         )
     }

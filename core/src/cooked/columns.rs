@@ -102,8 +102,8 @@ columns! { Loads { constant vertices, constant parts, constant groups, constant 
 columns! { Incidence { constant offsets, constant slots } }
 
 columns! { Scratch {
-    scratch forces, scratch elements, scratch next_positions, scratch next_velocities, scratch displacements,
-    scratch velocity_changes, part stage_positions, scratch stage_velocities, scratch pin_forces,
+    scratch forces, scratch elements, scratch next_positions, scratch displacements, scratch velocity_changes,
+    part stage_positions, scratch stage_velocities, scratch pin_forces,
     scratch previous_displacements, scratch previous_velocity_changes, scratch base_offsets, scratch base_velocities,
     fresh last_step, part matrix, part assembly_map, scratch tangents, scratch solution, scratch residual,
     scratch gradient, scratch base_residual, scratch direction, scratch products, scratch preconditioned,
@@ -126,8 +126,7 @@ columns! { Surface {
 columns! { Sewn { constant offsets, constant others } }
 
 columns! { ContactScratch {
-    scratch start, scratch end, scratch displacements,
-    scratch corrections, scratch turns, scratch rounds, scratch zones, scratch boxes, scratch ends, cell searched,
+    scratch start, scratch end, scratch displacements, scratch turns, scratch boxes, scratch ends, cell searched,
     cell counts, part vertex_triangle, part edge_edge, cell lengths, scratch constraints, scratch contacts, scratch lines,
     scratch multipliers, scratch order, part grid, part kept, part room,
 } }

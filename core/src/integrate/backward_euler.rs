@@ -25,14 +25,14 @@ pub fn advance<D: Dispatch>(
         offsets: from.low_positions,
         velocities: from.velocities,
     };
-    s.next_velocities.copy_from(from.velocities);
+    s.stage_velocities.copy_from(from.velocities);
     // Newton's method finds the circle.
     if c.scheme.newton <= 1 {
         turn(c, from, s);
     }
-    c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.next_velocities);
+    c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.stage_velocities);
     newton::solve(c, &stage, s, statistics);
-    let (h, v1) = (c.step, &*s.next_velocities);
+    let (h, v1) = (c.step, &*s.stage_velocities);
     c.dispatch.run(&mut *s.displacements, |start, dx| {
         for (dx, &v) in dx.iter_mut().zip(v1.part(start..)) {
             *dx = v * h;
@@ -49,6 +49,6 @@ fn turn<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch
         let own = per_cloth::range(s.cloths, index);
         let [x, v] = [&*from.positions, &*from.velocities].map(|column| column.part(own.clone()));
         let rotation = cloth.body.rotation(c.masses.part(own.clone()), x, v);
-        rotation.turn(c.step.into(), s.next_velocities.part_mut(own));
+        rotation.turn(c.step.into(), s.stage_velocities.part_mut(own));
     }
 }

@@ -54,10 +54,10 @@ pub fn advance<D: Dispatch>(
     });
     let (offsets, velocities) = (core::mem::take(&mut s.base_offsets), core::mem::take(&mut s.base_velocities));
     let stage = ImplicitStage { length: g, positions: from.positions, offsets, velocities };
-    s.next_velocities.copy_from(velocities);
-    c.pins.prescribe(c.time_after(1.0), from, |i| dxp.at(i) * part, g, s.next_velocities);
+    s.stage_velocities.copy_from(velocities);
+    c.pins.prescribe(c.time_after(1.0), from, |i| dxp.at(i) * part, g, s.stage_velocities);
     newton::solve(c, &stage, s, statistics);
-    let (dxp, dvp, v1) = (&*s.previous_displacements, &*s.previous_velocity_changes, &*s.next_velocities);
+    let (dxp, dvp, v1) = (&*s.previous_displacements, &*s.previous_velocity_changes, &*s.stage_velocities);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
             *dx = dxp.at(i) * part + v1.at(i) * g;

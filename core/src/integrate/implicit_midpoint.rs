@@ -23,11 +23,11 @@ pub fn advance<D: Dispatch>(
         offsets: from.low_positions,
         velocities: from.velocities,
     };
-    s.next_velocities.copy_from(from.velocities);
+    s.stage_velocities.copy_from(from.velocities);
     // The mean velocity that moves a pin to its prescribed position at the end of the step.
-    c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.next_velocities);
+    c.pins.prescribe(c.time_after(1.0), from, |_| Vec3::ZERO, c.step, s.stage_velocities);
     newton::solve(c, &stage, s, statistics);
-    let (h, vm) = (c.step, &*s.next_velocities);
+    let (h, vm) = (c.step, &*s.stage_velocities);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for ((dx, dv), &vm) in dx.iter_mut().zip(dv).zip(vm.part(start..)) {
             *dx = vm * h;

@@ -11,7 +11,7 @@ use super::convex_term::NoTerm;
 use super::newton;
 use super::per_cloth::largest_root_mean_square;
 use super::stopping::Goal;
-use super::{IntegratorStatistics, Method, StepInput, bdf2};
+use super::{IntegratorStatistics, Method, StepInput, bdf2, next_velocity};
 use crate::column::Column;
 use crate::dispatch::Dispatch;
 use crate::particles::Particles;
@@ -97,12 +97,12 @@ fn write_residual<D: Dispatch>(
         Method::BackwardEuler => (false, false),
         Method::ExplicitEuler | Method::SymplecticEuler | Method::Midpoint | Method::Rk4 => (false, false),
     };
-    let (v1, dx, dv) = (&*s.next_velocities, &*s.displacements, &*s.velocity_changes);
+    let (dx, dv) = (&*s.displacements, &*s.velocity_changes);
     let part = if is_middle { 0.5 } else { 1.0 };
     s.stage_positions.write(particles.positions, particles.low_positions, (dx, part), c.dispatch);
     c.dispatch.run(&mut *s.products, |start, part| {
         for (i, v) in (start..).zip(part) {
-            *v = if is_middle { dx.at(i) / c.step } else { v1.at(i) };
+            *v = if is_middle { dx.at(i) / c.step } else { next_velocity(particles, dv, i) };
         }
     });
     c.after(part.into()).forces(s.stage_positions.view(), s.products, s.elements, s.forces, statistics);

@@ -10,7 +10,7 @@ use crate::particles::Particles;
 use crate::scratch::Scratch;
 
 /// Writes the changes in one step to `s.displacements` and `s.velocity_changes`. The state in the middle is stored in
-/// `s.next_positions` and `s.next_velocities`.
+/// `s.next_positions` and `s.stage_velocities`.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     from: &Particles<'_>,
@@ -21,15 +21,15 @@ pub fn advance<D: Dispatch>(
     let (x, v) = (&*from.positions, &*from.velocities);
     c.forces(x.into(), v, s.elements, s.forces, statistics);
     let f = &*s.forces;
-    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (xm, vm)| {
+    c.dispatch.run((&mut *s.next_positions, &mut *s.stage_velocities), |start, (xm, vm)| {
         for (i, (xm, vm)) in (start..).zip(xm.iter_mut().zip(vm)) {
             *xm = x.at(i) + v.at(i) * half;
             *vm = v.at(i) + f.at(i) * (half * w.at(i));
         }
     });
-    c.pins.impose(c.time_after(0.5), JumpSide::Before, s.next_positions, s.next_velocities);
-    c.after(0.5).forces((&*s.next_positions).into(), s.next_velocities, s.elements, s.forces, statistics);
-    let (vm, f) = (&*s.next_velocities, &*s.forces);
+    c.pins.impose(c.time_after(0.5), JumpSide::Before, s.next_positions, s.stage_velocities);
+    c.after(0.5).forces((&*s.next_positions).into(), s.stage_velocities, s.elements, s.forces, statistics);
+    let (vm, f) = (&*s.stage_velocities, &*s.forces);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
             *dx = vm.at(i) * h;

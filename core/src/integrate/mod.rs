@@ -88,6 +88,11 @@ impl Method {
     pub const fn is_implicit(self) -> bool {
         matches!(self, Self::BackwardEuler | Self::ImplicitMidpoint | Self::Bdf2)
     }
+
+    /// Whether a step has columns of forces and of velocities inside it: Euler's explicit methods need neither.
+    pub(crate) const fn has_more_columns(self) -> bool {
+        !matches!(self, Self::ExplicitEuler | Self::SymplecticEuler)
+    }
 }
 
 /// The preconditioner of conjugate gradients.
@@ -292,7 +297,7 @@ impl<D: Dispatch> StepInput<'_, D> {
     }
 }
 
-/// Computes one step from the state `from`: writes the changes of positions and velocities, and the candidate state.
+/// Computes one step from the state `from`: writes the changes of positions and velocities, and the candidate positions.
 pub fn advance<D: Dispatch>(
     c: &StepInput<'_, D>,
     from: &Particles<'_>,
@@ -312,15 +317,18 @@ pub fn advance<D: Dispatch>(
     write_next(c, from, scratch);
 }
 
-/// Writes the candidate state: `from` with the changes in the scratch columns, rounded.
+/// Writes the candidate positions: `from` with the changes in the scratch columns, rounded.
 pub(crate) fn write_next<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) {
-    let (x, v) = (&*from.positions, &*from.velocities);
-    let (low_x, low_v) = (&*from.low_positions, &*from.low_velocities);
-    let (dx, dv) = (&*s.displacements, &*s.velocity_changes);
-    c.dispatch.run((&mut *s.next_positions, &mut *s.next_velocities), |start, (x1, v1)| {
-        for (i, (x1, v1)) in (start..).zip(x1.iter_mut().zip(v1)) {
-            *x1 = x.at(i) + (low_x.at(i) + dx.at(i));
-            *v1 = v.at(i) + (low_v.at(i) + dv.at(i));
+    let (x, low, dx) = (&*from.positions, &*from.low_positions, &*s.displacements);
+    c.dispatch.run(&mut *s.next_positions, |start, part| {
+        for (i, next) in (start..).zip(part) {
+            *next = x.at(i) + (low.at(i) + dx.at(i));
         }
     });
+}
+
+/// The candidate velocity of a vertex: `from` with its change, rounded, m/s. `changes` are those of all vertices.
+#[inline]
+pub(crate) fn next_velocity(from: &Particles<'_>, changes: &[Vec3], vertex: usize) -> Vec3 {
+    from.velocities.at(vertex) + (from.low_velocities.at(vertex) + changes.at(vertex))
 }

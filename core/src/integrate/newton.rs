@@ -68,15 +68,15 @@ const ROUNDINGS: Real = 4.0;
 /// Number of step lengths that a line search tries, each half the previous one.
 const MOST_HALVINGS: u32 = 24;
 
-/// Solves the stage for `s.next_velocities`, and writes their change from vh to `s.velocity_changes`. On entry
-/// `s.next_velocities` are the guess, with the prescribed velocities of pins already set.
+/// Solves the stage for `s.stage_velocities`, and writes their change from vh to `s.velocity_changes`. On entry
+/// `s.stage_velocities` are the guess, with the prescribed velocities of pins already set.
 pub fn solve<D: Dispatch>(
     c: &StepInput<'_, D>,
     stage: &ImplicitStage<'_>,
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let (v, vh) = (&*s.next_velocities, stage.velocities);
+    let (v, vh) = (&*s.stage_velocities, stage.velocities);
     c.dispatch.run(&mut *s.velocity_changes, |start, part| {
         for (i, change) in (start..).zip(part) {
             *change = v.at(i) - vh.at(i);
@@ -95,14 +95,14 @@ fn linearized_step<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    let part = extrapolation(c, stage, s.next_velocities);
-    write_scaled(c, s.next_velocities, part, s.products);
+    let part = extrapolation(c, stage, s.stage_velocities);
+    write_scaled(c, s.stage_velocities, part, s.products);
     write_positions(c, stage, s.products, &mut s.stage_positions);
     c.forces(s.stage_positions.view(), s.products, s.elements, s.forces, statistics);
     write_matrix(c, stage, s);
     write_residual(c, stage, s);
     if part < 1.0 {
-        write_scaled(c, s.next_velocities, 1.0 - part, s.direction);
+        write_scaled(c, s.stage_velocities, 1.0 - part, s.direction);
         matrix::multiply(&s.matrix, c.masses, 0.0, s.direction, s.products, c.dispatch);
         add_scaled(c, s.products, -1.0, s.residual);
     }
@@ -126,7 +126,7 @@ fn extrapolation<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, v
     if stretch < MOST_STRETCH { part } else { 0.0 }
 }
 
-/// Linearises the forces at `s.next_velocities`, which differ from vh by `s.velocity_changes`, and writes the matrix
+/// Linearises the forces at `s.stage_velocities`, which differ from vh by `s.velocity_changes`, and writes the matrix
 /// and the residual there.
 pub(crate) fn linearize<D: Dispatch>(
     c: &StepInput<'_, D>,
@@ -134,8 +134,8 @@ pub(crate) fn linearize<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    write_positions(c, stage, s.next_velocities, &mut s.stage_positions);
-    c.forces(s.stage_positions.view(), s.next_velocities, s.elements, s.forces, statistics);
+    write_positions(c, stage, s.stage_velocities, &mut s.stage_positions);
+    c.forces(s.stage_positions.view(), s.stage_velocities, s.elements, s.forces, statistics);
     write_matrix(c, stage, s);
     write_residual(c, stage, s);
     filter_residual(c, stage, s);
@@ -158,8 +158,8 @@ fn newton_iterations<D: Dispatch>(
     let (mut target, mut rounding, mut previous): (Sum, Sum, Sum) = (0.0, 0.0, Sum::INFINITY);
     let (mut correction, mut is_exact): (Sum, bool) = (Sum::INFINITY, false);
     for iteration in 0..c.scheme.newton {
-        write_positions(c, stage, s.next_velocities, &mut s.stage_positions);
-        c.forces(s.stage_positions.view(), s.next_velocities, s.elements, s.forces, statistics);
+        write_positions(c, stage, s.stage_velocities, &mut s.stage_positions);
+        c.forces(s.stage_positions.view(), s.stage_velocities, s.elements, s.forces, statistics);
         write_residual(c, stage, s);
         filter_residual(c, stage, s);
         let norm = residual_norm(c, s.residual);
@@ -176,7 +176,7 @@ fn newton_iterations<D: Dispatch>(
         }
         previous = norm;
         if !norm.is_finite() {
-            return s.next_velocities.fill(Vec3::NAN);
+            return s.stage_velocities.fill(Vec3::NAN);
         }
         write_matrix(c, stage, s);
         rounding = rounding_norm(c, stage, s);
@@ -281,7 +281,7 @@ fn rounding_norm<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, s
         let diagonal = matrix::to_mat3(&s.matrix.blocks.at(s.matrix.offsets.at(vertex) as usize));
         let stiffness = diagonal.x_axis.x.max(diagonal.y_axis.y).max(diagonal.z_axis.z) / stage.length;
         let rounded = if SEES_ROUNDING {
-            ROUNDINGS * (longest_edge(s, vertex) + stage.length * s.next_velocities.at(vertex).abs().max_element())
+            ROUNDINGS * (longest_edge(s, vertex) + stage.length * s.stage_velocities.at(vertex).abs().max_element())
         } else {
             s.stage_positions.rounded.at(vertex).abs().max_element()
         };
@@ -333,7 +333,7 @@ fn search<D: Dispatch>(
     let rounding = 8.0 * Sum::from(Real::EPSILON) * start.abs();
     let mut scale = 1.0;
     for _ in 0..MOST_HALVINGS {
-        s.products.copy_from(s.next_velocities);
+        s.products.copy_from(s.stage_velocities);
         add_scaled(c, s.solution, scale, s.products);
         write_positions(c, stage, s.products, &mut s.stage_positions);
         let t = Sum::from(scale);
@@ -381,7 +381,7 @@ fn dissipation<D: Dispatch>(
         s.direction,
         c.dispatch,
     );
-    for (p, (&v, &y)) in s.products.iter_mut().zip(s.next_velocities.iter().zip(&*s.solution)) {
+    for (p, (&v, &y)) in s.products.iter_mut().zip(s.stage_velocities.iter().zip(&*s.solution)) {
         *p = v + y;
     }
     c.forces(s.stage_positions.view(), s.products, s.elements, s.preconditioned, statistics);
@@ -398,7 +398,7 @@ fn column_dot(a: &[Vec3], b: &[Vec3]) -> Sum {
 /// Adds a multiple of the solution to the changes, and to the velocities.
 fn add_solution<D: Dispatch>(c: &StepInput<'_, D>, stage: &ImplicitStage<'_>, scale: Real, s: &mut Scratch<'_>) {
     let (y, vh) = (&*s.solution, stage.velocities);
-    c.dispatch.run((&mut *s.velocity_changes, &mut *s.next_velocities), |start, (changes, v)| {
+    c.dispatch.run((&mut *s.velocity_changes, &mut *s.stage_velocities), |start, (changes, v)| {
         for (i, (change, v)) in (start..).zip(changes.iter_mut().zip(v)) {
             *change += y.at(i) * scale;
             *v = vh.at(i) + *change;

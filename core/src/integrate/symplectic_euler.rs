@@ -14,11 +14,12 @@ pub fn advance<D: Dispatch>(
     s: &mut Scratch<'_>,
     statistics: &mut IntegratorStatistics,
 ) {
-    c.forces((&*from.positions).into(), from.velocities, s.elements, s.forces, statistics);
-    let (h, v, f, w) = (c.step, &*from.velocities, &*s.forces, c.inverse_masses);
+    // The column of the changes first holds the forces.
+    c.forces((&*from.positions).into(), from.velocities, s.elements, s.velocity_changes, statistics);
+    let (h, v, w) = (c.step, &*from.velocities, c.inverse_masses);
     c.dispatch.run((&mut *s.displacements, &mut *s.velocity_changes), |start, (dx, dv)| {
         for (i, (dx, dv)) in (start..).zip(dx.iter_mut().zip(dv)) {
-            *dv = f.at(i) * (h * w.at(i));
+            *dv *= h * w.at(i);
             *dx = (v.at(i) + *dv) * h;
         }
     });

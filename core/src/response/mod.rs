@@ -26,7 +26,7 @@ mod work;
 use core::ops::Range;
 
 use crate::column::Column;
-use crate::contact::{ContactModel, ContactScratch, Prediction};
+use crate::contact::{ContactModel, ContactScratch, Prediction, ResponseColumns};
 use crate::dispatch::Dispatch;
 use crate::real::{Real, Vec3};
 use crate::stage::Stage;
@@ -126,7 +126,8 @@ pub fn find_impacts<D: Dispatch>(
 ) -> Result<(), usize> {
     dispatch.enter(Stage::Response);
     let near = find_near(model, prediction, scratch, step, scratch.lengths.constraints, 0.0)?;
-    let ContactScratch { start, end, displacements, turns, rounds, counts, constraints, .. } = scratch;
+    let ContactScratch { start, end, displacements, turns, boxes, counts, constraints, .. } = scratch;
+    let rounds = ResponseColumns::within(boxes).rounds;
     let mut pairs = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
     let motion = Motion { start, end, displacements, turns, rounds, round: 0, step };
     let mut list = List { all: constraints, count: near, touching: 0 };
@@ -144,8 +145,8 @@ fn find_near(
     margin: Real,
 ) -> Result<usize, usize> {
     scratch.set_motion(prediction);
-    let ContactScratch { start, end, displacements, corrections, turns, rounds, counts, constraints, order, .. } =
-        scratch;
+    let ContactScratch { start, end, displacements, turns, boxes, counts, constraints, order, .. } = scratch;
+    let ResponseColumns { corrections, rounds, .. } = ResponseColumns::within(boxes);
     corrections.fill(Vec3::ZERO);
     rounds.fill(0);
     let mut list = List { all: constraints, count: before, touching: 0 };
@@ -167,20 +168,8 @@ pub fn respond<D: Dispatch>(
     dispatch: &D,
 ) -> Result<Outcome, usize> {
     let near = find_near(model, prediction, scratch, settings.step, scratch.lengths.constraints, 0.0)?;
-    let ContactScratch {
-        start,
-        end,
-        displacements,
-        corrections,
-        turns,
-        rounds,
-        zones,
-        ends,
-        counts,
-        constraints,
-        order,
-        ..
-    } = scratch;
+    let ContactScratch { start, end, displacements, turns, boxes, ends, counts, constraints, order, .. } = scratch;
+    let ResponseColumns { corrections, rounds, zones } = ResponseColumns::within(boxes);
     let mut pairs = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
     let mut work = Work {
         model,

@@ -231,7 +231,8 @@ impl Simulation {
             &particles.velocities,
             particle,
             scratch.elements,
-            scratch.forces,
+            // Of the step that failed.
+            scratch.velocity_changes,
             dispatch,
         )
     }
