@@ -11,12 +11,12 @@ both_precisions! {
     use harness::rng::Rng;
     use muslin::cooked::{self, Cloth, CookedError, Room, cook};
     use muslin::dispatch::Serial;
-    use muslin::error::LiveError;
+    use muslin::error::{LiveError, SceneError};
     use muslin::live::Live as _;
     use muslin::integrate::{Method, Preconditioner};
-    use muslin::real::Sum;
+    use muslin::real::{Sum, Vec3};
     use muslin::response::ContactStatistics;
-    use muslin::scene::{BUILT_IN, SceneDesc};
+    use muslin::scene::{BUILT_IN, IntegratorDesc, SceneDesc};
     use muslin::simulation::{Cause, Simulation};
     use std::time::Instant;
 
@@ -64,6 +64,26 @@ both_precisions! {
         for (name, steps) in [("flag", 30), ("ball", 40), ("twist", 30), ("stack", 20), ("skirt", 10), ("swing", 30)] {
             compare(name, coarse(name, |_| ()), steps);
         }
+    }
+
+    /// Without halving, a cloth needs no copy of its state, and takes the same steps all the same.
+    #[test]
+    fn steps_that_are_not_divided_are_the_same() {
+        let of = |halving| {
+            coarse("ball", |scene| {
+                scene.integrator = IntegratorDesc { step: Some(0.01), ..Default::default() };
+                scene.contact.as_mut().expect("it has contact").halving = halving;
+            })
+        };
+        assert_eq!(compare("undivided", of(false), 40), 0);
+        let [with, without] = [true, false].map(|halving| {
+            cooked::required_bytes(&cook(&of(halving), ROOM)).expect("it is cooked")
+        });
+        let state = 4 * size_of::<Vec3>() * of(true).positions().len();
+        assert!(with >= without + state, "{with} {without}");
+        let controlled = text(7, "backward-euler", false, -0.2, false).replace("step = 0.005, ", "");
+        let refused = Simulation::new(&kit::scene(&controlled), &[]).err();
+        assert_eq!(refused, Some(SceneError::ErrorWithoutHalving));
     }
 
     #[test]
@@ -214,10 +234,10 @@ both_precisions! {
 
     /// Springs and hinges over a ball, as a microcontroller may have them.
     fn small(cells: u32, method: &str, own_contact: bool, height: f64) -> Simulation {
-        Simulation::new(&kit::scene(&text(cells, method, own_contact, height)), &[]).expect("it builds")
+        Simulation::new(&kit::scene(&text(cells, method, own_contact, height, true)), &[]).expect("it builds")
     }
 
-    fn text(cells: u32, method: &str, own_contact: bool, height: f64) -> String {
+    fn text(cells: u32, method: &str, own_contact: bool, height: f64, halving: bool) -> String {
         // The damping of the hinges limits the steps of explicit methods, by the square of the edges.
         let step = if method == "symplectic-euler" { 0.0245 / f64::from(cells * cells) } else { 0.005 };
         format!(
@@ -226,7 +246,7 @@ both_precisions! {
             duration = 1.0
             gravity = [0, -9.81, 0]
             integrator = {{ step = {step}, method = "{method}" }}
-            contact = {{ thickness = 0.01, friction = 0.3, self = {own_contact} }}
+            contact = {{ thickness = 0.01, friction = 0.3, self = {own_contact}, halving = {halving} }}
             [[collider]]
             shape = "sphere"
             center = [0, {height}, 0]
@@ -241,8 +261,9 @@ both_precisions! {
     }
 
     /// The block and the memory of a small scene that falls for half a second, bytes. The cooked cloth takes the same steps.
-    fn needs(cells: u32, method: &str, own_contact: bool, is_lean: bool) -> [usize; 2] {
-        let start = small(cells, method, own_contact, -0.16);
+    fn needs(cells: u32, method: &str, own_contact: bool, is_lean: bool, halving: bool) -> [usize; 2] {
+        let scene = kit::scene(&text(cells, method, own_contact, -0.16, halving));
+        let start = Simulation::new(&scene, &[]).expect("it builds");
         let mut run = start.clone();
         run.measure_room(is_lean);
         let steps = (0.5 / Sum::from(start.step_length())).ceil() as usize;
@@ -275,7 +296,7 @@ both_precisions! {
     #[test]
     fn edges_of_a_capsule_have_room() {
         let capsule = "[[collider]]\nshape = \"capsule\"\na = [-0.1, -0.17, 0]\nb = [0.1, -0.17, 0.02]\nradius = 0.15";
-        let mut scene = kit::scene(&format!("{}{capsule}", text(7, "symplectic-euler", false, -5.0)));
+        let mut scene = kit::scene(&format!("{}{capsule}", text(7, "symplectic-euler", false, -5.0, true)));
         scene.collider.remove(0);
         let mut sim = Simulation::new(&scene, &[]).expect("it builds");
         compare_in("capsule", sim.clone(), 400, ROOM);
@@ -285,7 +306,7 @@ both_precisions! {
 
     #[test]
     fn a_small_cloth_needs_little_memory() {
-        let [_, explicit] = needs(7, "symplectic-euler", false, true);
+        let [_, explicit] = needs(7, "symplectic-euler", false, true, true);
         println!("{}: 8 x 8 vertices, lean: {explicit} bytes", muslin::real::NAME);
         assert!(explicit < size_of::<muslin::real::Real>() << 14, "{explicit} bytes");
     }
@@ -297,11 +318,12 @@ both_precisions! {
             for (method, own_contact) in
                 [("symplectic-euler", false), ("symplectic-euler", true), ("backward-euler", true)]
             {
-                let [plain, lean] = [false, true].map(|is_lean| needs(cells, method, own_contact, is_lean));
+                let [plain, lean, least] = [(false, true), (true, true), (true, false)]
+                    .map(|(is_lean, halving)| needs(cells, method, own_contact, is_lean, halving));
                 let n = cells + 1;
                 println!(
-                    "{}: {n} x {n}, {method}, self-contact {own_contact}: block {}, memory {}, lean {}",
-                    muslin::real::NAME, plain[0], plain[1], lean[1]
+                    "{}: {n} x {n}, {method}, self-contact {own_contact}: block {}, memory {}, lean {}, not halved {}",
+                    muslin::real::NAME, plain[0], plain[1], lean[1], least[1]
                 );
             }
         }

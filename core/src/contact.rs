@@ -340,6 +340,8 @@ mod owned {
         pub thickness: Real,
         /// Whether collisions during the step are tested.
         pub continuous: bool,
+        /// Whether a step that contact cannot resolve is taken in halves.
+        pub halving: bool,
         /// The surfaces that can touch.
         pub surface: SurfaceColumns,
         /// The colliders.

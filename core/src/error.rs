@@ -225,6 +225,8 @@ pub enum SceneError {
     PinsDisagree { cloth: u32, pins: [u32; 2], vertex: u32 },
     /// The static coefficient of friction is below the kinetic one.
     StaticBelowKinetic { at_rest: f64, kinetic: f64 },
+    /// Error control needs to halve steps.
+    ErrorWithoutHalving,
     /// The scene has a collider but no contact section.
     ColliderWithoutContact,
     /// A key is missing that the shape of a collider needs.
@@ -458,6 +460,10 @@ impl fmt::Display for SceneError {
             Self::StaticBelowKinetic { at_rest, kinetic } => {
                 write!(f, "friction: static = {} is below kinetic = {}", Number(at_rest), Number(kinetic))
             }
+            Self::ErrorWithoutHalving => write!(
+                f,
+                "contact.halving = false needs steps of fixed length: give an integrator.step, and no integrator.error"
+            ),
             Self::ColliderWithoutContact => {
                 write!(f, "there is a [[collider]] but no [contact]; add [contact] with a thickness, such as 0.002")
             }

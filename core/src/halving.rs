@@ -3,7 +3,8 @@
 //! With a largest error ([`Scheme::error`](crate::integrate::Scheme::error)) the length of the substeps follows the
 //! estimated error: it is doubled where the error is below a quarter of the largest, because the error of backward
 //! Euler grows with the square of the length. The next step starts with the length of the last substep. Without a
-//! largest error, each step is first tried whole.
+//! largest error, each step is first tried whole. A scene may forbid that its steps are divided
+//! ([`ContactDesc::halving`](crate::scene::ContactDesc::halving)): then the whole step is the shortest substep.
 
 use crate::integrate::IntegratorStatistics;
 use crate::real::{Real, Sum};
@@ -13,6 +14,11 @@ use crate::response::ContactStatistics;
 /// Largest number of halvings. In the shortest substeps vertices that still collide are held back, and every error is
 /// accepted.
 pub(crate) const MOST_HALVINGS: u32 = 6;
+
+/// How often steps may be halved, if at all.
+pub(crate) fn most_halvings(divides: bool) -> u32 {
+    if divides { MOST_HALVINGS } else { 0 }
+}
 
 /// The error below which substeps get twice as long, relative to the largest one.
 const SMALL_ERROR: Real = 0.25;
@@ -33,6 +39,8 @@ pub struct Substep {
 pub(crate) struct Progress<'a> {
     /// How often the substeps are halved.
     pub halvings: &'a mut u32,
+    /// How often they may be: [`MOST_HALVINGS`], or 0 in a scene whose steps are not divided.
+    pub most: u32,
     /// The largest estimated error of a substep of this step, m.
     pub estimate: &'a mut Option<Real>,
     /// The largest error of a substep, m.
@@ -72,7 +80,7 @@ impl Division {
 
     /// The next substep, if any is left.
     pub fn next(&self, owner: &mut impl Divided) -> Option<Substep> {
-        let Progress { halvings, limit, .. } = owner.progress();
+        let Progress { halvings, most, limit, .. } = owner.progress();
         if self.done >= Self::WHOLE {
             if limit.is_none() {
                 *halvings = 0;
@@ -85,7 +93,7 @@ impl Division {
             owner.keep();
         }
         let [from, length] = [self.done, length].map(|part| Sum::from(part) / Sum::from(Self::WHOLE));
-        Some(Substep { from, length, is_last_resort: halvings == MOST_HALVINGS })
+        Some(Substep { from, length, is_last_resort: halvings == most })
     }
 
     /// Notes the result of the substep: its estimated error, m, if there is a largest one.
@@ -97,7 +105,7 @@ impl Division {
                 self.done += length;
                 progress.accept(error, self.done.is_multiple_of(2 * length));
             }
-            Err(obstacle) if *progress.halvings < MOST_HALVINGS && obstacle.cause.asks_for_shorter_step() => {
+            Err(obstacle) if *progress.halvings < progress.most && obstacle.cause.asks_for_shorter_step() => {
                 progress.halve(obstacle.cause);
             }
             Err(obstacle) => {

@@ -329,6 +329,7 @@ const fn has_a_case(error: &SceneError) -> bool {
         | PinEnds { .. }
         | PinsDisagree { .. } => true,
         StaticBelowKinetic { .. }
+        | ErrorWithoutHalving
         | ShapeNeeds { .. }
         | NotOfShape { .. }
         | NoNormal { .. }

@@ -82,7 +82,7 @@ pub(super) fn all(stored: &Stored<'_>, scheme: &Scheme) -> Checked {
         check_own_frames(contact)?;
     }
     let multipliers = contact.as_ref().map_or(0, |contact| contact.columns.multipliers.len());
-    ensure(kept.is_some() == (contact.is_some() || scheme.error.is_some()))?;
+    ensure(kept.is_some() || scheme.error.is_none())?;
     let Some(kept) = kept else { return Ok(()) };
     ensure(kept.reactions.len() == impulses)?;
     check_kept(kept, n, scratch.previous_displacements.len(), multipliers)

@@ -14,7 +14,7 @@ use crate::contact::{ContactRoom, ContactScratch};
 use crate::diagnostics;
 use crate::dispatch::Dispatch;
 use crate::error::LiveError;
-use crate::halving::{Divided, Division, Progress, Substep};
+use crate::halving::{Divided, Division, Progress, Substep, most_halvings};
 use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Scheme, StepInput};
 use crate::live::{HostForces, Owner, Parts, PartsMut, Slot};
@@ -330,6 +330,7 @@ impl Divided for Cloth<'_> {
     fn progress(&mut self) -> Progress<'_> {
         Progress {
             halvings: &mut self.halvings,
+            most: most_halvings(self.stored.kept.is_some()),
             estimate: &mut self.estimate,
             limit: self.scheme.error,
             statistics: &mut self.statistics,

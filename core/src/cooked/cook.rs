@@ -65,7 +65,7 @@ pub fn cook(simulation: &Simulation, room: Room) -> Vec<u8> {
     let (mut measured, mut kept_impulses) = (impulses.clone(), impulses);
     let mut columns =
         built.contact.as_ref().map(|contact| ContactScratchColumns::fit(&contact.view(), room, is_implicit));
-    let divides = built.contact.is_some() || scheme.error.is_some();
+    let divides = built.divides(scheme.error);
     let mut copy: [Vec<Vec3>; 4] = [(); 4].map(|()| built.particles.positions.clone());
     let mut copy_before: [Vec<Vec3>; 2] = [(); 2].map(|()| scratch.previous_displacements.clone());
     let mut multipliers =

@@ -9,7 +9,7 @@ use crate::colliders::{Body, Drive};
 use crate::column::Column;
 use crate::error::LiveError;
 use crate::forces::load::VertexForce;
-use crate::halving::MOST_HALVINGS;
+use crate::halving::most_halvings;
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::IntegratorStatistics;
 use crate::integrate::pins::NO_CARRIER;
@@ -96,7 +96,7 @@ impl Cloth<'_> {
         let fits = plain.checksum == checksum(to.part(8..))
             && (plain.scene, plain.step) == (own.scene, own.step)
             && (plain.origin, plain.method) == (own.origin, own.method)
-            && plain.halvings <= if self.stored.kept.is_some() { MOST_HALVINGS } else { 0 }
+            && plain.halvings <= most_halvings(self.stored.kept.is_some())
             && plain.counts().all(|count| count < check::MOST_STEPS)
             && self.accepts(&plain, columns_of_it);
         if !fits {

@@ -33,7 +33,7 @@ pub(crate) struct Stored<'a> {
     pub forces: &'a mut [VertexForce],
     /// Impulses of the colliders; absent: they are not measured.
     pub reactions: Option<Reactions<'a>>,
-    /// Columns for a step that is divided; absent: it never is.
+    /// Columns for a step that is divided; absent: no step is.
     pub kept: Option<Kept<'a>>,
 }
 

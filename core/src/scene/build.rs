@@ -83,6 +83,11 @@ impl BuiltScene {
             + self.contact.as_ref().map_or(0, ContactColumns::bytes)
     }
 
+    /// Whether steps may be divided: to resolve contact, or by error control with a largest error.
+    pub(crate) fn divides(&self, error: Option<Real>) -> bool {
+        error.is_some() || self.contact.as_ref().is_some_and(|contact| contact.halving)
+    }
+
     /// Harmonic mean of the rest lengths of all edges, m. Contact and rounding disturb short edges first, and in this mean
     /// they count most.
     pub fn mean_edge(&self) -> Sum {

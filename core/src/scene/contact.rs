@@ -27,6 +27,18 @@ pub struct ContactDesc {
     /// Whether impacts during the step are detected. Without it, only proximity keeps surfaces apart.
     #[cfg_attr(feature = "serde", serde(default = "yes"))]
     pub continuous: bool,
+    /// Whether a step in which surfaces would pass through each other is taken in two halves, each of which may be halved
+    /// again. Otherwise vertices that would collide are held back at once. This bounds the work of a step, and a cooked
+    /// scene needs no copy of its state. Error control divides steps too, and excludes it.
+    #[cfg_attr(feature = "serde", serde(default = "yes"))]
+    pub halving: bool,
+}
+
+impl ContactDesc {
+    /// The defaults of a scene file, with a thickness, m.
+    pub fn of(thickness: f64) -> Self {
+        Self { thickness, friction: FrictionDesc::default(), own: true, continuous: true, halving: true }
+    }
 }
 
 /// Coefficients of friction. A scene may give a single number for the static and the kinetic one.
@@ -78,9 +90,13 @@ pub(super) fn columns(
     let Some(contact) = &scene.contact else {
         return if scene.collider.is_empty() { Ok(None) } else { Err(SceneError::ColliderWithoutContact) };
     };
+    if !contact.halving && scene.integrator.error().is_some() {
+        return Err(SceneError::ErrorWithoutHalving);
+    }
     let mut columns = ContactColumns {
         thickness: positive("contact.thickness", contact.thickness)? as Real,
         continuous: contact.continuous,
+        halving: contact.halving,
         laws: vec![contact.friction.law("contact.friction")?],
         ..ContactColumns::default()
     };

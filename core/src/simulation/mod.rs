@@ -14,7 +14,7 @@ use crate::dispatch::{Dispatch, Serial, block_on};
 use crate::error::SceneError;
 use crate::forces::load::VertexForce;
 use crate::forces::{Energy, Model};
-use crate::halving::{Division, MOST_HALVINGS};
+use crate::halving::{Division, most_halvings};
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::pins::Pins;
 use crate::integrate::{IntegratorStatistics, Method, Scheme};
@@ -141,7 +141,8 @@ impl Simulation {
         let scratch = ScratchColumns::build(&built, &scheme);
         let room = PAIRS_PER_VERTEX * built.particles.positions.len();
         let contact = built.contact.as_ref().map(|contact| ContactScratchColumns::build(&contact.view(), room));
-        let kept = (contact.is_some() || scheme.error.is_some())
+        let kept = built
+            .divides(scheme.error)
             .then(|| Kept::build(&built.particles.positions, &scratch.previous_displacements, room / 8));
         let meshes = cooked::checksum(bytemuck::cast_slice(&built.triangles));
         // Material coordinates are needed only to cut the patches of the solver.
@@ -561,7 +562,7 @@ impl Simulation {
         let fits = state.positions.len() == count
             && state.velocities.len() == count
             && state.low.iter().all(|low| low.len() == count)
-            && state.halvings <= MOST_HALVINGS
+            && state.halvings <= most_halvings(self.built.divides(self.scheme.error))
             && state.previous[1].len() == history
             && (history == 0 || history == self.scratch.previous_displacements.len())
             && self.contact.as_mut().is_none_or(|contact| contact.grow_constraints(state.multipliers.len()));

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::{Simulation, State};
 use crate::contact::ContactScratchColumns;
 use crate::dispatch::Dispatch;
-use crate::halving::{Divided, Progress, Substep};
+use crate::halving::{Divided, Progress, Substep, most_halvings};
 use crate::implicit_contact::multiplier::Multiplier;
 use crate::integrate::StepInput;
 use crate::live::Owner as _;
@@ -49,6 +49,7 @@ impl Divided for Simulation {
     fn progress(&mut self) -> Progress<'_> {
         Progress {
             halvings: &mut self.halvings,
+            most: most_halvings(self.built.divides(self.scheme.error)),
             estimate: &mut self.estimate,
             limit: self.scheme.error,
             statistics: &mut self.statistics,
