@@ -8,6 +8,7 @@ use crate::column::Column;
 use crate::geometry::aabb::Aabb;
 use crate::implicit_contact::augmented_contact::{AugmentedContact, ContactLines};
 use crate::implicit_contact::multiplier::Multiplier;
+use crate::inverse_masses::InverseMasses;
 use crate::keys::Key;
 use crate::narrow_phase::time_of_impact::StoredTime;
 use crate::real::{Real, Vec3};
@@ -32,8 +33,8 @@ pub struct ContactModel<'a> {
     pub material: &'a [Vec3],
     /// Radius around each vertex, m; not zero only for spheres and capsules.
     pub radii: &'a [Real],
-    /// Inverse mass of each vertex along each axis, 1/kg; 0 for held axes and colliders.
-    pub inverse_masses: &'a [Vec3],
+    /// The inverse masses.
+    pub inverse_masses: InverseMasses<'a>,
     /// Index of each vertex's law of friction; a contact follows the larger.
     pub law_of: &'a [u32],
     /// The laws.
@@ -70,8 +71,10 @@ pub struct Solids<'a> {
     pub material: &'a [Vec3],
     /// m.
     pub radii: &'a [Real],
-    /// 1/kg.
-    pub inverse_masses: &'a mut [Vec3],
+    /// 1/kg; zero for colliders.
+    pub inverse_masses: &'a [Real],
+    /// Bits of the held axes of each vertex.
+    pub held: &'a mut [u8],
     /// Index of each vertex's law.
     pub law_of: &'a [u32],
     /// The laws.
@@ -81,7 +84,7 @@ pub struct Solids<'a> {
 impl Solids<'_> {
     /// The same columns for a shorter time.
     pub fn reborrow(&mut self) -> Solids<'_> {
-        Solids { bodies: self.bodies, frames: self.frames, inverse_masses: self.inverse_masses, ..*self }
+        Solids { bodies: self.bodies, frames: self.frames, held: self.held, ..*self }
     }
 
     /// The colliders, to read.
@@ -99,7 +102,7 @@ impl Solids<'_> {
             firsts: self.firsts,
             material: self.material,
             radii: self.radii,
-            inverse_masses: self.inverse_masses,
+            inverse_masses: InverseMasses { along_free: self.inverse_masses, held: self.held },
             law_of: self.law_of,
             laws: self.laws,
         }
@@ -323,8 +326,8 @@ mod owned {
     use alloc::vec::Vec;
 
     use super::{
-        Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactRoom, ContactScratch, Counts, Law,
-        Lengths, Multiplier, Pairs, Real, Searched, Solids, StoredTime, Surface, Vec3,
+        Aabb, AugmentedContact, Constraint, ContactLines, ContactModel, ContactRoom, ContactScratch, Counts,
+        InverseMasses, Law, Lengths, Multiplier, Pairs, Real, Searched, Solids, StoredTime, Surface, Vec3,
     };
     use crate::audit::RoomColumns;
     use crate::broad_phase::GridColumns;
@@ -352,8 +355,10 @@ mod owned {
         pub material: Vec<Vec3>,
         /// m.
         pub radii: Vec<Real>,
-        /// 1/kg.
-        pub inverse_masses: Vec<Vec3>,
+        /// 1/kg; zero for colliders.
+        pub inverse_masses: Vec<Real>,
+        /// Bits of the held axes of each vertex.
+        pub held: Vec<u8>,
         /// Index of each vertex's law.
         pub law_of: Vec<u32>,
         /// The laws.
@@ -371,7 +376,7 @@ mod owned {
                 firsts: &self.firsts,
                 material: &self.material,
                 radii: &self.radii,
-                inverse_masses: &self.inverse_masses,
+                inverse_masses: InverseMasses { along_free: &self.inverse_masses, held: &self.held },
                 law_of: &self.law_of,
                 laws: &self.laws,
             }
@@ -391,7 +396,8 @@ mod owned {
                 firsts: &self.firsts,
                 material: &self.material,
                 radii: &self.radii,
-                inverse_masses: &mut self.inverse_masses,
+                inverse_masses: &self.inverse_masses,
+                held: &mut self.held,
                 law_of: &self.law_of,
                 laws: &self.laws,
             }
@@ -405,6 +411,7 @@ mod owned {
                 + size_of_val(&self.material[..])
                 + size_of_val(&self.radii[..])
                 + size_of_val(&self.inverse_masses[..])
+                + size_of_val(&self.held[..])
                 + size_of_val(&self.law_of[..])
                 + size_of_val(&self.laws[..])
         }

@@ -32,7 +32,7 @@
 //!     both.
 //!
 //! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time),
-//! [`rigid_body`] (a cloth as if it were rigid), `column` and `quicksort` (access to columns, and a sort, that cannot
+//! [`rigid_body`] (a cloth as if it were rigid), [`inverse_masses`] (for contact), `column` and `quicksort` (access to columns, and a sort, that cannot
 //! panic), [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over time), [`error`], [`stage`] (names
 //! of the stages, for hosts that measure time) and [`traffic`] (bytes that each stage streams).
 //!
@@ -104,6 +104,7 @@ pub mod particles;
 pub mod forces;
 
 pub mod integrate;
+pub mod inverse_masses;
 
 pub mod geometry;
 

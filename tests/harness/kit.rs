@@ -368,13 +368,14 @@ macro_rules! kit {
                         from.push(vec3(x.to_array()));
                         to.push(vec3((x + d).to_array()));
                         masses.push(*mass);
-                        contact.inverse_masses.push(Vec3::splat((1.0 / mass) as Real));
+                        contact.inverse_masses.push((1.0 / mass) as Real);
                     }
                 }
-                for &(vertex, axis) in held {
-                    contact.inverse_masses[vertex][axis] = 0.0;
-                }
                 let count = from.len();
+                contact.held = vec![0; count];
+                for &(vertex, axis) in held {
+                    contact.held[vertex] |= 1 << axis;
+                }
                 contact.firsts.push(count as u32);
                 contact.surface = SurfaceColumns::build(count, &triangles, &[]);
                 contact.material = from.clone();

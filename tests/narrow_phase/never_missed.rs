@@ -101,7 +101,8 @@ harness::both_precisions! {
                 surface: surface(pair),
                 material: vec![Vec3::ZERO; 4],
                 radii: vec![0.0; 4],
-                inverse_masses: vec![Vec3::ONE; 4],
+                inverse_masses: vec![1.0; 4],
+                held: vec![0; 4],
                 law_of: vec![0; 4],
                 ..ContactColumns::default()
             };

@@ -16,6 +16,7 @@ const FRICTION: [[f64; 2]; 3] = [[0.0, 0.0], [0.4, 0.4], [0.8, 0.3]];
 both_precisions! {
     use super::{FRICTION, PAIRS};
     use glam::DVec3;
+    use muslin::inverse_masses::InverseMasses;
     use muslin::narrow_phase::Contact;
     use muslin::real::{Real, Vec3, to_f64, vec3};
     use muslin::response::constraint::{self, Constraint};
@@ -43,7 +44,8 @@ both_precisions! {
         contact: Contact,
         target: Real,
         /// 1/kg.
-        inverse_masses: [Vec3; VERTICES],
+        inverse_masses: [Real; VERTICES],
+        held: [u8; VERTICES],
         moves: Vec<Vec3>,
     }
 
@@ -56,9 +58,9 @@ both_precisions! {
             } else {
                 [1.0 - a, a, b - 1.0, -b]
             };
-            let inverse_masses: [Vec3; VERTICES] = std::array::from_fn(|_| {
-                let inverse = 1.0 / rng.magnitude(1e-4, 1e-1);
-                vec3([0; 3].map(|_| if rng.between(0.0, 1.0) < held { 0.0 } else { inverse }))
+            let inverse_masses = std::array::from_fn(|_| (1.0 / rng.magnitude(1e-4, 1e-1)) as Real);
+            let axes = std::array::from_fn(|_| {
+                (0..3).map(|axis| u8::from(rng.between(0.0, 1.0) < held) << axis).sum()
             });
             Self {
                 contact: Contact {
@@ -69,8 +71,13 @@ both_precisions! {
                 },
                 target: rng.between(0.0, 2e-3) as Real,
                 inverse_masses,
+                held: axes,
                 moves: (0..VERTICES).map(|_| vec3(rng.cube(0.02).into())).collect(),
             }
+        }
+
+        fn mobility(&self) -> InverseMasses<'_> {
+            InverseMasses { along_free: &self.inverse_masses, held: &self.held }
         }
 
         fn missing(&self, moves: &[Vec3]) -> f64 {
@@ -88,7 +95,7 @@ both_precisions! {
         /// Impulses along and across the normal, and the displacements after.
         fn closed_form(&self, [at_rest, kinetic]: [f64; 2]) -> (f64, DVec3, Vec<DVec3>) {
             let normal = wide(self.contact.normal);
-            let give = |v: usize, impulse: DVec3| impulse * wide(self.inverse_masses[v]);
+            let give = |v: usize, impulse: DVec3| impulse * wide(self.mobility().at(v));
             let inverse_mass = |along: DVec3| self.parts().map(|(v, w)| w * w * along.dot(give(v, along))).sum::<f64>();
             let mut moves = column(&self.moves);
             let pushed = match inverse_mass(normal) {
@@ -110,9 +117,9 @@ both_precisions! {
 
         /// Solves once and compares.
         fn check(&self, mu: [f64; 2], worst: &mut Worst) {
-            let mut constraint = Constraint::new(self.contact, self.target, grip(mu), &self.inverse_masses, MOST_LEVER_RATIO);
+            let mut constraint = Constraint::new(self.contact, self.target, grip(mu), &self.mobility(), MOST_LEVER_RATIO);
             let mut moves = self.moves.clone();
-            constraint::solve(&mut constraint, &self.inverse_masses, &mut moves);
+            constraint::solve(&mut constraint, &self.mobility(), &mut moves);
             let (pushed, rubbed, want) = self.closed_form(mu);
             let place = || format!("friction {mu:?}, {:?}, target {}", self.contact, self.target);
             let scale = (self.missing(&self.moves).abs() + self.relative(&self.moves).length()) / f64::from(constraint.inverse_mass);
@@ -132,7 +139,7 @@ both_precisions! {
                 let mut rng = Rng::new(31);
                 for _ in 0..PAIRS {
                     let meeting = Meeting::random(&mut rng, held);
-                    if Constraint::new(meeting.contact, 0.0, FrictionCoefficients::default(), &meeting.inverse_masses, MOST_LEVER_RATIO).inverse_mass == 0.0 {
+                    if Constraint::new(meeting.contact, 0.0, FrictionCoefficients::default(), &meeting.mobility(), MOST_LEVER_RATIO).inverse_mass == 0.0 {
                         continue;
                     }
                     // What decides between sticking and sliding must not be rounding.
@@ -152,10 +159,10 @@ both_precisions! {
         let mut pushed = 0;
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.0);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.4]), &meeting.inverse_masses, MOST_LEVER_RATIO);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.4]), &meeting.mobility(), MOST_LEVER_RATIO);
             let mut moves = meeting.moves.clone();
             let mut solve = |moves: &mut [Vec3]| {
-                constraint::solve(&mut constraint, &meeting.inverse_masses, moves)
+                constraint::solve(&mut constraint, &meeting.mobility(), moves)
             };
             let (_, moved) = solve(&mut moves);
             if !moved {
@@ -181,15 +188,15 @@ both_precisions! {
         let mut rng = Rng::new(33);
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.0);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.8, 0.3]), &meeting.inverse_masses, MOST_LEVER_RATIO);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.8, 0.3]), &meeting.mobility(), MOST_LEVER_RATIO);
             let mut moves = meeting.moves.clone();
-            constraint::solve(&mut constraint, &meeting.inverse_masses, &mut moves);
-            let gained = (0..VERTICES).map(|v| (wide(moves[v]) - wide(meeting.moves[v])) / f64::from(meeting.inverse_masses[v].x));
+            constraint::solve(&mut constraint, &meeting.mobility(), &mut moves);
+            let gained = (0..VERTICES).map(|v| (wide(moves[v]) - wide(meeting.moves[v])) / f64::from(meeting.mobility().at(v).x));
             let sum: DVec3 = gained.sum();
             let impulse = wide(constraint.friction_impulse).length() + f64::from(constraint.normal_impulse);
             if impulse > 0.0 {
                 // Displacements of heavy vertices round their small change.
-                let rounding: f64 = (0..VERTICES).map(|v| wide(meeting.moves[v]).length() / f64::from(meeting.inverse_masses[v].x)).sum();
+                let rounding: f64 = (0..VERTICES).map(|v| wide(meeting.moves[v]).length() / f64::from(meeting.mobility().at(v).x)).sum();
                 worst.see(sum.length() / (impulse + rounding), || format!("{:?}: {sum} of {impulse} kg m", meeting.contact));
             }
         }
@@ -204,9 +211,9 @@ both_precisions! {
             // Of every other pair everything is held.
             let held = if k % 2 == 0 { 0.5 } else { 1.0 };
             let meeting = Meeting::random(&mut rng, held);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.5, 0.5]), &meeting.inverse_masses, MOST_LEVER_RATIO);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.5, 0.5]), &meeting.mobility(), MOST_LEVER_RATIO);
             let mut moves = meeting.moves.clone();
-            let (_, moved) = constraint::solve(&mut constraint, &meeting.inverse_masses, &mut moves);
+            let (_, moved) = constraint::solve(&mut constraint, &meeting.mobility(), &mut moves);
             let what = format!("{} {:?}, target {}", muslin::real::NAME, meeting.contact, meeting.target);
             assert!(constraint.normal_impulse >= 0.0, "{what}: pulls by {} kg m", constraint.normal_impulse);
             if meeting.missing(&meeting.moves) < -1e-6 || held == 1.0 {
@@ -216,7 +223,7 @@ both_precisions! {
                 assert_eq!(constraint.friction_impulse, Vec3::ZERO, "{what}: friction without pressure");
             }
             for (v, axis) in (0..VERTICES).flat_map(|v| [0, 1, 2].map(|axis| (v, axis))) {
-                if meeting.inverse_masses[v][axis] == 0.0 || !meeting.contact.vertices.contains(&(v as u32)) {
+                if meeting.mobility().at(v)[axis] == 0.0 || !meeting.contact.vertices.contains(&(v as u32)) {
                     axes += 1;
                     assert_eq!(moves[v][axis], meeting.moves[v][axis], "{what}: vertex {v} is held along axis {axis}");
                 }
@@ -233,9 +240,9 @@ both_precisions! {
         let mut pushed = 0;
         for _ in 0..PAIRS {
             let meeting = Meeting::random(&mut rng, 0.1);
-            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.2]), &meeting.inverse_masses, MOST_LEVER_RATIO);
+            let mut constraint = Constraint::new(meeting.contact, meeting.target, grip([0.4, 0.2]), &meeting.mobility(), MOST_LEVER_RATIO);
             let mut moves = meeting.moves.clone();
-            constraint::solve(&mut constraint, &meeting.inverse_masses, &mut moves);
+            constraint::solve(&mut constraint, &meeting.mobility(), &mut moves);
             if constraint.normal_impulse <= 0.0 {
                 continue;
             }
@@ -248,7 +255,7 @@ both_precisions! {
             };
             part(&mut moves);
             let furthest = column(&moves).iter().map(|v| v.length()).fold(0.0, f64::max);
-            constraint::solve(&mut constraint, &meeting.inverse_masses, &mut moves);
+            constraint::solve(&mut constraint, &meeting.mobility(), &mut moves);
             let what = format!("{} {:?}", muslin::real::NAME, before);
             assert_eq!(constraint.normal_impulse, 0.0, "{what}: still pushes what is parted");
             assert_eq!(constraint.friction_impulse, Vec3::ZERO, "{what}: still rubs what is parted");

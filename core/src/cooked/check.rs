@@ -274,7 +274,7 @@ fn check_surface(surface: &Surface<'_>, vertices: usize) -> Checked {
 
 fn check_solids(solids: &Solids<'_>, n: usize) -> Checked {
     let vertices = n + solids.anchors.len();
-    let lengths = [solids.radii.len(), solids.inverse_masses.len(), solids.law_of.len()];
+    let lengths = [solids.radii.len(), solids.inverse_masses.len(), solids.held.len(), solids.law_of.len()];
     ensure(are(&lengths, vertices) && solids.material.len() == n && all_below(solids.law_of, solids.laws.len()))?;
     let firsts = solids.firsts;
     ensure(

@@ -71,7 +71,8 @@ columns! { PinSlots {
 columns! { StoredContact { part model, part columns, constant own_frames } }
 columns! { Solids {
     value thickness, flag continuous, part surface, state bodies, constant anchors, constant keys, state frames,
-    constant firsts, constant material, constant radii, state inverse_masses, constant law_of, constant laws,
+    constant firsts, constant material, constant radii, constant inverse_masses, state held, constant law_of,
+    constant laws,
 } }
 columns! { Kept {
     scratch positions, scratch velocities, scratch low_positions, scratch low_velocities, scratch previous_displacements,

@@ -75,7 +75,7 @@ pub fn add_impulses(scratch: &ContactScratch<'_>, step: Real, out: &mut [Vec3]) 
 pub fn write_impulses(model: &ContactModel<'_>, scratch: &mut ContactScratch<'_>, length: Real) {
     for constraint in scratch.constraints.part_mut(..scratch.lengths.constraints) {
         let Constraint { contact, target, roll, coefficients, .. } = *constraint;
-        let fresh = Constraint::new(contact, target, coefficients, model.inverse_masses, MOST_LEVER_RATIO);
+        let fresh = Constraint::new(contact, target, coefficients, &model.inverse_masses, MOST_LEVER_RATIO);
         *constraint = Constraint { roll, ..fresh };
     }
     for solved in scratch.contacts.part(..scratch.lengths.contacts) {

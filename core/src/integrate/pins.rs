@@ -253,14 +253,6 @@ impl Pins<'_> {
         }
     }
 
-    /// Writes the inverse mass along each axis for contact, 1/kg; 0 along held axes.
-    pub fn write_inverse_masses(&self, of_particles: &[Real], out: &mut [Vec3]) {
-        for (out, &inverse_mass) in out.iter_mut().zip(of_particles) {
-            *out = Vec3::splat(inverse_mass);
-        }
-        self.filter(out);
-    }
-
     /// Replaces the held axes of the diagonal blocks by the identity, `S A S + I - S`.
     pub fn filter_diagonal(&self, blocks: &mut [Mat3]) {
         for (&vertex, &axes) in self.vertices.iter().zip(self.axes) {

@@ -4,7 +4,6 @@
 use glam::DVec3;
 
 use super::parts::{Parts, PartsMut};
-use crate::column::Column;
 use crate::error::{LiveError, checked_vector};
 use crate::real::{Sum, Vec3, to_f64, vec3};
 use crate::work_done;
@@ -111,8 +110,7 @@ impl PartsMut<'_> {
         let pins = &self.pins.carried_by(Default::default());
         pins.write_held(self.held);
         if let Some(solids) = &mut self.solids {
-            let cloth = solids.inverse_masses.part_mut(..self.particles.inverse_masses.len());
-            pins.write_inverse_masses(self.particles.inverse_masses, cloth);
+            pins.write_held(solids.held);
         }
     }
 }

@@ -4,6 +4,7 @@
 
 use super::friction::FrictionCoefficients;
 use crate::column::Column;
+use crate::inverse_masses::InverseMasses;
 use crate::narrow_phase::Contact;
 use crate::quicksort;
 use crate::real::{Flag, Real, Vec3, sqrt};
@@ -38,7 +39,7 @@ impl Constraint {
         contact: Contact,
         target: Real,
         coefficients: FrictionCoefficients,
-        inverse_masses: &[Vec3],
+        inverse_masses: &InverseMasses<'_>,
         lever_ratio: Real,
     ) -> Self {
         let inverse_mass = movable_inverse_mass(&contact, inverse_masses, lever_ratio);
@@ -80,7 +81,7 @@ pub fn vertices(constraints: &[Constraint], index: u32) -> [u32; 4] {
 
 /// The inverse mass along the normal. It is 0 if a vertex would have to move more than `lever_ratio` times as far as
 /// the contact, as beside a pin.
-fn movable_inverse_mass(contact: &Contact, inverse_masses: &[Vec3], lever_ratio: Real) -> Real {
+fn movable_inverse_mass(contact: &Contact, inverse_masses: &InverseMasses<'_>, lever_ratio: Real) -> Real {
     let total = inverse_mass(contact, contact.normal, inverse_masses);
     let gives = |(&v, weight): (&u32, Real)| (contact.normal * inverse_masses.at(v as usize) * weight).length_squared();
     let farthest = contact.vertices.iter().zip(contact.weights).map(gives).fold(0.0, Real::max);
@@ -88,7 +89,7 @@ fn movable_inverse_mass(contact: &Contact, inverse_masses: &[Vec3], lever_ratio:
 }
 
 /// sum W^2 u . C u along a unit vector u, 1/kg.
-pub fn inverse_mass(contact: &Contact, along: Vec3, inverse_masses: &[Vec3]) -> Real {
+pub fn inverse_mass(contact: &Contact, along: Vec3, inverse_masses: &InverseMasses<'_>) -> Real {
     let parts = contact.vertices.iter().zip(contact.weights);
     parts.map(|(&v, weight)| weight * weight * along.dot(along * inverse_masses.at(v as usize))).sum()
 }
@@ -103,7 +104,7 @@ pub fn weighted(contact: &Contact, column: &[Vec3]) -> Vec3 {
 
 /// Adds an impulse (times the step) to the displacements.
 #[inline]
-pub fn apply_impulse(contact: &Contact, impulse: Vec3, inverse_masses: &[Vec3], displacements: &mut [Vec3]) {
+pub fn apply_impulse(contact: &Contact, impulse: Vec3, inverse_masses: &InverseMasses<'_>, displacements: &mut [Vec3]) {
     for (&v, weight) in contact.vertices.iter().zip(contact.weights) {
         displacements.add(v as usize, impulse * inverse_masses.at(v as usize) * weight);
     }
@@ -111,7 +112,11 @@ pub fn apply_impulse(contact: &Contact, impulse: Vec3, inverse_masses: &[Vec3], 
 
 /// Solves one constraint with friction for the present displacements. Returns its violation, m, and whether a vertex
 /// moved.
-pub fn solve(constraint: &mut Constraint, inverse_masses: &[Vec3], displacements: &mut [Vec3]) -> (Real, bool) {
+pub fn solve(
+    constraint: &mut Constraint,
+    inverse_masses: &InverseMasses<'_>,
+    displacements: &mut [Vec3],
+) -> (Real, bool) {
     let Constraint { contact, inverse_mass: along, .. } = *constraint;
     if along <= 0.0 {
         return (0.0, false);
@@ -134,7 +139,7 @@ pub fn solve(constraint: &mut Constraint, inverse_masses: &[Vec3], displacements
 }
 
 /// The change of the friction impulse for a sliding displacement.
-fn friction_change(constraint: &mut Constraint, sliding: Vec3, inverse_masses: &[Vec3]) -> Vec3 {
+fn friction_change(constraint: &mut Constraint, sliding: Vec3, inverse_masses: &InverseMasses<'_>) -> Vec3 {
     let size = sqrt(sliding.length_squared());
     let across = if size > 0.0 { inverse_mass(&constraint.contact, sliding / size, inverse_masses) } else { 0.0 };
     let needed =

@@ -4,6 +4,7 @@
 use super::constraint::Constraint;
 use super::work::{Work, relax};
 use crate::column::Column;
+use crate::inverse_masses::InverseMasses;
 use crate::quicksort;
 use crate::real::{Real, Vec3};
 
@@ -15,7 +16,7 @@ const LEFT: Real = 0.02;
 /// Solves the zones of the impacts.
 pub(crate) fn resolve(work: &mut Work<'_>) {
     let Work { model, list, first, motion, zones, order, statistics, .. } = work;
-    let (constraints, inverse_masses) = (list.all.part_mut(..list.count), model.inverse_masses);
+    let (constraints, inverse_masses) = (list.all.part_mut(..list.count), &model.inverse_masses);
     for (v, zone) in zones.iter_mut().enumerate() {
         *zone = v as u32;
     }
@@ -46,7 +47,7 @@ pub(crate) fn resolve(work: &mut Work<'_>) {
     statistics.zones += roots.iter().filter(|&&root| before.replace(root) != Some(root)).count() as u64;
 }
 
-fn movable(inverse_masses: &[Vec3], vertex: u32) -> bool {
+fn movable(inverse_masses: &InverseMasses<'_>, vertex: u32) -> bool {
     inverse_masses.at(vertex as usize) != Vec3::ZERO
 }
 
@@ -63,12 +64,12 @@ fn root(zones: &mut [u32], vertex: u32) -> u32 {
     }
 }
 
-fn root_of(zones: &mut [u32], constraint: &Constraint, inverse_masses: &[Vec3]) -> Option<u32> {
+fn root_of(zones: &mut [u32], constraint: &Constraint, inverse_masses: &InverseMasses<'_>) -> Option<u32> {
     let found = constraint.contact.vertices.into_iter().find(|&v| movable(inverse_masses, v));
     found.map(|v| root(zones, v))
 }
 
-fn join(zones: &mut [u32], constraint: &Constraint, inverse_masses: &[Vec3]) {
+fn join(zones: &mut [u32], constraint: &Constraint, inverse_masses: &InverseMasses<'_>) {
     let Some(zone) = root_of(zones, constraint, inverse_masses) else { return };
     let mut low = zone;
     for v in constraint.contact.vertices {

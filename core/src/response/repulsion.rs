@@ -172,7 +172,7 @@ pub(crate) fn constraint(
     let relative = constraint::weighted(&contact, motion.displacements) + roll;
     let sliding = relative - contact.normal * contact.normal.dot(relative);
     let coefficients = model.laws.at(law as usize).coefficients(sqrt(sliding.length_squared()) / motion.step);
-    Constraint { roll, ..Constraint::new(contact, target, coefficients, model.inverse_masses, lever_ratio) }
+    Constraint { roll, ..Constraint::new(contact, target, coefficients, &model.inverse_masses, lever_ratio) }
 }
 
 /// The part of a `distance` that a pair can keep, m. Neighbours on one sheet may be nearer in its material.
@@ -205,7 +205,7 @@ pub(crate) fn repel(work: &mut Work<'_>) {
 /// Removes a part of each overlap.
 pub(crate) fn separate(work: &mut Work<'_>) {
     let Work { model, list, near, motion, corrections, .. } = work;
-    let ContactModel { thickness, inverse_masses, .. } = **model;
+    let ContactModel { thickness, ref inverse_masses, .. } = **model;
     for _ in 0..SEPARATION_SWEEPS {
         for constraint in list.all.part(..*near) {
             let (contact, along) = (constraint.contact, constraint.inverse_mass);

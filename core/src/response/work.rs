@@ -139,7 +139,7 @@ pub(crate) fn relax(
             let Some(constraint) = constraints.element_mut(index) else { continue };
             let is_solved = constraint.is_solved.is_set() && constraint.is_within(tolerance, motion.displacements);
             constraint.is_solved = is_solved.into();
-            let (violation, moved) = constraint::solve(constraint, model.inverse_masses, motion.displacements);
+            let (violation, moved) = constraint::solve(constraint, &model.inverse_masses, motion.displacements);
             worst = worst.max(violation.abs());
             if moved {
                 motion.mark(constraint);

@@ -9,7 +9,7 @@ use super::{Resource, SceneDesc, collider};
 use crate::contact::ContactColumns;
 use crate::error::SceneError;
 use crate::mesh::ownership::SurfaceColumns;
-use crate::real::{Real, Vec3, vec3};
+use crate::real::{Real, vec3};
 use crate::response::friction::Law;
 
 /// Contact between all surfaces of a scene.
@@ -113,8 +113,10 @@ pub(super) fn columns(
     let (cloth, colliders) = (built.particles.positions.len(), columns.colliders.anchors.len());
     columns.firsts = built.cloths.iter().map(|range| range.vertices.start).chain([cloth as u32]).collect();
     columns.material = built.material.iter().map(|&x| vec3(x.into())).collect();
-    columns.inverse_masses = vec![Vec3::ZERO; cloth + colliders];
-    built.pins.view().write_inverse_masses(&built.particles.inverse_masses, &mut columns.inverse_masses[..cloth]);
+    columns.inverse_masses.clone_from(&built.particles.inverse_masses);
+    columns.inverse_masses.resize(cloth + colliders, 0.0);
+    columns.held = vec![0; cloth + colliders];
+    built.pins.view().write_held(&mut columns.held);
     columns.radii = vec![0.0; cloth];
     columns.law_of = vec![0; cloth];
     for body in &columns.colliders.bodies {

@@ -395,8 +395,12 @@ impl Simulation {
         (&mut self.built.particles.positions, &mut self.built.particles.velocities)
     }
 
-    /// Copies the held axes to contact and the preconditioner.
+    /// Copies masses to contact, and the held axes to contact and the preconditioner.
     fn take_over_pins(&mut self) {
+        if let Some(contact) = &mut self.built.contact {
+            let of_cloth = &self.built.particles.inverse_masses;
+            contact.inverse_masses[..of_cloth.len()].copy_from_slice(of_cloth);
+        }
         if self.measures_work {
             self.scratch.add_work(self.built.pins.vertices.len());
         }

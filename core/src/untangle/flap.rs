@@ -92,7 +92,7 @@ pub fn beside(
         return;
     }
     for (side, members) in grow(scene, topology, &sides, cut).into_iter().enumerate() {
-        let moving = members.iter().filter(|&&v| scene.model.inverse_masses[v as usize] != Vec3::ZERO).count();
+        let moving = members.iter().filter(|&&v| scene.model.inverse_masses.at(v as usize) != Vec3::ZERO).count();
         if moving > 0 {
             let (held, outward) = (moving < members.len(), if side == 0 { 1.0 } else { -1.0 });
             flaps.extend(way_back(scene, strand, outward, members, held, places));

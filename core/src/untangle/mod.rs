@@ -26,6 +26,7 @@ use alloc::vec::Vec;
 use crate::audit;
 use crate::contact::ContactModel;
 use crate::dispatch::Dispatch;
+use crate::inverse_masses::InverseMasses;
 use crate::real::{Real, Vec3, sqrt};
 use contour::Crossing;
 use topology::Topology;
@@ -89,18 +90,18 @@ impl Displacements {
     }
 
     /// Moves all vertices along their free axes.
-    fn apply(&self, inverse_masses: &[Vec3], places: &mut [Vec3]) {
+    fn apply(&self, inverse_masses: &InverseMasses<'_>, places: &mut [Vec3]) {
         for (v, x) in places.iter_mut().enumerate() {
             if self.weights[v] > 0.0 {
                 let by = self.sums[v] / self.weights[v];
-                *x += Vec3::select(inverse_masses[v].cmpgt(Vec3::ZERO), by, Vec3::ZERO);
+                *x += Vec3::select(inverse_masses.at(v).cmpgt(Vec3::ZERO), by, Vec3::ZERO);
             }
         }
     }
 }
 
 /// Separates surfaces that pass through one another. `places` has the vertices of the cloth and then of the colliders,
-/// m; only vertices with a inverse_masses are moved. Positions that are not finite are left unchanged. If the dispatch
+/// m; only vertices with an inverse mass are moved. Positions that are not finite are left unchanged. If the dispatch
 /// [stops](Dispatch::stopped), nothing is moved and all counts are 0.
 pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl Dispatch) -> Untangled {
     if !places.iter().all(|x| x.is_finite()) {
@@ -129,7 +130,7 @@ pub fn untangle(model: &ContactModel<'_>, places: &mut [Vec3], dispatch: &impl D
         if displacements.is_empty() {
             separate(&scene, &topology, &crossings, places, &mut displacements, attempt, dispatch);
         }
-        displacements.apply(model.inverse_masses, places);
+        displacements.apply(&model.inverse_masses, places);
         crossings = find(model, places, dispatch);
         if dispatch.stopped() {
             places.copy_from_slice(&start);

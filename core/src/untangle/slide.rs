@@ -57,7 +57,7 @@ pub fn slide(
 /// mobilities.
 fn apart(scene: &Scene<'_>, crossing: &Crossing, by: Vec3, displacements: &mut Displacements) {
     let mobile =
-        |k: usize| scene.model.inverse_masses[crossing.vertices[k] as usize].max_element() * crossing.weights[k];
+        |k: usize| scene.model.inverse_masses.at(crossing.vertices[k] as usize).max_element() * crossing.weights[k];
     let (edge, triangle) = (mobile(0) + mobile(1), mobile(2) + mobile(3) + mobile(4));
     let all = edge + triangle;
     if all <= 0.0 {

@@ -20,8 +20,8 @@ const SAMPLES: [Real; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// Number of cloth vertices that can move and lie inside colliders.
 pub fn inside(model: &ContactModel<'_>, places: &[Vec3]) -> usize {
     let (cloth, solids) = places.split_at(model.cloth());
-    let free = cloth.iter().zip(model.inverse_masses).filter(|(_, inverse_masses)| **inverse_masses != Vec3::ZERO);
-    free.filter(|&(&x, _)| model.colliders.depth(solids, x) > 0.0).count()
+    let free = cloth.iter().enumerate().filter(|(v, _)| model.inverse_masses.at(*v) != Vec3::ZERO);
+    free.filter(|&(_, &x)| model.colliders.depth(solids, x) > 0.0).count()
 }
 
 /// Requests the displacements that move cloth out of colliders.
@@ -55,7 +55,7 @@ fn above(body: &Body, corners: &[Vec3], x: Vec3) -> (Real, Vec3) {
 /// Displaces cloth upward: with the greatest depth d and `top = ROOM d + gap`, maps the heights from -d to top
 /// linearly onto the heights from the gap to top.
 fn push_out(scene: &Scene<'_>, body: &Body, corners: &[Vec3], cloth: &[Vec3], displacements: &mut Displacements) {
-    let free = |v: usize| scene.model.inverse_masses[v] != Vec3::ZERO;
+    let free = |v: usize| scene.model.inverse_masses.at(v) != Vec3::ZERO;
     let heights = cloth.iter().enumerate().filter(|(v, _)| free(*v)).map(|(_, &x)| above(body, corners, x).0);
     let depth = -heights.fold(0.0, Real::min);
     if depth <= 0.0 {
