@@ -143,7 +143,7 @@ pub struct ContactScratch<'a> {
     pub lines: &'a mut [ContactLines],
     /// The forces of contacts in the last step, which the next one starts from; the same capacity.
     pub multipliers: &'a mut [Multiplier],
-    /// Indices of constraints; twice the capacity.
+    /// Indices of constraints; the same capacity.
     pub order: &'a mut [u32],
     /// Columns of the broad phase.
     pub grid: Grid<'a>,
@@ -163,6 +163,8 @@ pub struct ResponseColumns<'a> {
     pub rounds: &'a mut [u32],
     /// Union-find over vertices.
     pub zones: &'a mut [u32],
+    /// Whether a zone with this root must be solved: 1, else 0.
+    pub wanted: &'a mut [u32],
 }
 
 impl<'a> ResponseColumns<'a> {
@@ -171,7 +173,8 @@ impl<'a> ResponseColumns<'a> {
         let count = boxes.len();
         let (corrections, rest) = bytemuck::must_cast_slice_mut::<Aabb, Vec3>(boxes).cut_mut(count);
         let (rounds, rest) = bytemuck::must_cast_slice_mut::<Vec3, u32>(rest).cut_mut(count);
-        Self { corrections, rounds, zones: rest.part_mut(..count) }
+        let (zones, rest) = rest.cut_mut(count);
+        Self { corrections, rounds, zones, wanted: rest.part_mut(..count) }
     }
 }
 
@@ -554,7 +557,7 @@ mod owned {
 
         fn fit_constraints(&mut self, length: usize) -> bool {
             // The column that tells the capacity comes last.
-            grow(&mut self.order, 2 * length, 0)
+            grow(&mut self.order, length, 0)
                 && grow(&mut self.contacts, length, AugmentedContact::default())
                 && grow(&mut self.lines, length.div_ceil(4), ContactLines::default())
                 && grow(&mut self.multipliers, length, Multiplier::default())

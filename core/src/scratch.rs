@@ -217,6 +217,7 @@ mod owned {
                 PatchColumns::default()
             };
             let [coarse_rows, coarse_values] = patches.sizes();
+            let solved = if implicit { cloths(scene) } else { Vec::new() };
             Self {
                 forces: column(has_more),
                 elements: vec![Vec3::ZERO; model.force_scratch()],
@@ -243,7 +244,7 @@ mod owned {
                 preconditioned: column(implicit),
                 inverse_diagonal: vec![Mat3::ZERO; if implicit { vertices } else { 0 }],
                 partials: vec![[0.0; 2]; if implicit { vertices.div_ceil(PART) } else { 0 }],
-                cloths: cloths(scene).into_iter().map(|cloth| ClothSolve::up_to(cloth.end)).collect(),
+                cloths: solved.into_iter().map(|cloth| ClothSolve::up_to(cloth.end)).collect(),
                 patches,
                 coarse_values: vec![0.0; coarse_values],
                 coarse_own: vec![[[0.0; MODES]; MODES]; coarse_rows / MODES],

@@ -195,7 +195,7 @@ fn check_scratch(s: &Scratch<'_>, model: &Model<'_>, scheme: &Scheme, n: usize, 
     ensure(s.partials.len() == when(implicit).div_ceil(PART))?;
     ensure(s.tangents.len() == if implicit { model.tangent_scratch() } else { 0 })?;
     let ends = || s.cloths.iter().map(|cloth| cloth.end() as usize);
-    ensure(ends().is_sorted() && ends().next_back() == Some(n))?;
+    ensure(ends().is_sorted() && ends().next_back().unwrap_or(0) == when(implicit))?;
     check_matrix(s, model, if implicit { n } else { 0 })?;
     let two_level = implicit && scheme.preconditioner == Preconditioner::TwoLevel;
     check_patches(s, two_level, n)
@@ -327,7 +327,7 @@ fn check_columns(c: &ContactScratch<'_>, solids: &Solids<'_>, is_implicit: bool)
     let is_lean = MAY_BE_LEAN && c.grid.entries.is_empty();
     let when = |count: usize| if is_lean { 0 } else { count };
     ensure(are(&[c.kept.boxes.len(), c.grid.quantized_boxes.len()], when(vertices)))?;
-    ensure(c.order.len() == 2 * room)?;
+    ensure(c.order.len() == room)?;
     let Grid { triangle_boxes, moving_boxes, owned, levels, spheres, byte_boxes, homes, entries, spare, .. } = &c.grid;
     let of_triangles = [triangle_boxes.len(), moving_boxes.len(), spheres.len(), byte_boxes.len(), homes.len()];
     let bytes = [owned.len(), levels.len(), c.room.boxes.len()];

@@ -5,7 +5,6 @@ use super::constraint::Constraint;
 use super::work::{Work, relax};
 use crate::column::Column;
 use crate::inverse_masses::InverseMasses;
-use crate::quicksort;
 use crate::real::{Real, Vec3};
 
 /// Sweeps over a zone.
@@ -15,7 +14,7 @@ const LEFT: Real = 0.02;
 
 /// Solves the zones of the impacts.
 pub(crate) fn resolve(work: &mut Work<'_>) {
-    let Work { model, list, first, motion, zones, order, statistics, .. } = work;
+    let Work { model, list, first, motion, zones, wanted, order, statistics, .. } = work;
     let (constraints, inverse_masses) = (list.all.part_mut(..list.count), &model.inverse_masses);
     for (v, zone) in zones.iter_mut().enumerate() {
         *zone = v as u32;
@@ -23,28 +22,23 @@ pub(crate) fn resolve(work: &mut Work<'_>) {
     for constraint in constraints.iter() {
         join(zones, constraint, inverse_masses);
     }
-    // Roots of the new constraints first, then the constraints that lie in their zones.
-    let (roots, chosen) = order.cut_mut(constraints.len());
-    let mut wanted = 0;
+    // The zones of the new constraints, and all constraints that lie in them.
+    wanted.fill(0);
     for constraint in constraints.part(*first..) {
         if let Some(root) = root_of(zones, constraint, inverse_masses) {
-            roots.set(wanted, root);
-            wanted += 1;
+            statistics.zones += u64::from(wanted.at(root as usize) == 0);
+            wanted.set(root as usize, 1);
         }
     }
-    let roots = roots.part_mut(..wanted);
-    quicksort::sort_by_key(roots, |&root| root);
     let mut count = 0;
     for (k, constraint) in (0..).zip(constraints.iter()) {
         let root = root_of(zones, constraint, inverse_masses);
-        if root.is_some_and(|root| roots.binary_search(&root).is_ok()) {
-            chosen.set(count, k);
+        if root.is_some_and(|root| wanted.at(root as usize) > 0) {
+            order.set(count, k);
             count += 1;
         }
     }
-    relax(model, constraints, Some(chosen.part(..count)), motion, SWEEPS, LEFT * model.thickness);
-    let mut before = None;
-    statistics.zones += roots.iter().filter(|&&root| before.replace(root) != Some(root)).count() as u64;
+    relax(model, constraints, Some(order.part(..count)), motion, SWEEPS, LEFT * model.thickness);
 }
 
 fn movable(inverse_masses: &InverseMasses<'_>, vertex: u32) -> bool {

@@ -169,7 +169,7 @@ pub fn respond<D: Dispatch>(
 ) -> Result<Outcome, usize> {
     let near = find_near(model, prediction, scratch, settings.step, scratch.lengths.constraints, 0.0)?;
     let ContactScratch { start, end, displacements, turns, boxes, ends, counts, constraints, order, .. } = scratch;
-    let ResponseColumns { corrections, rounds, zones } = ResponseColumns::within(boxes);
+    let ResponseColumns { corrections, rounds, zones, wanted } = ResponseColumns::within(boxes);
     let mut pairs = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
     let mut work = Work {
         model,
@@ -179,6 +179,7 @@ pub fn respond<D: Dispatch>(
         motion: Motion { start, end, displacements, turns, rounds, round: 0, step: settings.step },
         corrections,
         zones,
+        wanted,
         order,
         statistics: ContactStatistics { proximity: near as u64, ..ContactStatistics::default() },
     };

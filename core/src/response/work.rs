@@ -20,9 +20,10 @@ pub(crate) struct Work<'a> {
     pub motion: Motion<'a>,
     /// The part of the displacements that changes no velocity, m.
     pub corrections: &'a mut [Vec3],
-    /// Work column, one entry per vertex.
+    /// Work columns, one entry per vertex.
     pub zones: &'a mut [u32],
-    /// Work column, two entries per constraint.
+    pub wanted: &'a mut [u32],
+    /// Work column, one entry per constraint.
     pub order: &'a mut [u32],
     pub statistics: ContactStatistics,
 }
