@@ -4,18 +4,11 @@ use crate::column::Column;
 use crate::real::{Real, Vec3};
 
 /// By the bits of the held axes: 1 along a free axis, 0 along a held one.
-const FREE: [Vec3; 8] = {
-    const fn free(axes: usize, axis: usize) -> Real {
-        if axes >> axis & 1 == 0 { 1.0 } else { 0.0 }
-    }
-    let mut all = [Vec3::ZERO; 8];
-    let mut axes = 0;
-    while axes < 8 {
-        all[axes] = Vec3::new(free(axes, 0), free(axes, 1), free(axes, 2));
-        axes += 1;
-    }
-    all
-};
+const FREE: [Vec3; 8] = [free(0), free(1), free(2), free(3), free(4), free(5), free(6), free(7)];
+
+const fn free(held: u8) -> Vec3 {
+    Vec3::new((!held & 1) as Real, (!held >> 1 & 1) as Real, (!held >> 2 & 1) as Real)
+}
 
 /// The inverse mass of each vertex along each axis.
 #[derive(Clone, Copy, Debug)]

@@ -133,8 +133,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         what: "What is let go stays immovable to contact",
         file: "core/src/live/pins.rs",
-        old: "pins.write_inverse_masses(self.particles.inverse_masses, cloth);",
-        new: "pins.write_inverse_masses(self.particles.inverse_masses, &mut cloth.to_vec());",
+        old: "pins.write_held(solids.held);",
+        new: "pins.write_held(&mut solids.held.to_vec());",
         everyday: &["response"],
         all: &[],
     },

@@ -56,22 +56,22 @@ struct Header {
 const HEADER: usize = size_of::<Header>();
 
 impl Header {
-    const fn read(bytes: &[u8; HEADER]) -> Self {
-        const fn word(bytes: &[u8; HEADER], number: usize) -> u64 {
-            let (words, _) = bytes.as_chunks();
-            u64::from_le_bytes(words[number])
-        }
-        let versions = word(bytes, 1);
-        Self {
-            magic: word(bytes, 0),
-            version: versions as u32,
-            scalar: (versions >> 32) as u32,
-            length: word(bytes, 2),
-            memory: word(bytes, 3),
-            checksum: word(bytes, 4),
-            vertices: word(bytes, 5),
+    /// Reads the beginning of a block; `None` if the block is shorter.
+    const fn read(block: &[u8]) -> Option<Self> {
+        let Some([magic, format, length, memory, checksum, vertices, _, _]) = block.as_chunks().0.first_chunk() else {
+            return None;
+        };
+        let format = u64::from_le_bytes(*format);
+        Some(Self {
+            magic: u64::from_le_bytes(*magic),
+            version: format as u32,
+            scalar: (format >> 32) as u32,
+            length: u64::from_le_bytes(*length),
+            memory: u64::from_le_bytes(*memory),
+            checksum: u64::from_le_bytes(*checksum),
+            vertices: u64::from_le_bytes(*vertices),
             reserved: [0; 2],
-        }
+        })
     }
 }
 
@@ -149,8 +149,7 @@ const fn header(block: &[u8]) -> Result<Header, CookedError> {
     if cfg!(target_endian = "big") {
         return Err(CookedError::BigEndian);
     }
-    let Some(bytes) = block.first_chunk() else { return Err(CookedError::NotCooked) };
-    let header = Header::read(bytes);
+    let Some(header) = Header::read(block) else { return Err(CookedError::NotCooked) };
     if header.magic != MAGIC {
         return Err(CookedError::NotCooked);
     }
