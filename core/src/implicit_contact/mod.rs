@@ -15,7 +15,7 @@ use crate::forces;
 use crate::integrate::conjugate_gradient;
 use crate::integrate::newton::{self, ImplicitStage, MOST_STRAIN};
 use crate::integrate::stopping::Goal;
-use crate::integrate::{self, IntegratorStatistics, StepInput, Tolerance, pin_forces, rigid_motions};
+use crate::integrate::{self, IntegratorStatistics, StepInput, Tolerance, next_velocity, pin_forces, rigid_motions};
 use crate::particles::Particles;
 use crate::real::{Real, Sum, Vec3};
 use crate::scratch::Scratch;
@@ -74,6 +74,7 @@ pub fn correct<D: Dispatch>(
             contact.impulse = contact.impulse_at(contact.velocity);
         }
         add_solution(c, from, length * part, part, s);
+        take_velocities(c, from, s);
         newton::linearize(c, &stage, s, statistics);
         geometric_stiffness::add(c.pins, c.step, from, contacts, length, s);
     }
@@ -173,6 +174,16 @@ fn solve_change<D: Dispatch>(
     // A contact changes the velocity as much as the displacement over the step. The second-order methods would
     // extrapolate the change: the cloth would bounce.
     add_solution(c, from, length, length / c.step, s);
+}
+
+/// The velocities of the stage become those of the candidate state.
+fn take_velocities<D: Dispatch>(c: &StepInput<'_, D>, from: &Particles<'_>, s: &mut Scratch<'_>) {
+    let changes = &*s.velocity_changes;
+    c.dispatch.run(&mut *s.stage_velocities, |start, part| {
+        for (i, v) in (start..).zip(part) {
+            *v = next_velocity(from, changes, i);
+        }
+    });
 }
 
 /// Adds multiples of the solution to the changes of positions and velocities, and to the candidate state.
