@@ -10,13 +10,16 @@ use crate::args::CookArguments;
 use crate::divergence::Divergence;
 use crate::engine::{self, Engine, Halt};
 use crate::export::whole;
-use crate::failure::{Failure, print_data, print_json};
+use crate::failure::{Failure, print_data, print_json, print_note};
 use crate::pool::Pool;
 use crate::progress;
 use crate::run::start;
 use crate::scene_file::{self, SceneFile};
 use crate::stopwatch::Stopwatch;
 use crate::warning::Warning;
+
+/// Candidates of each kind, and contacts, that each vertex gets in a scene whose run touches nothing.
+const UNKNOWN: [usize; 2] = [16, 1];
 
 /// Room for candidates and for contacts, and the simulated time of the run that measured it, s; 0: no run.
 struct Measured {
@@ -114,7 +117,16 @@ fn measure(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<
         }
     }
     bar.finish_and_clear();
-    let room = engine.room().map(|room| (room as f64 * arguments.margin) as usize);
+    let mut room = engine.room().map(|room| (room as f64 * arguments.margin) as usize);
+    if room[1] == 0 {
+        let vertices = engine.triangles().iter().flatten().max().map_or(0, |&last| last as usize + 1);
+        room = [room[0].max(UNKNOWN[0] * vertices), UNKNOWN[1] * vertices];
+        print_note(&format!(
+            "nothing touched in {} s, so the room for contacts is a guess; give --pairs and --contacts, or a scene whose \
+             run touches as much as the program will",
+            arguments.duration.unwrap_or(scene.desc.duration)
+        ));
+    }
     Ok(Measured { room, seconds: steps as f64 * timing.step })
 }
 
@@ -122,10 +134,7 @@ fn report(cooked: &Cooked, margin: f64) -> String {
     let Cooked { file, block_bytes, memory_bytes, alignment, candidates, contacts, hands, forces, .. } = cooked;
     let source = match cooked.measured_s {
         0.0 => "as asked for".to_owned(),
-        seconds if margin > 1.0 => {
-            format!("{margin} times a quarter more than {seconds} s of the scene needed at most")
-        }
-        seconds => format!("a quarter more than {seconds} s of the scene needed at most"),
+        seconds => format!("{} times what {seconds:.3} s of the scene needed at most, or as asked for", 1.25 * margin),
     };
     let contact = match [candidates, contacts] {
         [0, 0] => "no contacts".to_owned(),

@@ -15,7 +15,9 @@ pub fn mend(block: &mut [u8]) {
     let length = block.len() as u64;
     if let Some((head, columns)) = block.split_at_mut_checked(64) {
         head[16..24].copy_from_slice(&length.to_le_bytes());
-        head[32..40].copy_from_slice(&checksum(columns).to_le_bytes());
+        head[32..40].fill(0);
+        let sum = checksum(columns) ^ checksum(head);
+        head[32..40].copy_from_slice(&sum.to_le_bytes());
     }
 }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::source::{Columns, Source};
 use super::stored::{Kept, NO_FRAMES, Stored, StoredContact};
-use super::{ALIGNMENT, CookedError, HEADER, check, checksum, header, snapshot};
+use super::{ALIGNMENT, CookedError, HEADER, check, header, snapshot};
 use crate::broad_phase::Counts;
 use crate::colliders::Colliders;
 use crate::column::Column;
@@ -72,7 +72,7 @@ impl<'a> Cloth<'a> {
             return Err(CookedError::Alignment);
         }
         let columns = block.get(HEADER..).unwrap_or_default();
-        if checksum(columns) != header.checksum {
+        if header.checksum_with(columns) != header.checksum {
             return Err(CookedError::Checksum);
         }
         let mut source = Source { block: columns, memory, needed: header.memory as usize };
@@ -107,7 +107,7 @@ impl<'a> Cloth<'a> {
     }
 
     /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that
-    /// fails does not change the state. Candidates are found here, never by [`Dispatch::detect`].
+    /// fails does not change the state, except that pins whose time has come have begun. Candidates are found here, never by [`Dispatch::detect`].
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;
@@ -191,7 +191,7 @@ impl<'a> Cloth<'a> {
             particles.velocities,
             particle,
             scratch.elements,
-            // Of the step that failed.
+            // A work column: its content is of the step that failed.
             scratch.velocity_changes,
             dispatch,
         )

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::sink::Sink;
 use super::source::Columns;
 use super::stored::{Kept, NO_FRAMES, Settings, Stored, StoredContact};
-use super::{HEADER, Header, MAGIC, VERSION, checksum};
+use super::{HEADER, Header, MAGIC, VERSION};
 use crate::colliders::Form;
 use crate::contact::ContactScratchColumns;
 use crate::forces::load::VertexForce;
@@ -31,7 +31,8 @@ pub struct Room {
     /// Whether impulses on colliders are measured.
     pub impulses: bool,
     /// Whether to save memory: forces of elements are computed for each of their vertices, and all triangles that may
-    /// touch are compared. With contact of the cloth with itself, that takes more time. The steps are the same; a few candidates more need room.
+    /// touch are compared. With contact of the cloth with itself, that takes more time. The steps are the same; a few
+    /// candidates more need room.
     pub is_lean: bool,
 }
 
@@ -107,16 +108,17 @@ pub fn cook(simulation: &Simulation, room: Room) -> Vec<u8> {
     };
     let mut sink = Sink::default();
     stored.cook(&mut sink);
-    let header = Header {
+    let mut header = Header {
         magic: MAGIC,
         version: VERSION,
         scalar: size_of::<Real>() as u32,
         length: (HEADER + sink.block.len()) as u64,
         memory: sink.memory as u64,
-        checksum: checksum(&sink.block),
+        checksum: 0,
         vertices: simulation.positions().len() as u64,
         reserved: [0; 2],
     };
+    header.checksum = header.checksum_with(&sink.block);
     let mut block = bytemuck::bytes_of(&header).to_vec();
     block.append(&mut sink.block);
     block

@@ -32,7 +32,7 @@ pub const ALIGNMENT: usize = 32;
 const MAGIC: u64 = u64::from_le_bytes(*b"MuslinCl");
 
 /// Changes with every change of the columns.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// The beginning of a block.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -46,11 +46,19 @@ struct Header {
     length: u64,
     /// Working memory, bytes.
     memory: u64,
-    /// Of the bytes after this header.
+    /// Of the header with a checksum of zero, and of the bytes after it.
     checksum: u64,
     /// Number of vertices of the cloth.
     vertices: u64,
     reserved: [u64; 2],
+}
+
+impl Header {
+    /// The checksum of a block with this header and these columns.
+    fn checksum_with(&self, columns: &[u8]) -> u64 {
+        let blank = Self { checksum: 0, ..*self };
+        checksum(columns) ^ checksum(bytemuck::bytes_of(&blank))
+    }
 }
 
 const HEADER: usize = size_of::<Header>();
@@ -58,7 +66,7 @@ const HEADER: usize = size_of::<Header>();
 impl Header {
     /// Reads the beginning of a block; `None` if the block is shorter.
     const fn read(block: &[u8]) -> Option<Self> {
-        let Some([magic, format, length, memory, checksum, vertices, _, _]) = block.as_chunks().0.first_chunk() else {
+        let Some([magic, format, length, memory, checksum, vertices, a, b]) = block.as_chunks().0.first_chunk() else {
             return None;
         };
         let format = u64::from_le_bytes(*format);
@@ -70,7 +78,7 @@ impl Header {
             memory: u64::from_le_bytes(*memory),
             checksum: u64::from_le_bytes(*checksum),
             vertices: u64::from_le_bytes(*vertices),
-            reserved: [0; 2],
+            reserved: [u64::from_le_bytes(*a), u64::from_le_bytes(*b)],
         })
     }
 }

@@ -28,8 +28,8 @@ pub struct ContactDesc {
     #[cfg_attr(feature = "serde", serde(default = "yes"))]
     pub continuous: bool,
     /// Whether a step in which surfaces would pass through each other is taken in two halves, each of which may be halved
-    /// again. Otherwise vertices that would collide are held back at once. This bounds the work of a step, and a cooked
-    /// scene needs no copy of its state. Error control divides steps too, and excludes it.
+    /// again. Otherwise vertices that would collide are held back at once, and a cooked scene needs no copy of its state.
+    /// Error control divides steps too, and excludes it.
     #[cfg_attr(feature = "serde", serde(default = "yes"))]
     pub halving: bool,
 }

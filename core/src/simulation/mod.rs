@@ -232,7 +232,7 @@ impl Simulation {
             &particles.velocities,
             particle,
             scratch.elements,
-            // Of the step that failed.
+            // A work column: its content is of the step that failed.
             scratch.velocity_changes,
             dispatch,
         )
