@@ -32,9 +32,10 @@
 //!     both.
 //!
 //! Beside the flow: [`real`] (the only module that knows the precision), [`lanes`] (four vectors at a time),
-//! [`rigid_body`] (a cloth as if it were rigid), [`inverse_masses`] (for contact), `column` and `quicksort` (access to columns, and a sort, that cannot
-//! panic), [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over time), [`error`], [`stage`] (names
-//! of the stages, for hosts that measure time) and [`traffic`] (bytes that each stage streams).
+//! [`rigid_body`] (a cloth as if it were rigid), [`inverse_masses`] (for contact), `column` and `quicksort` (access to
+//! columns, and a sort, that cannot panic), [`dispatch`] (how kernels use the host's threads), [`keys`] (vectors over
+//! time), [`error`], [`stage`] (names of the stages, for hosts that measure time) and [`traffic`] (bytes that each stage
+//! streams).
 //!
 //! The crate is `no_std`. With the feature `alloc` (default) it builds scenes and owns columns;
 //! without it, kernels and the step work on borrowed columns. `muslin-core` is f32,

@@ -35,7 +35,8 @@ pub struct WorkDone {
     pub colliders: Sum,
     /// By wind; negative where it slows the cloth down.
     pub wind: Sum,
-    /// By gravity, loads and materials that change, and by impulses and teleports of the host. Like the potential energy, it depends on where heights count from.
+    /// By gravity, loads and materials that change, and by impulses and teleports of the host. Like the potential
+    /// energy, it depends on where heights count from.
     pub gravity: Sum,
     /// By [moving overlapping surfaces apart](crate::response), against the forces. It changes no velocity.
     pub separation: Sum,

@@ -21,10 +21,13 @@ use crate::warning::Warning;
 /// Candidates of each kind, and contacts, that each vertex gets in a scene whose run touches nothing.
 const UNKNOWN: [usize; 2] = [16, 1];
 
-/// Room for candidates and for contacts, and the simulated time of the run that measured it, s; 0: no run.
+/// Room for candidates and for contacts.
 struct Measured {
     room: [usize; 2],
+    /// Simulated time of the run that measured it, s; 0: no run.
     seconds: f64,
+    /// The source of the numbers, for people.
+    source: String,
 }
 
 /// Cooks a scene and prints its needs.
@@ -33,14 +36,16 @@ pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
     let overrides = [&arguments.set[..], &overrides].concat();
     let scene = scene_file::load(&arguments.scene, &overrides)?;
     let pool = Pool::new(arguments.threads).map_err(|error| Failure::Tool(format!("cannot start threads: {error}")))?;
-    let (engine, warnings) = begin(&scene, arguments, &pool)?;
-    warnings.iter().for_each(Warning::print);
+    let (engine, untangled) = begin(&scene, arguments, &pool)?;
+    let of_settings = start::warnings(engine.as_ref(), &scene, arguments.precision, &Stopwatch::new(&pool));
+    of_settings.iter().chain(&untangled).for_each(Warning::print);
+    let asked = |room| Measured { room, seconds: 0.0, source: "as asked for".into() };
     let measured = match (arguments.pairs, arguments.contacts) {
-        _ if scene.desc.contact.is_none() => Measured { room: [0; 2], seconds: 0.0 },
-        (Some(pairs), Some(contacts)) => Measured { room: [pairs, contacts], seconds: 0.0 },
+        _ if scene.desc.contact.is_none() => asked([0; 2]),
+        (Some(pairs), Some(contacts)) => asked([pairs, contacts]),
         (pairs, contacts) => {
-            let Measured { room, seconds } = measure(&scene, arguments, &pool)?;
-            Measured { room: [pairs.unwrap_or(room[0]), contacts.unwrap_or(room[1])], seconds }
+            let Measured { room, seconds, source } = measure(&scene, arguments, &pool)?;
+            Measured { room: [pairs.unwrap_or(room[0]), contacts.unwrap_or(room[1])], seconds, source }
         }
     };
     let [pairs, contacts] = measured.room;
@@ -60,7 +65,7 @@ pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
         forces,
         measured_s: measured.seconds,
     };
-    if arguments.json { print_json(&cooked) } else { print_data(&report(&cooked, arguments.margin)) }
+    if arguments.json { print_json(&cooked) } else { print_data(&report(&cooked, &measured.source)) }
 }
 
 /// The needs of a cooked scene.
@@ -78,20 +83,16 @@ struct Cooked {
     measured_s: f64,
 }
 
-/// The engine at the start of the scene, untangled, and the warnings of that.
+/// The engine at the start of the scene, untangled, and the warning if there was something to untangle.
 fn begin(
     scene: &SceneFile,
     arguments: &CookArguments,
     pool: &Pool,
-) -> Result<(Box<dyn Engine>, Vec<Warning>), Failure> {
+) -> Result<(Box<dyn Engine>, Option<Warning>), Failure> {
     let (mut engine, _) = engine::build(scene, arguments.precision).map_err(Failure::Usage)?;
     let never = std::sync::atomic::AtomicBool::new(false);
-    let warnings = pool.install(|| {
-        let mut all = start::warnings(engine.as_ref(), scene, arguments.precision, &Stopwatch::new(pool));
-        all.extend(start::untangle(engine.as_mut(), false, pool, &never).and_then(|(_, warning)| warning));
-        all
-    });
-    Ok((engine, warnings))
+    let untangled = pool.install(|| start::untangle(engine.as_mut(), false, pool, &never));
+    Ok((engine, untangled.and_then(|(_, warning)| warning)))
 }
 
 /// Runs the scene and measures the room that its contacts need, with a quarter more.
@@ -112,30 +113,36 @@ fn measure(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<
             }
             Err(Halt::Stopped) => break,
         }
-        if let Some(divergence) = Divergence::of_stretch(engine.as_ref(), step, first) {
+        let looks = step.is_multiple_of(timing.steps_per_frame);
+        let flown_apart = || Divergence::of_stretch(engine.as_ref(), step, first);
+        if let Some(divergence) = looks.then(flown_apart).flatten() {
             return Err(Failure::Diverged(divergence.in_words(&scene.desc)));
         }
     }
     bar.finish_and_clear();
-    let mut room = engine.room().map(|room| (room as f64 * arguments.margin) as usize);
-    if room[1] == 0 {
-        let vertices = engine.triangles().iter().flatten().max().map_or(0, |&last| last as usize + 1);
-        room = [room[0].max(UNKNOWN[0] * vertices), UNKNOWN[1] * vertices];
-        print_note(&format!(
-            "nothing touched in {} s, so the room for contacts is a guess; give --pairs and --contacts, or a scene whose \
-             run touches as much as the program will",
-            arguments.duration.unwrap_or(scene.desc.duration)
-        ));
+    let seconds = steps as f64 * timing.step;
+    let room = engine.room().map(|room| (room as f64 * arguments.margin) as usize);
+    if room[1] > 0 {
+        let source = format!(
+            "{} times what {seconds:.3} s of the scene needed at most, or as asked for",
+            1.25 * arguments.margin
+        );
+        return Ok(Measured { room, seconds, source });
     }
-    Ok(Measured { room, seconds: steps as f64 * timing.step })
+    print_note(&format!(
+        "nothing touched in {seconds:.3} s, so the room for contacts is a guess; give --pairs and --contacts, or a scene whose \
+         run touches as much as the program will"
+    ));
+    let vertices = engine.triangles().iter().flatten().max().map_or(0, |&last| last as usize + 1);
+    Ok(Measured {
+        room: [room[0].max(UNKNOWN[0] * vertices), UNKNOWN[1] * vertices],
+        seconds,
+        source: "a guess".into(),
+    })
 }
 
-fn report(cooked: &Cooked, margin: f64) -> String {
+fn report(cooked: &Cooked, source: &str) -> String {
     let Cooked { file, block_bytes, memory_bytes, alignment, candidates, contacts, hands, forces, .. } = cooked;
-    let source = match cooked.measured_s {
-        0.0 => "as asked for".to_owned(),
-        seconds => format!("{} times what {seconds:.3} s of the scene needed at most, or as asked for", 1.25 * margin),
-    };
     let contact = match [candidates, contacts] {
         [0, 0] => "no contacts".to_owned(),
         _ => format!("room for {candidates} candidates of each kind and {contacts} contacts ({source})"),

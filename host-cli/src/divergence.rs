@@ -1,11 +1,11 @@
-//! Why a simulation cannot go on, and what to do about it.
+//! The reason why a simulation cannot go on, and advice.
 
 use muslin_core::scene::SceneDesc;
 
 use crate::engine::Engine;
 use crate::run::remedy;
 
-/// Why a step cannot be taken.
+/// The reason why a step cannot be taken.
 #[derive(Clone, Debug)]
 pub struct Divergence {
     /// What went wrong, in which step and where.
@@ -17,7 +17,7 @@ pub struct Divergence {
 }
 
 impl Divergence {
-    /// That of cloth that flew apart in the last of so many steps. `first` is the largest ratio of edge length to rest
+    /// The divergence of cloth that flew apart, after so many steps. `first` is the largest ratio of edge length to rest
     /// length in the first frame.
     pub fn of_stretch(engine: &dyn Engine, steps: u64, first: f64) -> Option<Self> {
         flown_apart(engine.largest_stretch(), first).map(|how| Self {

@@ -71,3 +71,16 @@ fn a_build_system_reads_the_needs() {
     assert_eq!((&needs["alignment"], &needs["hands"], &needs["forces"]), (&32.into(), &2.into(), &0.into()));
     assert!(needs["measured_s"].as_f64().is_some_and(|seconds| seconds > 0.0), "{told}");
 }
+
+/// A collider that the program will move touches nothing in the run.
+#[test]
+fn a_scene_that_touches_nothing_has_room_for_contacts() {
+    let place = Place::new();
+    place.write("far.toml", format!("{TINY}{FLOOR}").replace("[0, 0.9, 0]", "[0, -90, 0]"));
+    let told = place.muslin("cook far.toml -o far.bin --quiet --json").expect(0);
+    assert!(told.stderr.contains("a guess"), "{}", told.stderr);
+    let needs: serde_json::Value = serde_json::from_str(&told.stdout).expect("it is JSON");
+    for key in ["candidates", "contacts"] {
+        assert!(needs[key].as_u64().is_some_and(|room| room > 0), "{key}: {}", told.stdout);
+    }
+}

@@ -7,9 +7,10 @@ use crate::live::{HostForces, Owner as _};
 use crate::scene::{self, BuiltScene, Resource, SceneDesc};
 
 impl Simulation {
-    /// Takes the numbers of another scene with the same meshes and force terms: masses, stiffnesses, damping, rest shapes,
-    /// wind, gravity, loads, thickness and friction. State, pins and colliders stay, and so do the forces of the host on vertices. It builds the
-    /// columns of the scene, but not those of the solver and of contact.
+    /// Takes the numbers of another scene with the same meshes and force terms: masses, stiffnesses, damping, rest
+    /// shapes, wind, gravity, loads, thickness and friction. State, pins and colliders stay, and so do the forces of the
+    /// host on vertices and the switches of contact (`self`, `continuous`, `halving`). It builds the columns of the
+    /// scene, but not those of the solver and of contact.
     pub fn set_materials(&mut self, desc: &SceneDesc, resources: &[Resource]) -> Result<(), MaterialError> {
         let next = scene::build(desc, resources)?;
         if !self.is_alike(&next) {

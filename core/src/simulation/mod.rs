@@ -172,8 +172,8 @@ impl Simulation {
         }
     }
 
-    /// Takes one step on this thread: [`step`](Self::step) by [`Serial`]. It is compiled with this crate, so it is as fast as
-    /// the profile of this crate, also in a program without optimization.
+    /// Takes one step on this thread: [`step`](Self::step) by [`Serial`]. It is compiled with this crate, in the profile
+    /// of this crate, so it can be fast in a program without optimization.
     pub fn take_step(&mut self) -> Result<(), StepError> {
         self.step(&Serial)
     }

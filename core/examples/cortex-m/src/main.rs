@@ -23,12 +23,10 @@ include!(concat!(env!("OUT_DIR"), "/expected.rs"));
 #[repr(align(32))]
 struct Aligned<T: ?Sized>(T);
 
-const SCENE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/cloth.bin"));
-
 static BLOCK: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(env!("OUT_DIR"), "/cloth.bin")));
 
 /// Memory of the scene, bytes.
-const MEMORY: usize = match required_bytes(SCENE) {
+const MEMORY: usize = match required_bytes(&BLOCK.0) {
     Ok(bytes) => bytes,
     Err(_) => panic!("the scene was cooked by another version"),
 };
