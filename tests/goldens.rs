@@ -1,6 +1,7 @@
-//! Golden hashes of every built-in scene: `scene precision step:hash ...`, one line each, in
-//! `goldens.txt`. They hold on every machine and in every build profile: `check -- --all` runs this suite in the test
-//! profile, in a profile without optimisation and in the release profile.
+//! Golden hashes of every built-in scene, and of the firmware's scene: `scene precision hash ...`, one line each, in
+//! `goldens.txt`, with a hash for the start and for every step. They hold on every machine and in every build profile:
+//! `check -- --all` runs this suite in the test profile, in a profile without optimisation and in the release profile.
+//! `tests/browser/goldens.test.mjs` and `firmware` compare the lines in single precision.
 //!
 //! Run: `cargo test -p muslin-tests --test goldens`. `MUSLIN_BLESS=1` rewrites `goldens.txt` from the current results of
 //! the core. A failure names the first step whose state differs.
@@ -8,31 +9,36 @@
 use std::fs;
 use std::path::PathBuf;
 
-/// Steps after which the line records the hash; it covers all earlier steps.
-const CHECKPOINTS: [u64; 7] = [1, 2, 3, 5, 7, 10, 20];
+/// Steps of scenes without contact. A hash covers all earlier steps.
+const STEPS: u64 = 20;
 /// Steps of scenes with contact: without optimisation more would take minutes.
 const STEPS_WITH_CONTACT: u64 = 7;
 
+/// The scene of the firmware, and its steps: `firmware` compares the last hash of its line.
+const FIRMWARE: (&str, &str, u64) = ("cortex-m", include_str!("../core/examples/cortex-m/scene.toml"), 40);
+
 macro_rules! lines {
     ($name:ident, $muslin:ident, $kit:ident) => {
-        /// The line of every built-in scene.
+        /// The line of every scene.
         fn $name() -> Vec<String> {
             use harness::kit::$kit as kit;
-            let line = |&(name, text): &(&str, &str)| {
+            let line = |(name, text, steps): (&str, &str, Option<u64>)| {
                 let mut sim = $muslin::simulation::Simulation::new(&kit::scene(text), &[]).expect("a valid scene");
                 let mut hash = $muslin::diagnostics::StateHash::default();
                 let mut line = format!("{name} {}", $muslin::real::NAME);
-                let all = CHECKPOINTS[CHECKPOINTS.len() - 1];
-                for step in 1..=if sim.scene().contact.is_some() { STEPS_WITH_CONTACT } else { all } {
-                    sim.take_step().unwrap_or_else(|error| panic!("{name} {error}"));
-                    hash.add(sim.positions(), sim.velocities());
-                    if CHECKPOINTS.contains(&step) {
-                        line += &format!(" {step}:{:016x}", hash.0);
+                let own = if sim.scene().contact.is_some() { STEPS_WITH_CONTACT } else { STEPS };
+                for step in 0..=steps.unwrap_or(own) {
+                    if step > 0 {
+                        sim.take_step().unwrap_or_else(|error| panic!("{name} {error}"));
                     }
+                    hash.add(sim.positions(), sim.velocities());
+                    line += &format!(" {:016x}", hash.0);
                 }
                 line
             };
-            $muslin::scene::BUILT_IN.iter().map(line).collect()
+            let built_in = $muslin::scene::BUILT_IN.iter().map(|&(name, text)| (name, text, None));
+            let (name, text, steps) = FIRMWARE;
+            built_in.chain([(name, text, Some(steps))]).map(line).collect()
         }
     };
 }
@@ -40,20 +46,22 @@ macro_rules! lines {
 lines!(single, muslin_core, single);
 lines!(double, muslin_core_f64, double);
 
-/// Describes the difference and the first checkpoint at which it occurs.
+/// Describes the difference and the first step at which it occurs.
 fn difference(got: &str, goldens: &str) -> Option<String> {
     let fields: Vec<_> = got.split(' ').collect();
+    let name = fields[..2].join(" ");
     let golden = goldens.lines().find(|line| line.split(' ').take(2).eq(fields[..2].iter().copied()));
-    let Some(golden) = golden else { return Some(format!("{} {} has no golden line", fields[0], fields[1])) };
+    let Some(golden) = golden else { return Some(format!("{name} has no golden line")) };
     let known: Vec<_> = golden.split(' ').collect();
-    let first = fields.iter().position(|field| !known.contains(field))?;
-    let step = |field: &str| field.split(':').next().unwrap_or_default().to_owned();
-    let before = if first > 2 { step(fields[first - 1]) } else { "0".into() };
-    Some(format!("{} {} agrees up to step {before} and differs at step {}", fields[0], fields[1], step(fields[first])))
+    let first = fields.iter().zip(&known).position(|(field, known)| field != known);
+    let first = first.or((fields.len() != known.len()).then_some(fields.len().min(known.len())));
+    // The third field is the hash of the start.
+    let place = |field: usize| if field == 2 { "its start".into() } else { format!("step {}", field - 2) };
+    first.map(|field| format!("{name} differs first after {}", place(field)))
 }
 
 #[test]
-fn built_in_scenes_have_their_golden_hashes() {
+fn every_step_has_its_golden_hash() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("goldens.txt");
     let lines: Vec<_> = std::thread::scope(|scope| {
         let runs = [scope.spawn(single), scope.spawn(double)];
