@@ -300,18 +300,13 @@ impl fmt::Display for LiveError {
             Self::NoTriangle { triangle, count } => missing(f, "triangle", triangle, count),
             Self::NoCollider { collider, count } => missing(f, "collider", collider, count),
             Self::NotFinite { name } => write!(f, "{name} must be finite"),
-            Self::Seconds { seconds } => {
-                write!(f, "{} seconds: the time must be finite and not negative", Number(seconds))
-            }
-            Self::TooFast { seconds, least } => {
-                write!(
-                    f,
-                    "{} seconds: the time must be finite and at least {}, or the collider would jump through the cloth; \
-                     teleport moves it together with the cloth",
-                    Number(seconds),
-                    Number(least)
-                )
-            }
+            // Without the numbers: the standard library can panic where it writes one with decimals.
+            Self::Seconds { .. } => write!(f, "the time, in seconds, must be finite and not negative"),
+            Self::TooFast { .. } => write!(
+                f,
+                "the time, in seconds, must be finite and at least a thousandth of a step, or the collider would jump \
+                 through the cloth; teleport moves it together with the cloth"
+            ),
             Self::PlaneTurns { collider } => {
                 write!(f, "collider {collider}: a plane cannot turn; take a box whose side is as large as the cloth")
             }

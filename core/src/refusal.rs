@@ -95,14 +95,14 @@ impl core::fmt::Display for StepError {
         let Self { step, particle, .. } = self;
         let term = self.term.map_or("no term", Term::name);
         match self.cause {
-            Cause::NotFinite => write!(f, "diverged in step {step} at particle {particle}, pulled hardest by {term}"),
+            Cause::NotFinite => write!(f, "diverged in step {step} at vertex {particle}, pulled hardest by {term}"),
             Cause::TooMuch => {
                 write!(f, "step {step} has more contacts than can be resolved: ")?;
-                write!(f, "particle {particle} moves farthest, pulled hardest by {term}")
+                write!(f, "vertex {particle} moves farthest, pulled hardest by {term}")
             }
             Cause::Contact { collider, pinned } => {
                 write!(f, "surfaces could not be kept apart in step {step}: ")?;
-                write!(f, "{} {particle} meets ", if pinned { "pinned particle" } else { "particle" })?;
+                write!(f, "{} {particle} meets ", if pinned { "pinned vertex" } else { "vertex" })?;
                 match collider {
                     Some(collider) => write!(f, "collider {collider}"),
                     None => write!(f, "cloth"),

@@ -21,7 +21,7 @@ fn says_which_step_particle_and_term() {
         let summary = outcome.json();
         assert_eq!(summary["verdict"], "diverged");
         let failed = summary["steps"].as_u64().unwrap() + 1;
-        assert!(outcome.stderr.contains(&format!("muslin: diverged in step {failed} at particle ")), "{outcome:?}");
+        assert!(outcome.stderr.contains(&format!("muslin: diverged in step {failed} at vertex ")), "{outcome:?}");
         assert!(outcome.stderr.contains("pulled hardest by stretch"), "{outcome:?}");
         assert!(outcome.stderr.contains("integrator.step"), "no advice: {outcome:?}");
         assert!(outcome.stderr.contains(", or an implicit method"), "no advice: {outcome:?}");

@@ -56,7 +56,7 @@ fn divergence_names_step_particle_and_term_and_keeps_the_state() {
         assert_eq!([sim.positions(), sim.velocities()].concat(), before, "{error}: the state has changed");
         assert!(before.iter().all(|x| x.is_finite()), "{error}: the state is not finite");
         let message =
-            format!("diverged in step {} at particle {}, pulled hardest by {}", steps + 1, error.particle, term.name());
+            format!("diverged in step {} at vertex {}, pulled hardest by {}", steps + 1, error.particle, term.name());
         assert_eq!(error.to_string(), message);
     }
 }

@@ -75,6 +75,22 @@ pub fn candidates(
     out: &mut Candidates<'_>,
     dispatch: &impl Dispatch,
 ) -> Option<Counts> {
+    if MAY_BE_LEAN && work.entries.is_empty() {
+        return lean::candidates(boxes, surface, out, dispatch);
+    }
+    by_cells(boxes, surface, work, motion, out, dispatch)
+}
+
+/// Finds them with the grid. Not inlined: its sort needs 8 kB of stack, which a lean search does not.
+#[inline(never)]
+fn by_cells(
+    boxes: &[Aabb],
+    surface: &Surface<'_>,
+    work: &mut Grid<'_>,
+    motion: Option<&Motion<'_>>,
+    out: &mut Candidates<'_>,
+    dispatch: &impl Dispatch,
+) -> Option<Counts> {
     let Grid {
         triangle_boxes,
         moving_boxes,
@@ -87,9 +103,6 @@ pub fn candidates(
         entries,
         spare,
     } = work;
-    if MAY_BE_LEAN && entries.is_empty() {
-        return lean::candidates(boxes, surface, out, dispatch);
-    }
     write_bounds(boxes, surface, triangle_boxes, owned, dispatch);
     leave_out_far(triangle_boxes, surface.first_passive as usize);
     let moving_boxes = motion.map(|motion| {

@@ -14,7 +14,7 @@ use crate::forces::term::ForceTerm as _;
 use crate::forces::{Model, Term};
 use crate::integrate::coarse::{MODES, Patches};
 use crate::integrate::columns::PART;
-use crate::integrate::pins::{AT_REST, NO_CARRIER, PinSlots};
+use crate::integrate::pins::{AT_REST, Hold, NO_CARRIER, PinSlots};
 use crate::integrate::{Method, Preconditioner, Scheme};
 use crate::keys::Key;
 use crate::mesh::{Incidence, NONE};
@@ -155,7 +155,8 @@ pub(super) fn has_keys(motion: &Motion, keys: &[Key]) -> bool {
 fn check_pins(pins: &PinSlots<'_>, n: usize, bodies: usize) -> Checked {
     let count = pins.vertices.len();
     ensure(are(&[pins.axes.len(), pins.anchors.len(), pins.motions.len()], count) && all_below(pins.vertices, n))?;
-    ensure(pins.holds.len() <= count && pins.of_scene as usize <= count && pins.axes.iter().all(|&axes| axes < 8))?;
+    ensure(pins.holds.len() <= count && pins.of_scene as usize <= count)?;
+    ensure(pins.axes.iter().all(|&axes| axes < 8) && pins.holds.iter().all(Hold::is_valid))?;
     ensure(pins.table.iter().all(|motion| has_keys(motion, pins.keys)))?;
     let is_motion = |&motion: &u32| motion == AT_REST || (motion as usize) < pins.table.len();
     ensure(pins.motions.iter().all(is_motion))?;

@@ -65,6 +65,8 @@ impl ContactRoom for Fixed<'_, '_> {
 impl<'a> Cloth<'a> {
     /// Opens a cooked scene where it lies. `memory` needs [`required_bytes`](super::required_bytes) bytes. Both must begin
     /// at a multiple of [`ALIGNMENT`].
+    // Not inlined: the stack that it needs is free again in a step.
+    #[inline(never)]
     pub fn open(block: &'a [u8], memory: &'a mut [u8]) -> Result<Self, CookedError> {
         let header = header(block)?;
         if !(block.as_ptr() as usize).is_multiple_of(ALIGNMENT) || !(memory.as_ptr() as usize).is_multiple_of(ALIGNMENT)
@@ -107,7 +109,8 @@ impl<'a> Cloth<'a> {
     }
 
     /// Takes one step, divided into substeps if surfaces would collide or the error would be too large. A step that
-    /// fails does not change the state, except that pins whose time has come have begun. Candidates are found here, never by [`Dispatch::detect`].
+    /// fails does not change the state, except that pins whose time has come have begun. Candidates are found here, never by
+    /// [`Dispatch::detect`].
     pub fn step(&mut self, dispatch: &impl Dispatch) -> Result<(), StepError> {
         let counted = (self.statistics, self.contact_statistics);
         self.searched = 0;

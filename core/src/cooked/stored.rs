@@ -125,23 +125,23 @@ impl Settings {
 
     /// The scheme.
     pub fn scheme(&self) -> Result<Scheme, CookedError> {
-        let are_finite = [self.step, self.residual, self.velocity, self.error].iter().all(|x| x.is_finite());
-        if !are_finite || self.step <= 0.0 || !DVec3::from(self.origin).is_finite() {
+        // As the scheme holds them: a double may be zero or infinite in single precision.
+        let numbers = [self.step, self.residual, self.velocity, self.error].map(|number| number as Real);
+        let [step, residual, velocity, error] = numbers;
+        let are_finite = numbers.iter().all(|number| number.is_finite()) && DVec3::from(self.origin).is_finite();
+        if !are_finite || step <= 0.0 || self.newton == 0 {
             return Err(CookedError::Malformed);
         }
         Ok(Scheme {
             method: *Method::ALL.get(self.method as usize).ok_or(CookedError::Malformed)?,
             newton: self.newton,
-            tolerance: match self.residual > 0.0 {
-                true => Tolerance::Residual(self.residual as Real),
-                false => Tolerance::Velocity(self.velocity as Real),
-            },
+            tolerance: if residual > 0.0 { Tolerance::Residual(residual) } else { Tolerance::Velocity(velocity) },
             preconditioner: match self.preconditioner {
                 0 => Preconditioner::BlockJacobi,
                 _ => Preconditioner::TwoLevel,
             },
             jacobian: if self.jacobian == 0 { Jacobian::Projected } else { Jacobian::Exact },
-            error: (self.error > 0.0).then_some(self.error as Real),
+            error: (error > 0.0).then_some(error),
         })
     }
 }

@@ -78,10 +78,22 @@ fn add_recomputed<E: Element<K>, const K: usize>(
             for &slot in incidence.at(start + vertex) {
                 let (element, corner) = (slot as usize / K, slot as usize % K);
                 let Some(ids) = vertices.element(element) else { return };
-                *f += term.force(element, &x.relative(ids), &v.gather(ids)).at(corner);
+                *f += force_at(term, element, ids, x, v).at(corner);
             }
         }
     });
+}
+
+/// Not inlined: [`Element::force`] is inlined where scratch is there, which is the usual way.
+#[inline(never)]
+fn force_at<E: Element<K>, const K: usize>(
+    term: &E,
+    element: usize,
+    ids: &[u32; K],
+    x: Positions<'_>,
+    v: &[Vec3],
+) -> [Vec3; K] {
+    term.force(element, &x.relative(ids), &v.gather(ids))
 }
 
 /// Not inlined for size: it would be there twice, for positions with and without rounding errors.

@@ -173,7 +173,8 @@ impl Element<4> for Hinges<'_> {
         self.incidence
     }
 
-    #[inline]
+    #[cfg_attr(small, inline)]
+    #[cfg_attr(not(small), inline(always))]
     fn force(&self, hinge: usize, x: &[Vec3; 4], v: &[Vec3; 4]) -> [Vec3; 4] {
         let Some(fold) = fold(x, self.least_heights.at(hinge)) else { return [Vec3::ZERO; 4] };
         let gradient = fold.gradient();

@@ -174,7 +174,8 @@ impl Element<3> for Membrane<'_> {
         self.incidence
     }
 
-    #[inline]
+    #[cfg_attr(small, inline)]
+    #[cfg_attr(not(small), inline(always))]
     fn force(&self, triangle: usize, x: &[Vec3; 3], v: &[Vec3; 3]) -> [Vec3; 3] {
         let (m, w, area) = (self.material(triangle), self.weights.at(triangle), self.areas.at(triangle));
         let (wu, wv) = gradient(&w, x);

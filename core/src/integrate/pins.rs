@@ -48,6 +48,11 @@ impl Hold {
         self.axes as u8
     }
 
+    /// Whether it holds no axes but three. A damaged scene may say otherwise.
+    pub(crate) fn is_valid(&self) -> bool {
+        self.axes < 8
+    }
+
     /// Whether both hold an axis at the same time.
     #[cfg(feature = "alloc")]
     pub(crate) fn meets(&self, other: &Self) -> bool {
