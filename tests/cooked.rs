@@ -186,6 +186,29 @@ both_precisions! {
         assert!(halvings > 0, "no step was divided");
     }
 
+    /// A snapshot knows the triangles and the colliders that it belongs to. Materials and rest shapes may differ.
+    #[test]
+    fn a_snapshot_of_other_colliders_is_refused() {
+        let text = |half: f64, stiffness: f64| {
+            let scene = text(5, "backward-euler", false, -5.0, true).replace("stiffness = 50", &format!("stiffness = {stiffness}"));
+            let walls = format!("[[collider]]\nshape = \"box\"\ncenter = [0, -1, 0]\nhalf = [{half}, 0.1, 0.2]\n");
+            Aligned::new(&cook(&kit::simulation(&(scene + &walls), &[]), ROOM))
+        };
+        let mut blocks = [text(0.3, 50.0), text(0.3, 90.0), text(0.4, 50.0)];
+        let mut memories = blocks.each_mut().map(|block| {
+            Aligned::filled(cooked::required_bytes(block.all()).expect("it is cooked"), 0)
+        });
+        let [first, soft, wide] = &mut blocks;
+        let [a, b, c] = &mut memories;
+        let mut cloth = Cloth::open(first.all(), a.all()).expect("it opens");
+        let mut kept = vec![0; cloth.snapshot_bytes()];
+        cloth.snapshot(&mut kept).expect("it has room");
+        let mut other = Cloth::open(soft.all(), b.all()).expect("it opens");
+        assert_eq!(other.go_back(&kept), Ok(()), "another stiffness");
+        let mut other = Cloth::open(wide.all(), c.all()).expect("it opens");
+        assert_eq!(other.go_back(&kept), Err(muslin::error::LiveError::OtherScene), "a wider box");
+    }
+
     /// In a step with too little room, nothing changes, and the error says how much is needed.
     #[test]
     fn a_step_that_lacks_room_says_how_much() {
@@ -315,7 +338,7 @@ both_precisions! {
     }
 
     #[test]
-    fn a_cloth_of_16_by_16_vertices_needs_64_kilobytes() {
+    fn a_cloth_of_16_by_16_vertices_needs_64_kilobytes_and_twice_as_much_in_double() {
         let [_, memory] = needs(include_str!("../core/examples/cortex-m/explicit.toml"), true);
         println!("{}: {memory} bytes", muslin::real::NAME);
         assert!(memory < 16_000 * size_of::<muslin::real::Real>(), "{memory} bytes");
@@ -328,9 +351,14 @@ both_precisions! {
             for (method, own_contact) in
                 [("symplectic-euler", false), ("symplectic-euler", true), ("backward-euler", true)]
             {
+                let scene = |halving| text(cells, method, own_contact, -0.16, halving);
                 let [plain, lean, least] = [(false, true), (true, true), (true, false)]
-                    .map(|(is_lean, halving)| needs(&text(cells, method, own_contact, -0.16, halving), is_lean));
+                    .map(|(is_lean, halving)| needs(&scene(halving), is_lean));
                 let n = cells + 1;
+                // For the firmware, which counts instructions.
+                let touches = if own_contact { "self" } else { "sphere" };
+                let file = format!("{}/../target/{n}-{method}-{touches}.toml", env!("CARGO_MANIFEST_DIR"));
+                std::fs::write(file, scene(true)).expect("target can be written");
                 println!(
                     "{}: {n} x {n}, {method}, self-contact {own_contact}: block {}, memory {}, lean {}, not halved {}",
                     muslin::real::NAME, plain[0], plain[1], lean[1], least[1]

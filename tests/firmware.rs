@@ -1,5 +1,5 @@
-//! The firmware of `core/examples/cortex-m` in QEMU: a Cortex-M7 reaches the states of this machine, bit for bit, without a
-//! heap. And the proof that no call of the core panics: a program that links only without a panic handler.
+//! The firmwares of `core/examples/cortex-m` in QEMU: a Cortex-M7 reaches the states of this machine, bit for bit, without a
+//! heap, also where it drives the cloth. And the proof that no call of the core panics: a program that links only without a panic handler.
 //!
 //! Run: `cargo test -p muslin-tests --test firmware -- --ignored --nocapture`. It needs `qemu-system-arm`.
 
@@ -13,13 +13,14 @@ fn root() -> PathBuf {
 }
 
 /// A command of cargo in the folder of the firmware. It has a target folder of its own.
-fn cargo(words: &[&str]) -> Output {
+fn cargo(words: &[&str], variables: &[(&str, &str)]) -> Output {
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(words).current_dir(root().join("core/examples/cortex-m"));
     // The settings of the build that runs this test are for another processor.
     for name in ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_TARGET"] {
         cargo.env_remove(name);
     }
+    cargo.envs(variables.iter().copied());
     cargo.env("CARGO_TARGET_DIR", root().join("target/firmware")).output().expect("cargo starts")
 }
 
@@ -36,30 +37,44 @@ fn a_microcontroller_reaches_the_same_states() {
         println!("skipped: qemu-system-arm is missing");
         return;
     }
-    let formatted = cargo(&["fmt", "--check"]);
+    let formatted = cargo(&["fmt", "--check"], &[]);
     assert!(formatted.status.success(), "run cargo fmt in core/examples/cortex-m:\n{}", text(&formatted.stdout));
-    let run = cargo(&["run", "--release", "--quiet", "--locked", "--bin", "cortex-m"]);
-    let told = text(&run.stdout);
-    println!("{told}");
-    assert!(run.status.success(), "{told}{}", text(&run.stderr));
-    assert!(told.contains("as on the machine that cooked them"), "{told}");
+    let told = run("cortex-m", &[]);
     let golden =
         include_str!("goldens.txt").lines().find(|line| line.starts_with("cortex-m f32")).expect("a golden line");
     let last = golden.split(' ').next_back().expect("hashes");
     assert!(told.contains(&format!("{} steps, hash {last}", golden.split(' ').count() - 3)), "{told}{golden}");
-    let number = |after: &str| -> usize {
-        let rest = told.split(after).nth(1).unwrap_or_default();
-        rest.split_whitespace().next().unwrap_or_default().parse().unwrap_or_else(|_| panic!("no {after:?} in {told}"))
-    };
-    assert!(number("code ") < 384 << 10, "{told}");
-    assert!(number("stack ") < 20 << 10, "{told}");
-    assert!(number("memory ") < 256 << 10, "{told}");
+    assert!(number(&told, "code") < 384 << 10, "{told}");
+    assert!(number(&told, "stack") < 20 << 10, "{told}");
+    assert!(number(&told, "memory") < 256 << 10, "{told}");
+    // As little RAM as possible.
+    let told = run("cortex-m", &[("SCENE", "explicit.toml"), ("LEAN", "1"), ("STEPS", "400")]);
+    assert!(number(&told, "stack") < 12_000 && number(&told, "memory") < 64_000, "{told}");
+    // It drives the cloth by live calls.
+    let told = run("drive", &[]);
+    assert!(number(&told, "machine that cooked them") > 0, "the budget is never reached: {told}");
+}
+
+/// The output of a firmware, which must have reached the states of this machine.
+fn run(name: &str, variables: &[(&str, &str)]) -> String {
+    let ended = cargo(&["run", "--release", "--quiet", "--locked", "--bin", name], variables);
+    let told = text(&ended.stdout);
+    println!("{told}");
+    assert!(ended.status.success(), "{told}{}", text(&ended.stderr));
+    assert!(told.contains("as on the machine that cooked them"), "{told}");
+    told
+}
+
+/// The number after some words.
+fn number(told: &str, after: &str) -> usize {
+    let rest = told.split(after).nth(1).unwrap_or_default();
+    rest.split_whitespace().next().unwrap_or_default().parse().unwrap_or_else(|_| panic!("no {after:?} in {told}"))
 }
 
 #[test]
 #[ignore = "slow: builds the core for another processor"]
 fn no_call_of_the_core_panics() {
-    let built = cargo(&["build", "--release", "--quiet", "--locked", "--bin", "no-panic"]);
+    let built = cargo(&["build", "--release", "--quiet", "--locked", "--bin", "no-panic"], &[]);
     if built.status.success() {
         return;
     }
@@ -70,7 +85,7 @@ fn no_call_of_the_core_panics() {
 
 /// The functions of the program `no-panic` that call one that panics.
 fn callers_of_panics() -> BTreeSet<String> {
-    cargo(&["rustc", "--release", "--quiet", "--locked", "--bin", "no-panic", "--", "--emit=asm"]);
+    cargo(&["rustc", "--release", "--quiet", "--locked", "--bin", "no-panic", "--", "--emit=asm"], &[]);
     let folder = root().join("target/firmware/thumbv7em-none-eabihf/release/deps");
     let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let listings = files.filter(|file| file.extension().is_some_and(|it| it == "s"));

@@ -10,35 +10,43 @@ use std::fs;
 use std::path::PathBuf;
 
 /// Steps of scenes without contact. A hash covers all earlier steps.
-const STEPS: u64 = 20;
-/// Steps of scenes with contact: without optimisation more would take minutes.
-const STEPS_WITH_CONTACT: u64 = 7;
+const STEPS: usize = 20;
+/// Steps of scenes with contact: until surfaces touch, and so many more. Without optimisation more would take minutes.
+const AFTER_CONTACT: usize = 2;
+/// Steps of scenes whose surfaces touch later.
+const WITHOUT_CONTACT: usize = 12;
+/// Scenes whose surfaces touch, at least.
+const TOUCHING: usize = 7;
 
 /// The scene of the firmware, and its steps: `firmware` compares the last hash of its line.
-const FIRMWARE: (&str, &str, u64) = ("cortex-m", include_str!("../core/examples/cortex-m/scene.toml"), 40);
+const FIRMWARE: (&str, &str, usize) = ("cortex-m", include_str!("../core/examples/cortex-m/scene.toml"), 40);
 
 macro_rules! lines {
     ($name:ident, $muslin:ident, $kit:ident) => {
         /// The line of every scene.
         fn $name() -> Vec<String> {
             use harness::kit::$kit as kit;
-            let line = |(name, text, steps): (&str, &str, Option<u64>)| {
+            let line = |(name, text, steps): (&str, &str, Option<usize>)| {
                 let mut sim = $muslin::simulation::Simulation::new(&kit::scene(text), &[]).expect("a valid scene");
                 let mut hash = $muslin::diagnostics::StateHash::default();
-                let mut line = format!("{name} {}", $muslin::real::NAME);
-                let own = if sim.scene().contact.is_some() { STEPS_WITH_CONTACT } else { STEPS };
-                for step in 0..=steps.unwrap_or(own) {
-                    if step > 0 {
-                        sim.take_step().unwrap_or_else(|error| panic!("{name} {error}"));
-                    }
+                hash.add(sim.positions(), sim.velocities());
+                let mut line = format!("{name} {} {:016x}", $muslin::real::NAME, hash.0);
+                let mut left = steps.unwrap_or(if sim.scene().contact.is_some() { WITHOUT_CONTACT } else { STEPS });
+                while left > 0 {
+                    let touched = sim.contact_statistics().proximity > 0;
+                    sim.take_step().unwrap_or_else(|error| panic!("{name} {error}"));
                     hash.add(sim.positions(), sim.velocities());
                     line += &format!(" {:016x}", hash.0);
+                    let touches = sim.contact_statistics().proximity > 0;
+                    left = if steps.is_none() && touches && !touched { AFTER_CONTACT } else { left - 1 };
                 }
-                line
+                (line, sim.contact_statistics().proximity > 0)
             };
             let built_in = $muslin::scene::BUILT_IN.iter().map(|&(name, text)| (name, text, None));
             let (name, text, steps) = FIRMWARE;
-            built_in.chain([(name, text, Some(steps))]).map(line).collect()
+            let (lines, touched): (Vec<_>, Vec<_>) = built_in.chain([(name, text, Some(steps))]).map(line).unzip();
+            assert!(touched.iter().filter(|&&touches| touches).count() >= TOUCHING, "too few touch: {touched:?}");
+            lines
         }
     };
 }

@@ -63,6 +63,7 @@ pub fn cook(arguments: &CookArguments) -> Result<(), Failure> {
         contacts,
         hands,
         forces,
+        step_s: scene.desc.timing().step,
         measured_s: measured.seconds,
     };
     if arguments.json { print_json(&cooked) } else { print_data(&report(&cooked, &measured.source)) }
@@ -79,6 +80,8 @@ struct Cooked {
     contacts: usize,
     hands: u32,
     forces: u32,
+    /// Length of a step, s: an equal part of a frame.
+    step_s: f64,
     /// Simulated time of the run that measured the room, s; 0: no run.
     measured_s: f64,
 }
@@ -142,7 +145,7 @@ fn measure(scene: &SceneFile, arguments: &CookArguments, pool: &Pool) -> Result<
 }
 
 fn report(cooked: &Cooked, source: &str) -> String {
-    let Cooked { file, block_bytes, memory_bytes, alignment, candidates, contacts, hands, forces, .. } = cooked;
+    let Cooked { file, block_bytes, memory_bytes, alignment, candidates, contacts, hands, forces, step_s, .. } = cooked;
     let contact = match [candidates, contacts] {
         [0, 0] => "no contacts".to_owned(),
         _ => format!("room for {candidates} candidates of each kind and {contacts} contacts ({source})"),
@@ -150,6 +153,8 @@ fn report(cooked: &Cooked, source: &str) -> String {
     format!(
         "{file}: {block_bytes} bytes, which may stay in flash memory\n\
          {memory_bytes} bytes of memory (in C: muslin_required_bytes), both aligned to {alignment} bytes\n\
-         {contact}; room for {hands} vertices that the program holds, and for {forces} on which it sets forces"
+         {contact}; room for {hands} vertices that the program holds, and for {forces} on which it sets forces\n\
+         steps of {:.4} ms",
+        1e3 * step_s
     )
 }

@@ -298,6 +298,81 @@ fn bad_pointers_and_blocks_are_refused() {
     }
 }
 
+/// Structs and columns lie at their alignment; numbers may lie anywhere.
+#[test]
+fn null_and_misaligned_pointers_are_refused() {
+    let block = cook(&simulation(3), ROOM);
+    let Opened { cloth, mut scene, memory: _memory } = open(&block).expect("it opens");
+    let (mut bytes, pose) = ([0_u64; 64], MuslinPose { position: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0] });
+    let odd = bytes.as_mut_ptr().cast::<u8>().wrapping_add(1);
+    let ([weights, ray], mut number) = ([[0.3_f64; 3]; 2].map(|it| Box::leak(Box::new(it)).as_ptr()), 0);
+    // SAFETY: the handle is open, and pointers that are refused are not followed.
+    unsafe {
+        let state = || (muslin_hash(cloth), muslin_steps(cloth));
+        let before = state();
+        for bad in [null_mut(), odd] {
+            let statuses = [
+                muslin_required_bytes(scene.start(), block.len(), bad.cast()),
+                muslin_open(scene.start(), block.len(), scene.start(), 0, bad.cast()),
+                muslin_move_collider(cloth, 0, bad.cast(), 0.005),
+                muslin_take_impulse(cloth, 0, bad.cast()),
+                muslin_deform_collider(cloth, 1, bad.cast(), 4, 0.005),
+                muslin_teleport(cloth, bad.cast(), null(), 0),
+                muslin_teleport(cloth, &pose, bad.cast(), 1),
+                muslin_collider_pose(cloth, 0, bad.cast()),
+                muslin_origin(cloth, bad.cast()),
+                muslin_point(cloth, 0, weights, bad.cast()),
+                muslin_hit(cloth, ray, ray, bad.cast()),
+                muslin_touches(cloth, null_mut(), 0, bad.cast()),
+            ];
+            assert_eq!(statuses, [MuslinStatus::NullPointer; 12]);
+        }
+        let statuses = [
+            muslin_step(cloth, odd.cast(), null_mut()),
+            muslin_step(cloth, null(), odd.cast()),
+            muslin_move_to(cloth, 0, null(), 0.005),
+            muslin_set_gravity(cloth, null()),
+            muslin_set_wind(cloth, null()),
+            muslin_set_force(cloth, 0, null()),
+            muslin_push(cloth, 0, null()),
+            muslin_point(cloth, 0, null(), odd.cast()),
+            muslin_hit(cloth, ray, null(), odd.cast()),
+            muslin_snapshot(cloth, null_mut(), 0),
+            muslin_go_back(cloth, null(), 8),
+        ];
+        assert_eq!(statuses, [MuslinStatus::NullPointer; 11]);
+        assert_eq!(state(), before);
+        assert!(!muslin_positions(cloth, odd.cast()).is_null(), "the number is not written");
+        assert_eq!(muslin_touches(cloth, null_mut(), 0, &mut number), MuslinStatus::Ok);
+    }
+    assert_eq!(bytes, [0; 64], "nothing is written");
+}
+
+#[test]
+fn a_call_that_is_refused_leaves_the_bytes_of_the_caller() {
+    let good = cook(&simulation(3), ROOM);
+    let Opened { cloth, scene: _scene, mut memory } = open(&good).expect("it opens");
+    // SAFETY: the handle is open, and the pointers name these bytes.
+    unsafe {
+        let size = muslin_snapshot_bytes(cloth);
+        let mut kept = vec![7; size + 9];
+        assert_eq!(muslin_snapshot(cloth, kept.as_mut_ptr(), size + 9), MuslinStatus::Ok);
+        assert_eq!(kept[size..], [7; 9], "bytes beyond the snapshot");
+        let whole = kept.clone();
+        assert_eq!(muslin_snapshot(cloth, kept.as_mut_ptr(), size - 1), MuslinStatus::Memory);
+        assert_eq!(muslin_snapshot(null_mut(), kept.as_mut_ptr(), size), MuslinStatus::NullPointer);
+        assert!(kept == whole, "a refused call has changed the snapshot");
+        let mut bad = Memory::of(&good);
+        *bad.start().add(500) ^= 1;
+        let (length, room, hash) = (good.len(), 32 * memory.0.len(), muslin_hash(cloth));
+        let (mut other, mut good) = (null_mut(), Memory::of(&good));
+        assert_eq!(muslin_open(bad.start(), length, memory.start(), room, &mut other), MuslinStatus::Checksum);
+        assert_eq!(muslin_open(good.start(), length, memory.start(), room - 32, &mut other), MuslinStatus::Memory);
+        assert_eq!(muslin_hash(cloth), hash, "the cloth in the memory is as before");
+        assert_eq!(muslin_go_back(cloth, kept.as_ptr(), size), MuslinStatus::Ok);
+    }
+}
+
 #[test]
 fn every_refusal_has_words() {
     let own = simulation(CELLS);

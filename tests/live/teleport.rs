@@ -116,6 +116,17 @@ fn a_pin_that_will_hold_a_single_axis_cannot_turn() {
     assert_eq!(sim.teleport(Pose::at([1.0, 0.0, 0.0]), &[0]), Ok(()), "without a turn");
 }
 
+#[test]
+fn a_pin_that_has_ended_hinders_nothing() {
+    let ended = "[[cloth]]\npin = [{ select = { vertices = [3] }, axes = \"x\", until = 0.05 }]";
+    let mut sim = kit::simulation(&ball("", "").replace("[[cloth]]", ended), &[]);
+    assert_eq!(sim.teleport(elsewhere(), &[0]), Err(LiveError::Held { vertex: 3 }));
+    lead(&mut sim, 20, |_, _| ());
+    assert!(sim.pins().held().next().is_none(), "it has ended");
+    assert!(!sim.release(3), "nothing is left to let go");
+    assert_eq!(sim.teleport(elsewhere(), &[0]), Ok(()));
+}
+
 /// A figure that has been deformed and rests.
 #[test]
 fn a_mesh_that_was_deformed_comes_along() {

@@ -201,7 +201,8 @@ enum MuslinStatus muslin_required_bytes(const uint8_t *block,
                                         size_t *bytes);
 
 // Opens a cooked scene where it lies, and writes a handle. Scene and memory must stay as they are while the handle is
-// used, and both begin at a multiple of 32 bytes. There is nothing to close: the memory belongs to the caller.
+// used, and both begin at a multiple of 32 bytes. There is nothing to close: the memory belongs to the caller. It stays as
+// it was if the scene is damaged or the memory too small.
 //
 // Requires:
 // `block` points to `block_length` bytes, `memory` to `memory_length` bytes that nothing else uses, and `cloth` to a pointer.
@@ -418,7 +419,7 @@ enum MuslinStatus muslin_point(const struct MuslinCloth *cloth,
                                const double *weights,
                                struct MuslinPoint *point);
 
-// Writes where a ray hits a cloth first, from either side.
+// Writes where a ray hits a cloth first, from either side. Nothing is written if the call fails.
 //
 // Requires:
 // `cloth` is null or a handle; `origin` and `direction` point to three numbers each, and `hit` to a hit.
@@ -433,8 +434,8 @@ enum MuslinStatus muslin_hit(const struct MuslinCloth *cloth,
 // `cloth` is null or a handle.
 size_t muslin_snapshot_bytes(const struct MuslinCloth *cloth);
 
-// Writes a copy of all that steps and calls change. `length` is at least `muslin_snapshot_bytes`;
-// `muslin_go_back` takes as many.
+// Writes a copy of all that steps and calls change: `muslin_snapshot_bytes`, which `muslin_go_back` takes. `length` is at
+// least as much; bytes beyond them, and all bytes if the call fails, stay as they were.
 //
 // Requires:
 // `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.
@@ -442,8 +443,8 @@ enum MuslinStatus muslin_snapshot(struct MuslinCloth *cloth,
                                   uint8_t *bytes,
                                   size_t length);
 
-// Goes back to a snapshot of this cloth, or of another one with the same meshes, colliders, pins and room, whose materials
-// may differ: to change materials, take a snapshot, open a scene with other materials in the same memory, and go back.
+// Goes back to a snapshot of this cloth, or of another one with the same triangles, colliders, pins and room, whose
+// materials and rest shapes may differ: to change materials, take a snapshot, open a scene with other materials in the same memory, and go back.
 // `muslin_touches` finds nothing until the next step.
 //
 // Requires:

@@ -61,7 +61,7 @@ pub unsafe extern "C" fn muslin_required_bytes(
     block_length: usize,
     bytes: *mut usize,
 ) -> MuslinStatus {
-    if block.is_null() || bytes.is_null() {
+    if block.is_null() || !is_place(bytes) {
         return MuslinStatus::NullPointer;
     }
     // SAFETY: the pointer is not null, and the caller gives this length.
@@ -74,13 +74,14 @@ pub unsafe extern "C" fn muslin_required_bytes(
     let Some(needed) = head(vertices).and_then(|[head, _]| head.checked_add(own)) else {
         return MuslinStatus::Malformed;
     };
-    // SAFETY: the pointer is not null, and the caller says that it points to a number.
+    // SAFETY: it is a place, and the caller says that it points to a number.
     unsafe { bytes.write(needed) };
     MuslinStatus::Ok
 }
 
 /// Opens a cooked scene where it lies, and writes a handle. Scene and memory must stay as they are while the handle is
-/// used, and both begin at a multiple of 32 bytes. There is nothing to close: the memory belongs to the caller.
+/// used, and both begin at a multiple of 32 bytes. There is nothing to close: the memory belongs to the caller. It stays as
+/// it was if the scene is damaged or the memory too small.
 ///
 /// # Safety
 /// `block` points to `block_length` bytes, `memory` to `memory_length` bytes that nothing else uses, and `cloth` to a pointer.
@@ -92,10 +93,10 @@ pub unsafe extern "C" fn muslin_open(
     memory_length: usize,
     cloth: *mut *mut MuslinCloth,
 ) -> MuslinStatus {
-    if cloth.is_null() {
+    if !is_place(cloth) {
         return MuslinStatus::NullPointer;
     }
-    // SAFETY: the pointer is not null, and the caller says that it points to a pointer.
+    // SAFETY: it is a place, and the caller says that it points to a pointer.
     unsafe { cloth.write(core::ptr::null_mut()) };
     if block.is_null() || memory.is_null() {
         return MuslinStatus::NullPointer;
@@ -103,11 +104,15 @@ pub unsafe extern "C" fn muslin_open(
     if !(memory as usize).is_multiple_of(ALIGNMENT) {
         return MuslinStatus::Alignment;
     }
-    // SAFETY: the pointers are not null, and the caller gives these lengths and leaves both alone. The memory is written
-    // before it is named, because the caller need not have written it.
-    let (block, memory) = unsafe {
+    // SAFETY: the pointer is not null, and the caller gives this length and leaves the bytes alone.
+    let block: &'static [u8] = unsafe { slice::from_raw_parts(block, block_length) };
+    if let Err(status) = fits(block, memory_length) {
+        return status;
+    }
+    // SAFETY: as for the block. The memory is written before it is named, because the caller need not have written it.
+    let memory = unsafe {
         memory.write_bytes(0, memory_length);
-        (slice::from_raw_parts(block, block_length), slice::from_raw_parts_mut(memory, memory_length))
+        slice::from_raw_parts_mut(memory, memory_length)
     };
     let opened = match guarded(|| open(block, memory)) {
         Some(Ok(opened)) => opened,
@@ -117,6 +122,14 @@ pub unsafe extern "C" fn muslin_open(
     // SAFETY: as above.
     unsafe { cloth.write(opened) };
     MuslinStatus::Ok
+}
+
+/// Whether a block is whole and its work has room in so much memory.
+fn fits(block: &[u8], memory_length: usize) -> Result<(), MuslinStatus> {
+    cooked::is_whole(block)?;
+    let [head, _] = head(cooked::vertices(block)?).ok_or(MuslinStatus::Malformed)?;
+    let needed = head.checked_add(cooked::required_bytes(block)?).ok_or(MuslinStatus::Malformed)?;
+    if memory_length < needed { Err(MuslinStatus::Memory) } else { Ok(()) }
 }
 
 fn open(block: &'static [u8], memory: &'static mut [u8]) -> Result<*mut MuslinCloth, MuslinStatus> {
@@ -182,6 +195,20 @@ impl fmt::Write for Text<'_> {
     }
 }
 
+/// Whether a pointer is neither null nor misaligned.
+pub(crate) fn is_place<T>(pointer: *const T) -> bool {
+    !pointer.is_null() && pointer.is_aligned()
+}
+
+/// A struct of the caller; `None` if the pointer is null or not aligned.
+///
+/// # Safety
+/// `pointer` is null or points to such a struct.
+pub(crate) unsafe fn given<T: Copy>(pointer: *const T) -> Option<T> {
+    // SAFETY: it is a place, and the rest is the caller's promise.
+    if is_place(pointer) { Some(unsafe { pointer.read() }) } else { None }
+}
+
 /// The handle that a pointer names, if it is one.
 ///
 /// # Safety
@@ -196,8 +223,8 @@ pub(crate) unsafe fn seen<'a>(cloth: *const MuslinCloth) -> Option<&'a MuslinClo
 /// # Safety
 /// The pointer is null, or points to as many bytes as a handle has.
 unsafe fn is_handle(cloth: *const MuslinCloth) -> bool {
-    // SAFETY: the pointer is neither null nor misaligned, and the rest is the caller's promise.
-    !cloth.is_null() && cloth.is_aligned() && unsafe { (&raw const (*cloth).magic).read() == MAGIC }
+    // SAFETY: it is a place, and the rest is the caller's promise.
+    is_place(cloth) && unsafe { (&raw const (*cloth).magic).read() == MAGIC }
 }
 
 /// Asks a handle, and keeps the error. `None` if it panics.

@@ -6,7 +6,7 @@ use muslin_core::kinematic::Pose;
 use muslin_core::live::Live as _;
 use muslin_core::reactions::Impulse;
 
-use crate::handle::{MuslinCloth, change};
+use crate::handle::{MuslinCloth, change, given, is_place};
 use crate::read::column;
 use crate::status::MuslinStatus;
 
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn muslin_move_collider(
     seconds: f64,
 ) -> MuslinStatus {
     // SAFETY: the caller says that it is null or points to a pose.
-    let Some(&pose) = (unsafe { pose.as_ref() }) else { return MuslinStatus::NullPointer };
+    let Some(pose) = (unsafe { given(pose) }) else { return MuslinStatus::NullPointer };
     // SAFETY: the caller's promise is that of `change`.
     unsafe { change(cloth, |own| Ok(own.cloth.move_collider(collider, pose.into(), seconds)?)) }
 }
@@ -87,10 +87,10 @@ pub unsafe extern "C" fn muslin_take_impulse(
     collider: u32,
     impulse: *mut MuslinImpulse,
 ) -> MuslinStatus {
-    if impulse.is_null() {
+    if !is_place(impulse) {
         return MuslinStatus::NullPointer;
     }
-    // SAFETY: the caller's promise is that of `change`. The pointer is not null, and points to an impulse.
+    // SAFETY: the caller's promise is that of `change`. It is a place, and points to an impulse.
     unsafe {
         change(cloth, |own| {
             impulse.write(own.cloth.take_impulse(collider)?.into());
@@ -247,7 +247,7 @@ pub unsafe extern "C" fn muslin_teleport(
     count: usize,
 ) -> MuslinStatus {
     // SAFETY: the caller says that they are null or point to a pose and to so many numbers.
-    let (Some(&by), Some(colliders)) = (unsafe { (by.as_ref(), column(colliders, count)) }) else {
+    let (Some(by), Some(colliders)) = (unsafe { (given(by), column(colliders, count)) }) else {
         return MuslinStatus::NullPointer;
     };
     // SAFETY: the caller's promise is that of `change`.

@@ -7,7 +7,7 @@ use muslin_core::diagnostics::StateHash;
 use muslin_core::geometry::normals::write_normals;
 use muslin_core::live::{Live as _, Side, Touch};
 
-use crate::handle::{MuslinCloth, asked, change, seen};
+use crate::handle::{MuslinCloth, asked, change, is_place, seen};
 use crate::live::{MuslinPose, vector};
 use crate::status::MuslinStatus;
 
@@ -16,8 +16,8 @@ use crate::status::MuslinStatus;
 /// # Safety
 /// `count` is null or points to a number.
 unsafe fn view<T, U>(column: Option<&[T]>, count: *mut usize) -> *const U {
-    if !count.is_null() {
-        // SAFETY: the pointer is not null, and the caller says that it points to a number.
+    if is_place(count) {
+        // SAFETY: it is a place, and the caller says that it points to a number.
         unsafe { count.write(column.map_or(0, <[T]>::len)) };
     }
     column.map_or(ptr::null(), |column| column.as_ptr().cast())
@@ -188,12 +188,12 @@ pub unsafe extern "C" fn muslin_touches(
     capacity: usize,
     count: *mut usize,
 ) -> MuslinStatus {
-    let room = if touches.is_null() { 0 } else { capacity };
+    let room = if is_place(touches) { capacity } else { 0 };
     let each = |own: &MuslinCloth| {
         let mut found = 0;
         for touch in own.cloth.touches() {
             if found < room {
-                // SAFETY: the pointer is not null, and the caller gives this capacity.
+                // SAFETY: it is a place, and the caller gives this capacity.
                 unsafe { touches.add(found).write(touch.into()) };
             }
             found += 1;
@@ -252,7 +252,7 @@ pub struct MuslinHit {
     pub distance: f64,
 }
 
-/// Writes where a ray hits a cloth first, from either side.
+/// Writes where a ray hits a cloth first, from either side. Nothing is written if the call fails.
 ///
 /// # Safety
 /// `cloth` is null or a handle; `origin` and `direction` point to three numbers each, and `hit` to a hit.
@@ -306,14 +306,14 @@ unsafe fn answer<T>(
     out: *mut T,
     ask: impl FnOnce(&MuslinCloth) -> Result<T, muslin_core::error::LiveError>,
 ) -> MuslinStatus {
-    if cloth.is_null() || out.is_null() {
+    if cloth.is_null() || !is_place(out) {
         return MuslinStatus::NullPointer;
     }
     // SAFETY: the caller's promise is that of `seen`.
     let Some(own) = (unsafe { seen(cloth) }) else { return MuslinStatus::BadHandle };
     match asked(own, ask) {
         Some(Ok(answer)) => {
-            // SAFETY: the pointer is not null, and the caller says that there is room.
+            // SAFETY: it is a place, and the caller says that there is room.
             unsafe { out.write(answer) };
             MuslinStatus::Ok
         }
@@ -327,10 +327,10 @@ unsafe fn answer<T>(
 /// # Safety
 /// `start` is null or points to `count` entries that live as long as the result.
 pub(crate) unsafe fn column<'a, T>(start: *const T, count: usize) -> Option<&'a [T]> {
-    match (start.is_null() || !start.is_aligned(), count) {
+    match (is_place(start), count) {
         (_, 0) => Some(&[]),
-        (true, _) => None,
-        // SAFETY: the pointer is neither null nor misaligned, and the caller gives this length.
-        (false, _) => Some(unsafe { slice::from_raw_parts(start, count) }),
+        (false, _) => None,
+        // SAFETY: it is a place, and the caller gives this length.
+        (true, _) => Some(unsafe { slice::from_raw_parts(start, count) }),
     }
 }

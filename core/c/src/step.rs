@@ -3,7 +3,7 @@
 use muslin_core::dispatch::{Limited, Serial};
 use muslin_core::refusal::{Cause, StepError};
 
-use crate::handle::{MuslinCloth, change};
+use crate::handle::{MuslinCloth, change, given};
 use crate::status::MuslinStatus;
 
 /// The work after which a step is given up, at the next place where it can be. It does not depend on the machine.
@@ -47,10 +47,13 @@ pub unsafe extern "C" fn muslin_step(
     budget: *const MuslinBudget,
     report: *mut MuslinReport,
 ) -> MuslinStatus {
+    // Null pointers are aligned.
+    if !budget.is_aligned() || !report.is_aligned() {
+        return MuslinStatus::NullPointer;
+    }
     // SAFETY: the caller says that it is null or points to a budget.
-    let budget = unsafe { budget.as_ref() };
     let MuslinBudget { iterations, candidates } =
-        budget.copied().unwrap_or(MuslinBudget { iterations: u32::MAX, candidates: u32::MAX });
+        unsafe { given(budget) }.unwrap_or(MuslinBudget { iterations: u32::MAX, candidates: u32::MAX });
     let mut done = MuslinReport::default();
     // SAFETY: the caller's promise is that of `change`.
     let status = unsafe {

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::source::{Columns, Source};
 use super::stored::{Kept, NO_FRAMES, Stored, StoredContact};
-use super::{ALIGNMENT, CookedError, HEADER, check, header, snapshot};
+use super::{ALIGNMENT, CookedError, HEADER, check, header, is_whole, snapshot};
 use crate::broad_phase::Counts;
 use crate::colliders::Colliders;
 use crate::column::Column;
@@ -73,11 +73,9 @@ impl<'a> Cloth<'a> {
         {
             return Err(CookedError::Alignment);
         }
-        let columns = block.get(HEADER..).unwrap_or_default();
-        if header.checksum_with(columns) != header.checksum {
-            return Err(CookedError::Checksum);
-        }
-        let mut source = Source { block: columns, memory, needed: header.memory as usize };
+        is_whole(block)?;
+        let mut source =
+            Source { block: block.get(HEADER..).unwrap_or_default(), memory, needed: header.memory as usize };
         let mut stored = Stored::open(&mut source)?;
         let scheme = stored.settings.scheme()?;
         check::all(&stored, &scheme)?;

@@ -152,6 +152,13 @@ pub const fn vertices(block: &[u8]) -> Result<usize, CookedError> {
     }
 }
 
+/// Whether a block is as it was cooked: reads its header and compares its checksum. [`Cloth::open`] checks its numbers too.
+pub fn is_whole(block: &[u8]) -> Result<(), CookedError> {
+    let header = header(block)?;
+    let columns = block.get(HEADER..).unwrap_or_default();
+    if header.checksum_with(columns) == header.checksum { Ok(()) } else { Err(CookedError::Checksum) }
+}
+
 /// The header of a block, if the block is one that this crate reads.
 const fn header(block: &[u8]) -> Result<Header, CookedError> {
     if cfg!(target_endian = "big") {

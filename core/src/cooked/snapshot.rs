@@ -26,7 +26,7 @@ use crate::work_done::WorkDone;
 struct Plain {
     /// Of everything after it.
     checksum: u64,
-    /// The hash of the meshes, by which the cloth knows its snapshot.
+    /// The hash of triangles and colliders, by which the cloth knows its snapshot.
     scene: u64,
     /// The point from which positions are measured, m.
     origin: [Sum; 3],
@@ -84,8 +84,8 @@ impl Cloth<'_> {
         Ok(())
     }
 
-    /// Goes back to a snapshot of this cloth, or of another one with the same meshes, colliders, pins and room, whose
-    /// materials may differ. The list of [`touches`](crate::live::Live::touches) is empty until the next step.
+    /// Goes back to a snapshot of this cloth, or of another one with the same triangles, colliders, pins and room. Its
+    /// materials and rest shapes may differ. The list of [`touches`](crate::live::Live::touches) is empty until the next step.
     pub fn go_back(&mut self, to: &[u8]) -> Result<(), LiveError> {
         if to.len() != self.snapshot_bytes() {
             return Err(LiveError::OtherScene);
@@ -142,7 +142,7 @@ impl Cloth<'_> {
         let contact = self.stored.contact.as_ref();
         Plain {
             checksum: 0,
-            scene: checksum(bytemuck::try_cast_slice(self.stored.triangles).unwrap_or_default()),
+            scene: self.topology(),
             origin: self.origin().into(),
             method: self.scheme.method as u64,
             steps: self.steps,
@@ -158,6 +158,12 @@ impl Cloth<'_> {
             history,
             halvings: self.halvings,
         }
+    }
+
+    /// A hash of the triangles and of the shapes of the colliders.
+    fn topology(&self) -> u64 {
+        let anchors = self.stored.contact.as_ref().map_or(&[][..], |contact| contact.model.anchors);
+        checksum(bytemuck::cast_slice(self.stored.triangles)) ^ checksum(bytemuck::cast_slice(anchors)).rotate_left(1)
     }
 
     /// Whether kernels can rely on the columns of a snapshot.

@@ -43,9 +43,9 @@ impl Hold {
         if has_passed(self.from) && !has_passed(self.until) { self.axes as u8 } else { 0 }
     }
 
-    /// The axes that it holds at some time.
-    pub fn axes(&self) -> u8 {
-        self.axes as u8
+    /// The axes that it holds just after `time`, or will hold later.
+    pub fn axes_from(&self, time: Sum) -> u8 {
+        if JumpSide::After.has_passed(self.until, time) { 0 } else { self.axes as u8 }
     }
 
     /// Whether it holds no axes but three. A damaged scene may say otherwise.
@@ -414,18 +414,21 @@ impl PinSlots<'_> {
         pin.is_some()
     }
 
-    /// Lets a vertex go. Returns whether it was held, or would have been later.
-    #[cfg_attr(small, optimize(size), inline(never))]
-    pub fn release(&mut self, vertex: u32) -> bool {
-        let mut any = false;
-        let pins = self.vertices.iter().zip(&mut *self.axes).enumerate();
-        for (pin, (_, axes)) in pins.filter(|(_, (held, _))| **held == vertex) {
-            any |= core::mem::take(axes) != 0;
+    /// Whether a vertex is held just after `time`, s, or will be later.
+    pub fn holds_from(&self, vertex: u32, time: Sum) -> bool {
+        let own = (0..self.vertices.len()).filter(|&pin| self.vertices.at(pin) == vertex);
+        let mut axes = own.map(|pin| self.axes.at(pin) | self.holds.get(pin).map_or(0, |hold| hold.axes_from(time)));
+        axes.any(|axes| axes != 0)
+    }
+
+    /// Lets a vertex go.
+    pub fn release(&mut self, vertex: u32) {
+        for pin in (0..self.vertices.len()).filter(|&pin| self.vertices.at(pin) == vertex) {
+            self.axes.set(pin, 0);
             if let Some(hold) = self.holds.get_mut(pin) {
-                any |= core::mem::take(&mut hold.axes) != 0;
+                hold.axes = 0;
             }
         }
-        any
     }
 
     /// A slot of the host that is free once the vertex has been let go.

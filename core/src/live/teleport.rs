@@ -7,7 +7,7 @@ use crate::colliders::{Body, Drive, Form};
 use crate::column::Column;
 use crate::contact::Solids;
 use crate::error::LiveError;
-use crate::integrate::pins::{Hold, NO_CARRIER, PinSlots};
+use crate::integrate::pins::{NO_CARRIER, PinSlots};
 use crate::kinematic::{Kinematic, Pose, Twist};
 use crate::motion::{JumpSide, Key, Motion};
 use crate::particles::Particles;
@@ -65,7 +65,7 @@ impl PartsMut<'_> {
         let pins = self.read().pins;
         for (pin, &vertex) in pins.vertices.iter().enumerate() {
             // A pin may hold later.
-            let axes = self.pins.holds.get(pin).map_or(pins.axes.at(pin), Hold::axes);
+            let axes = self.pins.holds.get(pin).map_or(pins.axes.at(pin), |hold| hold.axes_from(self.time));
             let stays = pins.carrier(pin).is_some_and(|carrier| !colliders.contains(&(carrier as u32)));
             if axes != 0 && (stays || axes != 0b111 && by.turns()) {
                 return Err(LiveError::Held { vertex });
