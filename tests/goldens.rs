@@ -11,10 +11,10 @@ use std::path::PathBuf;
 
 /// Steps of scenes without contact. A hash covers all earlier steps.
 const STEPS: usize = 20;
-/// Steps of scenes with contact: until surfaces touch, and so many more. Without optimisation more would take minutes.
-const AFTER_CONTACT: usize = 2;
+/// Steps of scenes with contact: until surfaces touch, and so many steps more. Without optimisation more would take minutes.
+const AFTER_CONTACT: usize = 1;
 /// Steps of scenes whose surfaces touch later.
-const WITHOUT_CONTACT: usize = 12;
+const WITHOUT_CONTACT: usize = 10;
 /// Scenes whose surfaces touch, at least.
 const TOUCHING: usize = 7;
 
