@@ -301,10 +301,10 @@ impl fmt::Display for LiveError {
             Self::NoCollider { collider, count } => missing(f, "collider", collider, count),
             Self::NotFinite { name } => write!(f, "{name} must be finite"),
             // Without the numbers: the standard library can panic where it writes one with decimals.
-            Self::Seconds { .. } => write!(f, "the time, in seconds, must be finite and not negative"),
+            Self::Seconds { .. } => write!(f, "the time must be finite and not negative"),
             Self::TooFast { .. } => write!(
                 f,
-                "the time, in seconds, must be finite and at least a thousandth of a step, or the collider would jump \
+                "the time must be finite and at least a thousandth of a step, or the collider would jump \
                  through the cloth; teleport moves it together with the cloth"
             ),
             Self::PlaneTurns { collider } => {

@@ -414,21 +414,19 @@ impl PinSlots<'_> {
         pin.is_some()
     }
 
-    /// Whether a vertex is held just after `time`, s, or will be later.
-    pub fn holds_from(&self, vertex: u32, time: Sum) -> bool {
-        let own = (0..self.vertices.len()).filter(|&pin| self.vertices.at(pin) == vertex);
-        let mut axes = own.map(|pin| self.axes.at(pin) | self.holds.get(pin).map_or(0, |hold| hold.axes_from(time)));
-        axes.any(|axes| axes != 0)
-    }
-
-    /// Lets a vertex go.
-    pub fn release(&mut self, vertex: u32) {
-        for pin in (0..self.vertices.len()).filter(|&pin| self.vertices.at(pin) == vertex) {
-            self.axes.set(pin, 0);
+    /// Lets a vertex go. Returns whether it was held just after `time`, s, or would have been later.
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub fn release(&mut self, vertex: u32, time: Sum) -> bool {
+        let mut any = false;
+        let pins = self.vertices.iter().zip(&mut *self.axes).enumerate();
+        for (pin, (_, axes)) in pins.filter(|(_, (held, _))| **held == vertex) {
+            any |= core::mem::take(axes) != 0;
             if let Some(hold) = self.holds.get_mut(pin) {
+                any |= hold.axes_from(time) != 0;
                 hold.axes = 0;
             }
         }
+        any
     }
 
     /// A slot of the host that is free once the vertex has been let go.
@@ -442,7 +440,7 @@ impl PinSlots<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     fn take(&mut self, vertex: u32, anchor: Vec3) -> Option<usize> {
         let pin = self.free(vertex)?;
-        self.release(vertex);
+        self.release(vertex, 0.0);
         self.vertices.set(pin, vertex);
         self.axes.set(pin, 0b111);
         self.anchors.set(pin, anchor);

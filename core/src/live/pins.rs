@@ -54,9 +54,8 @@ impl PartsMut<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     pub fn release(&mut self, vertex: u32) -> bool {
         self.let_fly(vertex);
-        let released = self.pins.holds_from(vertex, self.time);
+        let released = self.pins.release(vertex, self.time);
         if released {
-            self.pins.release(vertex);
             self.take_over_pins();
             self.history.cut();
         }
