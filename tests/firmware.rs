@@ -1,5 +1,6 @@
 //! The firmwares of `core/examples/cortex-m` in QEMU: a Cortex-M7 reaches the states of this machine, bit for bit, without a
-//! heap, also where it drives the cloth. And the proof that no call of the core panics: a program that links only without a panic handler.
+//! heap, also where it drives the cloth. And the proof that no call of the core panics: a program that links only without a
+//! panic handler.
 //!
 //! Run: `cargo test -p muslin-tests --test firmware -- --ignored --nocapture`. It needs `qemu-system-arm`.
 
@@ -49,7 +50,7 @@ fn a_microcontroller_reaches_the_same_states() {
     assert!(number(&told, "memory") < 256 << 10, "{told}");
     // It drives the cloth by live calls.
     let told = run("drive", &[]);
-    assert!(number(&told, "machine that cooked them") > 0, "the budget is never reached: {told}");
+    assert!(number(&told, "over the budget:") > 0, "the budget is never reached: {told}");
     // As little RAM as possible. It comes last: another scene builds all firmware anew.
     let told = run("cortex-m", &[("SCENE", "explicit.toml"), ("LEAN", "1"), ("STEPS", "400")]);
     assert!(number(&told, "stack") < 12_000 && number(&told, "memory") < 64_000, "{told}");

@@ -1,6 +1,6 @@
 //! Golden hashes of every built-in scene, and of the firmware's scene: `scene precision hash ...`, one line each, in
 //! `goldens.txt`, with a hash for the start and for every step. They hold on every machine and in every build profile:
-//! `check -- --all` runs this suite in the test profile, in a profile without optimisation and in the release profile.
+//! `check -- --all` runs this suite in the test profile, without optimisation, for size, and in the release profile.
 //! `tests/browser/goldens.test.mjs` and `firmware` compare the lines in single precision.
 //!
 //! Run: `cargo test -p muslin-tests --test goldens`. `MUSLIN_BLESS=1` rewrites `goldens.txt` from the current results of

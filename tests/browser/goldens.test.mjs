@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { browser, dist, root, skip } from "./kit.mjs";
+import { browser, dist, root, skip, withModule } from "./kit.mjs";
 
 let chromium;
 let page;
@@ -12,11 +12,7 @@ let page;
 before(async () => {
   if (skip) return;
   chromium = await browser({ webgpu: false });
-  ({ page } = await chromium.open("blank.html"));
-  await page.evaluate(async () => {
-    window.m = await import("/dist/muslin.js");
-    await m.load();
-  });
+  page = await withModule(chromium);
 });
 after(() => chromium?.close());
 

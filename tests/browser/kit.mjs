@@ -37,6 +37,16 @@ export const pack = { cwd: root, stdio: ["ignore", "ignore", "inherit"] };
 /** Saves a screenshot of a page in target/browser. */
 export const shot = (page, name) => page.screenshot({ path: join(root, "target/browser", `${name}.png`) });
 
+/** A blank page with the module, loaded, as `m`. */
+export async function withModule(chromium) {
+  const { page } = await chromium.open("blank.html");
+  await page.evaluate(async () => {
+    window.m = await import("/dist/muslin.js");
+    await m.load();
+  });
+  return page;
+}
+
 /** ms after which a page counts as hung: long, because machines may be slow and busy. */
 const PATIENCE = 600_000;
 

@@ -7,7 +7,7 @@ import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { browser, root, skip } from "./kit.mjs";
+import { browser, root, skip, withModule } from "./kit.mjs";
 
 let chromium;
 let page;
@@ -15,11 +15,7 @@ let page;
 before(async () => {
   if (skip) return;
   chromium = await browser({ webgpu: false });
-  ({ page } = await chromium.open("blank.html"));
-  await page.evaluate(async () => {
-    window.m = await import("/dist/muslin.js");
-    await m.load();
-  });
+  page = await withModule(chromium);
 });
 after(() => chromium?.close());
 

@@ -38,7 +38,7 @@ pub enum Task {
 pub const TESTED: &str = "dev";
 
 /// Further profiles, in which the bits must be the same.
-const PROFILES: [&str; 3] = ["unoptimised", "small", "release"];
+const PROFILES: [&str; 3] = ["unoptimised", "size", "release"];
 
 /// The suites whose results could differ between profiles: of bits, and of faults, which panic in some of them.
 const PER_PROFILE: [&str; 2] = ["goldens", "faults"];

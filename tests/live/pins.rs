@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 use muslin_core_f64::error::LiveError;
 use muslin_core_f64::kinematic::Pose;
 use muslin_core_f64::live::Live as _;
+use muslin_core_f64::refusal::Cause;
 
 use super::{apart, ball, hanging, kit, lead};
 
@@ -125,4 +126,19 @@ fn a_vertex_that_is_let_go_keeps_its_velocity() {
     });
     assert!(hand.release(7));
     assert!(hand.velocities()[7].distance(velocity) < 1e-12, "{}", hand.velocities()[7]);
+}
+
+/// The manual advises it after a step that fails.
+#[test]
+fn a_vertex_that_was_dragged_into_a_collider_can_stay_or_be_let_go() {
+    let mut start = kit::simulation(&ball("", ""), &[]);
+    lead(&mut start, 10, |_, _| ());
+    let place = start.places_in_world().nth(87).expect("a vertex in the middle");
+    assert_eq!(start.move_to(87, [place[0], -0.12, place[2]], STEP), Ok(()));
+    assert!(matches!(start.take_step().expect_err("the ball is there").cause, Cause::Contact { .. }));
+    let mut stays = start.clone();
+    assert_eq!(stays.move_to(87, place, STEP), Ok(()));
+    stays.take_step().expect("it stays where it is");
+    assert!(start.release(87));
+    start.take_step().expect("it is free");
 }

@@ -444,8 +444,8 @@ enum MuslinStatus muslin_snapshot(struct MuslinCloth *cloth,
                                   size_t length);
 
 // Goes back to a snapshot of this cloth, or of another one with the same triangles, colliders, pins and room, whose
-// materials and rest shapes may differ: to change materials, take a snapshot, open a scene with other materials in the same memory, and go back.
-// `muslin_touches` finds nothing until the next step.
+// materials and rest shapes may differ: to change materials, take a snapshot, open a scene with other materials in the same
+// memory, and go back. `muslin_touches` finds nothing until the next step.
 //
 // Requires:
 // `cloth` is null or a handle that nothing else uses meanwhile; `bytes` is null or points to `length` bytes.

@@ -41,6 +41,13 @@ fn head(vertices: usize) -> Option<[usize; 2]> {
     Some([own.checked_add(normals)?, own])
 }
 
+/// Bytes that a scene needs as memory, by its header.
+fn needed(block: &[u8]) -> Result<usize, MuslinStatus> {
+    let own = cooked::required_bytes(block)?;
+    let [head, _] = head(cooked::vertices(block)?).ok_or(MuslinStatus::Malformed)?;
+    head.checked_add(own).ok_or(MuslinStatus::Malformed)
+}
+
 /// The version of the library: `0x00MMmmpp`.
 #[unsafe(no_mangle)]
 pub extern "C" fn muslin_version() -> u32 {
@@ -66,13 +73,9 @@ pub unsafe extern "C" fn muslin_required_bytes(
     }
     // SAFETY: the pointer is not null, and the caller gives this length.
     let block = unsafe { slice::from_raw_parts(block, block_length) };
-    let needed = cooked::required_bytes(block).and_then(|own| Ok((own, cooked::vertices(block)?)));
-    let (own, vertices) = match needed {
+    let needed = match needed(block) {
         Ok(needed) => needed,
-        Err(error) => return error.into(),
-    };
-    let Some(needed) = head(vertices).and_then(|[head, _]| head.checked_add(own)) else {
-        return MuslinStatus::Malformed;
+        Err(status) => return status,
     };
     // SAFETY: it is a place, and the caller says that it points to a number.
     unsafe { bytes.write(needed) };
@@ -127,9 +130,7 @@ pub unsafe extern "C" fn muslin_open(
 /// Whether a block is whole and its work has room in so much memory.
 fn fits(block: &[u8], memory_length: usize) -> Result<(), MuslinStatus> {
     cooked::is_whole(block)?;
-    let [head, _] = head(cooked::vertices(block)?).ok_or(MuslinStatus::Malformed)?;
-    let needed = head.checked_add(cooked::required_bytes(block)?).ok_or(MuslinStatus::Malformed)?;
-    if memory_length < needed { Err(MuslinStatus::Memory) } else { Ok(()) }
+    if memory_length < needed(block)? { Err(MuslinStatus::Memory) } else { Ok(()) }
 }
 
 fn open(block: &'static [u8], memory: &'static mut [u8]) -> Result<*mut MuslinCloth, MuslinStatus> {

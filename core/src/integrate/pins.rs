@@ -440,6 +440,7 @@ impl PinSlots<'_> {
     #[cfg_attr(small, optimize(size), inline(never))]
     fn take(&mut self, vertex: u32, anchor: Vec3) -> Option<usize> {
         let pin = self.free(vertex)?;
+        // The time is for the answer, which nobody asks for here.
         self.release(vertex, 0.0);
         self.vertices.set(pin, vertex);
         self.axes.set(pin, 0b111);

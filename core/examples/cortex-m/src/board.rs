@@ -18,6 +18,25 @@ const TICKS: u32 = 0x00ff_ffff;
 #[repr(align(32))]
 pub struct Aligned<T: ?Sized>(pub T);
 
+/// Defines the parts of a scene that the build script has cooked: `BLOCK` in flash memory, `HASHES` of its states at the start
+/// and after each step, and `ROOM` of `MEMORY` bytes for its work.
+macro_rules! scene {
+    ($name:literal) => {
+        include!(concat!(env!("OUT_DIR"), "/", $name, ".rs"));
+
+        static BLOCK: &$crate::board::Aligned<[u8]> =
+            &$crate::board::Aligned(*include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".bin")));
+
+        const MEMORY: usize = match muslin_core::cooked::required_bytes(&BLOCK.0) {
+            Ok(bytes) => bytes,
+            Err(_) => panic!("the scene was cooked by another version"),
+        };
+
+        static ROOM: $crate::board::Once<[u8; MEMORY]> = $crate::board::Once::new([0; MEMORY]);
+    };
+}
+pub(crate) use scene;
+
 /// Memory that one owner takes once.
 pub struct Once<T> {
     memory: UnsafeCell<Aligned<T>>,

@@ -10,26 +10,15 @@ mod board;
 mod stack;
 
 use ball::Ball;
-use board::{Aligned, Counter, Once, end, stop};
+use board::{Counter, end, stop};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use muslin_core::cooked::{Cloth, required_bytes};
+use muslin_core::cooked::Cloth;
 use muslin_core::diagnostics::StateHash;
 use muslin_core::dispatch::{Limited, Serial};
 use muslin_core::refusal::Cause;
 
-// `HASHES`: of the states at the start and after each step.
-include!(concat!(env!("OUT_DIR"), "/driven.rs"));
-
-static BLOCK: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(env!("OUT_DIR"), "/driven.bin")));
-
-/// Memory of the scene, bytes.
-const MEMORY: usize = match required_bytes(&BLOCK.0) {
-    Ok(bytes) => bytes,
-    Err(_) => panic!("the scene was cooked by another version"),
-};
-
-static ROOM: Once<[u8; MEMORY]> = Once::new([0; MEMORY]);
+board::scene!("driven");
 
 /// Iterations and candidates of a step that its time allows.
 const BUDGET: [u32; 2] = [80, 10_000];
@@ -80,7 +69,7 @@ fn run(cloth: &mut Cloth<'_>, counter: &Counter) -> ! {
         stop(format_args!("the last state differs: {:016x}", hash.0));
     }
     hprintln!("{} steps, hash {:016x}, as on the machine that cooked them", cloth.steps(), hash.0);
-    hprintln!("{} ticks over the budget, {} steps refused", late, refused);
+    hprintln!("over the budget: {} ticks, refused: {} steps", late, refused);
     hprintln!("at most {} instructions in a tick, for {} iterations", most[0], most[1]);
     hprintln!("RAM: memory {} bytes, stack {} bytes", MEMORY, stack::used());
     end(debug::EXIT_SUCCESS)

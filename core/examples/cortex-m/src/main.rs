@@ -9,25 +9,14 @@ mod board;
 mod flash;
 mod stack;
 
-use board::{Aligned, Counter, Once, end, stop};
+use board::{Counter, end, stop};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use muslin_core::cooked::{Cloth, required_bytes};
+use muslin_core::cooked::Cloth;
 use muslin_core::diagnostics::StateHash;
 use muslin_core::dispatch::Serial;
 
-// `HASHES`: of the states at the start and after each step.
-include!(concat!(env!("OUT_DIR"), "/cloth.rs"));
-
-static BLOCK: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(env!("OUT_DIR"), "/cloth.bin")));
-
-/// Memory of the scene, bytes.
-const MEMORY: usize = match required_bytes(&BLOCK.0) {
-    Ok(bytes) => bytes,
-    Err(_) => panic!("the scene was cooked by another version"),
-};
-
-static ROOM: Once<[u8; MEMORY]> = Once::new([0; MEMORY]);
+board::scene!("cloth");
 
 #[entry]
 fn main() -> ! {
@@ -39,7 +28,7 @@ fn main() -> ! {
     }
 }
 
-/// Takes the steps and prints what they needed.
+/// Takes the steps, and prints their memory and their instructions.
 fn run(cloth: &mut Cloth<'_>, counter: &Counter) -> ! {
     let (mut hash, mut most, mut all) = (StateHash::default(), 0, 0);
     for (step, &expected) in HASHES.iter().enumerate() {
