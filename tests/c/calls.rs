@@ -305,7 +305,8 @@ fn null_and_misaligned_pointers_are_refused() {
     let Opened { cloth, mut scene, memory: _memory } = open(&block).expect("it opens");
     let (mut bytes, pose) = ([0_u64; 64], MuslinPose { position: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0] });
     let odd = bytes.as_mut_ptr().cast::<u8>().wrapping_add(1);
-    let ([weights, ray], mut number) = ([[0.3_f64; 3]; 2].map(|it| Box::leak(Box::new(it)).as_ptr()), 0);
+    let (numbers, mut number) = ([0.3_f64; 3], 0);
+    let (weights, ray) = (numbers.as_ptr(), numbers.as_ptr());
     // SAFETY: the handle is open, and pointers that are refused are not followed.
     unsafe {
         let state = || (muslin_hash(cloth), muslin_steps(cloth));
