@@ -4,6 +4,7 @@
 #![cfg_attr(small, feature(optimize_attribute))]
 
 mod clock;
+mod live;
 #[cfg(feature = "count")]
 mod memory;
 mod scenes;

@@ -3,10 +3,9 @@
 use muslin_core::colliders::Form;
 use muslin_core::diagnostics::StateHash;
 use muslin_core::geometry::normals::write_normals;
-use muslin_core::live::Live as _;
 use muslin_core::real::Vec3;
-use muslin_core::scene::SceneDesc;
-use muslin_core::simulation::{Simulation as Cloth, State, StepError};
+use muslin_core::scene::{Resource, SceneDesc, memory, texture};
+use muslin_core::simulation::{MaterialError, Simulation as Cloth, State, StepError};
 use muslin_core::warning::Warning;
 use muslin_gpu::Gpu;
 use muslin_gpu::device::Ask;
@@ -14,37 +13,51 @@ use muslin_gpu::step::StepDetector;
 use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};
 
 use crate::clock::{Clock, PARTS};
-use crate::surface::write_strains;
+use crate::surface::{Surface, write_strains};
 use crate::watch::Watch;
 
 /// A simulation. It gives its columns as addresses and lengths in the memory of the module, where a page reads them.
 #[wasm_bindgen]
 pub struct Simulation {
-    own: Cloth,
+    pub(crate) own: Cloth,
     clock: Clock,
-    scene: SceneDesc,
+    pub(crate) scene: SceneDesc,
+    meshes: Vec<Resource>,
+    /// The largest number of vertices.
+    most: f64,
     watch: Watch,
     chain: StateHash,
-    /// Vertices that the page holds; `released` are vertices that it freed. Both stay so when the scene is changed.
-    held: Vec<u32>,
-    released: Vec<u32>,
     /// Positions in the world, of a cloth that is far from its origin, m.
     places: Vec<[f32; 3]>,
     normals: Vec<Vec3>,
     strains: Vec<f32>,
 }
 
-fn error(why: impl std::fmt::Display) -> JsError {
+pub(crate) fn error(why: impl std::fmt::Display) -> JsError {
     JsError::new(&why.to_string())
+}
+
+/// Builds a scene, unless it has more vertices than `most`.
+#[cfg_attr(small, optimize(size))]
+fn build(desc: &SceneDesc, meshes: &[Resource], most: f64) -> Result<Cloth, JsError> {
+    let vertices = memory(desc, meshes).map_err(error)?.vertices;
+    if vertices as f64 > most {
+        return Err(error(format!(
+            "the scene has {vertices} vertices, more than {most}; take fewer cells, or allow more by the option mostVertices"
+        )));
+    }
+    Cloth::new(desc, meshes).map_err(error)
 }
 
 #[wasm_bindgen]
 impl Simulation {
-    /// Builds the simulation of a scene, which is given as an object.
+    /// Builds the simulation of a scene, which is given as an object, with the meshes that it names. It has at most this
+    /// number of vertices.
     #[wasm_bindgen(constructor)]
-    pub fn new(scene: JsValue) -> Result<Self, JsError> {
+    pub fn new(scene: JsValue, meshes: JsValue, most: f64) -> Result<Self, JsError> {
         let desc = muslin_wasm_scene::read(scene).map_err(error)?;
-        let mut own = Cloth::new(&desc, &[]).map_err(error)?;
+        let meshes = muslin_wasm_scene::meshes(&meshes).map_err(error)?;
+        let mut own = build(&desc, &meshes, most)?;
         let clock = Clock::default();
         let watch = Watch::begin(&mut own, &desc, &clock);
         let count = own.positions().len();
@@ -55,9 +68,9 @@ impl Simulation {
             clock,
             watch,
             scene: desc,
+            meshes,
+            most,
             chain,
-            held: Vec::new(),
-            released: Vec::new(),
             places: Vec::new(),
             normals: vec![Vec3::ZERO; count],
             strains: vec![0.0; count],
@@ -108,25 +121,43 @@ impl Simulation {
         self.clock.note()
     }
 
-    /// Continues with another scene. The cloth keeps its state if the number of vertices stays the same.
+    /// Takes the numbers of another scene with the same meshes, force terms, pins, colliders and method. Returns false,
+    /// and changes nothing, if the force terms are others.
+    #[wasm_bindgen(js_name = setMaterials)]
+    #[cfg_attr(small, optimize(size))]
+    pub fn set_materials(&mut self, scene: JsValue) -> Result<bool, JsError> {
+        let desc = muslin_wasm_scene::read(scene).map_err(error)?;
+        match self.own.set_materials(&desc, &self.meshes) {
+            Ok(()) => {}
+            Err(MaterialError::Live(_)) => return Ok(false),
+            Err(why) => return Err(error(why)),
+        }
+        self.clock.forget();
+        self.watch = Watch::begin(&mut self.own, &desc, &self.clock);
+        self.scene = desc;
+        Ok(true)
+    }
+
+    /// Continues with another scene. If the number of vertices stays the same, the cloth keeps its state, and the pins and
+    /// forces of the host. The colliders keep their poses and motions if the host says so.
     #[wasm_bindgen(js_name = goOnAs)]
     #[cfg_attr(small, optimize(size))]
-    pub fn go_on_as(&mut self, scene: JsValue) -> Result<(), JsError> {
+    pub fn go_on_as(&mut self, scene: JsValue, keep_colliders: bool) -> Result<(), JsError> {
         let desc = muslin_wasm_scene::read(scene).map_err(error)?;
-        let mut next = Cloth::new(&desc, &[]).map_err(error)?;
+        let mut next = build(&desc, &self.meshes, self.most)?;
         let state = self.own.state();
         let steps = (self.own.time() / f64::from(next.step_length())).round() as u64;
         // The previous state, the substeps and the contacts may belong to another method, step length or collider, so
         // they are dropped.
         let state = State { steps, previous: [&[]; 2], last_step: 0.0, halvings: 0, multipliers: &[], ..state };
         if next.restore(&state, self.own.statistics(), self.own.contact_statistics()) {
-            self.released.iter().for_each(|&vertex| _ = next.release(vertex));
-            let places: Vec<_> = self.own.places_in_world().collect();
-            for &vertex in &self.held {
-                next.move_to(vertex, places[vertex as usize], 0.0).map_err(error)?;
+            if keep_colliders {
+                next.keep_colliders(&self.own).map_err(error)?;
             }
-        } else {
-            (self.held, self.released) = (Vec::new(), Vec::new());
+            next.keep_pins(&self.own).map_err(error)?;
+            if self.own.reactions().is_some() {
+                next.measure_reactions();
+            }
         }
         self.clock.forget();
         let count = next.positions().len();
@@ -135,37 +166,6 @@ impl Simulation {
         self.watch = Watch::begin(&mut next, &desc, &self.clock);
         (self.own, self.scene) = (next, desc);
         Ok(())
-    }
-
-    /// Moves a vertex evenly to a place, m, within `seconds` of simulated time, and holds it there.
-    #[wasm_bindgen(js_name = moveTo)]
-    pub fn move_to(&mut self, vertex: f64, x: f32, y: f32, z: f32, seconds: f64) -> Result<(), JsError> {
-        let vertex = self.vertex(vertex)?;
-        self.own.move_to(vertex, [x, y, z].map(f64::from), seconds).map_err(error)?;
-        self.released.retain(|&other| other != vertex);
-        if !self.held.contains(&vertex) {
-            self.held.push(vertex);
-        }
-        Ok(())
-    }
-
-    /// Frees a vertex, also from a pin of the scene. Returns whether it was held.
-    pub fn release(&mut self, vertex: f64) -> Result<bool, JsError> {
-        let vertex = self.vertex(vertex)?;
-        self.held.retain(|&other| other != vertex);
-        let released = self.own.release(vertex);
-        if released && !self.released.contains(&vertex) {
-            self.released.push(vertex);
-        }
-        Ok(released)
-    }
-
-    fn vertex(&self, number: f64) -> Result<u32, JsError> {
-        let (vertex, count) = (number as u32, self.own.positions().len());
-        if f64::from(vertex) == number && (vertex as usize) < count {
-            return Ok(vertex);
-        }
-        Err(error(format!("there is no vertex {number}; there are {count}, from 0")))
     }
 
     /// The held vertices.
@@ -211,6 +211,13 @@ impl Simulation {
     /// Three vertices per triangle.
     pub fn triangles(&self) -> *const u32 {
         self.own.triangles().as_ptr().cast()
+    }
+
+    /// The mesh for drawing with a texture: the vertex of the cloth and the texture coordinates of each of its vertices, and
+    /// three vertices per triangle.
+    #[cfg_attr(small, optimize(size))]
+    pub fn surface(&self) -> Result<Surface, JsError> {
+        texture(&self.scene, &self.meshes).map(Surface).map_err(error)
     }
 
     /// Positions: three coordinates per vertex, m.
@@ -275,6 +282,11 @@ impl Simulation {
     #[wasm_bindgen(getter)]
     pub fn duration(&self) -> f64 {
         self.scene.duration
+    }
+
+    /// The largest ratio of the length of an edge to its rest length.
+    pub fn stretch(&self) -> f64 {
+        self.own.stretch().max
     }
 
     /// The warnings of the run up to now. Each has a code, a value, the number that it is compared with, and whether it

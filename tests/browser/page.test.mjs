@@ -44,7 +44,10 @@ test("it opens without an error, draws, and the cloth falls on the ball", { skip
 test("warnings stand among the numbers, and go with their reason", { skip }, async () => {
   const { page, errors } = await open("#scene=flag&compare=0");
   const shows = (whether) =>
-    page.waitForFunction((whether) => document.getElementById("numbers").textContent.includes("does not divide a frame") === whether, whether);
+    page.waitForFunction(
+      (whether) => document.getElementById("numbers").textContent.includes("does not divide a frame") === whether,
+      whether,
+    );
   const set = (step) => inPage(page, (step) => muslin.run().ask(() => muslin.run().set({ "integrator.step": step })), step);
   await shows(false);
   await set(1);
@@ -61,7 +64,11 @@ test("a hand drags the cloth, pins it and lets it go", { skip }, async () => {
     inPage(page, () => {
       const { camera, run } = muslin;
       const vertex = run().cloth.vertexCount - 1;
-      const place = Array.from(run().cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
+      const place = Array.from(
+        run()
+          .cloth.positions()
+          .subarray(3 * vertex, 3 * vertex + 3),
+      );
       return { place, at: camera.project(camera.matrix(true), place), pins: Array.from(run().cloth.pins()), vertex };
     });
   // The cloth stands still until it is grabbed.
@@ -104,7 +111,11 @@ test("a finger drags the cloth, two come nearer, and the page stays where it is"
     inPage(page, () => {
       const { camera, run } = muslin;
       const vertex = run().cloth.vertexCount - 1;
-      const place = Array.from(run().cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
+      const place = Array.from(
+        run()
+          .cloth.positions()
+          .subarray(3 * vertex, 3 * vertex + 3),
+      );
       return { at: camera.project(camera.matrix(true), place), pins: run().cloth.pins().length, distance: camera.distance };
     });
   await page.click("#pause");
@@ -247,7 +258,10 @@ step = 0.002
   assert.equal(await inPage(again, () => muslin.run().cloth.scene.cloth[0].density), 0.3);
   assert.equal(await again.inputValue("#text"), text);
   // The scene stays in the list, once, after another scene was viewed.
-  for (const [name, density] of [["cantilever", 0.2], ["own", 0.3]]) {
+  for (const [name, density] of [
+    ["cantilever", 0.2],
+    ["own", 0.3],
+  ]) {
     await again.selectOption("#scene", name);
     await again.click("#strain");
     await again.waitForFunction((density) => muslin.run().cloth.scene.cloth[0].density === density, density);
@@ -280,7 +294,10 @@ test("what is wrong with a scene that was typed in is said by the core", { skip 
 test("two choices at once are both done", { skip }, async () => {
   const { page } = await open("#scene=cantilever");
   await inPage(page, () => {
-    for (const [id, value] of [["length", "2"], ["material", "leather"]]) {
+    for (const [id, value] of [
+      ["length", "2"],
+      ["material", "leather"],
+    ]) {
       const control = document.getElementById(id);
       control.value = value;
       control.dispatchEvent(new Event("change"));
@@ -424,7 +441,10 @@ test("a quick scene has a coarse error of its steps, but not with an explicit me
   await page.waitForFunction(() => muslin.run().cloth.scene.integrator.method === "bdf2");
   assert.deepEqual(await settings(), [{ method: "bdf2", error: 0.004 }, 0.004]);
   // The chosen method stays, and the error is the one of the level of detail.
-  for (const [detail, error] of [["as in the scene", undefined], ["quick", 0.004]]) {
+  for (const [detail, error] of [
+    ["as in the scene", undefined],
+    ["quick", 0.004],
+  ]) {
     await page.selectOption("#detail", detail);
     await page.waitForFunction((error) => muslin.run().cloth.scene.integrator.error === error, error);
     assert.equal((await settings())[0].method, "bdf2");

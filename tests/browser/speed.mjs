@@ -16,7 +16,24 @@ const muslin = join(process.env.CARGO_TARGET_DIR ?? join(root, "target"), "relea
 function native() {
   const out = mkdtempSync(join(tmpdir(), "muslin-speed-"));
   try {
-    const run = ["run", "hanging", "--set", `integrator.step=${STEP}`, "--set", `integrator.tolerance=${TOLERANCE}`, "--threads", "1", "--duration", SECONDS, "--preview", "none", "--json", "--quiet", "--out", out];
+    const run = [
+      "run",
+      "hanging",
+      "--set",
+      `integrator.step=${STEP}`,
+      "--set",
+      `integrator.tolerance=${TOLERANCE}`,
+      "--threads",
+      "1",
+      "--duration",
+      SECONDS,
+      "--preview",
+      "none",
+      "--json",
+      "--quiet",
+      "--out",
+      out,
+    ];
     const { steps, state_hash: hash, stage_ms: stages } = JSON.parse(execFileSync(muslin, run.map(String), { encoding: "utf8" }));
     return { steps, hash, ms: stages.predict + stages.broad_phase + stages.narrow_phase + stages.response };
   } finally {
@@ -27,18 +44,21 @@ function native() {
 const chromium = await browser({ webgpu: false });
 const { page } = await chromium.open("blank.html");
 const inBrowser = () =>
-  page.evaluate(async ([seconds, step, tolerance]) => {
-    const m = await import("/dist/muslin.js");
-    await m.load();
-    const cloth = new m.Cloth(m.changed(m.scene("hanging"), { "integrator.step": step, "integrator.tolerance": tolerance }));
-    const steps = Math.round(seconds / cloth.stepLength);
-    cloth.takeTimes();
-    cloth.step(steps);
-    const ms = Object.values(cloth.takeTimes()).reduce((sum, ms) => sum + ms) / steps;
-    const hash = cloth.stateHash();
-    cloth.free();
-    return { steps, hash, ms };
-  }, [SECONDS, STEP, TOLERANCE]);
+  page.evaluate(
+    async ([seconds, step, tolerance]) => {
+      const m = await import("/dist/muslin.js");
+      await m.load();
+      const cloth = new m.Cloth(m.changed(m.scene("hanging"), { "integrator.step": step, "integrator.tolerance": tolerance }));
+      const steps = Math.round(seconds / cloth.stepLength);
+      cloth.takeTimes();
+      cloth.step(steps);
+      const ms = Object.values(cloth.takeTimes()).reduce((sum, ms) => sum + ms) / steps;
+      const hash = cloth.stateHash();
+      cloth.free();
+      return { steps, hash, ms };
+    },
+    [SECONDS, STEP, TOLERANCE],
+  );
 
 const ratios = [];
 await inBrowser();

@@ -46,20 +46,14 @@ const sheet = (stiffness, damping) => `gravity = [0.0, -9.81, 0.0]\n${SHEET.repl
 
 /** Scenes, and the codes that they are made for. */
 const SCENES = {
-  "settings that do not divide time": [
-    `duration = 0.12\n${sheet("50.0", "0.0")}[integrator]\nstep = 0.03\n`,
-    ["step", "duration"],
-  ],
+  "settings that do not divide time": [`duration = 0.12\n${sheet("50.0", "0.0")}[integrator]\nstep = 0.03\n`, ["step", "duration"]],
   "an explicit step that is too long": [
     `duration = 0.05\n${sheet("100.0", "0.0")}[integrator]\nmethod = "symplectic-euler"\nstep = 0.025\n`,
     ["unstable"],
   ],
   "cloth that its weight stretches": [`duration = 1.0\n${sheet("0.25", "0.2")}[integrator]\nstep = 0.01\n`, ["stretch"]],
   "a thick layer": [`duration = 0.05\n${sheet("100.0", "0.0")}[contact]\nthickness = 0.2\nself = false\n`, ["thickness"]],
-  "masses that single precision loses": [
-    `duration = 0.5\n${sheet("1e7", "0.0")}[integrator]\nstep = 0.025\n`,
-    ["masses"],
-  ],
+  "masses that single precision loses": [`duration = 0.5\n${sheet("1e7", "0.0")}[integrator]\nstep = 0.025\n`, ["masses"]],
   "a pendulum that backward Euler damps": [
     `duration = 6.0
 gravity = [0.0, -9.81, 0.0]
@@ -116,9 +110,17 @@ for (const [name, [text, made]] of Object.entries(SCENES)) {
     const own = cloth.warnings();
     cloth.free();
     console.log(name, verdict, codes, own);
-    assert.deepEqual(own.map(({ code }) => code), codes, "the package and the command line differ");
+    assert.deepEqual(
+      own.map(({ code }) => code),
+      codes,
+      "the package and the command line differ",
+    );
     for (const code of made) assert.ok(codes.includes(code), `${code} is not among ${codes}`);
-    assert.equal(own.some(({ doubtful }) => doubtful), verdict === "doubtful", "the verdict");
+    assert.equal(
+      own.some(({ doubtful }) => doubtful),
+      verdict === "doubtful",
+      "the verdict",
+    );
     assert.ok(made.length > 0 || codes.length === 0, `${codes}`);
   });
 }
@@ -126,8 +128,14 @@ for (const [name, [text, made]] of Object.entries(SCENES)) {
 test("a change of the scene begins anew", () => {
   const cloth = new m.Cloth(SCENES["cloth that its weight stretches"][0]);
   cloth.step(100);
-  assert.deepEqual(cloth.warnings().map(({ code }) => code), ["stretch"]);
+  assert.deepEqual(
+    cloth.warnings().map(({ code }) => code),
+    ["stretch"],
+  );
   cloth.set({ "cloth.stretch.stiffness": 100, "integrator.step": 0.5 });
-  assert.ok(cloth.warnings().some(({ code }) => code === "step"), "a warning of the new settings");
+  assert.ok(
+    cloth.warnings().some(({ code }) => code === "step"),
+    "a warning of the new settings",
+  );
   cloth.free();
 });

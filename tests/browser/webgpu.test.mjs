@@ -103,7 +103,10 @@ test("from one state the device finds the contacts that the processor finds", { 
     assert.deepEqual(others.slice(1), own.slice(1), "near pairs, impacts");
     assert.ok(same, "positions are the same, bit for bit");
   }
-  assert.ok(told.some(({ own }) => own[1] > 20), "there is contact");
+  assert.ok(
+    told.some(({ own }) => own[1] > 20),
+    "there is contact",
+  );
   assert.deepEqual(errors, []);
   await page.close();
 });

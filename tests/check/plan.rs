@@ -98,7 +98,9 @@ pub fn steps(suites: &[Suite]) -> Vec<Step> {
         let own = suites.iter().filter(|suite| PER_PROFILE.contains(&&*suite.name)).cloned().collect();
         steps.push(step(All, &format!("{}, {profile}", PER_PROFILE.join(", ")), Task::Suites(profile, own)));
     }
+    // It installs the formatter of JavaScript, too, and checks the types of the package.
     steps.push(command(All, "package", "cargo run -p muslin-pack"));
+    steps.push(command(All, "format and lints of JavaScript", "npm --prefix host-wasm run lint"));
     steps.push(command(All, "browser", &format!("node --test --test-concurrency=1{}", browser_tests())));
     steps
 }

@@ -9,6 +9,7 @@ use harness::kit::double as kit;
 use muslin_core_f64::simulation::Simulation;
 
 mod both_owners;
+mod changes;
 mod colliders;
 mod forces;
 mod pins;

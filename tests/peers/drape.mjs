@@ -20,7 +20,12 @@ const scene = muslin.scene(readFileSync(join(root, "tests/scenes/drape.toml"), "
 const model = new muslin.Cloth(scene);
 const [rest, triangles] = [model.positions().slice(), model.triangles().slice()];
 model.free();
-const { density, grid, position, stretch: { stiffness } } = scene.cloth[0];
+const {
+  density,
+  grid,
+  position,
+  stretch: { stiffness },
+} = scene.cloth[0];
 const mass = density * grid.size[0] * grid.size[1];
 const { radius } = scene.collider[0];
 const { thickness, friction } = scene.contact;
@@ -39,9 +44,16 @@ function rapierSheet(frequency, iterations) {
   world.createCollider(Rapier.ColliderDesc.ball(radius).setFriction(friction));
   const [[width, depth], [columns, rows]] = [grid.size, grid.cells];
   const origin = { x: position[0] - width / 2, y: position[1], z: position[2] - depth / 2 };
-  const [along, across] = [{ x: width / columns, y: 0, z: 0 }, { x: 0, y: 0, z: depth / rows }];
+  const [along, across] = [
+    { x: width / columns, y: 0, z: 0 },
+    { x: 0, y: 0, z: depth / rows },
+  ];
   const cloth = Rapier.SoftBodyDesc.cloth(origin, along, across, columns + 1, rows + 1)
-    .setMass(mass).setSoftness(frequency, 1).setSelfContacts(true).setParticleRadius(thickness / 2).setCanSleep(false);
+    .setMass(mass)
+    .setSoftness(frequency, 1)
+    .setSelfContacts(true)
+    .setParticleRadius(thickness / 2)
+    .setCanSleep(false);
   const body = world.createSoftBody(cloth);
   return { step: () => world.step(), positions: () => body.particlePositions(), free: () => world.free() };
 }

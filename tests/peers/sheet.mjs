@@ -14,7 +14,11 @@ const distance = (x, [a, b]) => Math.hypot(x[3 * a] - x[3 * b], x[3 * a + 1] - x
 export function stretchOf(rest, triangles) {
   const edges = new Map();
   for (let t = 0; t < triangles.length; t += 3) {
-    for (const [a, b] of [[0, 1], [1, 2], [2, 0]]) {
+    for (const [a, b] of [
+      [0, 1],
+      [1, 2],
+      [2, 0],
+    ]) {
       const edge = [triangles[t + a], triangles[t + b]].sort((a, b) => a - b);
       edges.set(edge.join(), [edge, distance(rest, edge)]);
     }

@@ -415,6 +415,14 @@ impl ColliderColumns {
         Colliders { bodies: &self.bodies, anchors: &self.anchors, keys: &self.keys, frames: &self.frames }
     }
 
+    /// Whether the colliders have the same shapes and the same places before any motion.
+    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+        fn shapes(columns: &ColliderColumns) -> impl Iterator<Item = impl PartialEq> {
+            columns.bodies.iter().map(|body| (body.form(), body.radius, body.range()))
+        }
+        shapes(self).eq(shapes(other)) && self.anchors == other.anchors && self.triangles == other.triangles
+    }
+
     /// Bytes of the columns.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.bodies[..])

@@ -34,6 +34,7 @@ use term::ForceTerm;
 /// The Jacobian that implicit methods use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Jacobian {
     /// Positive semidefinite for each element, so that conjugate gradients always descend.
     #[default]

@@ -41,6 +41,7 @@ use stopping::Goal;
 /// The integration methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Method {
     /// First order, unstable at every step without damping.
     ExplicitEuler,
@@ -98,10 +99,11 @@ impl Method {
 /// The preconditioner of conjugate gradients.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Preconditioner {
     /// The inverse of each 3x3 diagonal block.
     BlockJacobi,
-    /// Block Jacobi plus an exact solve for the affine motions of patches, in large scenes on two levels ([`coarse`]).
+    /// Block Jacobi plus an exact solve for the affine motions of patches, in large scenes on two levels.
     #[default]
     TwoLevel,
 }

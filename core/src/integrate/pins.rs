@@ -517,6 +517,41 @@ impl PinColumns {
         }
     }
 
+    /// The pins that a host holds.
+    pub(crate) fn of_host(&self) -> impl Iterator<Item = usize> + use<'_> {
+        (self.of_scene as usize..self.vertices.len()).filter(|&pin| self.axes[pin] != 0)
+    }
+
+    /// The vertices that a host let go from pins of its scene, which `other` has, too.
+    pub(crate) fn let_go_by_host(&self, other: &Self) -> alloc::vec::Vec<u32> {
+        let count = self.of_scene as usize;
+        let of_scene = |pins: &Self| pins.of_scene == self.of_scene && pins.vertices[..count] == self.vertices[..count];
+        let is_let_go = |pin: &usize| self.axes[*pin] == 0 && self.holds.get(*pin).is_none_or(|hold| hold.axes == 0);
+        let pins = (0..count).filter(|_| of_scene(other)).filter(is_let_go);
+        pins.map(|pin| self.vertices[pin]).collect()
+    }
+
+    /// The collider that carries a pin.
+    pub(crate) fn carrier(&self, pin: usize) -> Option<u32> {
+        self.carriers.get(pin).copied().filter(|&body| body != NO_CARRIER)
+    }
+
+    /// Holds in a free slot what a pin of another scene holds there. With a place, m, it rests there instead.
+    pub(crate) fn copy_slot(&mut self, of: &Self, pin: usize, place: Option<Vec3>) {
+        let mut slots = self.slots();
+        let anchor = place.unwrap_or(of.anchors[pin]);
+        let Some(slot) = slots.take(of.vertices[pin], anchor) else { return };
+        if let (Some(carrier), None) = (of.carrier(pin), place) {
+            slots.carriers.set(slot, carrier);
+        }
+        let motion = |table: &[Motion], motions: &[u32], pin: usize| table[motions[pin] as usize].keys[0] as usize;
+        let (to, from) = (motion(slots.table, slots.motions, slot), motion(&of.table, &of.motions, pin));
+        slots.keys[to..to + 3].copy_from_slice(&of.keys[from..from + 3]);
+        if place.is_some() {
+            slots.keys[to..to + 3].iter_mut().for_each(|key| key.value = DVec3::ZERO);
+        }
+    }
+
     /// Lets colliders carry pins.
     pub fn allow_carriers(&mut self) {
         self.carriers.resize(self.vertices.len(), NO_CARRIER);

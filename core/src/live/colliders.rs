@@ -18,6 +18,7 @@ use crate::real::{Real, Sum, Vec3, sqrt, vec3};
 const SLACK: Real = 1e-3;
 
 impl<'a> Parts<'a> {
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn collider_pose(&self, collider: u32) -> Result<Pose, LiveError> {
         let of = self.rigid_collider(collider)?;
         let middle = of.middle(self.colliders.anchors);
@@ -27,6 +28,7 @@ impl<'a> Parts<'a> {
     }
 
     /// The number of a mesh that can take these positions within a time.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn deformable(&self, collider: u32, to: &[[Sum; 3]], seconds: Sum) -> Result<usize, LiveError> {
         let of = self.checked_collider(collider)?;
         let (body, count) = (collider as usize, of.range().len());
@@ -47,6 +49,7 @@ impl<'a> Parts<'a> {
     }
 
     /// From the centre of a collider, which poses name, to its middle, m.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn arm(&self, body: &Body) -> DVec3 {
         body.arm(self.colliders.anchors, -self.origin)
     }
@@ -57,12 +60,14 @@ impl<'a> Parts<'a> {
         if seconds >= least && seconds.is_finite() { Ok(()) } else { Err(LiveError::TooFast { seconds, least }) }
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn checked_collider(&self, collider: u32) -> Result<&'a Body, LiveError> {
         let bodies = self.colliders.bodies;
         bodies.get(collider as usize).ok_or(LiveError::NoCollider { collider, count: bodies.len() as u32 })
     }
 
     /// A collider that moves as a rigid body.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn rigid_collider(&self, collider: u32) -> Result<&'a Body, LiveError> {
         let of = self.checked_collider(collider)?;
         let deforms = matches!(of.drive(), Drive::Cache(_));
@@ -71,6 +76,7 @@ impl<'a> Parts<'a> {
 }
 
 impl PartsMut<'_> {
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn move_collider(&mut self, collider: u32, to: Pose, seconds: Sum) -> Result<(), LiveError> {
         let parts = self.read();
         let of = parts.rigid_collider(collider)?;
@@ -94,6 +100,7 @@ impl PartsMut<'_> {
         Ok(())
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn take_impulse(&mut self, collider: u32) -> Result<Impulse, LiveError> {
         let parts = self.read();
         parts.checked_collider(collider)?;
@@ -106,6 +113,7 @@ impl PartsMut<'_> {
     }
 
     /// Moves every vertex of a mesh to a position. Its two frames begin at `first`.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn deform_collider(&mut self, body: usize, first: usize, to: &[[Sum; 3]], seconds: Sum) {
         let (now, origin) = (self.time, self.origin);
         let (Some(solids), Some(contact)) = (&mut self.solids, &mut self.contact) else { return };
@@ -126,13 +134,14 @@ impl PartsMut<'_> {
         Ok(())
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn switch_on(&mut self, collider: u32) -> Result<(), LiveError> {
         if !self.read().checked_collider(collider)?.is_off() {
             return Ok(());
         }
         let body = collider as usize;
         self.set_off(body, false);
-        if self.overlaps(body, |x| x) {
+        if self.overlaps(body, &|x| x) {
             self.set_off(body, true);
             return Err(LiveError::Overlaps { collider });
         }
@@ -140,7 +149,8 @@ impl PartsMut<'_> {
     }
 
     /// Whether cloth, of which each vertex is `moved`, intersects a collider, deeper than by a thousandth of the thickness.
-    pub(super) fn overlaps(&mut self, body: usize, moved: impl Fn(Vec3) -> Vec3) -> bool {
+    #[cfg_attr(small, optimize(size), inline(never))]
+    pub(super) fn overlaps(&mut self, body: usize, moved: &dyn Fn(Vec3) -> Vec3) -> bool {
         let (Some(solids), Some(contact)) = (&self.solids, &mut self.contact) else { return false };
         let (colliders, slack) = (solids.colliders(), SLACK * solids.thickness);
         let Some(of) = colliders.bodies.element(body) else { return false };
@@ -190,6 +200,7 @@ impl PartsMut<'_> {
 }
 
 /// Distance of a segment, which may be a point, and a triangle, m.
+#[cfg_attr(small, optimize(size), inline(never))]
 fn distance(axis: [Vec3; 2], corners: [Vec3; 3]) -> Real {
     if edge_meets_triangle(axis, corners) {
         return 0.0;

@@ -38,6 +38,7 @@ impl HostForces {
 }
 
 impl PartsMut<'_> {
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn set_gravity(&mut self, acceleration: [Sum; 3]) -> Result<(), LiveError> {
         let acceleration = vec3(checked_vector("gravity", acceleration)?.into());
         let before = self.counted_energy();
@@ -46,6 +47,7 @@ impl PartsMut<'_> {
         Ok(())
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn set_wind(&mut self, velocity: [Sum; 3]) -> Result<(), LiveError> {
         let velocity = vec3(checked_vector("wind", velocity)?.into());
         if self.model.wind.is_none() {
@@ -55,6 +57,7 @@ impl PartsMut<'_> {
         Ok(())
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn set_force(&mut self, vertex: u32, force: [Sum; 3]) -> Result<(), LiveError> {
         let start = DVec3::from(to_f64(self.read().checked_vertex(vertex)?));
         let force = checked_vector("the force", force)?;
@@ -72,6 +75,7 @@ impl PartsMut<'_> {
         Ok(())
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn push(&mut self, vertex: u32, impulse: [Sum; 3]) -> Result<(), LiveError> {
         let parts = self.read();
         parts.checked_vertex(vertex)?;
@@ -99,6 +103,7 @@ impl PartsMut<'_> {
     }
 
     /// The energy of the cloth, J, if work is counted.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn counted_energy(&self) -> Option<Sum> {
         self.ledger.as_ref()?;
         let mut model = self.model;
@@ -110,6 +115,7 @@ impl PartsMut<'_> {
     }
 
     /// Counts a change of the energy, by other forces or at another place, as work.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn count_change(&mut self, before: Option<Sum>) {
         let after = self.counted_energy();
         if let (Some(ledger), Some(before), Some(after)) = (&mut self.ledger, before, after) {

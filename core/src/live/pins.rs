@@ -10,6 +10,7 @@ use crate::work_done;
 
 impl Parts<'_> {
     /// The position of a vertex that exists, m.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn checked_vertex(&self, vertex: u32) -> Result<Vec3, LiveError> {
         let positions = self.positions.rounded;
         let missing = LiveError::NoVertex { vertex, count: positions.len() as u32 };
@@ -38,6 +39,7 @@ impl PartsMut<'_> {
         Ok(())
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn attach(&mut self, vertex: u32, collider: u32) -> Result<(), LiveError> {
         let parts = self.read();
         let place = DVec3::from(to_f64(parts.checked_vertex(vertex)?));

@@ -66,6 +66,7 @@ impl<'a> Parts<'a> {
         self.constraints.iter().filter(pushes).map(move |it| self.touch(it, step))
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn touch(&self, constraint: &Constraint, step: Sum) -> Touch {
         let contact = constraint.contact;
         let (weights, normal) = (contact.weights.map(Sum::from), DVec3::from(to_f64(contact.normal)));
@@ -91,6 +92,7 @@ impl<'a> Parts<'a> {
     }
 
     /// The surface that a vertex belongs to.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn side(&self, vertex: u32) -> Side {
         match (vertex as usize).checked_sub(self.velocities.len()) {
             Some(of_colliders) => Side::Collider(self.colliders.body_of(of_colliders) as u32),
@@ -98,6 +100,7 @@ impl<'a> Parts<'a> {
         }
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn point(&self, triangle: u32, weights: [Sum; 3]) -> Result<SurfacePoint, LiveError> {
         let missing = LiveError::NoTriangle { triangle, count: self.triangles.len() as u32 };
         let corners = *self.triangles.get(triangle as usize).ok_or(missing)?;
@@ -114,6 +117,7 @@ impl<'a> Parts<'a> {
         })
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn hit(&self, origin: [Sum; 3], direction: [Sum; 3]) -> Result<Option<Hit>, LiveError> {
         let (origin, direction) = (checked_vector("a ray", origin)?, checked_vector("a ray", direction)?);
         // Scaled first, so that no square under- or overflows.
@@ -136,6 +140,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Position of a vertex of the cloth in the world, m.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn place(&self, vertex: u32) -> DVec3 {
         self.origin + self.positions.place(vertex as usize)
     }

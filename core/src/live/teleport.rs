@@ -14,6 +14,7 @@ use crate::particles::Particles;
 use crate::real::{Sum, Vec3, to_f64, vec3};
 
 impl PartsMut<'_> {
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn teleport(&mut self, by: Pose, colliders: &[u32]) -> Result<(), LiveError> {
         let by = by.checked().ok_or(LiveError::NotFinite { name: "the pose" })?;
         // From the origin of the positions.
@@ -30,7 +31,7 @@ impl PartsMut<'_> {
         for collider in (0..count).filter(|body| !colliders.contains(body)) {
             let body = collider as usize;
             let is_off = self.colliders().bodies.element(body).is_none_or(Body::is_off);
-            if !is_off && self.overlaps(body, |x| by.moved(x)) && !self.overlaps(body, |x| x) {
+            if !is_off && self.overlaps(body, &|x| by.moved(x)) && !self.overlaps(body, &|x| x) {
                 return Err(LiveError::Overlaps { collider });
             }
         }
@@ -41,6 +42,7 @@ impl PartsMut<'_> {
     }
 
     /// Whether colliders can be moved: none goes on moving to a place in the world.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn check_moved(&self, by: &Rigid, colliders: &[u32]) -> Result<(), LiveError> {
         let (all, now) = (self.colliders(), self.time);
         for &collider in colliders {
@@ -61,6 +63,7 @@ impl PartsMut<'_> {
     }
 
     /// Whether pins can come along.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn check_held(&self, by: &Rigid, colliders: &[u32]) -> Result<(), LiveError> {
         let pins = self.read().pins;
         for (pin, &vertex) in pins.vertices.iter().enumerate() {
@@ -74,6 +77,7 @@ impl PartsMut<'_> {
         Ok(())
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn carry(&mut self, by: &Rigid, colliders: &[u32]) {
         // The contacts of the last step are elsewhere.
         *self.substep = 0.0;
@@ -104,18 +108,22 @@ impl Rigid {
         self.0.rotation.xyz().length() > 1e-9
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn moved(&self, place: Vec3) -> Vec3 {
         vec3(self.0.place(to_f64(place).into()).into())
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn turned(&self, vector: Vec3) -> Vec3 {
         vec3((self.0.rotation * DVec3::from(to_f64(vector))).into())
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn turn(&self, column: &mut [Vec3]) {
         column.iter_mut().for_each(|vector| *vector = self.turned(*vector));
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn carry_particles(&self, particles: &mut Particles<'_>) {
         let Particles { positions, velocities, low_positions, low_velocities, .. } = particles;
         let exact = |high: Vec3, low: Vec3| DVec3::from(to_f64(high)) + DVec3::from(to_f64(low));
@@ -129,6 +137,7 @@ impl Rigid {
     }
 
     /// Those that a collider carries move with it.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn carry_pins(&self, pins: &mut PinSlots<'_>) {
         for (pin, anchor) in pins.anchors.iter_mut().enumerate() {
             if pins.carriers.get(pin).is_none_or(|&carrier| carrier == NO_CARRIER) {
@@ -141,10 +150,12 @@ impl Rigid {
         }
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn turn_keys(&self, keys: &mut [Key]) {
         keys.iter_mut().for_each(|key| key.value = self.0.rotation * key.value);
     }
 
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn carry_turn(&self, motion: &mut Motion) {
         if let Some(turn) = motion.turn() {
             motion.set_axis(self.0.rotation * turn.axis, self.0.place(turn.centre));
@@ -152,6 +163,7 @@ impl Rigid {
     }
 
     /// A collider at rest rests elsewhere; one that the host moves goes on moving there.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn carry_body(&self, solids: &mut Solids<'_>, body: usize, now: Sum) {
         let Solids { bodies, anchors, keys, frames, .. } = solids;
         let Some(of) = bodies.element_mut(body) else { return };

@@ -48,6 +48,8 @@ impl RestTriangle {
 
 /// Source of the rest shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum RestSource {
     /// The positions of the mesh.
     Shape,

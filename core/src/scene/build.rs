@@ -164,6 +164,18 @@ pub(super) struct Sheet<'a> {
     pub(super) first: u32,
 }
 
+/// The mesh of a cloth before scale and placement.
+#[cfg_attr(small, optimize(size), inline(never))]
+pub(super) fn mesh(index: u32, desc: &ClothDesc, resources: &[Resource]) -> Result<TriMesh, SceneError> {
+    match (&desc.grid, &desc.tube, &desc.disc, &desc.mesh) {
+        (Some(desc), None, None, None) => grid::mesh(desc),
+        (None, Some(desc), None, None) => tube::mesh(desc),
+        (None, None, Some(desc), None) => disc::mesh(desc),
+        (None, None, None, Some(name)) => resource(name, index, resources).cloned(),
+        _ => Err(SceneError::OneMeshSource { cloth: index }),
+    }
+}
+
 impl Parts {
     fn add_cloth(&mut self, index: u32, desc: &ClothDesc, resources: &[Resource]) -> Result<(), SceneError> {
         let sheet = self.sheet(index, desc, resources)?;
@@ -195,13 +207,7 @@ impl Parts {
         let scale = positive("cloth.scale", desc.scale)?;
         positive("cloth.density", desc.density)?;
         let in_cloth = |error: MeshError| SceneError::Mesh { cloth: index, error };
-        let mut mesh = match (&desc.grid, &desc.tube, &desc.disc, &desc.mesh) {
-            (Some(desc), None, None, None) => grid::mesh(desc)?,
-            (None, Some(desc), None, None) => tube::mesh(desc)?,
-            (None, None, Some(desc), None) => disc::mesh(desc)?,
-            (None, None, None, Some(name)) => resource(name, index, resources)?.clone(),
-            _ => return Err(SceneError::OneMeshSource { cloth: index }),
-        };
+        let mut mesh = mesh(index, desc, resources)?;
         nameable(self.positions.len() as u64 + mesh.positions.len() as u64)?;
         mesh.check().map_err(in_cloth)?;
         for x in mesh.positions.as_flattened_mut() {

@@ -16,6 +16,7 @@ use crate::real::{Real, Vec3, vec3};
 /// The shape of a collider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Shape {
     /// The half space below `point`; `normal` points up.
     Plane,
@@ -45,6 +46,7 @@ impl Shape {
 /// A collider: its shape, and the keys that the shape needs.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ColliderDesc {
     /// The shape.
     pub shape: Shape,
@@ -97,6 +99,7 @@ impl ColliderDesc {
 
 /// The motion of a collider.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(untagged))]
 pub enum ColliderMotionDesc {
     /// Mesh: the name of a point cache that the host loads.
     Cache(String),

@@ -15,6 +15,7 @@ use crate::response::friction::Law;
 /// Contact between all surfaces of a scene.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ContactDesc {
     /// Thickness, m: features nearer than this are in contact.
     pub thickness: f64,
@@ -43,6 +44,7 @@ impl ContactDesc {
 
 /// Coefficients of friction. A scene may give a single number for the static and the kinetic one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(from = "Given"))]
 pub struct FrictionDesc {
     /// Static coefficient: contacts stick up to it.
     pub at_rest: f64,
@@ -136,21 +138,40 @@ fn yes() -> bool {
     true
 }
 
+/// Coefficients of friction by name.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+struct Coefficients {
+    /// Static coefficient: contacts stick up to it.
+    #[serde(rename = "static")]
+    at_rest: f64,
+    /// Kinetic coefficient: of contacts that slide.
+    kinetic: f64,
+    /// Sliding speed at which the excess of the static over the kinetic coefficient has decayed to 1/e, m/s. Absent:
+    /// every contact that slides has the kinetic coefficient.
+    stribeck: Option<f64>,
+    /// Growth of the coefficient with the sliding speed, s/m.
+    #[serde(default)]
+    viscous: f64,
+}
+
+/// Friction as a scene gives it.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "it describes the forms that the reader below accepts")]
+enum Given {
+    /// The same static and kinetic coefficient.
+    Both(f64),
+    /// Several coefficients.
+    Each(Coefficients),
+}
+
 #[cfg(feature = "serde")]
 impl<'de> serde::Deserialize<'de> for FrictionDesc {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        /// The keys of the section.
-        #[derive(serde::Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Coefficients {
-            #[serde(rename = "static")]
-            at_rest: f64,
-            kinetic: f64,
-            stribeck: Option<f64>,
-            #[serde(default)]
-            viscous: f64,
-        }
-
         struct Visitor;
 
         impl<'de> serde::de::Visitor<'de> for Visitor {

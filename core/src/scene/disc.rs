@@ -11,6 +11,7 @@ use crate::mesh::TriMesh;
 /// A disc of `rings` rings.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DiscDesc {
     /// Radius, m.
     pub radius: f64,

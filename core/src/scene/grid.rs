@@ -8,6 +8,7 @@ use crate::mesh::TriMesh;
 /// The pattern in which the rectangle is cut into triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Pattern {
     /// Every second row is shifted by half a cell. Triangles are equilateral if the cell's depth is
     /// `sqrt(3) / 2` times its width. Shifted rows end in half triangles.
@@ -22,6 +23,7 @@ pub enum Pattern {
 /// A rectangle of `cells` cells.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GridDesc {
     /// Size along x and z, m.
     pub size: [f64; 2],

@@ -16,6 +16,7 @@ use crate::real::{to_f64, vec3};
 /// How a total is shared among the selected vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Share {
     /// Equally.
     #[default]
@@ -29,6 +30,7 @@ pub enum Share {
 /// A force on some vertices.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LoadDesc {
     /// The loaded vertices.
     pub select: SelectDesc,
@@ -42,6 +44,7 @@ pub struct LoadDesc {
 /// A mass that is added to some vertices. Exactly one of `mass` and `density` must be given.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MassDesc {
     /// The vertices that get heavier.
     pub select: SelectDesc,
@@ -57,6 +60,7 @@ pub struct MassDesc {
 /// The velocity of some vertices at the start. It replaces that of the cloth.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StartDesc {
     /// The vertices.
     pub select: SelectDesc,
@@ -67,6 +71,7 @@ pub struct StartDesc {
 /// A rotation of the whole cloth at the start.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SpinDesc {
     /// Direction of the axis.
     pub axis: [f64; 3],

@@ -19,8 +19,11 @@ mod place;
 mod prescribed;
 mod resource;
 mod schedule;
+#[cfg(feature = "schema")]
+mod schema;
 mod select;
 mod terms;
+mod texture;
 mod tube;
 mod vector;
 mod way;
@@ -38,7 +41,10 @@ pub use groups::{LoadDesc, MassDesc, Share, SpinDesc, StartDesc};
 pub(crate) use memory::reserve;
 pub use memory::{Memory, memory};
 pub use resource::{Content, PointCache, Resource};
+#[cfg(feature = "schema")]
+pub use schema::schema;
 pub use select::{LineDesc, PlaneDesc, SelectDesc, SheetSide};
+pub use texture::{Texture, texture};
 pub use tube::TubeDesc;
 pub use vector::VectorDesc;
 
@@ -49,6 +55,7 @@ use crate::real::Real;
 /// A whole scene.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(title = "Scene"))]
 pub struct SceneDesc {
     /// The name of the scene. For a scene without a name, a host that reads files uses the file's name.
     #[cfg_attr(feature = "serde", serde(default = "defaults::name"))]
@@ -58,8 +65,8 @@ pub struct SceneDesc {
     pub description: String,
     /// Simulated time, s.
     pub duration: f64,
-    /// The speed, m/s: a run ends after a frame in which no vertex was as fast, once nothing
-    /// [changes](Self::last_change) any more. Absent: it lasts for the whole duration.
+    /// The speed, m/s: a run ends after a frame in which no vertex was as fast, once the
+    /// scene schedules no further change. Absent: it lasts for the whole duration.
     pub until_rest: Option<f64>,
     /// Output frames per simulated second.
     #[cfg_attr(feature = "serde", serde(default = "defaults::frame_rate"))]
@@ -103,6 +110,7 @@ impl Default for SceneDesc {
 /// One sheet: its mesh, its placement and its material.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ClothDesc {
     /// A rectangle. Exactly one of `grid`, `tube`, `disc` and `mesh` must be given.
     pub grid: Option<GridDesc>,
@@ -115,7 +123,7 @@ pub struct ClothDesc {
     /// The name of a file with the start positions, in the vertex order of the mesh.
     pub state: Option<String>,
     /// Source of the rest shape.
-    #[cfg_attr(feature = "serde", serde(default = "defaults::rest", with = "RestName"))]
+    #[cfg_attr(feature = "serde", serde(default = "defaults::rest"))]
     pub rest: RestSource,
     /// Size of one unit of the texture coordinates, m.
     #[cfg_attr(feature = "serde", serde(default = "defaults::one"))]
@@ -192,6 +200,7 @@ impl Default for ClothDesc {
 /// The in-plane model that resists stretching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum StretchModel {
     /// Strain of each triangle along warp and weft [Baraff 1998].
     Membrane,
@@ -202,6 +211,7 @@ pub enum StretchModel {
 /// Resistance to stretching.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StretchDesc {
     /// The model.
     pub model: StretchModel,
@@ -220,6 +230,7 @@ pub struct StretchDesc {
 /// Resistance to shearing.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShearDesc {
     /// Shear modulus times thickness, N/m.
     pub stiffness: f64,
@@ -231,6 +242,7 @@ pub struct ShearDesc {
 /// The model that resists bending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum BendModel {
     /// Hinges: the angle between neighbouring triangles.
     Hinge,
@@ -241,6 +253,7 @@ pub enum BendModel {
 /// Resistance to bending.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BendDesc {
     /// The model.
     pub model: BendModel,
@@ -256,6 +269,7 @@ pub struct BendDesc {
 /// Vertices that are fixed in place or follow a prescribed motion.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PinDesc {
     /// The selected vertices.
     pub select: SelectDesc,
@@ -281,6 +295,7 @@ impl Default for PinDesc {
 /// The motion of a pin or a collider: an offset by keys, and a rotation about the centre.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MotionDesc {
     /// Time, s, then offset, m. Linear between keys, constant before the first and after the last.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -292,6 +307,7 @@ pub struct MotionDesc {
 /// A steady rotation about an axis through the centre of a pin's selection or of a collider.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TurnDesc {
     /// Direction of the axis.
     pub axis: [f64; 3],
@@ -304,6 +320,7 @@ pub struct TurnDesc {
 /// Sewn vertices, joined by springs of zero length.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SeamDesc {
     /// The name of an OBJ file with `stitch` lines that the host loads.
     pub file: Option<String>,
@@ -320,6 +337,7 @@ pub struct SeamDesc {
 /// The air around the cloth.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DragDesc {
     /// Linear drag, N s/m^3: force against the velocity, per velocity and rest area. The area of a sheet counts once:
     /// the coefficient is that of both sides together.
@@ -332,6 +350,7 @@ pub struct DragDesc {
 /// Wind. Its force on a triangle depends on how the triangle faces it.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WindDesc {
     /// Velocity of the air, m/s.
     pub velocity: VectorDesc,
@@ -345,6 +364,7 @@ pub struct WindDesc {
 /// Time integration.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IntegratorDesc {
     /// The method.
     pub method: Method,
@@ -414,14 +434,6 @@ impl IntegratorDesc {
             _ => Tolerance::Residual(self.residual() as Real),
         }
     }
-}
-
-#[cfg(feature = "serde")]
-#[derive(serde::Deserialize)]
-#[serde(remote = "RestSource", rename_all = "lowercase")]
-enum RestName {
-    Shape,
-    Uv,
 }
 
 mod defaults {

@@ -12,6 +12,7 @@ use crate::mesh::edges::NONE;
 /// A side of a sheet before placement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SheetSide {
     /// Smallest x.
     Left,
@@ -26,6 +27,7 @@ pub enum SheetSide {
 /// A selection of vertices. Exactly one field must be given.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SelectDesc {
     /// Corners of the sheet before placement: 0 (-x,-z), 1 (+x,-z), 2 (-x,+z), 3 (+x,+z).
     pub corners: Option<Vec<u32>>,
@@ -51,6 +53,7 @@ pub struct SelectDesc {
 /// The surroundings of the straight line between two points.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LineDesc {
     /// One end, m.
     pub a: [f64; 3],
@@ -63,6 +66,7 @@ pub struct LineDesc {
 /// The surroundings of a plane.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PlaneDesc {
     /// A point of the plane, m.
     pub point: [f64; 3],

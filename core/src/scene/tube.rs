@@ -8,6 +8,7 @@ use crate::mesh::TriMesh;
 /// An open cylinder of `cells` cells.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TubeDesc {
     /// Radius, m.
     pub radius: f64,

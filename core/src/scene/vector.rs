@@ -12,11 +12,21 @@ use crate::real::{Real, Vec3, vec3};
 
 /// A vector, constant or by keys over time.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(untagged))]
 pub enum VectorDesc {
     /// A constant vector.
     Constant([f64; 3]),
     /// Time, s, then the vector. Linear between keys, constant before the first and after the last.
-    Keys(Vec<[f64; 4]>),
+    Keys(#[cfg_attr(feature = "schema", schemars(with = "Section"))] Vec<[f64; 4]>),
+}
+
+/// The keys of a vector.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+struct Section {
+    keys: Vec<[f64; 4]>,
 }
 
 impl VectorDesc {
@@ -52,12 +62,6 @@ impl VectorDesc {
 impl<'de> serde::Deserialize<'de> for VectorDesc {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-
-        #[derive(serde::Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Section {
-            keys: Vec<[f64; 4]>,
-        }
 
         struct Visitor;
 

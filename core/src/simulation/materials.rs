@@ -11,6 +11,7 @@ impl Simulation {
     /// shapes, wind, gravity, loads, thickness and friction. State, pins and colliders stay, and so do the forces of the
     /// host on vertices and the switches of contact (`self`, `continuous`, `halving`). It builds the columns of the
     /// scene, but not those of the solver and of contact.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn set_materials(&mut self, desc: &SceneDesc, resources: &[Resource]) -> Result<(), MaterialError> {
         let next = scene::build(desc, resources)?;
         if !self.is_alike(&next) {
@@ -33,6 +34,7 @@ impl Simulation {
     }
 
     /// Whether a scene has the same meshes, force terms and laws of friction.
+    #[cfg_attr(small, optimize(size), inline(never))]
     fn is_alike(&self, next: &BuiltScene) -> bool {
         let own = &self.built;
         fn laws(scene: &BuiltScene) -> Option<(usize, &[u32])> {

@@ -33,6 +33,7 @@ use crate::step::History;
 use crate::traffic::{self, TrafficSizes};
 use crate::work_done::WorkDone;
 
+mod changes;
 mod materials;
 mod parts;
 mod snapshot;
@@ -448,6 +449,7 @@ impl Simulation {
     /// Measures the [reactions](crate::reactions) of pins and colliders too, and the work of contacts and damping.
     /// Allocates the columns; each step takes one or two more evaluations of the forces. [Measures the
     /// work](Self::measure_work) too if it was not measured.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn measure_reactions(&mut self) {
         if !self.measures_work {
             self.measure_work(WorkDone::default());

@@ -56,6 +56,7 @@ struct Touching {
 impl Simulation {
     /// A copy of all that steps and the host change. After [`go_back`](Self::go_back) to it the same steps give the same
     /// bits.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn snapshot(&self) -> Snapshot {
         let scratch = &self.scratch;
         let built = &self.built;
@@ -87,6 +88,7 @@ impl Simulation {
 
     /// Goes back to a snapshot of this simulation, or of one of the same scene. It neither begins nor stops to measure
     /// work and impulses. The list of [`touches`](crate::live::Live::touches) is empty until the next step.
+    #[cfg_attr(small, optimize(size), inline(never))]
     pub fn go_back(&mut self, to: &Snapshot) -> Result<(), LiveError> {
         let (scratch, built) = (&mut self.scratch, &mut self.built);
         let lengths = [to.particles.positions.len(), to.previous[0].len(), to.rest_lengths.len()];

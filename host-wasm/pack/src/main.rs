@@ -20,14 +20,26 @@ const FLAGS: &str = "--cfg=small -Ctarget-feature=+simd128 -Zunstable-options -C
 /// hence `RUSTC_BOOTSTRAP`.
 const STANDARD: [&str; 2] = ["-Zbuild-std=std,panic_abort", "-Zbuild-std-features=optimize_for_size"];
 
-/// Files that are bundled with their imports; the paths below `web` and in the package are equal.
-const BUNDLES: [&str; 4] = ["muslin.js", "page/page.js", "page/worker.js", "page/style.css"];
+/// Files that are bundled with their imports: the source below `web` and the path in the package.
+const BUNDLES: [(&str, &str); 5] = [
+    ("muslin.ts", "muslin.js"),
+    (INLINE.0, INLINE.1),
+    ("page/page.js", "page/page.js"),
+    ("page/worker.js", "page/worker.js"),
+    ("page/style.css", "page/style.css"),
+];
+
+/// The bundle that has the module inside it.
+const INLINE: (&str, &str) = ("inline.ts", "inline.js");
+
+/// The address of the module as bundles have it. Bundlers that see it copy the module.
+const ADDRESS: &str = r#"new URL("muslin_wasm_bg.wasm",import.meta.url)"#;
 
 /// Files that are copied unchanged: the source and the path in the package.
 const COPIED: [(&str, &str); 5] = [
     ("package.json", "package.json"),
     ("README.md", "README.md"),
-    ("web/muslin.d.ts", "muslin.d.ts"),
+    ("web/scene_types.d.ts", "types/scene_types.d.ts"),
     ("../LICENSE-MIT", "LICENSE-MIT"),
     ("../LICENSE-APACHE", "LICENSE-APACHE"),
 ];
@@ -62,14 +74,17 @@ fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
     let web = own.join("web");
     bind(&module, &web)?;
     shrink(own, &web.join("muslin_wasm_bg.wasm"))?;
+    write_scene_types(own, &web)?;
     let failed = |path: &Path| {
         let path = path.display().to_string();
         move |why| format!("{path}: {why}")
     };
     fs::create_dir_all(folder.join("page")).map_err(failed(folder))?;
-    for file in BUNDLES {
-        bundle(own, &web.join(file), &folder.join(file))?;
+    for (from, to) in BUNDLES {
+        bundle(own, &web.join(from), &folder.join(to))?;
     }
+    without_address(&folder.join(INLINE.1))?;
+    declare(own, &folder.join("types"))?;
     for (from, to) in COPIED {
         fs::copy(own.join(from), folder.join(to)).map_err(failed(&own.join(from)))?;
     }
@@ -112,7 +127,7 @@ fn bind(module: &Path, to: &Path) -> Result<(), String> {
     let failed = |why: anyhow::Error| format!("{}: {why:#}", module.display());
     let mut bindgen = Bindgen::new();
     bindgen.input_path(module).web(true).map_err(failed)?;
-    bindgen.omit_default_module_path(false).typescript(false).remove_name_section(true).remove_producers_section(true);
+    bindgen.omit_default_module_path(false).typescript(true).remove_name_section(true).remove_producers_section(true);
     let mut output = bindgen.generate_output().map_err(failed)?;
     // Nobody reads this section after linking.
     output.wasm_mut().customs.remove_raw("target_features");
@@ -176,6 +191,36 @@ fn shrink(own: &Path, module: &Path) -> Result<(), String> {
     run(optimizer, "remove host-wasm/node_modules and try again")
 }
 
+/// Writes the types of scenes, which are made from the types that read them.
+fn write_scene_types(own: &Path, web: &Path) -> Result<(), String> {
+    let (schema, types) = (web.join("scene.schema.json"), web.join("scene_types.d.ts"));
+    let text = serde_json::to_string(&muslin_core::scene::schema()).map_err(|why| why.to_string())?;
+    fs::write(&schema, text).map_err(|why| format!("{}: {why}", schema.display()))?;
+    let mut json2ts = Command::new(own.join("node_modules/.bin/json2ts"));
+    json2ts
+        .args(["--bannerComment", "// The keys of a scene file, by json-schema-to-typescript from the core's types."]);
+    json2ts.arg(&schema).arg(&types);
+    run(json2ts, "remove host-wasm/node_modules and try again")?;
+    fs::remove_file(&schema).map_err(|why| format!("{}: {why}", schema.display()))
+}
+
+/// Checks the types of the package and writes its declarations.
+fn declare(own: &Path, to: &Path) -> Result<(), String> {
+    let mut tsc = Command::new(own.join("node_modules/.bin/tsc"));
+    tsc.arg("--project").arg(own).arg("--outDir").arg(to);
+    run(tsc, "the types of host-wasm/web do not fit")
+}
+
+/// Removes the address of the module from the bundle that has the module inside it.
+fn without_address(bundle: &Path) -> Result<(), String> {
+    let told = |why| format!("{}: {why}", bundle.display());
+    let text = fs::read_to_string(bundle).map_err(told)?;
+    if text.matches(ADDRESS).count() != 1 {
+        return Err(format!("{}: expected {ADDRESS} once", bundle.display()));
+    }
+    fs::write(bundle, text.replace(ADDRESS, "undefined")).map_err(told)
+}
+
 /// Bundles a file and all its imports into one file. A page's import of the package itself stays an import.
 fn bundle(own: &Path, entry: &Path, to: &Path) -> Result<(), String> {
     let mut esbuild = Command::new(own.join("node_modules/.bin/esbuild"));
@@ -188,6 +233,7 @@ fn bundle(own: &Path, entry: &Path, to: &Path) -> Result<(), String> {
             "--target=es2022",
             "--log-level=warning",
             "--legal-comments=external",
+            "--loader:.wasm=binary",
         ])
         .args(["--external:../muslin.js"])
         .arg(format!("--outfile={}", to.display()));

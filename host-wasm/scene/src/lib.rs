@@ -5,8 +5,9 @@
 #[path = "../../../host-cli/src/scene_file/hint.rs"]
 mod hint;
 
-use js_sys::{Array, Object};
-use muslin_core::scene::SceneDesc;
+use js_sys::{Array, Float64Array, Object, Reflect};
+use muslin_core::mesh::TriMesh;
+use muslin_core::scene::{Content, Resource, SceneDesc};
 use serde::de::value::{StrDeserializer, StringDeserializer};
 use serde::de::{Deserialize, VariantAccess};
 use serde::de::{
@@ -45,6 +46,49 @@ impl serde::de::Error for Error {
 /// Reads a scene. The error message names the path to the wrong value.
 pub fn read(scene: JsValue) -> Result<SceneDesc, String> {
     SceneDesc::deserialize(Value(scene)).map_err(|error| explain(&error))
+}
+
+/// Reads the meshes that a scene names: an object with `{ positions, indices, uvs }` by name. Each is a list of numbers: three
+/// for a vertex, three for a triangle, two for the texture coordinates of a vertex, which may be absent.
+pub fn meshes(given: &JsValue) -> Result<Vec<Resource>, String> {
+    if given.is_undefined() {
+        return Ok(Vec::new());
+    }
+    let named = given.dyn_ref::<Object>().ok_or("meshes: expected an object with a mesh by name")?;
+    let read = |entry: JsValue| {
+        let entry = Array::from(&entry);
+        let name = entry.get(0).as_string().unwrap_or_default();
+        mesh(&entry.get(1))
+            .map(|mesh| (name.clone(), Content::Mesh(mesh)))
+            .map_err(|why| format!("meshes.{name}.{why}"))
+    };
+    Object::entries(named).iter().map(read).collect()
+}
+
+fn mesh(given: &JsValue) -> Result<TriMesh, String> {
+    let positions = column::<3>(given, "positions")?;
+    let index = |number: f64| {
+        let index = number as u32;
+        if f64::from(index) == number { Ok(index) } else { Err(format!("indices: {number} is no vertex")) }
+    };
+    let mut triangles = Vec::new();
+    for [a, b, c] in column::<3>(given, "indices")? {
+        triangles.push([index(a)?, index(b)?, index(c)?]);
+    }
+    let uvs = column::<2>(given, "uvs")?;
+    let uv_triangles = if uvs.is_empty() { Vec::new() } else { triangles.clone() };
+    Ok(TriMesh { positions, triangles, uvs, uv_triangles, ..TriMesh::default() })
+}
+
+/// A list of numbers in groups of `K`; empty if it is absent.
+fn column<const K: usize>(of: &JsValue, key: &str) -> Result<Vec<[f64; K]>, String> {
+    let given = Reflect::get(of, &key.into()).unwrap_or_default();
+    if given.is_undefined() || given.is_null() {
+        return Ok(Vec::new());
+    }
+    let numbers = Float64Array::new(&given).to_vec();
+    let (groups, rest) = numbers.as_chunks();
+    if rest.is_empty() { Ok(groups.to_vec()) } else { Err(format!("{key}: expected groups of {K} numbers")) }
 }
 
 /// The error message with its path and, for an unknown key, the most similar known key.

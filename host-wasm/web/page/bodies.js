@@ -47,13 +47,24 @@ function round({ points, radius }, put) {
   for (let ring = 1; ring < RINGS; ring++) {
     for (let place = 0; place < AROUND; place++) {
       const four = [at(ring - 1, place), at(ring, place), at(ring, place + 1), at(ring - 1, place + 1)];
-      quad(put, four.map(([place]) => place), four.map(([, normal]) => normal));
+      quad(
+        put,
+        four.map(([place]) => place),
+        four.map(([, normal]) => normal),
+      );
     }
   }
 }
 
 // The corners of each face of a box. Corner k is on the positive side of every axis whose bit is set in k.
-const FACES = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
+const FACES = [
+  [0, 2, 6, 4],
+  [1, 5, 7, 3],
+  [0, 4, 5, 1],
+  [2, 3, 7, 6],
+  [0, 1, 3, 2],
+  [4, 6, 7, 5],
+];
 
 const shapes = {
   plane({ points, normal }, put) {

@@ -41,7 +41,7 @@ export function drawn({ name = "untitled", points, doing, failed, until, referen
   const now = done ? escaped(why ?? "") : `${escaped(doing || "Measuring")} …`;
   if (seen.length === 0) return `<figcaption>${now || "There are no measurements to draw."}</figcaption>`;
   const [x0, x1] = powers(seen.map(({ ms }) => ms));
-  const [y0, y1] = powers([...seen.map(({ error }) => error), reference || Infinity].filter(isFinite));
+  const [y0, y1] = powers([...seen.map(({ error }) => error), reference || Infinity].filter(Number.isFinite));
   const x = (ms) => LEFT + ((Math.log10(ms) - x0) / (x1 - x0 || 1)) * (WIDTH - LEFT - 16);
   const y = (m) => HEIGHT - BOTTOM - ((Math.log10(m) - y0) / (y1 - y0 || 1)) * (HEIGHT - BOTTOM - TOP);
   const parts = [];

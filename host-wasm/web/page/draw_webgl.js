@@ -23,7 +23,10 @@ export function webgl(canvas, lost) {
   if (!gl) return undefined;
   canvas.addEventListener("webglcontextlost", () => lost("the context is lost"), { once: true });
   const program = gl.createProgram();
-  for (const [kind, code] of [[gl.VERTEX_SHADER, CLOTH], [gl.FRAGMENT_SHADER, SHADE]]) {
+  for (const [kind, code] of [
+    [gl.VERTEX_SHADER, CLOTH],
+    [gl.FRAGMENT_SHADER, SHADE],
+  ]) {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, code);
     gl.compileShader(shader);

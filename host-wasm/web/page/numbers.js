@@ -21,7 +21,12 @@ const WARNINGS = {
   exceeding: "the error of a step was too large",
   newton: "Newton's method leaves contacts out",
 };
-const PARTS = [["predict", "forces, solver"], ["broadPhase", "broad phase"], ["narrowPhase", "narrow phase"], ["response", "response"]];
+const PARTS = [
+  ["predict", "forces, solver"],
+  ["broadPhase", "broad phase"],
+  ["narrowPhase", "narrow phase"],
+  ["response", "response"],
+];
 
 export class Numbers {
   #list;
@@ -53,7 +58,8 @@ export class Numbers {
     const { stretch, energy, proximity, impacts } = cloth.summary();
     const { steps, contacts } = this.#since(cloth, proximity + impacts);
     const times = this.#times;
-    const error = reference && (reference.why ?? (reference.last ? `${length(reference.last.error)} at ${reference.last.time.toFixed(2)} s` : "…"));
+    const error =
+      reference && (reference.why ?? (reference.last ? `${length(reference.last.error)} at ${reference.last.time.toFixed(2)} s` : "…"));
     const joules = Object.values(energy).reduce((sum, part) => sum + part, 0);
     const rows = [
       ["time", `${cloth.time.toFixed(2)} s, ${paused ? "paused" : `${speed.toFixed(2)} × real time`}`],
@@ -61,15 +67,23 @@ export class Numbers {
       ["largest stretch", `${(100 * (stretch.max - 1)).toFixed(2)} %`],
       ["energy", `${joules.toPrecision(4)} J`],
       ["contacts per step", (contacts / steps).toFixed(0)],
-      ...PARTS.filter(([part]) => part === "predict" || times[part] > 0).map(([part, name]) => [name, `${(times[part] / steps).toFixed(2)} ms per step`]),
+      ...PARTS.filter(([part]) => part === "predict" || times[part] > 0).map(([part, name]) => [
+        name,
+        `${(times[part] / steps).toFixed(2)} ms per step`,
+      ]),
       ...cloth.warnings().map(({ code, doubtful }) => [doubtful ? "doubtful" : "warning", WARNINGS[code]]),
     ];
     this.#list.replaceChildren(
-      ...rows.flatMap(([name, text]) => [["dt", name], ["dd", text]].map(([tag, text]) => {
-        const item = document.createElement(tag);
-        item.textContent = text;
-        return item;
-      })),
+      ...rows.flatMap(([name, text]) =>
+        [
+          ["dt", name],
+          ["dd", text],
+        ].map(([tag, text]) => {
+          const item = document.createElement(tag);
+          item.textContent = text;
+          return item;
+        }),
+      ),
     );
   }
 }

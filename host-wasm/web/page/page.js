@@ -207,7 +207,10 @@ function device() {
 
 const KEYS = {
   " ": () => pause(!run.paused),
-  ".": () => (pause(true), run.one()),
+  ".": () => {
+    pause(true);
+    run.one();
+  },
   r: reset,
   s: () => strain(!picture.strain),
 };
@@ -300,7 +303,7 @@ function terms() {
     const box = Object.assign(document.createElement("input"), { type: "checkbox", id: name });
     box.onchange = () => {
       const off = key === "contact.self" ? false : key === "contact.friction" ? 0 : undefined;
-      change({ [key]: box.checked ? (valueAt(base, key) || fallback) : off });
+      change({ [key]: box.checked ? valueAt(base, key) || fallback : off });
     };
     label.append(box, ` ${name}`);
     el("terms").append(label);
@@ -310,7 +313,8 @@ function terms() {
 /** Whether there is a GPU, and whether it is worth using: software that emulates one is slower than the processor. */
 async function offered() {
   const adapter = await navigator.gpu?.requestAdapter();
-  const software = adapter?.info?.isFallbackAdapter || /swiftshader|llvmpipe/i.test(`${adapter?.info?.architecture} ${adapter?.info?.description}`);
+  const software =
+    adapter?.info?.isFallbackAdapter || /swiftshader|llvmpipe/i.test(`${adapter?.info?.architecture} ${adapter?.info?.description}`);
   return { some: Boolean(adapter), worth: Boolean(adapter) && !software };
 }
 

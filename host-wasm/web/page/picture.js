@@ -50,7 +50,10 @@ export class Picture {
     this.canvas.replaceWith(fresh);
     this.canvas = fresh;
     this.#fit();
-    await this.#find().then(() => this.#say(why), (error) => this.#say(error.message, true));
+    await this.#find().then(
+      () => this.#say(why),
+      (error) => this.#say(error.message, true),
+    );
   }
 
   #fit() {

@@ -107,7 +107,7 @@ function chart(scene, step, seconds) {
   tell({ done: true });
 }
 
-onmessage = async ({ data }) => {
+self.onmessage = async ({ data }) => {
   try {
     await load();
     asks[data.ask](data);

@@ -1,0 +1,25 @@
+// Scenes by name, as text or as an object.
+
+import { loaded } from "./module.js";
+import { read, type Scene } from "./scene.js";
+
+/** The names of the built-in scenes. Call it after `await load()`. */
+export function scenes(): string[] {
+  return loaded().wasm.sceneNames();
+}
+
+/** Parses a scene from TOML text, returns the built-in scene with that name, or copies an object. */
+export function scene(given: string | Scene): Scene {
+  const { wasm } = loaded();
+  if (typeof given !== "string") return structuredClone(given);
+  const text = wasm.sceneText(given.trim());
+  if (text === undefined && !/[=[\n]/.test(given)) {
+    throw new Error(`there is no scene ${given}; there are ${wasm.sceneNames().join(", ")}`);
+  }
+  return read(text ?? given);
+}
+
+/** The TOML text of a built-in scene. */
+export function source(name: string): string | undefined {
+  return loaded().wasm.sceneText(name);
+}

@@ -1,0 +1,577 @@
+// A simulated cloth: steps, views of its columns, and the calls by which a program changes and reads it.
+
+import { scene } from "./built_in.js";
+import { duration, numbers, whole } from "./checks.js";
+import { explained, guarded, loaded } from "./module.js";
+import { Call, type Kept, type Simulation as Own, Simulation } from "./muslin_wasm.js";
+import { Pace } from "./pace.js";
+import type {
+  Advanced,
+  Body,
+  Divergence,
+  Hit,
+  Impulse,
+  Mesh,
+  Pose,
+  Quaternion,
+  Side,
+  Summary,
+  Surface,
+  SurfacePoint,
+  Times,
+  Touch,
+  Vector,
+  Warning,
+} from "./results.js";
+import { Snapshot } from "./results.js";
+import { type Changes, changed, hasSameColliders, isAlike, type Scene, windy } from "./scene.js";
+
+const ENERGIES = ["kinetic", "stretch", "shear", "bend", "seam", "gravity"];
+const COUNTS = ["candidates", "proximity", "impacts", "zones", "rejected", "forceEvaluations", "cgIterations"];
+const PARTS = ["predict", "broadPhase", "narrowPhase", "response"];
+const SHAPES = ["plane", "sphere", "capsule", "box", "mesh"] as const;
+
+/** Numbers of a contact in the list of the module. */
+const TOUCH = 21;
+
+/** The largest number of vertices without the option. */
+const MOST_VERTICES = 100_000;
+
+/** Ratio of the length of an edge to its rest length from which a run counts as diverged. */
+const DIVERGED = 4;
+
+/** Simulated time between copies of the state, to which a run that diverges goes back, s. */
+const BETWEEN_COPIES = 0.5;
+
+const AT_REST: Quaternion = [0, 0, 0, 1];
+
+const named = (names: string[], all: ArrayLike<number>, from = 0) => Object.fromEntries(names.map((name, k) => [name, all[from + k]]));
+
+const vector = (all: Float64Array, at = 0) => [...all.subarray(at, at + 3)] as Vector;
+
+const pose = (position: ArrayLike<number>, rotation: ArrayLike<number>) =>
+  Float64Array.of(...numbers("the position", position, 3), ...numbers("the rotation", rotation, 4));
+
+const side = (kind = 0, index = 0): Side => ({ kind: kind === 0 ? "cloth" : "collider", index });
+
+type Column = Float32ArrayConstructor | Uint32ArrayConstructor;
+
+/** Choices of a new cloth. */
+export interface Options {
+  /** The meshes that the scene names, by name: as `mesh` of a cloth or as `file` of a collider. */
+  meshes?: { [name: string]: Mesh };
+  /** The largest number of vertices: a scene with more is refused before it takes memory. Default: 100,000. */
+  mostVertices?: number;
+}
+
+/**
+ * A simulated cloth. If a call fails, it throws an `Error` with the reason and changes nothing. A step that fails leaves
+ * the cloth unchanged.
+ */
+export class Cloth {
+  #own: Own | undefined;
+  #scene: Scene;
+  #options: Options;
+  // Views of columns by address. They are replaced when the memory of the module has moved.
+  #views = new Map<number, Float32Array | Uint32Array>();
+  #busy = false;
+  #pace = new Pace();
+  /** The latest copy of a good state, and its time, s. */
+  #good: { state: Kept; time: number } | undefined;
+  #hasDiverged = false;
+
+  /**
+   * The event of a run that diverges: `advance` calls this function when a step fails or an edge is stretched to four times
+   * its length. The cloth is back at a good state then, at most half a second before, and `advance` stands still until
+   * `set`, `goBack` or `restart`.
+   */
+  onDiverge?: (divergence: Divergence) => void;
+
+  /** From TOML text, the name of a built-in scene, or an object. Call it after `await load()`. */
+  constructor(given: string | Scene, options: Options = {}) {
+    this.#scene = scene(given);
+    this.#options = options;
+    this.#own = this.#build();
+  }
+
+  #build() {
+    const { meshes, mostVertices = MOST_VERTICES } = this.#options;
+    return guarded(() => new Simulation(this.#scene, meshes, mostVertices));
+  }
+
+  /** The simulation in the module. Throws while it is busy, or after `free()`. */
+  get #idle() {
+    if (this.#busy) throw new Error("a step is under way; await awaitStep() first");
+    if (!this.#own) throw new Error("this cloth was given back by free()");
+    return this.#own;
+  }
+
+  /** Calls the module. */
+  #call<T>(make: (own: Own) => T): T {
+    const own = this.#idle;
+    return guarded(() => make(own));
+  }
+
+  /** Makes a call of the live interface. */
+  #live(call: Call, given: number[] = []): Float64Array {
+    return this.#call((own) => own.call(call, Float64Array.from(given)));
+  }
+
+  #view<T extends Column>(kind: T, address: number, length: number) {
+    const { memory } = loaded();
+    const known = this.#views.get(address);
+    if (known?.buffer === memory.buffer && known.length === length && known instanceof kind) return known as InstanceType<T>;
+    if (known?.buffer !== memory.buffer) this.#views.clear();
+    const view = new kind(memory.buffer, address, length);
+    this.#views.set(address, view);
+    return view as InstanceType<T>;
+  }
+
+  #vertex(vertex: number) {
+    const count = this.#idle.vertexCount;
+    if (Number.isInteger(vertex) && vertex >= 0 && vertex < count) return vertex;
+    throw new TypeError(`there is no vertex ${vertex}; there are ${count}, from 0`);
+  }
+
+  /** Takes steps on this thread. */
+  step(count = 1): void {
+    whole("the number of steps", count);
+    this.#call((own) => {
+      for (let k = 0; k < count; k++) own.step();
+    });
+  }
+
+  /**
+   * Takes the whole steps that come nearest to the time of all calls, `seconds` in this one: call it in every frame. After
+   * `budget` ms it drops the rest of the time, so that a slow scene runs in slow motion. If a step fails, it does not throw
+   * but calls `onDiverge`.
+   */
+  advance(seconds: number, { budget = 12 }: { budget?: number } = {}): Advanced {
+    duration("the time", seconds);
+    duration("the budget", budget);
+    const own = this.#idle;
+    if (this.#hasDiverged) return { steps: 0, dropped: seconds };
+    this.#keepGood(own);
+    let failure: unknown;
+    const advanced = this.#pace.advance(seconds, own.stepLength, budget, () => {
+      try {
+        own.step();
+        return true;
+      } catch (error) {
+        failure = explained(error);
+        return false;
+      }
+    });
+    const stretch = advanced.steps > 0 ? own.stretch() : 0;
+    if (failure !== undefined) this.#diverge(own, failure instanceof Error ? failure.message : String(failure));
+    else if (!(stretch < DIVERGED)) this.#diverge(own, `an edge is stretched to ${stretch.toPrecision(3)} times its length`);
+    return advanced;
+  }
+
+  /** Whether `advance` stands still because the run has diverged. */
+  get hasDiverged(): boolean {
+    return this.#hasDiverged;
+  }
+
+  /** Copies a good state from time to time. */
+  #keepGood(own: Own) {
+    const { time } = own;
+    if (this.#good && time < this.#good.time + BETWEEN_COPIES) return;
+    if (!(own.stretch() < DIVERGED)) return;
+    this.#forgetGood();
+    this.#good = { state: own.snapshot(), time };
+  }
+
+  #forgetGood() {
+    this.#good?.state.free();
+    this.#good = undefined;
+    this.#hasDiverged = false;
+  }
+
+  #diverge(own: Own, message: string) {
+    const { time } = own;
+    const good = this.#good?.state;
+    if (good) guarded(() => own.goBack(good));
+    this.#hasDiverged = true;
+    this.onDiverge?.({ message, time });
+  }
+
+  async #awaited<T>(make: (own: Own) => Promise<T>): Promise<T> {
+    const own = this.#idle;
+    this.#busy = true;
+    try {
+      return await make(own);
+    } catch (error) {
+      throw explained(error);
+    } finally {
+      this.#busy = false;
+    }
+  }
+
+  /** Takes steps. If a device was opened, it finds the candidates. Call nothing else until the promise is settled. */
+  async awaitStep(count = 1): Promise<void> {
+    whole("the number of steps", count);
+    await this.#awaited(async (own) => {
+      for (let k = 0; k < count; k++) await own.awaitStep();
+    });
+  }
+
+  /** Opens a WebGPU device for `awaitStep` and returns its name. */
+  async openDevice(): Promise<string> {
+    if (!("gpu" in (globalThis.navigator ?? {}))) throw new Error("there is no WebGPU here");
+    // Browsers may hide the name.
+    return (await this.#awaited((own) => own.openDevice())) || "a GPU without a name";
+  }
+
+  /** Whether a step, or the opening of a device, is under way. All other calls throw until it ends. */
+  get busy(): boolean {
+    return this.#busy;
+  }
+
+  /** Whether `awaitStep` has a device. */
+  get hasDevice(): boolean {
+    return this.#idle.hasDevice;
+  }
+
+  /** Returns the latest message about the device, and clears it: the device was lost and opened again, or given up. */
+  takeNote(): string | undefined {
+    return this.#idle.takeNote();
+  }
+
+  // The next five are views of the module's memory, not copies. Get them again after each call that changes the cloth:
+  // steps swap columns and may move memory.
+
+  /** x, y, z of each vertex, m. A view: get it again after each call that changes the cloth. */
+  positions(): Float32Array {
+    const own = this.#idle;
+    return this.#view(Float32Array, own.positions(), 3 * own.vertexCount);
+  }
+
+  /** x, y, z of each vertex, m/s. A view, as `positions`. */
+  velocities(): Float32Array {
+    const own = this.#idle;
+    return this.#view(Float32Array, own.velocities(), 3 * own.vertexCount);
+  }
+
+  /** Unit normal of each vertex. A view, as `positions`. */
+  normals(): Float32Array {
+    const own = this.#idle;
+    return this.#view(Float32Array, own.normals(), 3 * own.vertexCount);
+  }
+
+  /** For each vertex the largest strain of its edges, l / l0 - 1. A view, as `positions`. */
+  strains(): Float32Array {
+    const own = this.#idle;
+    return this.#view(Float32Array, own.strains(), own.vertexCount);
+  }
+
+  /** Three vertices per triangle. A view, as `positions`. */
+  triangles(): Uint32Array {
+    const own = this.#idle;
+    return this.#view(Uint32Array, own.triangles(), 3 * own.triangleCount);
+  }
+
+  /** The mesh for drawing with a texture. */
+  surface(): Surface {
+    const { vertices, uvs, triangles } = this.#call((own) => own.surface());
+    return { vertices, uvs, triangles };
+  }
+
+  /** The colliders, as copies. */
+  bodies(): Body[] {
+    const all = this.#idle.bodies();
+    const bodies: Body[] = [];
+    for (let at = 0; at < all.length; ) {
+      const [shape = 0, radius = 0, x = 0, y = 0, z = 0, count = 0] = all.subarray(at, at + 6);
+      const end = at + 6 + 3 * count;
+      bodies.push({ shape: SHAPES[shape] ?? "mesh", radius, normal: [x, y, z], points: all.subarray(at + 6, end) });
+      at = end;
+    }
+    return bodies;
+  }
+
+  /** A copy of the current scene. */
+  get scene(): Scene {
+    return structuredClone(this.#scene);
+  }
+
+  /**
+   * The warnings up to now. Frames are observed, as by `muslin run`, and a change of the scene begins anew. The first call under
+   * error control takes about as long as 200 solver iterations.
+   */
+  warnings(): Warning[] {
+    const all = this.#idle.warnings();
+    return Array.from({ length: all.length / 4 }, (_, k) => {
+      const [code, value, beside, doubtful] = all.slice(4 * k);
+      return { code, value, beside, doubtful };
+    });
+  }
+
+  /**
+   * Changes one or several keys of the scene: `set("integrator.step", 0.005)`. Materials, forces, thickness and friction
+   * change in place; other keys build the scene anew. If the number of vertices stays the same, the cloth keeps its state;
+   * otherwise it starts again. Colliders change only before the first step: then move them with `moveCollider`.
+   */
+  set(key: string, value: unknown): void;
+  set(changes: Changes): void;
+  set(key: string | Changes, value?: unknown): void {
+    const next = changed(this.#scene, typeof key === "string" ? { [key]: value } : key);
+    this.#call((own) => {
+      if (isAlike(this.#scene, next) && own.setMaterials(next)) return;
+      const keep = hasSameColliders(this.#scene, next);
+      if (!keep && own.steps > 0) {
+        throw new Error(
+          "set does not change colliders in a run, because they would jump through the cloth: use moveCollider and switchCollider, or restart with another scene",
+        );
+      }
+      own.goOnAs(next, keep);
+    });
+    this.#scene = next;
+    this.#forgetGood();
+  }
+
+  /** Starts again, with another scene or the present one. */
+  restart(given?: string | Scene): void {
+    const old = this.#idle;
+    const before = this.#scene;
+    try {
+      if (given !== undefined) this.#scene = scene(given);
+      this.#own = this.#build();
+    } catch (error) {
+      this.#scene = before;
+      throw error;
+    }
+    this.#forgetGood();
+    this.#pace = new Pace();
+    old.free();
+  }
+
+  /** Sets a steady wind, m/s. */
+  wind(velocity: ArrayLike<number>): void {
+    const [x, y, z] = numbers("the wind", velocity, 3) as unknown as Vector;
+    const wind = this.#scene.drag?.wind;
+    if (!wind) {
+      this.set("drag.wind", windy(this.#scene, [x, y, z]));
+      return;
+    }
+    this.#live(Call.SetWind, [x, y, z]);
+    wind.velocity = [x, y, z];
+  }
+
+  /** Sets a steady gravity, m/s^2. */
+  gravity(acceleration: ArrayLike<number>): void {
+    const [x, y, z] = numbers("gravity", acceleration, 3) as unknown as Vector;
+    this.#live(Call.SetGravity, [x, y, z]);
+    this.#scene.gravity = [x, y, z];
+  }
+
+  /**
+   * Moves a vertex at constant speed to `place` (m) within `seconds` of simulated time, or at once without `seconds`.
+   * From then on it is fixed. Many scenes fail if a vertex moves by more than an edge at once.
+   */
+  moveTo(vertex: number, place: ArrayLike<number>, seconds = 0): void {
+    this.#vertex(vertex);
+    const to = numbers("the place", place, 3);
+    this.#live(Call.MoveTo, [vertex, ...to, seconds]);
+  }
+
+  /** Fixes a vertex at its place. */
+  pin(vertex: number): void {
+    const at = 3 * this.#vertex(vertex);
+    this.moveTo(vertex, this.positions().slice(at, at + 3));
+  }
+
+  /** Pins a vertex to a collider where it is now: it moves with the collider. */
+  attach(vertex: number, collider: number): void {
+    this.#vertex(vertex);
+    this.#live(Call.Attach, [vertex, whole("the collider", collider)]);
+  }
+
+  /** Frees a vertex, also from a pin of the scene. It keeps its velocity. Returns whether it was fixed. */
+  release(vertex: number): boolean {
+    this.#vertex(vertex);
+    return this.#live(Call.Release, [vertex])[0] === 1;
+  }
+
+  /** The fixed vertices. */
+  pins(): Uint32Array {
+    return this.#idle.pins();
+  }
+
+  /**
+   * Moves a collider evenly to a pose within `seconds` of simulated time, one step by default. Then it rests there. Call it
+   * before every step or every `advance`; each call replaces the motion before, also that of the scene. Steps find all that
+   * is in its way.
+   */
+  moveCollider(collider: number, position: ArrayLike<number>, rotation: ArrayLike<number> = AT_REST, seconds = this.stepLength): void {
+    const to = pose(position, rotation);
+    this.#live(Call.MoveCollider, [whole("the collider", collider), ...to, seconds]);
+  }
+
+  /** The present pose of a collider. */
+  colliderPose(collider: number): Pose {
+    const all = this.#live(Call.ColliderPose, [whole("the collider", collider)]);
+    return { position: vector(all), rotation: [...all.subarray(3)] as Quaternion };
+  }
+
+  /** Moves every vertex of a mesh evenly to a position (x, y, z of each, m) within `seconds` of simulated time. */
+  deformCollider(collider: number, positions: ArrayLike<number>, seconds = this.stepLength): void {
+    const to = numbers("the positions", positions, positions.length);
+    this.#live(Call.DeformCollider, [whole("the collider", collider), seconds, ...to]);
+  }
+
+  /** Switches a collider off or on. Nothing touches one that is off. It is refused where cloth intersects the collider. */
+  switchCollider(collider: number, isOn: boolean): void {
+    this.#live(isOn ? Call.SwitchOn : Call.SwitchOff, [whole("the collider", collider)]);
+  }
+
+  /** Measures the impulses on colliders from now on. */
+  measureImpulses(): void {
+    this.#live(Call.MeasureImpulses);
+  }
+
+  /** The impulse that the cloth has given a collider since the last call. A rigid-body engine adds it to its body. */
+  takeImpulse(collider: number): Impulse {
+    const all = this.#live(Call.TakeImpulse, [whole("the collider", collider)]);
+    return { linear: vector(all), angular: vector(all, 3) };
+  }
+
+  /** Gives a vertex an impulse, N s: its velocity changes at once. */
+  push(vertex: number, impulse: ArrayLike<number>): void {
+    this.#vertex(vertex);
+    const by = numbers("the impulse", impulse, 3);
+    this.#live(Call.Push, [vertex, ...by]);
+  }
+
+  /** Sets a force on a vertex, N, until it is set again. */
+  setForce(vertex: number, force: ArrayLike<number>): void {
+    this.#vertex(vertex);
+    const to = numbers("the force", force, 3);
+    this.#live(Call.SetForce, [vertex, ...to]);
+  }
+
+  /**
+   * Moves all cloth, its pins and the named colliders: a rotation about the origin of the world, then a displacement, m.
+   * Velocities turn with them, and the cloth feels nothing of it.
+   */
+  teleport(position: ArrayLike<number>, rotation: ArrayLike<number> = AT_REST, colliders: ArrayLike<number> = []): void {
+    const by = pose(position, rotation);
+    const those = Array.from(colliders, (collider) => whole("a collider", collider));
+    this.#live(Call.Teleport, [...by, ...those]);
+    this.#forgetGood();
+  }
+
+  /** The contacts that push, in the last step, or in its last substep if it was divided. */
+  touches(): Touch[] {
+    const all = this.#live(Call.Touches);
+    return Array.from({ length: all.length / TOUCH }, (_, k) => {
+      const own = all.subarray(TOUCH * k, TOUCH * (k + 1));
+      return {
+        sides: [side(own[0], own[1]), side(own[2], own[3])],
+        vertices: [...own.subarray(4, 8)] as Touch["vertices"],
+        weights: [...own.subarray(8, 12)] as Touch["weights"],
+        position: vector(own, 12),
+        normal: vector(own, 15),
+        force: vector(own, 18),
+      };
+    });
+  }
+
+  /** The point of a triangle with these barycentric coordinates, for example to hang a button on it. */
+  point(triangle: number, weights: ArrayLike<number>): SurfacePoint {
+    const at = numbers("the weights", weights, 3);
+    const all = this.#live(Call.Point, [whole("the triangle", triangle), ...at]);
+    return { position: vector(all), velocity: vector(all, 3), normal: vector(all, 6) };
+  }
+
+  /** Where a ray hits the cloth first, from either side. Colliders hide nothing. */
+  hit(origin: ArrayLike<number>, direction: ArrayLike<number>): Hit | undefined {
+    const [from, to] = [numbers("the origin", origin, 3), numbers("the direction", direction, 3)];
+    const all = this.#live(Call.Hit, [...from, ...to]);
+    if (all.length === 0) return undefined;
+    return { triangle: all[0] as number, weights: vector(all, 1), distance: all[4] as number };
+  }
+
+  /** A copy of all that steps and this program change, for `goBack`. */
+  snapshot(): Snapshot {
+    return new Snapshot(
+      this.#call((own) => own.snapshot()),
+      this.scene,
+    );
+  }
+
+  /** Goes back to a copy of this cloth, or of one of the same scene. The same steps give the same bits. */
+  goBack(snapshot: Snapshot): void {
+    this.#call((own) => own.goBack(snapshot.state));
+    this.#scene = structuredClone(snapshot.scene);
+    this.#forgetGood();
+  }
+
+  get vertexCount(): number {
+    return this.#idle.vertexCount;
+  }
+
+  /** Steps taken. If the step length changes, this number becomes the simulated time divided by the new length. */
+  get steps(): number {
+    return this.#idle.steps;
+  }
+
+  /** Simulated time, s. */
+  get time(): number {
+    return this.#idle.time;
+  }
+
+  /** The step in use, s: the longest step that divides a frame evenly and is at most 0.1 % longer than the scene's. */
+  get stepLength(): number {
+    return this.#idle.stepLength;
+  }
+
+  /** The largest error of a step, m: where the estimate exceeds it, the step is divided. `undefined`: steps are not divided. */
+  get stepError(): number | undefined {
+    return this.#idle.stepError;
+  }
+
+  /** Frames per simulated second. */
+  get frameRate(): number {
+    return this.#idle.frameRate;
+  }
+
+  /** Duration of the scene, s. */
+  get duration(): number {
+    return this.#idle.duration;
+  }
+
+  /** The hash chain over the states of all steps, as `muslin run` prints it. */
+  stateHash(): string {
+    return this.#idle.stateHash();
+  }
+
+  /** Time of each stage since the last call, ms. */
+  takeTimes(): Times {
+    return named(PARTS, this.#idle.takeTimes()) as unknown as Times;
+  }
+
+  /** Diagnostics of the state and of the work. */
+  summary(): Summary {
+    const all = this.#idle.numbers();
+    return {
+      stretch: named(["max", "mean"], all),
+      energy: named(ENERGIES, all, 2),
+      ...named(COUNTS, all, 2 + ENERGIES.length),
+    } as unknown as Summary;
+  }
+
+  /** Frees the memory. The cloth cannot be used afterwards. A second call does nothing. */
+  free(): void {
+    if (this.#own === undefined) return;
+    const own = this.#idle;
+    this.#forgetGood();
+    this.#own = undefined;
+    own.free();
+  }
+
+  /** `using cloth = new Cloth(..)` frees it at the end of its block. */
+  [Symbol.dispose](): void {
+    this.free();
+  }
+}
