@@ -30,7 +30,14 @@ const WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "-
   "--use-angle=swiftshader",
 ]);
 
-const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
+const TYPES = {
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".mjs": "text/javascript",
+  ".gltf": "model/gltf+json",
+  ".css": "text/css",
+  ".wasm": "application/wasm",
+};
 
 /** Options for running commands of the project; their error output is shown. */
 export const pack = { cwd: root, stdio: ["ignore", "ignore", "inherit"] };

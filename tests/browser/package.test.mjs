@@ -1,4 +1,4 @@
-// The npm package as users get it: installed from its tarball, typed, and drawn by three.js.
+// The npm package as users get it: installed from its tarball, and typed.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -6,7 +6,7 @@ import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "n
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
-import { browser, dist, root, shot, skip } from "./kit.mjs";
+import { dist, root } from "./kit.mjs";
 
 const USE = `
 import { Cloth, load, scenes } from "muslin";
@@ -102,17 +102,5 @@ test("it is installed from its tarball, runs in Node.js and has types", async ()
     execFileSync(tsc, [...options, "--types", "", "typed.ts", "scenes.ts"], { cwd: folder, stdio: "inherit" });
   } finally {
     rmSync(folder, { recursive: true, force: true });
-  }
-});
-
-test("three.js draws it", { skip }, async () => {
-  const chromium = await browser({ webgpu: false });
-  try {
-    const { page, errors } = await chromium.open("examples/three.html");
-    await page.waitForFunction(() => window.cloth?.steps >= 20);
-    await shot(page, "three");
-    assert.deepEqual(errors, []);
-  } finally {
-    await chromium.close();
   }
 });

@@ -69,6 +69,7 @@ fn main() -> ExitCode {
 }
 
 fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
+    install_sources(own)?;
     install(own)?;
     let module = build(own, count)?;
     let web = own.join("web");
@@ -97,6 +98,21 @@ fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
     fs::remove_file(&bound).map_err(failed(&bound))
 }
 
+/// Installs the sources of the standard library, unless they are there.
+fn install_sources(own: &Path) -> Result<(), String> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let told = Command::new(rustc).args(["--print", "sysroot"]).current_dir(own).output();
+    let root = told.map_err(|why| format!("rustc: {why}"))?;
+    let root = PathBuf::from(String::from_utf8_lossy(&root.stdout).trim());
+    if root.join("lib/rustlib/src/rust/library/std/Cargo.toml").is_file() {
+        return Ok(());
+    }
+    println!("The sources of Rust's standard library are missing. rustup installs them:");
+    let mut rustup = Command::new("rustup");
+    rustup.args(["component", "add", "rust-src"]).current_dir(own);
+    run(rustup, "install the component rust-src of this toolchain, with rustup (https://rustup.rs) or from your system")
+}
+
 /// Installs the tools that `package-lock.json` names, unless the installed ones are newer than this file.
 fn install(own: &Path) -> Result<(), String> {
     let written = |path: &str| fs::metadata(own.join(path)).and_then(|file| file.modified()).ok();
@@ -117,7 +133,7 @@ fn build(own: &Path, count: bool) -> Result<PathBuf, String> {
         .env("RUSTC_BOOTSTRAP", "1")
         .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", FLAGS)
         .current_dir(own);
-    run(cargo, &format!("rustup target add {TARGET} and rustup component add rust-src may be missing"))?;
+    run(cargo, "the error is above")?;
     let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| own.join("../target"), PathBuf::from);
     Ok(target.join(TARGET).join("wasm/muslin_wasm.wasm"))
 }
