@@ -45,12 +45,8 @@ setInterval(() => {
   const { position } = cloth.colliderPose(0);
   const way = Math.hypot(...to.map((x, k) => x - position[k]));
   const part = Math.min(1, (FASTEST * seconds) / (way || 1));
-  cloth.moveCollider(
-    0,
-    position.map((x, k) => x + part * (to[k] - x)),
-    undefined,
-    Math.max(seconds, cloth.stepLength),
-  );
+  const place = position.map((x, k) => x + part * (to[k] - x));
+  cloth.moveCollider(0, place);
   const { steps } = cloth.advance(seconds, { budget: 30 });
   if (steps === 0) return;
   const [positions, normals] = [cloth.positions(), cloth.normals()].map((view, k) => {

@@ -50,6 +50,8 @@ pub struct Clock {
     here: AtomicBool,
     /// The last message about a failure of the device.
     note: Mutex<Option<String>>,
+    /// The time at which a step is given up, ms; `None`: never.
+    deadline: Mutex<Option<f64>>,
 }
 
 fn own<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -71,6 +73,11 @@ impl Clock {
     /// cases, because two types would compile all kernels twice.
     pub fn stay_here(&self, here: bool) {
         self.here.store(here, Ordering::Relaxed);
+    }
+
+    /// Gives up the next steps after this time, ms, if it is finite.
+    pub fn allow(&self, longest: f64) {
+        *own(&self.deadline) = longest.is_finite().then(|| now() + longest);
     }
 
     /// Whether there is a device that finds candidates.
@@ -118,6 +125,10 @@ impl Dispatch for Clock {
             self.ask(Some(detector));
         }
         found.ok()
+    }
+
+    fn stopped(&self) -> bool {
+        own(&self.deadline).is_some_and(|deadline| now() > deadline)
     }
 
     fn enter(&self, stage: Stage) {

@@ -4,10 +4,11 @@
 //! the compressed package. `cloth.ts` checks the numbers and gives the calls their names and types.
 
 use glam::{DQuat, DVec3};
+use muslin_core::diagnostics::StateHash;
 use muslin_core::error::LiveError;
 use muslin_core::kinematic::Pose;
 use muslin_core::live::{Live as _, Side, Touch};
-use muslin_core::scene::VectorDesc;
+use muslin_core::scene::{SceneDesc, VectorDesc};
 use muslin_core::simulation::Snapshot;
 use wasm_bindgen::JsError;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -66,26 +67,34 @@ impl Simulation {
     }
 
     /// A copy of all that steps and the host change.
-    pub fn snapshot(&self) -> Kept {
-        Kept(self.own.snapshot())
+    pub fn snapshot(&self) -> Saved {
+        Saved { state: self.own.snapshot(), scene: self.scene.clone(), chain: self.chain }
     }
 
-    /// Goes back to a copy.
+    /// Goes back to a copy. The observation of warnings begins anew.
     #[wasm_bindgen(js_name = goBack)]
-    pub fn go_back(&mut self, to: &Kept) -> Result<(), JsError> {
-        self.own.go_back(&to.0).map_err(error)
+    pub fn go_back(&mut self, to: &Saved) -> Result<(), JsError> {
+        self.own.go_back(&to.state).map_err(error)?;
+        (self.scene, self.chain) = (to.scene.clone(), to.chain);
+        self.observe();
+        Ok(())
     }
 }
 
 /// A copy of the state.
 #[wasm_bindgen]
-pub struct Kept(Snapshot);
+pub struct Saved {
+    state: Snapshot,
+    scene: SceneDesc,
+    chain: StateHash,
+}
 
 impl Simulation {
     #[cfg_attr(small, optimize(size))]
     fn answer(&mut self, call: Call, given: &[f64]) -> Result<Vec<f64>, LiveError> {
         let own = &mut self.own;
-        let whole = |at: usize| number(given, at) as u32;
+        // One that is missing is no vertex and no collider.
+        let whole = |at: usize| given.get(at).map_or(u32::MAX, |&number| number as u32);
         let first = whole(0);
         match call {
             Call::MoveCollider => own.move_collider(first, pose(given, 1), number(given, 8))?,

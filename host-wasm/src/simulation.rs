@@ -4,7 +4,7 @@ use muslin_core::colliders::Form;
 use muslin_core::diagnostics::StateHash;
 use muslin_core::geometry::normals::write_normals;
 use muslin_core::real::Vec3;
-use muslin_core::scene::{Resource, SceneDesc, memory, texture};
+use muslin_core::scene::{Content, Resource, SceneDesc, memory, texture};
 use muslin_core::simulation::{MaterialError, Simulation as Cloth, State, StepError};
 use muslin_core::warning::Warning;
 use muslin_gpu::Gpu;
@@ -26,7 +26,7 @@ pub struct Simulation {
     /// The largest number of vertices.
     most: f64,
     watch: Watch,
-    chain: StateHash,
+    pub(crate) chain: StateHash,
     /// Positions in the world, of a cloth that is far from its origin, m.
     places: Vec<[f32; 3]>,
     normals: Vec<Vec3>,
@@ -37,10 +37,14 @@ pub(crate) fn error(why: impl std::fmt::Display) -> JsError {
     JsError::new(&why.to_string())
 }
 
-/// Builds a scene, unless it has more vertices than `most`.
+/// Builds a scene, unless its cloths and the meshes of its colliders have more vertices than `most`.
 #[cfg_attr(small, optimize(size))]
 fn build(desc: &SceneDesc, meshes: &[Resource], most: f64) -> Result<Cloth, JsError> {
-    let vertices = memory(desc, meshes).map_err(error)?.vertices;
+    let of_colliders = desc.collider.iter().filter_map(|collider| collider.file.as_ref()).map(|file| {
+        let mesh = meshes.iter().find(|(name, _)| name == file);
+        mesh.map_or(0, |(_, content)| if let Content::Mesh(mesh) = content { mesh.positions.len() as u64 } else { 0 })
+    });
+    let vertices = memory(desc, meshes).map_err(error)?.vertices + of_colliders.sum::<u64>();
     if vertices as f64 > most {
         return Err(error(format!(
             "the scene has {vertices} vertices, more than {most}; take fewer cells, or allow more by the option mostVertices"
@@ -77,9 +81,10 @@ impl Simulation {
         })
     }
 
-    /// Takes one step on this thread.
-    pub fn step(&mut self) -> Result<(), JsError> {
+    /// Takes one step on this thread. It is refused once it has taken `longest` milliseconds.
+    pub fn step(&mut self, longest: f64) -> Result<(), JsError> {
         self.clock.stay_here(true);
+        self.clock.allow(longest);
         let taken = self.own.step(&self.clock);
         self.stepped(taken)
     }
@@ -88,6 +93,7 @@ impl Simulation {
     #[wasm_bindgen(js_name = awaitStep)]
     pub async fn await_step(&mut self) -> Result<(), JsError> {
         self.clock.stay_here(false);
+        self.clock.allow(f64::INFINITY);
         let taken = self.own.await_step(&self.clock).await;
         self.stepped(taken)
     }
@@ -133,9 +139,14 @@ impl Simulation {
             Err(why) => return Err(error(why)),
         }
         self.clock.forget();
-        self.watch = Watch::begin(&mut self.own, &desc, &self.clock);
         self.scene = desc;
+        self.observe();
         Ok(true)
+    }
+
+    /// Observes the run from now on.
+    pub(crate) fn observe(&mut self) {
+        self.watch = Watch::begin(&mut self.own, &self.scene, &self.clock);
     }
 
     /// Continues with another scene. If the number of vertices stays the same, the cloth keeps its state, and the pins and

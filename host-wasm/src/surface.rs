@@ -1,4 +1,4 @@
-//! Strains of vertices and texture coordinates, for drawing.
+//! What is drawn besides positions and normals: strains and texture coordinates.
 
 use muslin_core::real::Vec3;
 use muslin_core::scene::Texture;

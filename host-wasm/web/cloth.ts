@@ -1,17 +1,16 @@
 // A simulated cloth: steps, views of its columns, and the calls by which a program changes and reads it.
 
 import { scene } from "./built_in.js";
-import { duration, numbers, whole } from "./checks.js";
-import { explained, guarded, loaded } from "./module.js";
-import { Call, type Kept, type Simulation as Own, Simulation } from "./muslin_wasm.js";
-import { Pace } from "./pace.js";
+import { amount, type Coordinates, coordinates, keys, list, truth, whole } from "./checks.js";
+import { type Meshes, named as namedMeshes } from "./meshes.js";
+import { explained, isTrap, loaded } from "./module.js";
+import { Call, type Simulation as Own, Simulation } from "./muslin_wasm.js";
 import type {
   Advanced,
   Body,
   Divergence,
   Hit,
   Impulse,
-  Mesh,
   Pose,
   Quaternion,
   Side,
@@ -24,7 +23,7 @@ import type {
   Warning,
 } from "./results.js";
 import { Snapshot } from "./results.js";
-import { type Changes, changed, hasSameColliders, isAlike, type Scene, windy } from "./scene.js";
+import { type Changes, changed, hasSameBodies, hasSameColliders, isAlike, type Scene, windy } from "./scene.js";
 
 const ENERGIES = ["kinetic", "stretch", "shear", "bend", "seam", "gravity"];
 const COUNTS = ["candidates", "proximity", "impacts", "zones", "rejected", "forceEvaluations", "cgIterations"];
@@ -43,14 +42,19 @@ const DIVERGED = 4;
 /** Simulated time between copies of the state, to which a run that diverges goes back, s. */
 const BETWEEN_COPIES = 0.5;
 
+/** Time after which `advance` gives up a step, ms. One that is refused in the end can take a thousand times as long. */
+const LONGEST_STEP = 2000;
+
 const AT_REST: Quaternion = [0, 0, 0, 1];
 
 const named = (names: string[], all: ArrayLike<number>, from = 0) => Object.fromEntries(names.map((name, k) => [name, all[from + k]]));
 
 const vector = (all: Float64Array, at = 0) => [...all.subarray(at, at + 3)] as Vector;
 
-const pose = (position: ArrayLike<number>, rotation: ArrayLike<number>) =>
-  Float64Array.of(...numbers("the position", position, 3), ...numbers("the rotation", rotation, 4));
+const pose = (position: Coordinates, rotation: Coordinates) => [
+  ...coordinates("the position", position),
+  ...coordinates("the rotation", rotation, 4),
+];
 
 const side = (kind = 0, index = 0): Side => ({ kind: kind === 0 ? "cloth" : "collider", index });
 
@@ -59,8 +63,11 @@ type Column = Float32ArrayConstructor | Uint32ArrayConstructor;
 /** Choices of a new cloth. */
 export interface Options {
   /** The meshes that the scene names, by name: as `mesh` of a cloth or as `file` of a collider. */
-  meshes?: { [name: string]: Mesh };
-  /** The largest number of vertices: a scene with more is refused before it takes memory. Default: 100,000. */
+  meshes?: Meshes;
+  /**
+   * The largest number of vertices of all cloths and meshes of colliders: a scene with more is refused before it takes memory.
+   * Default: 100,000.
+   */
   mostVertices?: number;
 }
 
@@ -75,15 +82,20 @@ export class Cloth {
   // Views of columns by address. They are replaced when the memory of the module has moved.
   #views = new Map<number, Float32Array | Uint32Array>();
   #busy = false;
-  #pace = new Pace();
-  /** The latest copy of a good state, and its time, s. */
-  #good: { state: Kept; time: number } | undefined;
+  /** Why the cloth cannot be used any more. */
+  #failure: Error | undefined;
+  /** Time that no step of `advance` has covered yet, s: at most half a step, more or less. */
+  #due = 0;
+  /** Motions of colliders that end with the next steps: calls that give them a time, s. */
+  #arrivals = new Map<number, (seconds: number) => void>();
+  /** The latest copy of a good state. */
+  #good: Snapshot | undefined;
   #hasDiverged = false;
 
   /**
-   * The event of a run that diverges: `advance` calls this function when a step fails or an edge is stretched to four times
-   * its length. The cloth is back at a good state then, at most half a second before, and `advance` stands still until
-   * `set`, `goBack` or `restart`.
+   * The event of a run that diverges: `advance` calls this function when a step fails, takes more than two seconds, or stretches
+   * an edge to four times its length. The cloth is back at a good state then, at most half a second before; all calls since that
+   * state are undone. `advance` stands still until `set`, `goBack`, `restart` or `resume`.
    */
   onDiverge?: (divergence: Divergence) => void;
 
@@ -95,21 +107,41 @@ export class Cloth {
   }
 
   #build() {
-    const { meshes, mostVertices = MOST_VERTICES } = this.#options;
-    return guarded(() => new Simulation(this.#scene, meshes, mostVertices));
+    const { meshes, mostVertices = MOST_VERTICES } = keys("the options", this.#options, ["meshes", "mostVertices"]);
+    if (mostVertices !== Number.POSITIVE_INFINITY) whole("mostVertices", mostVertices);
+    const given = namedMeshes(this.#scene, meshes, mostVertices);
+    try {
+      return new Simulation(this.#scene, given, mostVertices);
+    } catch (error) {
+      throw explained(error);
+    }
   }
 
-  /** The simulation in the module. Throws while it is busy, or after `free()`. */
+  /** The simulation in the module. Throws while it is busy, after `free()`, and once it has failed. */
   get #idle() {
+    if (this.#failure) throw this.#failure;
     if (this.#busy) throw new Error("a step is under way; await awaitStep() first");
     if (!this.#own) throw new Error("this cloth was given back by free()");
     return this.#own;
   }
 
-  /** Calls the module. */
+  /** Calls the module. If it fails inside, the cloth is lost. */
   #call<T>(make: (own: Own) => T): T {
     const own = this.#idle;
-    return guarded(() => make(own));
+    try {
+      return make(own);
+    } catch (error) {
+      throw this.#lost(error);
+    }
+  }
+
+  #lost(error: unknown) {
+    const why = explained(error);
+    if (isTrap(error)) {
+      this.#failure = why as Error;
+      this.#own = undefined;
+    }
+    return why;
   }
 
   /** Makes a call of the live interface. */
@@ -130,42 +162,63 @@ export class Cloth {
   #vertex(vertex: number) {
     const count = this.#idle.vertexCount;
     if (Number.isInteger(vertex) && vertex >= 0 && vertex < count) return vertex;
-    throw new TypeError(`there is no vertex ${vertex}; there are ${count}, from 0`);
+    throw new TypeError(`there is no vertex ${String(vertex)}; there are ${count}, from 0`);
   }
 
   /** Takes steps on this thread. */
   step(count = 1): void {
     whole("the number of steps", count);
+    this.#arrive(count);
     this.#call((own) => {
-      for (let k = 0; k < count; k++) own.step();
+      for (let k = 0; k < count; k++) own.step(Number.POSITIVE_INFINITY);
     });
   }
 
   /**
    * Takes the whole steps that come nearest to the time of all calls, `seconds` in this one: call it in every frame. After
-   * `budget` ms it drops the rest of the time, so that a slow scene runs in slow motion. If a step fails, it does not throw
-   * but calls `onDiverge`.
+   * `budget` ms it drops the rest of the time, so that a slow scene runs in slow motion: subtract `dropped` from the time of
+   * what moves the colliders. If a step fails, it does not throw but calls `onDiverge`.
    */
   advance(seconds: number, { budget = 12 }: { budget?: number } = {}): Advanced {
-    duration("the time", seconds);
-    duration("the budget", budget);
+    amount("the time", seconds);
+    amount("the budget", budget);
     const own = this.#idle;
     if (this.#hasDiverged) return { steps: 0, dropped: seconds };
-    this.#keepGood(own);
-    let failure: unknown;
-    const advanced = this.#pace.advance(seconds, own.stepLength, budget, () => {
-      try {
-        own.step();
-        return true;
-      } catch (error) {
-        failure = explained(error);
-        return false;
-      }
-    });
-    const stretch = advanced.steps > 0 ? own.stretch() : 0;
-    if (failure !== undefined) this.#diverge(own, failure instanceof Error ? failure.message : String(failure));
-    else if (!(stretch < DIVERGED)) this.#diverge(own, `an edge is stretched to ${stretch.toPrecision(3)} times its length`);
-    return advanced;
+    this.#keepGood();
+    const began = performance.now();
+    const length = own.stepLength;
+    this.#due += seconds;
+    // Half a step early or late, so that frames of uneven length take the same number of steps.
+    const wanted = Math.min(Math.floor(this.#due / length + 0.5), 2 ** 31);
+    this.#due = Math.min(this.#due - wanted * length, length);
+    this.#arrive(wanted);
+    let steps = 0;
+    let trouble: string | undefined;
+    while (steps < wanted && trouble === undefined && (steps === 0 || performance.now() - began < budget)) {
+      trouble = this.#step();
+      if (trouble === undefined) steps += 1;
+    }
+    if (trouble !== undefined) this.#diverge(trouble);
+    return { steps, dropped: (wanted - steps) * length };
+  }
+
+  /** Takes a step and returns why it is not good. */
+  #step(): string | undefined {
+    try {
+      this.#call((own) => own.step(LONGEST_STEP));
+    } catch (error) {
+      // The module's failure loses the cloth.
+      if (this.#failure) throw error;
+      return error instanceof Error ? error.message : String(error);
+    }
+    const stretch = this.#idle.stretch();
+    return stretch < DIVERGED ? undefined : `an edge is stretched to ${stretch.toPrecision(3)} times its length`;
+  }
+
+  /** Gives motions that end with the next steps the time of those steps. */
+  #arrive(count: number) {
+    if (count > 1) for (const move of this.#arrivals.values()) move(count * this.stepLength);
+    if (count > 0) this.#arrivals.clear();
   }
 
   /** Whether `advance` stands still because the run has diverged. */
@@ -173,27 +226,29 @@ export class Cloth {
     return this.#hasDiverged;
   }
 
-  /** Copies a good state from time to time. */
-  #keepGood(own: Own) {
-    const { time } = own;
-    if (this.#good && time < this.#good.time + BETWEEN_COPIES) return;
-    if (!(own.stretch() < DIVERGED)) return;
-    this.#forgetGood();
-    this.#good = { state: own.snapshot(), time };
-  }
-
-  #forgetGood() {
-    this.#good?.state.free();
-    this.#good = undefined;
+  /** Lets `advance` go on after a run that diverged, for example after a change of gravity or of a pin. */
+  resume(): void {
     this.#hasDiverged = false;
   }
 
-  #diverge(own: Own, message: string) {
-    const { time } = own;
-    const good = this.#good?.state;
-    if (good) guarded(() => own.goBack(good));
+  /** Copies a good state from time to time. */
+  #keepGood() {
+    if (this.#good && this.time < this.#good.time + BETWEEN_COPIES) return;
+    if (!(this.#idle.stretch() < DIVERGED)) return;
+    this.#forgetGood();
+    this.#good = this.snapshot();
+  }
+
+  #forgetGood() {
+    this.#good?.free();
+    this.#good = undefined;
+  }
+
+  #diverge(message: string) {
+    const { time } = this;
+    if (this.#good) this.#goBack(this.#good);
     this.#hasDiverged = true;
-    this.onDiverge?.({ message, time });
+    this.onDiverge?.({ message, time, back: this.time });
   }
 
   async #awaited<T>(make: (own: Own) => Promise<T>): Promise<T> {
@@ -202,7 +257,7 @@ export class Cloth {
     try {
       return await make(own);
     } catch (error) {
-      throw explained(error);
+      throw this.#lost(error);
     } finally {
       this.#busy = false;
     }
@@ -211,6 +266,7 @@ export class Cloth {
   /** Takes steps. If a device was opened, it finds the candidates. Call nothing else until the promise is settled. */
   async awaitStep(count = 1): Promise<void> {
     whole("the number of steps", count);
+    this.#arrive(count);
     await this.#awaited(async (own) => {
       for (let k = 0; k < count; k++) await own.awaitStep();
     });
@@ -238,8 +294,7 @@ export class Cloth {
     return this.#idle.takeNote();
   }
 
-  // The next five are views of the module's memory, not copies. Get them again after each call that changes the cloth:
-  // steps swap columns and may move memory.
+  // Steps swap columns and may move memory, so views do not last.
 
   /** x, y, z of each vertex, m. A view: get it again after each call that changes the cloth. */
   positions(): Float32Array {
@@ -259,7 +314,7 @@ export class Cloth {
     return this.#view(Float32Array, own.normals(), 3 * own.vertexCount);
   }
 
-  /** For each vertex the largest strain of its edges, l / l0 - 1. A view, as `positions`. */
+  /** For each vertex the strain of largest magnitude of its edges, l / l0 - 1. A view, as `positions`. */
   strains(): Float32Array {
     const own = this.#idle;
     return this.#view(Float32Array, own.strains(), own.vertexCount);
@@ -309,31 +364,40 @@ export class Cloth {
 
   /**
    * Changes one or several keys of the scene: `set("integrator.step", 0.005)`. Materials, forces, thickness and friction
-   * change in place; other keys build the scene anew. If the number of vertices stays the same, the cloth keeps its state;
-   * otherwise it starts again. Colliders change only before the first step: then move them with `moveCollider`.
+   * change in place; other keys build the scene anew, and the list of `touches` is empty until the next step. If the number of
+   * vertices stays the same, the cloth keeps its state, pins and colliders; otherwise it starts again. Colliders change only
+   * before the first step: then move them with `moveCollider` and switch them off with `switchCollider`.
    */
   set(key: string, value: unknown): void;
   set(changes: Changes): void;
   set(key: string | Changes, value?: unknown): void {
-    const next = changed(this.#scene, typeof key === "string" ? { [key]: value } : key);
+    const isObject = typeof key === "object" && key !== null;
+    if (!isObject && typeof key !== "string") throw new TypeError(`the key must be a word such as "integrator.step", not ${key}`);
+    const next = changed(this.#scene, isObject ? key : { [key]: value });
     this.#call((own) => {
       if (isAlike(this.#scene, next) && own.setMaterials(next)) return;
-      const keep = hasSameColliders(this.#scene, next);
-      if (!keep && own.steps > 0) {
-        throw new Error(
-          "set does not change colliders in a run, because they would jump through the cloth: use moveCollider and switchCollider, or restart with another scene",
-        );
-      }
-      own.goOnAs(next, keep);
+      this.#goOnAs(own, next);
     });
     this.#scene = next;
     this.#forgetGood();
+    this.#hasDiverged = false;
   }
 
-  /** Starts again, with another scene or the present one. */
+  #goOnAs(own: Own, next: Scene) {
+    const keep = hasSameColliders(this.#scene, next);
+    if (!keep && own.steps > 0) {
+      throw new Error(
+        "set does not change colliders in a run, because they would jump through the cloth: use moveCollider and switchCollider, or restart with another scene",
+      );
+    }
+    own.goOnAs(next, keep);
+  }
+
+  /** Starts again, with another scene or the present one. The meshes stay the same. */
   restart(given?: string | Scene): void {
-    const old = this.#idle;
+    if (!this.#failure) this.#idle;
     const before = this.#scene;
+    const old = this.#own;
     try {
       if (given !== undefined) this.#scene = scene(given);
       this.#own = this.#build();
@@ -341,14 +405,17 @@ export class Cloth {
       this.#scene = before;
       throw error;
     }
+    this.#failure = undefined;
+    this.#hasDiverged = false;
+    this.#due = 0;
+    this.#arrivals.clear();
     this.#forgetGood();
-    this.#pace = new Pace();
-    old.free();
+    old?.free();
   }
 
-  /** Sets a steady wind, m/s. */
-  wind(velocity: ArrayLike<number>): void {
-    const [x, y, z] = numbers("the wind", velocity, 3) as unknown as Vector;
+  /** Sets a steady wind, m/s. The first one of a scene without wind builds it anew; give the scene a wind of 0 to avoid that. */
+  wind(velocity: Coordinates): void {
+    const [x, y, z] = coordinates("the wind", velocity) as unknown as Vector;
     const wind = this.#scene.drag?.wind;
     if (!wind) {
       this.set("drag.wind", windy(this.#scene, [x, y, z]));
@@ -359,8 +426,8 @@ export class Cloth {
   }
 
   /** Sets a steady gravity, m/s^2. */
-  gravity(acceleration: ArrayLike<number>): void {
-    const [x, y, z] = numbers("gravity", acceleration, 3) as unknown as Vector;
+  gravity(acceleration: Coordinates): void {
+    const [x, y, z] = coordinates("gravity", acceleration) as unknown as Vector;
     this.#live(Call.SetGravity, [x, y, z]);
     this.#scene.gravity = [x, y, z];
   }
@@ -369,10 +436,9 @@ export class Cloth {
    * Moves a vertex at constant speed to `place` (m) within `seconds` of simulated time, or at once without `seconds`.
    * From then on it is fixed. Many scenes fail if a vertex moves by more than an edge at once.
    */
-  moveTo(vertex: number, place: ArrayLike<number>, seconds = 0): void {
+  moveTo(vertex: number, place: Coordinates, seconds = 0): void {
     this.#vertex(vertex);
-    const to = numbers("the place", place, 3);
-    this.#live(Call.MoveTo, [vertex, ...to, seconds]);
+    this.#live(Call.MoveTo, [vertex, ...coordinates("the place", place), amount("the time", seconds)]);
   }
 
   /** Fixes a vertex at its place. */
@@ -399,13 +465,25 @@ export class Cloth {
   }
 
   /**
-   * Moves a collider evenly to a pose within `seconds` of simulated time, one step by default. Then it rests there. Call it
-   * before every step or every `advance`; each call replaces the motion before, also that of the scene. Steps find all that
-   * is in its way.
+   * Moves a collider evenly to a pose. Then it rests there. Without `seconds` of simulated time it arrives at the end of the
+   * next `step`, `awaitStep` or `advance`, so call it before each of them. A call replaces the motion before, also that of the
+   * scene. Steps find everything in the way of the collider.
+   *
+   * `position` is its centre: the middle of a sphere, a capsule or a box, the point of a plane, the zero of the coordinates of a
+   * mesh. `rotation` counts from the orientation in the scene; without it, there is none.
    */
-  moveCollider(collider: number, position: ArrayLike<number>, rotation: ArrayLike<number> = AT_REST, seconds = this.stepLength): void {
+  moveCollider(collider: number, position: Coordinates, rotation: Coordinates = AT_REST, seconds?: number): void {
+    whole("the collider", collider);
     const to = pose(position, rotation);
-    this.#live(Call.MoveCollider, [whole("the collider", collider), ...to, seconds]);
+    this.#move(collider, seconds, (seconds) => this.#live(Call.MoveCollider, [collider, ...to, seconds]));
+  }
+
+  /** Makes a motion of a collider, which may end with the next steps. */
+  #move(collider: number, seconds: number | undefined, make: (seconds: number) => void) {
+    // At once, so that a motion that cannot be is refused here.
+    make(seconds === undefined ? this.stepLength : amount("the time", seconds));
+    if (seconds === undefined) this.#arrivals.set(collider, make);
+    else this.#arrivals.delete(collider);
   }
 
   /** The present pose of a collider. */
@@ -414,15 +492,17 @@ export class Cloth {
     return { position: vector(all), rotation: [...all.subarray(3)] as Quaternion };
   }
 
-  /** Moves every vertex of a mesh evenly to a position (x, y, z of each, m) within `seconds` of simulated time. */
-  deformCollider(collider: number, positions: ArrayLike<number>, seconds = this.stepLength): void {
-    const to = numbers("the positions", positions, positions.length);
-    this.#live(Call.DeformCollider, [whole("the collider", collider), seconds, ...to]);
+  /** Moves every vertex of a mesh evenly to a position (x, y, z of each, m), as `moveCollider` moves a rigid collider. */
+  deformCollider(collider: number, positions: ArrayLike<number>, seconds?: number): void {
+    whole("the collider", collider);
+    const to = list("the positions", positions);
+    this.#move(collider, seconds, (seconds) => this.#live(Call.DeformCollider, [collider, seconds, ...to]));
   }
 
-  /** Switches a collider off or on. Nothing touches one that is off. It is refused where cloth intersects the collider. */
+  /** Switches a collider off or on. Nothing touches one that is off. It is not switched on where cloth intersects it. */
   switchCollider(collider: number, isOn: boolean): void {
-    this.#live(isOn ? Call.SwitchOn : Call.SwitchOff, [whole("the collider", collider)]);
+    whole("the collider", collider);
+    this.#live(truth("isOn", isOn) ? Call.SwitchOn : Call.SwitchOff, [collider]);
   }
 
   /** Measures the impulses on colliders from now on. */
@@ -437,27 +517,25 @@ export class Cloth {
   }
 
   /** Gives a vertex an impulse, N s: its velocity changes at once. */
-  push(vertex: number, impulse: ArrayLike<number>): void {
+  push(vertex: number, impulse: Coordinates): void {
     this.#vertex(vertex);
-    const by = numbers("the impulse", impulse, 3);
-    this.#live(Call.Push, [vertex, ...by]);
+    this.#live(Call.Push, [vertex, ...coordinates("the impulse", impulse)]);
   }
 
   /** Sets a force on a vertex, N, until it is set again. */
-  setForce(vertex: number, force: ArrayLike<number>): void {
+  setForce(vertex: number, force: Coordinates): void {
     this.#vertex(vertex);
-    const to = numbers("the force", force, 3);
-    this.#live(Call.SetForce, [vertex, ...to]);
+    this.#live(Call.SetForce, [vertex, ...coordinates("the force", force)]);
   }
 
   /**
    * Moves all cloth, its pins and the named colliders: a rotation about the origin of the world, then a displacement, m.
    * Velocities turn with them, and the cloth feels nothing of it.
    */
-  teleport(position: ArrayLike<number>, rotation: ArrayLike<number> = AT_REST, colliders: ArrayLike<number> = []): void {
-    const by = pose(position, rotation);
-    const those = Array.from(colliders, (collider) => whole("a collider", collider));
-    this.#live(Call.Teleport, [...by, ...those]);
+  teleport(position: Coordinates, rotation: Coordinates = AT_REST, colliders: ArrayLike<number> = []): void {
+    const those = Array.from(list("the colliders", colliders), (collider) => whole("a collider", collider));
+    this.#live(Call.Teleport, [...pose(position, rotation), ...those]);
+    this.#arrivals.clear();
     this.#forgetGood();
   }
 
@@ -478,16 +556,14 @@ export class Cloth {
   }
 
   /** The point of a triangle with these barycentric coordinates, for example to hang a button on it. */
-  point(triangle: number, weights: ArrayLike<number>): SurfacePoint {
-    const at = numbers("the weights", weights, 3);
-    const all = this.#live(Call.Point, [whole("the triangle", triangle), ...at]);
+  point(triangle: number, weights: Coordinates): SurfacePoint {
+    const all = this.#live(Call.Point, [whole("the triangle", triangle), ...coordinates("the weights", weights)]);
     return { position: vector(all), velocity: vector(all, 3), normal: vector(all, 6) };
   }
 
   /** Where a ray hits the cloth first, from either side. Colliders hide nothing. */
-  hit(origin: ArrayLike<number>, direction: ArrayLike<number>): Hit | undefined {
-    const [from, to] = [numbers("the origin", origin, 3), numbers("the direction", direction, 3)];
-    const all = this.#live(Call.Hit, [...from, ...to]);
+  hit(origin: Coordinates, direction: Coordinates): Hit | undefined {
+    const all = this.#live(Call.Hit, [...coordinates("the origin", origin), ...coordinates("the direction", direction)]);
     if (all.length === 0) return undefined;
     return { triangle: all[0] as number, weights: vector(all, 1), distance: all[4] as number };
   }
@@ -497,14 +573,33 @@ export class Cloth {
     return new Snapshot(
       this.#call((own) => own.snapshot()),
       this.scene,
+      this.time,
+      this.#due,
     );
   }
 
-  /** Goes back to a copy of this cloth, or of one of the same scene. The same steps give the same bits. */
+  /**
+   * Goes back to a copy of this cloth, or of one of the same scene and meshes. The same steps and calls give the same bits. If
+   * keys that need it have changed since, the scene is built anew.
+   */
   goBack(snapshot: Snapshot): void {
-    this.#call((own) => own.goBack(snapshot.state));
-    this.#scene = structuredClone(snapshot.scene);
+    if (!(snapshot instanceof Snapshot)) throw new TypeError(`goBack needs a snapshot, not ${snapshot}`);
+    this.#goBack(snapshot);
     this.#forgetGood();
+    this.#hasDiverged = false;
+  }
+
+  #goBack({ saved, scene, due }: Snapshot) {
+    if (!hasSameBodies(this.#scene, scene)) {
+      throw new Error("the snapshot is of another scene: its cloths or colliders have other meshes, places, pins or motions");
+    }
+    this.#call((own) => {
+      if (!isAlike(this.#scene, scene)) own.goOnAs(scene, false);
+      this.#scene = structuredClone(scene);
+      own.goBack(saved);
+    });
+    this.#arrivals.clear();
+    this.#due = due;
   }
 
   get vertexCount(): number {
@@ -563,11 +658,10 @@ export class Cloth {
 
   /** Frees the memory. The cloth cannot be used afterwards. A second call does nothing. */
   free(): void {
-    if (this.#own === undefined) return;
-    const own = this.#idle;
+    if (this.#busy) throw new Error("a step is under way; await awaitStep() first");
     this.#forgetGood();
+    this.#own?.free();
     this.#own = undefined;
-    own.free();
   }
 
   /** `using cloth = new Cloth(..)` frees it at the end of its block. */

@@ -1,3 +1,5 @@
+/// <reference lib="dom" preserve="true" />
+
 // The WebAssembly module: it is loaded once, and its errors are explained.
 
 import init, * as wasm from "./muslin_wasm.js";
@@ -20,7 +22,8 @@ export function load(source?: Source): Promise<void> {
     (error) => {
       // Another attempt may succeed.
       loading = undefined;
-      throw error;
+      if (!/magic word|MIME/.test(error.message)) throw error;
+      throw new Error(`the address of the module leads to another file: ${error.message}`, { cause: error });
     },
   );
   return loading;
@@ -41,9 +44,12 @@ export function guarded<T>(call: () => T): T {
   }
 }
 
+/** @internal Whether the module failed, after which the cloth of the call is lost. */
+export const isTrap = (error: unknown): error is WebAssembly.RuntimeError => error instanceof WebAssembly.RuntimeError;
+
 /** @internal The error with an explanation, if it is a trap in the module. */
 export function explained(error: unknown) {
-  if (!(error instanceof WebAssembly.RuntimeError)) return error;
-  const text = `muslin broke off inside (${error.message}): no memory was left, or it made a mistake; make a new Cloth, of fewer cells`;
+  if (!isTrap(error)) return error;
+  const text = `the module failed (${error.message}): it ran out of memory, or it has a bug; make a new Cloth, with fewer cells`;
   return new Error(text, { cause: error });
 }

@@ -1,8 +1,8 @@
 /// <reference lib="esnext.disposable" preserve="true" />
 
-// What a cloth tells about its state and its run. Units are SI.
+// What the calls of a cloth return. Units are SI.
 
-import type { Kept } from "./muslin_wasm.js";
+import type { Saved } from "./muslin_wasm.js";
 import type { Scene } from "./scene.js";
 
 /** A vector x, y, z. */
@@ -91,19 +91,31 @@ export interface Hit {
 /** A copy of the state of a cloth, by `Cloth.snapshot`. */
 export class Snapshot {
   /** @internal */
-  readonly state: Kept;
-  /** @internal */
   readonly scene: Scene;
+  /** @internal */
+  readonly time: number;
+  /** @internal */
+  readonly due: number;
+  #saved: Saved | undefined;
 
   /** @internal */
-  constructor(state: Kept, scene: Scene) {
-    this.state = state;
+  constructor(saved: Saved, scene: Scene, time: number, due: number) {
+    this.#saved = saved;
     this.scene = scene;
+    this.time = time;
+    this.due = due;
   }
 
-  /** Frees its memory, which otherwise happens once nothing refers to it. */
+  /** @internal The copy in the module. */
+  get saved(): Saved {
+    if (this.#saved) return this.#saved;
+    throw new Error("this snapshot was given back by free()");
+  }
+
+  /** Frees its memory, which otherwise happens once nothing refers to it. A second call does nothing. */
   free(): void {
-    this.state.free();
+    this.#saved?.free();
+    this.#saved = undefined;
   }
 
   [Symbol.dispose](): void {
@@ -125,7 +137,10 @@ export interface Divergence {
   message: string;
   /** The simulated time at which it happened, s. */
   time: number;
+  /** The time to which the cloth went back, s. All calls since then are undone. */
+  back: number;
 }
+
 /** Time of each stage, ms. */
 export interface Times {
   predict: number;

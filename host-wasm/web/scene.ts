@@ -1,9 +1,9 @@
 // Scenes as objects: reads them from TOML, changes values at keys, and compares them.
 
 import { parse } from "smol-toml";
-import type { ColliderDesc, Scene, WindDesc } from "./scene_types.js";
+import type { ClothDesc, ColliderDesc, Scene, WindDesc } from "./scene_types.js";
 
-export type { Scene };
+export type * from "./scene_types.js";
 
 /** New values for keys such as "integrator.step". If a part of the key is a list, such as `cloth`, every item is changed. `undefined` removes a key. */
 export type Changes = { [key: string]: unknown };
@@ -74,19 +74,29 @@ function put(owner: unknown, [first = "", ...rest]: string[], value: unknown, ke
   }
 }
 
-/** All of a scene except the numbers that a running simulation can take over. */
-function frame({ gravity, drag, cloth, contact, collider, ...rest }: Scene) {
-  const sheets = cloth.map(({ density, stretch, shear, bend, seam, load, mass, ...sheet }) => sheet);
+/** All of a scene except the numbers that a running simulation can take over, and what no step depends on. */
+function frame({ name, description, duration, until_rest, gravity, drag, cloth, contact, collider, ...rest }: Scene) {
   const switches = contact && (({ thickness, friction, ...rest }) => rest)(contact);
-  return { ...rest, sheets, switches, colliders: colliders(collider) };
+  return { ...rest, sheets: sheets(cloth), switches, colliders: colliders(collider) };
 }
+
+const sheets = (all: ClothDesc[]) => all.map(({ density, stretch, shear, bend, seam, load, mass, ...sheet }) => sheet);
 
 const colliders = (all: ColliderDesc[] = []) => all.map(({ friction, ...collider }) => collider);
 
 const same = (a: unknown, b: unknown) => JSON.stringify(a) === JSON.stringify(b);
 
-/** Whether scenes differ only in materials, forces, thickness and friction. */
-export const isAlike = (a: Scene, b: Scene) => same(frame(a), frame(b));
+/** Whether the lists of a scene are lists of sections. The module reports it if they are not. */
+function isWellFormed({ cloth, collider = [], contact }: Scene) {
+  const isSection = (given: unknown) => typeof given === "object" && given !== null;
+  return [cloth, collider].every((list) => Array.isArray(list) && list.every(isSection)) && (contact === undefined || isSection(contact));
+}
+
+/** Whether scenes differ only in materials, forces, thickness, friction, names and duration. */
+export const isAlike = (a: Scene, b: Scene) => isWellFormed(b) && same(frame(a), frame(b));
 
 /** Whether the colliders of two scenes have the same shapes, places and motions. */
-export const hasSameColliders = (a: Scene, b: Scene) => same(colliders(a.collider), colliders(b.collider));
+export const hasSameColliders = (a: Scene, b: Scene) => !isWellFormed(b) || same(colliders(a.collider), colliders(b.collider));
+
+/** Whether the cloths of two scenes have the same meshes, places and pins, and their colliders are the same. */
+export const hasSameBodies = (a: Scene, b: Scene) => same(sheets(a.cloth), sheets(b.cloth)) && hasSameColliders(a, b);

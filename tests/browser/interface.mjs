@@ -84,6 +84,25 @@ export const cases = {
         why(() => cloth.takeImpulse(0)),
         why(() => cloth.deformCollider(0, [0, 0, 0])),
         why(() => cloth.teleport([0, 0, 0], undefined, [-1])),
+        why(() => cloth.teleport([0, 0, 0], undefined, 5)),
+        why(() => cloth.wind(5)),
+        why(() => cloth.wind("123")),
+        why(() => cloth.wind({ x: 1, y: 2 })),
+        why(() => cloth.moveTo(0, [0, 0, 0], "1")),
+        why(() => cloth.moveCollider(0, [0, 0, 0], undefined, true)),
+        why(() => cloth.switchCollider(0, 1)),
+        why(() => cloth.deformCollider(0)),
+        why(() => cloth.goBack({})),
+        why(() => cloth.goBack()),
+        why(() => cloth.set(5)),
+        why(() => cloth.set("cloth", 5)),
+        why(() => cloth.set("cloth", [null])),
+        why(() => cloth.set("collider", 5)),
+        why(() => cloth.set("contact", null)),
+        why(() => new m.Cloth(ball(), { mostVertices: NaN })),
+        why(() => new m.Cloth(ball(), { mostVertices: "x" })),
+        why(() => new m.Cloth(ball(), { mostvertices: 5 })),
+        why(() => new m.Cloth(ball(), 5)),
       ];
       const same = cloth.stateHash() === before && cloth.steps === 0;
       cloth.free();
@@ -115,6 +134,25 @@ export const cases = {
         /measure/,
         /./,
         /^a collider must be a whole number/,
+        /^the colliders must be a list of finite numbers, not 5$/,
+        /^the wind must be 3 finite numbers, not 5$/,
+        /^the wind must be 3 finite numbers, not 123$/,
+        /^the wind must be 3 finite numbers, not \[1, 2, \]$/,
+        /^the time must be a finite number, 0 or more, not 1$/,
+        /^the time must be a finite number, 0 or more, not true$/,
+        /^isOn must be true or false, not 1$/,
+        /^the positions must be a list of finite numbers, not undefined$/,
+        /^goBack needs a snapshot/,
+        /^goBack needs a snapshot, not undefined$/,
+        /^the key must be a word/,
+        /^cloth: invalid type: floating point `5.*`, expected a sequence/,
+        /^cloth\.0: invalid type/,
+        /^collider: invalid type/,
+        /^contact: invalid type/,
+        /^mostVertices must be a whole number/,
+        /^mostVertices must be a whole number/,
+        /^the options has no mostvertices; it has meshes, mostVertices$/,
+        /^the options must be an object with meshes, mostVertices, not 5$/,
       ];
       assert.equal(told.length, expected.length);
       told.forEach((text, k) => {
@@ -366,6 +404,89 @@ export const cases = {
     },
   },
 
+  "a motion without a time ends with the next steps, evenly": {
+    run(m, { ball }) {
+      // Four steps per frame.
+      const cloth = new m.Cloth(ball({ gravity: undefined, integrator: { step: 1 / 240, tolerance: 1e-6 } }));
+      const told = [];
+      const frames = { advance: () => cloth.advance(1 / 60, { budget: 1e9 }), step: () => cloth.step(4) };
+      let x = 0;
+      for (const take of Object.values(frames)) {
+        cloth.attach(0, 0);
+        for (let k = 0; k < 5; k++) {
+          x += 0.01;
+          cloth.moveCollider(0, { x, y: -0.12, z: 0 });
+          take();
+        }
+        // A vertex that is let go keeps the velocity of the collider, which would be zero if the motion had ended before.
+        cloth.release(0);
+        told.push([cloth.velocities()[0], cloth.colliderPose(0).position[0] - x]);
+      }
+      // With a time it goes its own way.
+      cloth.moveCollider(0, [x + 0.04, -0.12, 0], undefined, 4 / 60);
+      cloth.advance(1 / 60, { budget: 1e9 });
+      const part = cloth.colliderPose(0).position[0] - x;
+      cloth.free();
+      return { told, part };
+    },
+    check({ told, part }) {
+      for (const [speed, off] of told) {
+        near(speed, 0.6, 1e-3);
+        near(off, 0, 1e-9);
+      }
+      near(part, 0.01, 1e-9);
+    },
+  },
+
+  "a vertex that a collider carries stays with it, whatever changes": {
+    run(m, { ball }) {
+      const cloth = new m.Cloth(ball({ gravity: undefined }));
+      cloth.attach(0, 0);
+      const from = cloth.positions()[0];
+      cloth.set("cloth.density", 0.3);
+      cloth.set("integrator.method", "bdf2");
+      cloth.wind([0, 0, 1]);
+      cloth.set({ "integrator.step": undefined, "integrator.error": 0.001 });
+      const codes = cloth.warnings().map(({ code }) => code);
+      cloth.moveCollider(0, [0.02, -0.12, 0]);
+      cloth.step();
+      const way = cloth.positions()[0] - from;
+      const pins = [...cloth.pins()];
+      cloth.free();
+      return { way, pins, codes };
+    },
+    check({ way, pins, codes }) {
+      near(way, 0.02, 1e-6);
+      assert.deepEqual(pins, [0]);
+      assert.ok(Array.isArray(codes));
+    },
+  },
+
+  "going back goes back to the method, too": {
+    run(m, { ball }) {
+      const play = (cloth) => {
+        cloth.push(0, [0, 0, 1e-4]);
+        cloth.step(20);
+        return [...cloth.positions()].join();
+      };
+      const cloth = new m.Cloth(ball());
+      cloth.step(10);
+      const snapshot = cloth.snapshot();
+      const first = [play(cloth), cloth.stateHash()];
+      cloth.set({ "integrator.method": "implicit-midpoint", "integrator.tolerance": 0.5, duration: 9, "contact.self": false });
+      cloth.step(5);
+      cloth.goBack(snapshot);
+      const { scene, duration } = cloth;
+      const second = [play(cloth), cloth.stateHash()];
+      cloth.free();
+      return { same: first.join() === second.join(), integrator: scene.integrator, own: scene.contact.self, duration };
+    },
+    check({ same, integrator, own, duration }) {
+      assert.ok(same, "the same steps do not give the same bits");
+      assert.deepEqual([integrator, own, duration], [{ step: 1 / 120, tolerance: 1e-8 }, undefined, 1]);
+    },
+  },
+
   "going back to a snapshot and on gives the same bits": {
     run(m, { why, ball }) {
       const cloth = new m.Cloth(ball());
@@ -394,7 +515,7 @@ export const cases = {
     check({ same, steps, refused }) {
       assert.ok(same);
       assert.deepEqual(steps, [0, -9.81, 0]);
-      assert.match(refused, /scene/);
+      assert.match(refused, /^the snapshot is of another scene/);
     },
   },
 
@@ -459,46 +580,59 @@ export const cases = {
       for (let k = 0; k < 30; k++) cloth.advance(1 / 60, { budget: 1e9 });
       const calm = events.length;
       cloth.set("integrator", { method: "explicit-euler", step: 1 / 120 });
+      cloth.advance(1e-9);
+      cloth.gravity([0, -9, 0]);
       for (let k = 0; k < 60; k++) cloth.advance(1 / 60, { budget: 1e9 });
       const { stretch } = cloth.summary();
       const { hasDiverged, time } = cloth;
       const stands = cloth.advance(1 / 60).steps;
+      const { gravity } = cloth.scene;
+      cloth.resume();
+      const resumed = cloth.hasDiverged;
       cloth.set("integrator", { method: "backward-euler", step: 1 / 120 });
       const goesOn = cloth.advance(1 / 60, { budget: 1e9 }).steps;
       cloth.restart();
       const again = [cloth.time, cloth.hasDiverged];
       cloth.free();
-      return { calm, events, stretch: stretch.max, hasDiverged, time, stands, goesOn, again };
+      return { calm, events, stretch: stretch.max, hasDiverged, time, stands, goesOn, again, gravity, resumed };
     },
-    check({ calm, events, stretch, hasDiverged, time, stands, goesOn, again }) {
+    check({ calm, events, stretch, hasDiverged, time, stands, goesOn, again, gravity, resumed }) {
       assert.deepEqual([calm, events.length, hasDiverged, stands, goesOn], [0, 1, true, 0, 2]);
       assert.match(events[0].message, /diverged|stretched to/);
       assert.ok(stretch < 4 && time >= 0.49, `${stretch} times its length, at ${time} s`);
       assert.deepEqual(again, [0, false]);
+      // The state is from before gravity changed, and the scene says so.
+      assert.deepEqual([gravity, events[0].back, resumed], [[0, -9.81, 0], time, false]);
     },
   },
 
   "a scene that is too large is refused before it takes memory": {
     run(m, { why, ball }) {
-      const began = performance.now();
       const scene = ball();
       scene.cloth[0].grid.cells = [2400, 2400];
       const refused = [why(() => new m.Cloth(scene)), why(() => new m.Cloth(ball(), { mostVertices: 100 }))];
       const cloth = new m.Cloth(ball());
       refused.push(why(() => cloth.set("cloth.grid.cells", [2400, 2400])));
+      const file = ball({ collider: [{ shape: "mesh", file: "big" }] });
+      const big = { positions: new Float32Array(600_000), indices: [0, 1, 2] };
+      refused.push(why(() => new m.Cloth(file, { meshes: { big } })));
+      refused.push(
+        why(() => new m.Cloth(file, { meshes: { big: { ...big, positions: big.positions.subarray(0, 600) } }, mostVertices: 300 })),
+      );
       const { vertexCount } = cloth;
       cloth.free();
-      return { refused, vertexCount, took: performance.now() - began };
+      return { refused, vertexCount };
     },
-    check({ refused, vertexCount, took }) {
+    check({ refused, vertexCount }) {
       assert.match(
         refused[0],
         /^the scene has 57\d{5} vertices, more than 100000; take fewer cells, or allow more by the option mostVertices$/,
       );
       assert.match(refused[1], /^the scene has 175 vertices, more than 100;/);
       assert.match(refused[2], /more than 100000/);
+      assert.match(refused[3], /^meshes\.big has 200000 vertices, more than 100000; take a coarser mesh/);
+      assert.match(refused[4], /^the scene has 375 vertices, more than 300;/);
       assert.equal(vertexCount, 175);
-      assert.ok(took < 5000, `it took ${took} ms`);
     },
   },
 

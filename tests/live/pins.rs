@@ -142,3 +142,14 @@ fn a_vertex_that_was_dragged_into_a_collider_can_stay_or_be_let_go() {
     assert!(start.release(87));
     start.take_step().expect("it is free");
 }
+
+/// A host that judges the step of a run looks at pins that a collider carries, too.
+#[test]
+fn a_carried_vertex_curves_with_its_collider() {
+    let mut sim =
+        harness::kit::double::simulation(&super::ball("motion = { turn = { axis = [0, 1, 0], rate = 30 } }", ""), &[]);
+    let before = sim.scene().largest_deviation(0.005, 1.0);
+    assert_eq!(sim.attach(0, 0), Ok(()));
+    // The vertex is farther from the axis than the ball reaches.
+    assert!(sim.scene().largest_deviation(0.005, 1.0) > 2.0 * before, "{before}");
+}

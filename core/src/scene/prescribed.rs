@@ -22,7 +22,7 @@ impl BuiltScene {
     #[cfg_attr(small, optimize(size))]
     pub fn largest_deviation(&self, step: Sum, duration: Sum) -> Sum {
         let colliders = self.contact.as_ref().map(|contact| contact.colliders.view()).unwrap_or_default();
-        let pins = self.pins.view();
+        let pins = self.pins.carried_by(colliders);
         let mut axes = self.pins.axes.clone();
         let mut most: Sum = 0.0;
         let mut see = |time: Sum| {
