@@ -8,10 +8,9 @@ use muslin_core::diagnostics::StateHash;
 use muslin_core::error::LiveError;
 use muslin_core::kinematic::Pose;
 use muslin_core::live::{Live as _, Side, Touch};
-use muslin_core::scene::{SceneDesc, VectorDesc};
+use muslin_core::scene::VectorDesc;
 use muslin_core::simulation::Snapshot;
-use wasm_bindgen::JsError;
-use wasm_bindgen::prelude::wasm_bindgen;
+use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};
 
 use crate::simulation::{Simulation, error};
 
@@ -68,14 +67,15 @@ impl Simulation {
 
     /// A copy of all that steps and the host change.
     pub fn snapshot(&self) -> Saved {
-        Saved { state: self.own.snapshot(), scene: self.scene.clone(), chain: self.chain }
+        Saved { state: self.own.snapshot(), chain: self.chain }
     }
 
-    /// Goes back to a copy. The observation of warnings begins anew.
+    /// Goes back to a copy and to the scene of its time. The observation of warnings begins anew.
     #[wasm_bindgen(js_name = goBack)]
-    pub fn go_back(&mut self, to: &Saved) -> Result<(), JsError> {
+    pub fn go_back(&mut self, to: &Saved, scene: JsValue) -> Result<(), JsError> {
+        let scene = muslin_wasm_scene::read(scene).map_err(error)?;
         self.own.go_back(&to.state).map_err(error)?;
-        (self.scene, self.chain) = (to.scene.clone(), to.chain);
+        (self.scene, self.chain) = (scene, to.chain);
         self.observe();
         Ok(())
     }
@@ -85,7 +85,6 @@ impl Simulation {
 #[wasm_bindgen]
 pub struct Saved {
     state: Snapshot,
-    scene: SceneDesc,
     chain: StateHash,
 }
 

@@ -596,7 +596,7 @@ export class Cloth {
     this.#call((own) => {
       if (!isAlike(this.#scene, scene)) own.goOnAs(scene, false);
       this.#scene = structuredClone(scene);
-      own.goBack(saved);
+      own.goBack(saved, scene);
     });
     this.#arrivals.clear();
     this.#due = due;

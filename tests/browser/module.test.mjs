@@ -88,7 +88,7 @@ test("what is wrong with a scene is said with its place and what to do", { skip 
   assert.match(await said({ ...rest, cloth: [{ ...cloth, density: -1 }], integrator }), /density/);
   assert.match(
     await said({ ...rest, cloth: [{ ...cloth, grid: undefined, mesh: "dress.obj" }], integrator }),
-    /its mesh file was not loaded/,
+    /^there is no mesh "dress\.obj": give it in the option meshes$/,
   );
 });
 
