@@ -92,8 +92,7 @@ impl Simulation {
     #[cfg_attr(small, optimize(size))]
     fn answer(&mut self, call: Call, given: &[f64]) -> Result<Vec<f64>, LiveError> {
         let own = &mut self.own;
-        // One that is missing is no vertex and no collider.
-        let whole = |at: usize| given.get(at).map_or(u32::MAX, |&number| number as u32);
+        let whole = |at: usize| index(number(given, at));
         let first = whole(0);
         match call {
             Call::MoveCollider => own.move_collider(first, pose(given, 1), number(given, 8))?,
@@ -128,7 +127,7 @@ impl Simulation {
                 }
             }
             Call::Teleport => {
-                let colliders: Vec<_> = given.iter().skip(7).map(|&number| number as u32).collect();
+                let colliders: Vec<_> = given.iter().skip(7).map(|&number| index(number)).collect();
                 own.teleport(pose(given, 0), &colliders)?;
             }
             Call::Touches => return Ok(own.touches().flat_map(|touch| numbers(&touch)).collect()),
@@ -149,6 +148,12 @@ impl Simulation {
 /// A number of the host. One that is missing is refused as one that is not finite.
 fn number(given: &[f64], at: usize) -> f64 {
     given.get(at).copied().unwrap_or(f64::NAN)
+}
+
+/// The number of a vertex, a triangle or a collider. A number that is not whole names none of them, and is refused.
+fn index(number: f64) -> u32 {
+    let index = number as u32;
+    if f64::from(index) == number { index } else { u32::MAX }
 }
 
 fn vector(given: &[f64], at: usize) -> [f64; 3] {

@@ -1,4 +1,4 @@
-//! What is drawn besides positions and normals: strains and texture coordinates.
+//! Strains and texture coordinates, for drawing.
 
 use muslin_core::real::Vec3;
 use muslin_core::scene::Texture;

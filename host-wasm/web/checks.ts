@@ -1,4 +1,4 @@
-// Checks of what a program gives.
+// Checks of the values that a program gives.
 
 /** Coordinates: a list, or an object with x, y, z, and w for a rotation, as those of three.js. */
 export type Coordinates = ArrayLike<number> | { x: number; y: number; z: number; w?: number };
@@ -26,6 +26,12 @@ export function amount(name: string, number: number): number {
 export function truth(name: string, whether: boolean): boolean {
   if (typeof whether === "boolean") return whether;
   throw new TypeError(`${name} must be true or false, not ${shown(whether)}`);
+}
+
+/** A list or a typed array, whose numbers the module checks. */
+export function array(name: string, given: ArrayLike<number>): ArrayLike<number> {
+  if (isList(given)) return given;
+  throw new TypeError(`${name} must be a list of numbers, not ${shown(given)}`);
 }
 
 /** A list of finite numbers. */

@@ -470,7 +470,7 @@ export class Cloth {
    * scene. Steps find everything in the way of the collider.
    *
    * `position` is its centre: the middle of a sphere, a capsule or a box, the point of a plane, the zero of the coordinates of a
-   * mesh. `rotation` counts from the orientation in the scene; without it, there is none.
+   * mesh. `rotation` counts from the orientation in the scene. If it is absent, the collider has that orientation.
    */
   moveCollider(collider: number, position: Coordinates, rotation: Coordinates = AT_REST, seconds?: number): void {
     whole("the collider", collider);

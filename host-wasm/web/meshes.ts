@@ -1,6 +1,6 @@
 // The meshes that a program gives for a scene.
 
-import { keys, list } from "./checks.js";
+import { array, keys } from "./checks.js";
 import type { Mesh } from "./results.js";
 import type { Scene } from "./scene.js";
 
@@ -32,14 +32,13 @@ const sections = <T extends object>(given: T[] | undefined): T[] =>
 
 function checked(name: string, given: Mesh, mostVertices: number): Mesh {
   const mesh = keys(name, given, ["positions", "indices", "uvs"]);
-  const count = mesh.positions?.length / 3;
+  const count = array(`${name}.positions`, mesh.positions).length / 3;
   if (count > mostVertices) {
     throw new Error(
       `${name} has ${count} vertices, more than ${mostVertices}; take a coarser mesh, or allow more by the option mostVertices`,
     );
   }
-  list(`${name}.positions`, mesh.positions);
-  list(`${name}.indices`, mesh.indices);
-  if (mesh.uvs !== undefined) list(`${name}.uvs`, mesh.uvs);
+  array(`${name}.indices`, mesh.indices);
+  if (mesh.uvs !== undefined) array(`${name}.uvs`, mesh.uvs);
   return mesh;
 }

@@ -35,15 +35,6 @@ export function loaded() {
   return { wasm, memory };
 }
 
-/** @internal Calls into the module. A trap inside it becomes an `Error` that explains it. */
-export function guarded<T>(call: () => T): T {
-  try {
-    return call();
-  } catch (error) {
-    throw explained(error);
-  }
-}
-
 /** @internal Whether the module failed, after which the cloth of the call is lost. */
 export const isTrap = (error: unknown): error is WebAssembly.RuntimeError => error instanceof WebAssembly.RuntimeError;
 

@@ -1,6 +1,6 @@
 /// <reference lib="esnext.disposable" preserve="true" />
 
-// What the calls of a cloth return. Units are SI.
+// Results of the calls of a cloth. Units are SI.
 
 import type { Saved } from "./muslin_wasm.js";
 import type { Scene } from "./scene.js";
@@ -39,7 +39,7 @@ export interface Pose {
   rotation: Quaternion;
 }
 
-/** What the cloth did to a collider. */
+/** The impulse of the cloth on a collider. */
 export interface Impulse {
   /** Impulse, N s. */
   linear: Vector;
@@ -123,7 +123,7 @@ export class Snapshot {
   }
 }
 
-/** What `Cloth.advance` did. */
+/** The result of `Cloth.advance`. */
 export interface Advanced {
   /** Steps taken. */
   steps: number;
@@ -131,7 +131,7 @@ export interface Advanced {
   dropped: number;
 }
 
-/** What `Cloth.onDiverge` is told. */
+/** The argument of `Cloth.onDiverge`. */
 export interface Divergence {
   /** What happened. */
   message: string;

@@ -74,7 +74,7 @@ function put(owner: unknown, [first = "", ...rest]: string[], value: unknown, ke
   }
 }
 
-/** All of a scene except the numbers that a running simulation can take over, and what no step depends on. */
+/** A scene without the numbers that a running simulation can take over, and without the keys that no step needs. */
 function frame({ name, description, duration, until_rest, gravity, drag, cloth, contact, collider, ...rest }: Scene) {
   const switches = contact && (({ thickness, friction, ...rest }) => rest)(contact);
   return { ...rest, sheets: sheets(cloth), switches, colliders: colliders(collider) };

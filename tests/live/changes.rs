@@ -1,4 +1,4 @@
-//! A simulation of another method goes on with what the host changed.
+//! A simulation of another method takes over the changes that a host made.
 
 use harness::kit::double as kit;
 use muslin_core_f64::error::LiveError;

@@ -536,7 +536,7 @@ impl PinColumns {
         self.carriers.get(pin).copied().filter(|&body| body != NO_CARRIER)
     }
 
-    /// Holds in a free slot what a pin of another scene holds there. With a place, m, it rests there instead.
+    /// Copies a pin of another scene into a free slot. With a place, m, the vertex rests there instead.
     pub(crate) fn copy_slot(&mut self, of: &Self, pin: usize, place: Option<Vec3>) {
         let mut slots = self.slots();
         let anchor = place.unwrap_or(of.anchors[pin]);

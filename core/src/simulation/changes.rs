@@ -1,4 +1,4 @@
-//! What a host changed in a simulation, for a simulation of the same cloth that goes on with another method or step.
+//! A simulation of the same cloth, with another method or step, takes over the changes that a host made.
 
 use super::Simulation;
 use crate::error::LiveError;
@@ -19,7 +19,8 @@ impl Simulation {
         self.forces.clone_from(&of.forces);
         let from = &of.built.pins;
         for vertex in from.let_go_by_host(&self.built.pins) {
-            self.parts_mut().release(vertex);
+            // Without the velocity of the pin, and without cutting the history: both are in the state.
+            self.built.pins.slots().release(vertex, 0.0);
         }
         for pin in from.of_host() {
             let carrier = from.carrier(pin).filter(|&body| (body as usize) < self.colliders().bodies.len());

@@ -36,9 +36,11 @@ const INLINE: (&str, &str) = ("inline.ts", "inline.js");
 const ADDRESS: &str = r#"new URL("muslin_wasm_bg.wasm",import.meta.url)"#;
 
 /// Files that are copied unchanged: the source and the path in the package.
-const COPIED: [(&str, &str); 5] = [
+const COPIED: [(&str, &str); 7] = [
     ("package.json", "package.json"),
     ("README.md", "README.md"),
+    ("pictures/page.png", "pictures/page.png"),
+    ("pictures/cape.png", "pictures/cape.png"),
     ("web/scene_types.d.ts", "types/scene_types.d.ts"),
     ("../LICENSE-MIT", "LICENSE-MIT"),
     ("../LICENSE-APACHE", "LICENSE-APACHE"),
@@ -80,7 +82,9 @@ fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
         let path = path.display().to_string();
         move |why| format!("{path}: {why}")
     };
-    fs::create_dir_all(folder.join("page")).map_err(failed(folder))?;
+    for part in ["page", "pictures"] {
+        fs::create_dir_all(folder.join(part)).map_err(failed(folder))?;
+    }
     for (from, to) in BUNDLES {
         bundle(own, &web.join(from), &folder.join(to))?;
     }
