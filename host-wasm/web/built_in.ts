@@ -10,13 +10,12 @@ export function scenes(): string[] {
 
 /** Parses a scene from TOML text, returns the built-in scene with that name, or copies an object. */
 export function scene(given: string | Scene): Scene {
-  const { wasm } = loaded();
   if (typeof given !== "string") return structuredClone(given);
+  if (/[=[\n]/.test(given)) return read(given);
+  const { wasm } = loaded();
   const text = wasm.sceneText(given.trim());
-  if (text === undefined && !/[=[\n]/.test(given)) {
-    throw new Error(`there is no scene ${given}; there are ${wasm.sceneNames().join(", ")}`);
-  }
-  return read(text ?? given);
+  if (text !== undefined) return read(text);
+  throw new Error(`there is no scene ${given}; there are ${wasm.sceneNames().join(", ")}`);
 }
 
 /** The TOML text of a built-in scene. */

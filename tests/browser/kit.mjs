@@ -59,20 +59,22 @@ export async function withModule(chromium) {
 const PATIENCE = 600_000;
 
 /** Waits until the page's run has taken `count` steps. */
-export const steps = (page, count) =>
-  page.waitForFunction((count) => window.muslin?.run()?.cloth.busy === false && muslin.run().cloth.steps >= count, count);
+export const steps = (page, count) => page.waitForFunction((count) => window.muslin?.run().view?.steps >= count, count);
 
 /** Waits until a paused run has stopped and its last state is drawn. */
 export async function still(page) {
-  await page.waitForFunction(() => muslin.run().paused && muslin.run().cloth.busy === false);
+  await page.waitForFunction(() => muslin.run().paused && muslin.run().view.isStill);
   await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
 }
 
 /** Waits for `count` further steps. */
 export async function more(page, count) {
-  const now = await page.waitForFunction(() => muslin.run().cloth.busy === false && String(muslin.run().cloth.steps));
+  const now = await page.waitForFunction(() => String(muslin.run().view.steps));
   await steps(page, Number(await now.jsonValue()) + count);
 }
+
+/** Waits until the cloth in view has this number of pins. The state in view may be a few steps old. */
+export const pinned = (page, count) => page.waitForFunction((count) => muslin.run().pins().length === count, count);
 
 /** Position of a vertex in the page's picture, px; -1 is the last vertex. */
 export const spot = (page, vertex) =>
@@ -91,7 +93,10 @@ export const spot = (page, vertex) =>
 export const dark = (page, vertex) =>
   page.evaluate(async (vertex) => {
     const { camera, picture, run } = muslin;
-    const { view } = run();
+    // The view must not move between two pictures.
+    camera.follows = false;
+    // A copy, because the columns go back to the worker.
+    const view = structuredClone(run().view);
     const from = 3 * (vertex < 0 ? view.positions.length / 3 + vertex : vertex);
     const [x, y] = camera.project(camera.matrix(true), view.positions.slice(from, from + 3));
     const scale = picture.canvas.width / camera.size[0];
@@ -123,7 +128,9 @@ export const drawn = (page) =>
 /** Serves `host-wasm` and a blank page on localhost only; returns the address and a function that stops the server. */
 async function serve() {
   const server = createServer(async (request, response) => {
-    const path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname));
+    let path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname));
+    // As other servers do: the page of a folder, also without a slash behind its name.
+    if (/\/page\/?$/.test(path)) path = join(path, "index.html");
     try {
       const body = ["/blank.html", "/favicon.ico"].includes(path) ? "" : await readFile(join(root, "host-wasm", path));
       response.writeHead(200, { "content-type": TYPES[extname(path)] ?? "text/plain" }).end(body);
@@ -144,8 +151,9 @@ export async function browser({ webgpu }) {
   const server = await serve();
   return {
     /** Opens a page at an address below `host-wasm`; `errors` collects its exceptions and console errors. */
-    async open(path, viewport = { width: 1200, height: 800 }) {
+    async open(path, viewport = { width: 1200, height: 800 }, media = {}) {
       const page = await context.newPage();
+      await page.emulateMedia(media);
       await page.setViewportSize(viewport);
       const errors = [];
       page.on("console", (message) => message.type() === "error" && errors.push(message.text()));

@@ -21,10 +21,11 @@ const FLAGS: &str = "--cfg=small -Ctarget-feature=+simd128 -Zunstable-options -C
 const STANDARD: [&str; 2] = ["-Zbuild-std=std,panic_abort", "-Zbuild-std-features=optimize_for_size"];
 
 /// Files that are bundled with their imports: the source below `web` and the path in the package.
-const BUNDLES: [(&str, &str); 5] = [
+const BUNDLES: [(&str, &str); 6] = [
     ("muslin.ts", "muslin.js"),
     (INLINE.0, INLINE.1),
     ("page/page.js", "page/page.js"),
+    ("page/simulator.js", "page/simulator.js"),
     ("page/worker.js", "page/worker.js"),
     ("page/style.css", "page/style.css"),
 ];

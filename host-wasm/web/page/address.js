@@ -25,8 +25,11 @@ function valued(text) {
   }
 }
 
+/** Stores the state. Another scene is an entry of the history of its own, so that the browser goes back to the one before. */
 export function write({ scene, changes, shown }) {
   const parts = new URLSearchParams({ scene, ...shown });
   for (const [key, value] of Object.entries(changes)) parts.set(key, value === undefined ? "none" : JSON.stringify(value));
-  history.replaceState(null, "", `#${parts}`);
+  const last = read();
+  const isOther = last.scene !== undefined && (last.scene !== scene || last.shown.text !== shown.text);
+  history[isOther ? "pushState" : "replaceState"](null, "", `#${parts}`);
 }

@@ -1,57 +1,112 @@
-// Colliders as triangles: the position and the normal of each corner. They are computed again when a collider moves.
+// Colliders as triangles: the position, the normal and the kind of each corner. They are computed again when a collider
+// moves.
 
 import { add, cross, sub, unit } from "./vector.js";
 
-const AROUND = 32;
-const RINGS = 16;
+const AROUND = 28;
+const RINGS = 14;
 const FLOOR = 4; // m, half the edge of the square that is drawn of a plane
 
 const across = (n) => unit(cross(n, Math.abs(n[1]) < 0.9 ? [0, 1, 0] : [1, 0, 0]));
 
 const point = (points, k) => Array.from(points.subarray(3 * k, 3 * k + 3));
 
-let last = { bodies: [], corners: new Float32Array() };
+/** Numbers of a corner. */
+const CORNER = 7;
+/** Kinds of corners: solid, floor and glass. */
+const [SOLID, GROUND, GLASS] = [0, 1, 2];
+/** Boxes from which they are drawn as glass, because they surround the cloth. */
+const MANY = 3;
 
-/** The corners of the triangles of all bodies: position and normal, six numbers each. */
+let last = { bodies: [], corners: new Float32Array(), floor: 0, glass: 0 };
+
+/**
+ * The corners of the triangles of all bodies: position, normal and kind, seven numbers each. Those of planes come first, then
+ * from the corner `floor` on the solid ones, and from `glass` on those of glass.
+ */
 export function corners(bodies) {
   const rest = (body, k) => body.points.every((x, i) => x === last.bodies[k].points[i]);
-  if (bodies.length !== last.bodies.length || !bodies.every(rest)) last = { bodies, corners: made(bodies) };
-  return last.corners;
+  if (bodies.length !== last.bodies.length || !bodies.every(rest)) last = { bodies, ...made(bodies) };
+  return last;
+}
+
+/** Corners in a list that grows. */
+const out = { numbers: new Float32Array(1 << 12), length: 0, kind: SOLID };
+
+/** Appends a corner. */
+function put([x, y, z], [nx, ny, nz]) {
+  if (out.length + CORNER > out.numbers.length) {
+    const more = new Float32Array(2 * out.numbers.length);
+    more.set(out.numbers);
+    out.numbers = more;
+  }
+  const { numbers, length } = out;
+  numbers[length] = x;
+  numbers[length + 1] = y;
+  numbers[length + 2] = z;
+  numbers[length + 3] = nx;
+  numbers[length + 4] = ny;
+  numbers[length + 5] = nz;
+  numbers[length + 6] = out.kind;
+  out.length += CORNER;
 }
 
 function made(bodies) {
-  const out = [];
-  for (const body of bodies) shapes[body.shape]?.(body, (place, normal) => out.push(...place, ...normal));
-  return new Float32Array(out);
+  const boxes = bodies.filter(({ shape }) => shape === "box").length;
+  const kind = ({ shape }) => (shape === "plane" ? GROUND : shape === "box" && boxes >= MANY ? GLASS : SOLID);
+  out.length = 0;
+  const ends = [GROUND, SOLID, GLASS].map((own) => {
+    out.kind = own;
+    for (const body of bodies) if (kind(body) === own) shapes[body.shape]?.(body);
+    return out.length / CORNER;
+  });
+  return { corners: out.numbers.subarray(0, out.length), floor: ends[0], glass: ends[1] };
 }
 
-function quad(put, [a, b, c, d], normals) {
-  for (const k of [0, 1, 2, 0, 2, 3]) put([a, b, c, d][k], normals[k] ?? normals[0]);
+/** A pole for vertices that are pinned in a line upright, as those of a flag: from the ground to a little above them. */
+export function pole(positions, pins) {
+  const places = Array.from(pins, (pin) => Array.from(positions.subarray(3 * pin, 3 * pin + 3)));
+  if (places.length < 3) return [];
+  const [low, ...others] = places.sort((a, b) => a[1] - b[1]);
+  if (!others.every((place) => Math.hypot(place[0] - low[0], place[2] - low[2]) < 1e-3)) return [];
+  const height = others.at(-1)[1] - low[1];
+  const ends = [others.at(-1)[1] + 0.05 * height, low[1] - 1.2 * height].map((y) => [low[0], y, low[2]]);
+  return [{ shape: "capsule", radius: 0.012 * height, points: new Float32Array(ends.flat()) }];
 }
 
-function round({ points, radius }, put) {
+function quad([a, b, c, d], [na, nb = na, nc = na, nd = na]) {
+  put(a, na);
+  put(b, nb);
+  put(c, nc);
+  put(a, na);
+  put(c, nc);
+  put(d, nd);
+}
+
+/** Points of a round body: the cosine and sine of the angle around, and for each ring those of the angle from the axis. */
+const turns = Array.from({ length: AROUND + 1 }, (_, place) => (place / AROUND) * 2 * Math.PI).map((a) => [Math.cos(a), Math.sin(a)]);
+const rings = Array.from({ length: RINGS }, (_, ring) => {
+  // Two rings lie in the middle: the straight part of a capsule is between them.
+  const half = Math.min(ring, RINGS - 1 - ring) / (RINGS / 2 - 1);
+  const polar = (half * Math.PI) / 2;
+  return { isUpper: ring < RINGS / 2, up: Math.cos(polar) * (ring < RINGS / 2 ? 1 : -1), out: Math.sin(polar) };
+});
+
+function round({ points, radius }) {
   const from = point(points, 0);
   const to = points.length > 3 ? point(points, 1) : from;
   const axis = points.length > 3 ? unit(sub(from, to)) : [0, 1, 0];
   const x = across(axis);
   const z = cross(axis, x);
-  const at = (ring, place) => {
-    // Two rings lie in the middle: the straight part of a capsule is between them.
-    const half = Math.min(ring, RINGS - 1 - ring) / (RINGS / 2 - 1);
-    const [polar, turn] = [(half * Math.PI) / 2, (place / AROUND) * 2 * Math.PI];
-    const up = Math.cos(polar) * (ring < RINGS / 2 ? 1 : -1);
-    const out = add(add([0, 0, 0], x, Math.cos(turn) * Math.sin(polar)), z, Math.sin(turn) * Math.sin(polar));
-    const normal = add(out, axis, up);
-    return [add(ring < RINGS / 2 ? from : to, normal, radius), normal];
-  };
+  const normals = rings.map(({ up, out }) => turns.map(([c, s]) => [0, 1, 2].map((k) => up * axis[k] + out * (c * x[k] + s * z[k]))));
+  const places = normals.map((ring, k) => {
+    const end = rings[k].isUpper ? from : to;
+    return ring.map((normal) => [end[0] + radius * normal[0], end[1] + radius * normal[1], end[2] + radius * normal[2]]);
+  });
   for (let ring = 1; ring < RINGS; ring++) {
     for (let place = 0; place < AROUND; place++) {
-      const four = [at(ring - 1, place), at(ring, place), at(ring, place + 1), at(ring - 1, place + 1)];
-      quad(
-        put,
-        four.map(([place]) => place),
-        four.map(([, normal]) => normal),
-      );
+      const four = (all) => [all[ring - 1][place], all[ring][place], all[ring][place + 1], all[ring - 1][place + 1]];
+      quad(four(places), four(normals));
     }
   }
 }
@@ -67,18 +122,18 @@ const FACES = [
 ];
 
 const shapes = {
-  plane({ points, normal }, put) {
+  plane({ points, normal }) {
     const x = across(normal);
     const z = cross(normal, x);
     const at = (i, j) => add(add(point(points, 0), x, i * FLOOR), z, j * FLOOR);
-    quad(put, [at(-1, -1), at(-1, 1), at(1, 1), at(1, -1)], [normal]);
+    quad([at(-1, -1), at(-1, 1), at(1, 1), at(1, -1)], [normal]);
   },
   sphere: round,
   capsule: round,
-  box({ points }, put) {
+  box({ points }) {
     for (const face of FACES) {
       const four = face.map((k) => point(points, k));
-      quad(put, four, [unit(cross(sub(four[1], four[0]), sub(four[3], four[0])))]);
+      quad(four, [unit(cross(sub(four[1], four[0]), sub(four[3], four[0])))]);
     }
   },
 };

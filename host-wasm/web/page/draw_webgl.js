@@ -1,31 +1,46 @@
 // Draws with WebGL2, if there is no WebGPU.
 
-const CLOTH = `#version 300 es
-layout(location=0) in vec3 place; layout(location=1) in vec3 normal; layout(location=2) in float strain;
-uniform mat4 matrix; uniform vec4 look; uniform bool body; out vec3 p, n, colour;
+import { COLOURS, SHADOW } from "./look.js";
+
+const PLACE = `#version 300 es
+layout(location=0) in vec3 place; layout(location=1) in vec3 normal; layout(location=2) in float kind; layout(location=3) in vec2 uv;
+uniform mat4 matrix, light; uniform vec4 look; uniform bool body;
+out vec3 p, n, l; out vec2 t; flat out int what; out float strain;
 void main() {
-  float s = clamp(strain / max(look.w, 1e-9), -1., 1.);
-  vec3 strained = mix(vec3(.92), s > 0. ? vec3(.8, .1, .1) : vec3(.1, .3, .8), abs(s));
-  colour = body ? vec3(.5, .53, .56) : strain > 1e8 ? vec3(.1) : look.w > 0. ? strained : vec3(.85, .62, .45);
-  p = place; n = normal; gl_Position = matrix * vec4(place, 1.);
+  // 0 cloth, 1 strained cloth, 2 body, 3 floor, 4 glass, 5 held vertex
+  what = body ? 2 + int(kind) : kind > 1e8 ? 5 : look.w > 0. ? 1 : 0;
+  strain = clamp(kind / max(look.w, 1e-9), -1., 1.);
+  p = place; n = normal; t = uv; l = (light * vec4(place, 1.)).xyz * .5 + .5; gl_Position = matrix * vec4(place, 1.);
 }`;
 const SHADE = `#version 300 es
-precision highp float; in vec3 p, n, colour; uniform vec4 look; out vec4 seen;
+precision highp float; precision highp sampler2DShadow;
+in vec3 p, n, l; in vec2 t; flat in int what; in float strain; uniform vec4 look, paper; uniform sampler2DShadow shadow; out vec4 seen;
 void main() {
-  vec3 eye = normalize(look.xyz - p), m = normalize(n);
+  vec3 eye = normalize(look.xyz - p), m = normalize(n), sun = vec3(${SHADOW.sun}), colour = vec3(${COLOURS.cloth});
   if (dot(m, eye) < 0.) m = -m;
-  seen = vec4(colour * (.35 + .5 * max(dot(m, normalize(vec3(.4, .9, .5))), 0.) + .2 * max(dot(m, eye), 0.)), 1.);
+  vec2 w = fwidth(t), stripe = mix(smoothstep(.25 - w, .25 + w, abs(fract(t) - .5)), vec2(.5), clamp(2. * w, 0., 1.));
+  if (what == 0) colour *= mix(1., .84, stripe.x) * mix(1., .84, stripe.y);
+  if (what == 1) colour = mix(vec3(.93), strain > 0. ? vec3(${COLOURS.stretched}) : vec3(${COLOURS.compressed}), abs(strain));
+  if (what == 2 || what == 4) colour = vec3(${COLOURS.body});
+  if (what == 3) colour = paper.rgb;
+  if (what == 5) colour = vec3(.1);
+  float lit = all(lessThan(abs(l - .5), vec3(.5))) ? texture(shadow, l - vec3(0., 0., .004)) : 1.;
+  float shade = .4 + .5 * lit * max(dot(m, sun), 0.) + .18 * max(dot(m, eye), 0.);
+  if (what == 3) shade = .78 + .22 * lit;
+  seen = vec4(colour * shade, 1.);
+  if (what == 4) seen = vec4(colour * shade, .15);
 }`;
+const DEPTH = `#version 300 es
+layout(location=0) in vec3 place; uniform mat4 light;
+void main() { gl_Position = light * vec4(place, 1.); }`;
+const NOTHING = `#version 300 es
+void main() {}`;
 
-/** A renderer for a canvas, or undefined if WebGL2 is not available. `lost` is called when the context is lost. */
-export function webgl(canvas, lost) {
-  const gl = canvas.getContext("webgl2", { antialias: true });
-  if (!gl) return undefined;
-  canvas.addEventListener("webglcontextlost", () => lost("the context is lost"), { once: true });
+function linked(gl, vertex, fragment) {
   const program = gl.createProgram();
   for (const [kind, code] of [
-    [gl.VERTEX_SHADER, CLOTH],
-    [gl.FRAGMENT_SHADER, SHADE],
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
   ]) {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, code);
@@ -33,42 +48,98 @@ export function webgl(canvas, lost) {
     gl.attachShader(program, shader);
   }
   gl.linkProgram(program);
-  gl.useProgram(program);
-  gl.enable(gl.DEPTH_TEST);
   const at = (name) => gl.getUniformLocation(program, name);
-  const [matrixAt, lookAt, bodyAt] = ["matrix", "look", "body"].map(at);
+  return { program, at: Object.fromEntries(["matrix", "light", "look", "paper", "body"].map((name) => [name, at(name)])) };
+}
+
+/** The depth of what the light sees, as a texture that compares. */
+function depthMap(gl) {
+  const map = gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, map);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, gl.DEPTH_COMPONENT24, SHADOW.size, SHADOW.size);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
+  const target = gl.createFramebuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, map, 0);
+  return target;
+}
+
+/** A renderer for a canvas, or undefined if WebGL2 is not available. `lost` is called when the context is lost. */
+export function webgl(canvas, lost) {
+  const gl = canvas.getContext("webgl2", { antialias: true });
+  if (!gl) return undefined;
+  canvas.addEventListener("webglcontextlost", () => lost("the context is lost"), { once: true });
+  const picture = linked(gl, PLACE, SHADE);
+  const depth = linked(gl, DEPTH, NOTHING);
+  const target = depthMap(gl);
+  gl.enable(gl.DEPTH_TEST);
+  gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ZERO, gl.ONE);
+  gl.polygonOffset(2, 2);
   const buffers = {};
   const buffer = (name) => (buffers[name] ??= gl.createBuffer());
-  const column = (location, name, data, size, stride = 0, offset = 0) => {
+  const column = (location, name, size, stride = 0, offset = 0) => {
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer(name));
-    if (data) gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
     gl.enableVertexAttribArray(location);
     gl.vertexAttribPointer(location, size, gl.FLOAT, false, stride, offset);
   };
+  const write = (name, data) => {
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer(name));
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
+  };
   let indices = 0;
+  const cloth = () => {
+    column(0, "positions", 3);
+    column(1, "normals", 3);
+    column(2, "strains", 1);
+    column(3, "uvs", 2);
+    gl.drawElements(gl.TRIANGLES, indices, gl.UNSIGNED_INT, 0);
+  };
+  const bodies = (from, to) => {
+    column(0, "bodies", 3, 28);
+    column(1, "bodies", 3, 28, 12);
+    column(2, "bodies", 1, 28, 24);
+    gl.disableVertexAttribArray(3);
+    gl.drawArrays(gl.TRIANGLES, from, to - from);
+  };
   return {
     name: "WebGL2",
-    triangles(list) {
-      indices = list.length;
+    mesh({ triangles, uvs }) {
+      indices = triangles.length;
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer("triangles"));
-      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, list, gl.STATIC_DRAW);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
+      write("uvs", uvs);
     },
-    draw({ positions, normals, strains, bodies, matrix, look, paper }) {
+    draw({ positions, normals, strains, bodies: { corners, glass, floor }, matrix, light, look, paper }) {
+      Object.entries({ positions, normals, strains, bodies: corners }).forEach(([name, data]) => write(name, data));
+      gl.useProgram(depth.program);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+      gl.viewport(0, 0, SHADOW.size, SHADOW.size);
+      gl.clear(gl.DEPTH_BUFFER_BIT);
+      gl.uniformMatrix4fv(depth.at.light, false, light);
+      gl.enable(gl.POLYGON_OFFSET_FILL);
+      cloth();
+      bodies(floor, glass);
+      gl.disable(gl.POLYGON_OFFSET_FILL);
+      gl.useProgram(picture.program);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
       gl.viewport(0, 0, canvas.width, canvas.height);
       gl.clearColor(...paper, 1);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-      gl.uniformMatrix4fv(matrixAt, false, matrix);
-      gl.uniform4fv(lookAt, look);
-      gl.uniform1i(bodyAt, 0);
-      column(0, "positions", positions, 3);
-      column(1, "normals", normals, 3);
-      column(2, "strains", strains, 1);
-      gl.drawElements(gl.TRIANGLES, indices, gl.UNSIGNED_INT, 0);
-      gl.uniform1i(bodyAt, 1);
-      gl.disableVertexAttribArray(2);
-      column(0, "bodies", bodies, 3, 24);
-      column(1, "bodies", undefined, 3, 24, 12);
-      gl.drawArrays(gl.TRIANGLES, 0, bodies.length / 6);
+      gl.uniformMatrix4fv(picture.at.matrix, false, matrix);
+      gl.uniformMatrix4fv(picture.at.light, false, light);
+      gl.uniform4fv(picture.at.look, look);
+      gl.uniform4f(picture.at.paper, ...paper, 1);
+      gl.uniform1i(picture.at.body, 0);
+      cloth();
+      gl.uniform1i(picture.at.body, 1);
+      bodies(0, glass);
+      gl.enable(gl.BLEND);
+      gl.depthMask(false);
+      bodies(glass, corners.length / 7);
+      gl.depthMask(true);
+      gl.disable(gl.BLEND);
     },
   };
 }

@@ -1,27 +1,96 @@
 // Draws with WebGPU.
 
+import { COLOURS, SHADOW } from "./look.js";
+
 // `look`: the position of the eye, and the strain at which the colours saturate; 0 draws no strain.
 const CODE = `
-struct Look { matrix: mat4x4f, look: vec4f }
+struct Look { matrix: mat4x4f, light: mat4x4f, look: vec4f, paper: vec4f }
 @group(0) @binding(0) var<uniform> u: Look;
-struct Seen { @builtin(position) clip: vec4f, @location(0) place: vec3f, @location(1) normal: vec3f, @location(2) colour: vec3f }
-@vertex fn cloth(@location(0) place: vec3f, @location(1) normal: vec3f, @location(2) strain: f32) -> Seen {
-  let s = clamp(strain / max(u.look.w, 1e-9), -1.0, 1.0);
-  let strained = mix(vec3f(.92), select(vec3f(.1, .3, .8), vec3f(.8, .1, .1), s > 0.0), abs(s));
-  return Seen(u.matrix * vec4f(place, 1.0), place, normal, select(select(vec3f(.85, .62, .45), strained, u.look.w > 0.0), vec3f(.1), strain > 1e8));
+@group(0) @binding(1) var map: texture_depth_2d;
+@group(0) @binding(2) var compare: sampler_comparison;
+struct Seen {
+  @builtin(position) clip: vec4f, @location(0) place: vec3f, @location(1) normal: vec3f, @location(2) uv: vec2f,
+  @location(3) strain: f32, @location(4) @interpolate(flat) what: u32,
 }
-@vertex fn body(@location(0) place: vec3f, @location(1) normal: vec3f) -> Seen {
-  return Seen(u.matrix * vec4f(place, 1.0), place, normal, vec3f(.5, .53, .56));
+// 0 cloth, 1 strained cloth, 2 body, 3 floor, 4 glass, 5 held vertex
+fn seen(place: vec3f, normal: vec3f, uv: vec2f, strain: f32, what: u32) -> Seen {
+  return Seen(u.matrix * vec4f(place, 1.0), place, normal, uv, strain, what);
 }
+@vertex fn cloth(@location(0) place: vec3f, @location(1) normal: vec3f, @location(2) strain: f32, @location(3) uv: vec2f) -> Seen {
+  let what = select(select(0u, 1u, u.look.w > 0.0), 5u, strain > 1e8);
+  return seen(place, normal, uv, clamp(strain / max(u.look.w, 1e-9), -1.0, 1.0), what);
+}
+@vertex fn body(@location(0) place: vec3f, @location(1) normal: vec3f, @location(2) kind: f32) -> Seen {
+  return seen(place, normal, vec2f(), 0.0, 2u + u32(kind));
+}
+@vertex fn depth(@location(0) place: vec3f) -> @builtin(position) vec4f { return u.light * vec4f(place, 1.0); }
 @fragment fn shade(v: Seen) -> @location(0) vec4f {
-  let to_eye = normalize(u.look.xyz - v.place);
+  let eye = normalize(u.look.xyz - v.place);
   var n = normalize(v.normal);
-  if (dot(n, to_eye) < 0.0) { n = -n; }
-  let light = .35 + .5 * max(dot(n, normalize(vec3f(.4, .9, .5))), 0.0) + .2 * max(dot(n, to_eye), 0.0);
-  return vec4f(v.colour * light, 1.0);
+  if (dot(n, eye) < 0.0) { n = -n; }
+  let w = fwidth(v.uv);
+  let stripe = mix(smoothstep(.25 - w, .25 + w, abs(fract(v.uv) - .5)), vec2f(.5), clamp(2.0 * w, vec2f(), vec2f(1)));
+  let l = (u.light * vec4f(v.place, 1.0)).xyz;
+  let at = vec2f(.5, -.5) * l.xy + .5;
+  let sampled = textureSampleCompareLevel(map, compare, at, l.z - .004);
+  let lit = select(1.0, sampled, all(abs(l.xy) < vec2f(1)) && l.z < 1.0);
+  var colour = vec3f(${COLOURS.cloth});
+  switch v.what {
+    case 0: { colour *= mix(1.0, .84, stripe.x) * mix(1.0, .84, stripe.y); }
+    case 1: { colour = mix(vec3f(.93), select(vec3f(${COLOURS.compressed}), vec3f(${COLOURS.stretched}), v.strain > 0.0), abs(v.strain)); }
+    case 3: { colour = u.paper.rgb; }
+    case 5: { colour = vec3f(.1); }
+    default: { colour = vec3f(${COLOURS.body}); }
+  }
+  var light = .4 + .5 * lit * max(dot(n, vec3f(${SHADOW.sun})), 0.0) + .18 * max(dot(n, eye), 0.0);
+  if (v.what == 3) { light = .78 + .22 * lit; }
+  return vec4f(colour * light, select(1.0, .15, v.what == 4));
 }`;
 
 const SAMPLES = 4;
+const FORMAT = "depth24plus";
+const BLEND = { srcFactor: "src-alpha", dstFactor: "one-minus-src-alpha" };
+
+const number = (shaderLocation, count, offset = 0) => ({
+  shaderLocation,
+  offset,
+  format: count > 1 ? `float32x${count}` : "float32",
+});
+const column = (at, count) => ({ arrayStride: 4 * count, attributes: [number(at, count)] });
+/** The columns of the cloth, and the corners of bodies: place, normal and kind. */
+const CLOTH = [column(0, 3), column(1, 3), column(2, 1), column(3, 2)];
+const BODY = [{ arrayStride: 28, attributes: [number(0, 3), number(1, 3, 12), number(2, 1, 24)] }];
+const PLACES = [{ arrayStride: 28, attributes: [number(0, 3)] }];
+
+/** The pipelines of the picture and of the depth map, by name. */
+async function pipelines(device, format) {
+  const module = device.createShaderModule({ code: CODE });
+  const { VERTEX, FRAGMENT } = GPUShaderStage;
+  const entries = [{ binding: 0, visibility: VERTEX | FRAGMENT, buffer: {} }];
+  const map = [
+    { binding: 1, visibility: FRAGMENT, texture: { sampleType: "depth" } },
+    { binding: 2, visibility: FRAGMENT, sampler: { type: "comparison" } },
+  ];
+  const layouts = [entries, entries.concat(map)].map((entries) => device.createBindGroupLayout({ entries }));
+  const [casting, seeing] = layouts.map((layout) => device.createPipelineLayout({ bindGroupLayouts: [layout] }));
+  const picture = (entryPoint, buffers, isGlass = false) =>
+    device.createRenderPipelineAsync({
+      layout: seeing,
+      vertex: { module, entryPoint, buffers },
+      fragment: { module, entryPoint: "shade", targets: [{ format, blend: isGlass ? { color: BLEND, alpha: BLEND } : undefined }] },
+      depthStencil: { format: FORMAT, depthWriteEnabled: !isGlass, depthCompare: "less" },
+      multisample: { count: SAMPLES },
+    });
+  const depth = (buffers) =>
+    device.createRenderPipelineAsync({
+      layout: casting,
+      vertex: { module, entryPoint: "depth", buffers },
+      depthStencil: { format: FORMAT, depthWriteEnabled: true, depthCompare: "less", depthBias: 2, depthBiasSlopeScale: 2 },
+    });
+  const all = [picture("cloth", CLOTH), picture("body", BODY), picture("body", BODY, true), depth([CLOTH[0]]), depth(PLACES)];
+  const [cloth, body, glass, clothDepth, bodyDepth] = await Promise.all(all);
+  return { cloth, body, glass, clothDepth, bodyDepth, layouts };
+}
 
 /** A renderer for a canvas, or undefined if WebGPU is not available. `lost` is called when the device is lost. */
 export async function webgpu(canvas, lost) {
@@ -29,37 +98,21 @@ export async function webgpu(canvas, lost) {
   const device = await adapter?.requestDevice();
   if (!device) return undefined;
   const format = navigator.gpu.getPreferredCanvasFormat();
-  const module = device.createShaderModule({ code: CODE });
-  const three = (shaderLocation, offset = 0) => ({ shaderLocation, offset, format: "float32x3" });
-  const pipeline = (entryPoint, buffers) =>
-    device.createRenderPipelineAsync({
-      layout: "auto",
-      vertex: { module, entryPoint, buffers },
-      fragment: { module, entryPoint: "shade", targets: [{ format }] },
-      depthStencil: { format: "depth24plus", depthWriteEnabled: true, depthCompare: "less" },
-      multisample: { count: SAMPLES },
-    });
-  const columns = [
-    { arrayStride: 12, attributes: [three(0)] },
-    { arrayStride: 12, attributes: [three(1)] },
-    { arrayStride: 4, attributes: [{ shaderLocation: 2, offset: 0, format: "float32" }] },
-  ];
-  const pipelines = await Promise.all([
-    pipeline("cloth", columns),
-    pipeline("body", [{ arrayStride: 24, attributes: [three(0), three(1, 12)] }]),
-  ]);
+  const { layouts, ...programs } = await pipelines(device, format);
   // This comes last, because a canvas that has one kind of context cannot get another.
   const context = canvas.getContext("webgpu");
   if (!context) return undefined;
   context.configure({ device, format, alphaMode: "opaque" });
   device.lost.then(({ message }) => lost(message || "no reason given"));
   const { VERTEX, INDEX, UNIFORM, COPY_DST } = GPUBufferUsage;
-  const uniform = device.createBuffer({ size: 80, usage: UNIFORM | COPY_DST });
-  const groups = pipelines.map((pipeline) =>
-    device.createBindGroup({
-      layout: pipeline.getBindGroupLayout(0),
-      entries: [{ binding: 0, resource: { buffer: uniform } }],
-    }),
+  const { RENDER_ATTACHMENT, TEXTURE_BINDING } = GPUTextureUsage;
+  const uniform = device.createBuffer({ size: 160, usage: UNIFORM | COPY_DST });
+  const side = SHADOW.size;
+  const map = device.createTexture({ size: [side, side], format: FORMAT, usage: RENDER_ATTACHMENT | TEXTURE_BINDING }).createView();
+  const compare = device.createSampler({ compare: "less", minFilter: "linear", magFilter: "linear" });
+  const resources = [{ buffer: uniform }, map, compare];
+  const [casting, seeing] = layouts.map((layout, k) =>
+    device.createBindGroup({ layout, entries: resources.slice(0, k ? 3 : 1).map((resource, binding) => ({ binding, resource })) }),
   );
   const buffers = {};
   const write = (name, data, usage) => {
@@ -71,60 +124,58 @@ export async function webgpu(canvas, lost) {
   };
   let targets = [];
   const target = (format) =>
-    device.createTexture({
-      size: [canvas.width, canvas.height],
-      sampleCount: SAMPLES,
-      format,
-      usage: GPUTextureUsage.RENDER_ATTACHMENT,
-    });
+    device.createTexture({ size: [canvas.width, canvas.height], sampleCount: SAMPLES, format, usage: RENDER_ATTACHMENT });
   let indices = 0;
+  const cloth = (pass, pipeline, columns) => {
+    pass.setPipeline(pipeline);
+    columns.forEach((name, slot) => pass.setVertexBuffer(slot, buffers[name]));
+    pass.setIndexBuffer(buffers.triangles, "uint32");
+    pass.drawIndexed(indices);
+  };
+  const bodies = (pass, pipeline, from, to) => {
+    if (to <= from) return;
+    pass.setPipeline(pipeline);
+    pass.setVertexBuffer(0, buffers.bodies);
+    pass.draw(to - from, 1, from);
+  };
+  const depth = (view, storeOp) => ({ view, depthClearValue: 1, depthLoadOp: "clear", depthStoreOp: storeOp });
   return {
     name: "WebGPU",
     // Lets a test lose the device, because a real loss cannot be forced.
     lose: () => device.destroy(),
-    triangles(list) {
-      indices = list.length;
-      write("triangles", list, INDEX);
+    mesh({ triangles, uvs }) {
+      indices = triangles.length;
+      write("triangles", triangles, INDEX);
+      write("uvs", uvs, VERTEX);
     },
-    draw({ positions, normals, strains, bodies, matrix, look, paper }) {
+    draw({ positions, normals, strains, bodies: { corners, glass, floor }, matrix, light, look, paper }) {
       if (targets[0]?.width !== canvas.width || targets[0]?.height !== canvas.height) {
         targets.forEach((texture) => texture.destroy());
-        targets = [target(format), target("depth24plus")];
+        targets = [target(format), target(FORMAT)];
       }
-      write("positions", positions, VERTEX);
-      write("normals", normals, VERTEX);
-      write("strains", strains, VERTEX);
-      write("bodies", bodies, VERTEX);
-      device.queue.writeBuffer(uniform, 0, new Float32Array([...matrix, ...look]));
+      Object.entries({ positions, normals, strains, bodies: corners }).forEach(([name, data]) => write(name, data, VERTEX));
+      device.queue.writeBuffer(uniform, 0, new Float32Array([...matrix, ...light, ...look, ...paper, 1]));
       const encoder = device.createCommandEncoder();
+      const shadow = encoder.beginRenderPass({ colorAttachments: [], depthStencilAttachment: depth(map, "store") });
+      shadow.setBindGroup(0, casting);
+      cloth(shadow, programs.clothDepth, ["positions"]);
+      bodies(shadow, programs.bodyDepth, floor, glass);
+      shadow.end();
+      const colour = {
+        view: targets[0].createView(),
+        resolveTarget: context.getCurrentTexture().createView(),
+        clearValue: [...paper, 1],
+        loadOp: "clear",
+        storeOp: "discard",
+      };
       const pass = encoder.beginRenderPass({
-        colorAttachments: [
-          {
-            view: targets[0].createView(),
-            resolveTarget: context.getCurrentTexture().createView(),
-            clearValue: [...paper, 1],
-            loadOp: "clear",
-            storeOp: "discard",
-          },
-        ],
-        depthStencilAttachment: {
-          view: targets[1].createView(),
-          depthClearValue: 1,
-          depthLoadOp: "clear",
-          depthStoreOp: "discard",
-        },
+        colorAttachments: [colour],
+        depthStencilAttachment: depth(targets[1].createView(), "discard"),
       });
-      pass.setPipeline(pipelines[0]);
-      pass.setBindGroup(0, groups[0]);
-      ["positions", "normals", "strains"].forEach((name, slot) => pass.setVertexBuffer(slot, buffers[name]));
-      pass.setIndexBuffer(buffers.triangles, "uint32");
-      pass.drawIndexed(indices);
-      if (bodies.length > 0) {
-        pass.setPipeline(pipelines[1]);
-        pass.setBindGroup(0, groups[1]);
-        pass.setVertexBuffer(0, buffers.bodies);
-        pass.draw(bodies.length / 6);
-      }
+      pass.setBindGroup(0, seeing);
+      cloth(pass, programs.cloth, ["positions", "normals", "strains", "uvs"]);
+      bodies(pass, programs.body, 0, glass);
+      bodies(pass, programs.glass, glass, corners.length / 7);
       pass.end();
       device.queue.submit([encoder.finish()]);
     },

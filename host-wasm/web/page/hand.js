@@ -2,8 +2,6 @@
 
 /** Distance within which a vertex is grabbed, px. */
 const REACH = 40;
-/** Highest speed of the grabbed vertex, m/s. */
-const FASTEST = 4;
 const KEY = 0.02; // move per key press, as a fraction of the height of the view
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
@@ -21,7 +19,7 @@ export class Hand {
   /** The vertex that the hand released last. Until the next step it may still be listed as pinned. */
   #free;
 
-  /** `cloth` provides {positions, pins, moveTo, release} of the current cloth. */
+  /** `cloth` provides {positions, pins, lead, drop, moveTo, release} of the current cloth. */
   constructor(canvas, camera, cloth) {
     this.#canvas = canvas;
     this.#camera = camera;
@@ -30,6 +28,7 @@ export class Hand {
     canvas.addEventListener("pointermove", (event) => this.#move(event));
     for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => this.#up(event));
     canvas.addEventListener("dblclick", () => this.#pressed && this.#toggle(this.#pressed));
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
       camera.zoom(Math.exp(event.deltaY / 500));
@@ -51,9 +50,15 @@ export class Hand {
     if (this.#held) this.#let_go();
     const vertex = this.#camera.pick(this.#cloth.positions(), x, y, within);
     if (vertex === undefined) return false;
-    const place = this.#place(vertex);
-    this.#held = { vertex, at: place, to: place, pinned: this.#pinned(vertex) };
+    this.#held = { vertex, to: this.#place(vertex), pinned: this.#pinned(vertex) };
+    this.#cloth.lead(vertex, this.#held.to);
     return true;
+  }
+
+  /** Moves the target of the held vertex by pixels. */
+  #lead(x, y) {
+    this.#held.to = this.#camera.moved(this.#held.to, x, y);
+    this.#cloth.lead(this.#held.vertex, this.#held.to);
   }
 
   #pinned(vertex) {
@@ -67,6 +72,7 @@ export class Hand {
   #let_go() {
     const { vertex, pinned } = this.#held;
     this.#held = undefined;
+    this.#cloth.drop();
     if (!pinned) this.#release(vertex);
     else if (vertex === this.#free) this.#free = undefined;
   }
@@ -101,8 +107,12 @@ export class Hand {
       const [other] = [...this.#pointers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
       const apart = (place) => Math.hypot(place[0] - other[0], place[1] - other[1]) || 1;
       this.#camera.zoom(apart(before) / apart(now));
+      // Each finger moves the middle between them by half its way.
+      this.#camera.turn(x / 300, y / 300);
+    } else if (event.shiftKey || event.buttons > 1) {
+      this.#camera.pan(x, y);
     } else if (this.#held) {
-      this.#held.to = this.#camera.moved(this.#held.to, x, y);
+      this.#lead(x, y);
     } else {
       this.#camera.turn(x / 150, y / 150);
     }
@@ -131,21 +141,10 @@ export class Hand {
       else this.#take(this.#camera.size[0] / 2, this.#camera.size[1] / 2, Infinity);
     } else if (key === "p") this.pin();
     else if (ARROWS[key] && this.#held) {
-      const [x, y] = ARROWS[key].map((way) => way * KEY * this.#camera.size[1]);
-      this.#held.to = this.#camera.moved(this.#held.to, x, y);
+      this.#lead(...ARROWS[key].map((way) => way * KEY * this.#camera.size[1]));
     } else if (ARROWS[key]) this.#camera.turn(...ARROWS[key].map((way) => way * 0.1));
     else if (key === "+" || key === "-") this.#camera.zoom(key === "+" ? 0.9 : 1.1);
     else return false;
     return true;
-  }
-
-  /** Moves the grabbed vertex towards its target within the next `seconds` of simulated time. */
-  moveTo(seconds, moveTo) {
-    if (!this.#held) return;
-    const { at, to, vertex } = this.#held;
-    const way = Math.hypot(...to.map((x, k) => x - at[k]));
-    const part = Math.min(1, (FASTEST * seconds) / (way || 1));
-    this.#held.at = at.map((x, k) => x + part * (to[k] - x));
-    moveTo(vertex, this.#held.at, seconds);
   }
 }

@@ -28,62 +28,32 @@ const PARTS = [
   ["response", "response"],
 ];
 
-export class Numbers {
-  #list;
-  #before = {};
-  #last;
-  #times;
+/** The state of the error, as text. */
+function compared({ error, comparing, paused, speed }) {
+  if (!error) return comparing ? "shown after the next reset" : "off";
+  if (error.why) return error.why;
+  if (error.time !== undefined) return `${length(error.error)} at ${error.time.toFixed(2)} s`;
+  return paused || !(speed < 0.98) ? "…" : "waits: the run is slower than real time";
+}
 
-  constructor(list) {
-    this.#list = list;
-  }
+function rows(numbers) {
+  const { time, paused, speed = 1, stretch, energy, contacts, times, warnings } = numbers;
+  return [
+    ["time", `${time.toFixed(2)} s, ${paused ? "paused" : `${speed.toFixed(2)} × real time`}`],
+    ["error (RMS distance to a run with step / 4)", compared(numbers)],
+    ["largest stretch", `${(100 * (stretch - 1)).toFixed(2)} %`],
+    ["energy", `${energy.toPrecision(4)} J`],
+    ["contacts per step", contacts.toFixed(0)],
+    ...PARTS.filter(([part]) => part === "predict" || times[part] > 0).map(([part, name]) => [
+      name,
+      `${times[part].toFixed(2)} ms per step`,
+    ]),
+    ...warnings.map(({ code, doubtful }) => [doubtful ? "doubtful" : "warning", WARNINGS[code]]),
+  ];
+}
 
-  /** Steps and contacts between the last two shown states. They start over with another cloth or a longer step. */
-  #since(cloth, contacts) {
-    const before = this.#before;
-    if (before.cloth !== cloth || cloth.steps < before.steps) {
-      this.#before = { cloth, steps: cloth.steps, contacts };
-      this.#last = { steps: 1, contacts: 0 };
-      cloth.takeTimes();
-      this.#times = { predict: 0 };
-    } else if (cloth.steps > before.steps) {
-      this.#last = { steps: cloth.steps - before.steps, contacts: contacts - before.contacts };
-      this.#before = { cloth, steps: cloth.steps, contacts };
-      this.#times = cloth.takeTimes();
-    }
-    return this.#last;
-  }
-
-  show({ cloth, reference, comparing, speed, paused }) {
-    const { stretch, energy, proximity, impacts } = cloth.summary();
-    const { steps, contacts } = this.#since(cloth, proximity + impacts);
-    const times = this.#times;
-    const error =
-      reference && (reference.why ?? (reference.last ? `${length(reference.last.error)} at ${reference.last.time.toFixed(2)} s` : "…"));
-    const joules = Object.values(energy).reduce((sum, part) => sum + part, 0);
-    const rows = [
-      ["time", `${cloth.time.toFixed(2)} s, ${paused ? "paused" : `${speed.toFixed(2)} × real time`}`],
-      ["error (RMS distance to a run with step / 4)", error ?? (comparing ? "shown after the next reset" : "off")],
-      ["largest stretch", `${(100 * (stretch.max - 1)).toFixed(2)} %`],
-      ["energy", `${joules.toPrecision(4)} J`],
-      ["contacts per step", (contacts / steps).toFixed(0)],
-      ...PARTS.filter(([part]) => part === "predict" || times[part] > 0).map(([part, name]) => [
-        name,
-        `${(times[part] / steps).toFixed(2)} ms per step`,
-      ]),
-      ...cloth.warnings().map(({ code, doubtful }) => [doubtful ? "doubtful" : "warning", WARNINGS[code]]),
-    ];
-    this.#list.replaceChildren(
-      ...rows.flatMap(([name, text]) =>
-        [
-          ["dt", name],
-          ["dd", text],
-        ].map(([tag, text]) => {
-          const item = document.createElement(tag);
-          item.textContent = text;
-          return item;
-        }),
-      ),
-    );
-  }
+/** Shows the numbers in a list. */
+export function show(list, numbers) {
+  const item = (tag, text) => Object.assign(document.createElement(tag), { textContent: text });
+  list.replaceChildren(...rows(numbers).flatMap(([name, text]) => [item("dt", name), item("dd", text)]));
 }

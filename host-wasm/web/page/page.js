@@ -1,13 +1,16 @@
 // The page: its controls change the scene, the run simulates it, and the address stores it.
 
-import { load, scene as read, scenes, source, windy } from "../muslin.js";
+import { stringify } from "smol-toml";
+import { changed, scene as read, windy } from "../muslin.js";
 import * as address from "./address.js";
 import { Camera } from "./camera.js";
 import { chart } from "./chart.js";
+import { length } from "./error.js";
 import { Hand } from "./hand.js";
+import { cells } from "./live.js";
 import { materials } from "./materials.js";
 import { IMPLICIT, METHODS } from "./methods.js";
-import { Numbers } from "./numbers.js";
+import { show as showNumbers } from "./numbers.js";
 import { Picture } from "./picture.js";
 import { Run } from "./run.js";
 
@@ -27,15 +30,22 @@ const list = (id, names) => el(id).append(...names.map((name) => new Option(name
 
 /** The name of a scene that the user typed in. */
 const OWN = "own";
-const DETAILS = ["quick", "as in the scene"];
-/** The largest error of a step of quick scenes, m. */
-const QUICK_ERROR = 0.004;
+const DETAILS = ["live", "as in the scene"];
+/** Part of the cells in each direction of the first picture, while the machine is measured. */
+const FIRST = 0.35;
+const STILL = matchMedia("(prefers-reduced-motion: reduce)");
 
 const state = { scene: "ball", changes: {}, shown: {} };
+/** What was chosen for the detail `live`: {changes, setting, speed}, by scene and changes of the user, and now. */
+const choices = new Map();
+let live;
 /** The text of the scene that the user typed in last. */
 let own;
+/** The scene in view without changes, and its text. */
 let base;
-let run;
+let given;
+/** The texts of the built-in scenes, by name. */
+let texts;
 let stop;
 let firstFrame;
 
@@ -43,20 +53,15 @@ const pad = el("pad");
 const camera = new Camera();
 
 function say(text, bad = false) {
-  const detect = run?.device ? `detection: ${run.device}, WebGPU` : "detection: processor";
+  const detect = run.device ? `detection: ${run.device}, WebGPU` : "detection: processor";
   const banner = el("banner");
   banner.textContent = text || `${detect} · picture: ${picture.name ?? "…"}`;
   banner.classList.toggle("bad", bad);
 }
 
 const picture = new Picture(el("picture"), camera, new URLSearchParams(location.hash.slice(1)).get("draw"), say);
-const hand = new Hand(pad, camera, {
-  positions: () => run.positions(),
-  pins: () => run.pins(),
-  moveTo: (...given) => run.moveTo(...given),
-  release: (vertex) => run.release(vertex),
-});
-const numbers = new Numbers(el("numbers"));
+const run = new Run(picture, say, () => pause());
+const hand = new Hand(pad, camera, run);
 
 /** The value of a key in a scene; for a list, of its first item. */
 function valueAt(scene, key) {
@@ -65,24 +70,35 @@ function valueAt(scene, key) {
 
 const method_of = (scene) => scene.integrator?.method ?? "backward-euler";
 
-/** The largest error of a step, m, for a method: a coarse one if the page is quick. Explicit methods have none. */
-function step_error(scene, method) {
-  if (!IMPLICIT.includes(method)) return undefined;
-  const own = state.changes["integrator.error"] ?? scene.integrator?.error;
-  return state.shown.detail ? own : Math.max(QUICK_ERROR, own ?? 0);
+/** Changes that go with another method: explicit ones have no error of a step, and need the step of the scene. */
+function settings_for(method) {
+  const isImplicit = IMPLICIT.includes(method);
+  const of = (key, mine) => state.changes[`integrator.${key}`] ?? (isImplicit ? mine : undefined) ?? base.integrator?.[key];
+  const error = isImplicit ? of("error", live?.setting?.error) : undefined;
+  return { "integrator.method": method, "integrator.error": error, "integrator.step": of("step", live?.setting?.step) };
 }
 
-/** Makes a scene quick: half of the cells in each direction, and a solver that follows the error of a step. */
-function quick(scene) {
-  const changes = { "integrator.tolerance": undefined };
-  const halved = (count) => (count > 5 ? Math.ceil(count / 2) : count);
-  scene.cloth?.forEach?.(({ grid, tube, disc }, k) => {
-    for (const [kind, of] of Object.entries({ grid, tube })) {
-      if (Array.isArray(of?.cells)) changes[`cloth.${k}.${kind}.cells`] = of.cells.map(halved);
+/** Chooses the detail that this machine simulates in real time. */
+async function choose(scene) {
+  const name = JSON.stringify([scene, state.changes]);
+  if (!choices.has(name)) {
+    if (!run.view) {
+      await run.open(scene, { ...cells(scene, FIRST), ...state.changes });
+      camera.frame(run.positions());
     }
-    if (disc) changes[`cloth.${k}.disc.rings`] = halved(disc.rings);
-  });
-  return changes;
+    say("measuring how fast this machine is …");
+    const isImplicit = IMPLICIT.includes(state.changes["integrator.method"] ?? method_of(scene));
+    choices.set(name, await run.choose(scene, state.changes, isImplicit));
+  }
+  return choices.get(name);
+}
+
+/** The detail in words. */
+function detail() {
+  const count = run.cloth.vertexCount.toLocaleString("en");
+  const { stepLength, stepError } = run.cloth;
+  const error = stepError ? `, error of a step up to ${length(stepError)}` : "";
+  return `${count} vertices, steps of ${+(1000 * stepLength).toPrecision(3)} ms${error}`;
 }
 
 /** Sets the controls to the values of the scene. */
@@ -92,6 +108,7 @@ function show() {
   el("scene").value = state.scene;
   el("about").textContent = scene.description ?? "";
   el("detail").value = state.shown.detail ? DETAILS[1] : DETAILS[0];
+  el("cost").textContent = detail();
   el("material").value = state.shown.material ?? "as in the scene";
   el("method").value = method_of(scene);
   el("length").value = +(1000 * run.cloth.stepLength).toPrecision(4);
@@ -105,6 +122,10 @@ function show() {
     box.disabled = key.startsWith("contact.") && scene.contact === undefined;
   }
   el("strain").checked = picture.strain;
+  el("legend").hidden = !picture.strain;
+  el("throw").disabled = !run.cloth.hasBall;
+  const own = Object.keys(state.changes).length > 0;
+  el("text").value = own ? stringify(changed(base, state.changes)) : given;
   address.write(state);
 }
 
@@ -120,8 +141,8 @@ function keep(changes) {
 
 /** Changes values, and stores those in `kept`. If one is refused, the scene and the controls stay as before. */
 function change(changes, kept = changes) {
-  attempt(() => {
-    run.set(changes);
+  attempt(async () => {
+    await run.set(changes);
     keep(kept);
     say("");
     show();
@@ -129,20 +150,18 @@ function change(changes, kept = changes) {
 }
 
 /** Starts a built-in scene, or a scene from a text. */
-function open(name, text = name) {
+async function open(name, text = texts[name]) {
+  if (text === undefined) throw new Error(`there is no scene ${name}; there are ${Object.keys(texts).join(", ")}`);
   const scene = read(text);
-  const changes = { ...(state.shown.detail ? {} : quick(scene)), ...state.changes };
-  changes["integrator.error"] = step_error(scene, changes["integrator.method"] ?? method_of(scene));
-  if (run) run.open(scene, changes);
-  else run = new Run(scene, changes, picture, hand, say);
-  base = scene;
+  live = state.shown.detail ? undefined : await choose(scene);
+  await run.open(scene, { ...live?.changes, ...state.changes });
+  [base, given] = [scene, text];
   state.scene = name;
   hand.drop();
   camera.frame(run.positions());
   // The text of a scene that the user typed in is part of the address.
   if (name === OWN) state.shown.text = own = text;
   else delete state.shown.text;
-  el("text").value = source(text) ?? text;
   say("");
   show();
   if (el("device").checked) device();
@@ -150,26 +169,25 @@ function open(name, text = name) {
 
 /** Runs an action between steps. An error is shown, and the state and the cloth stay as before. */
 function attempt(what) {
-  run.ask(() => {
+  run.ask(async () => {
     const before = { ...state, changes: { ...state.changes }, shown: { ...state.shown } };
     try {
-      what();
+      await what();
     } catch (error) {
       Object.assign(state, before);
-      show();
+      if (base) show();
       throw error;
     }
   });
 }
 
 function reset() {
-  run.paused = false;
-  pause();
+  pause(false);
   attempt(() => open(state.scene, state.shown.text));
 }
 
 function pause(whether = run.paused) {
-  run.paused = whether;
+  if (whether !== run.paused) run.paused = whether;
   el("pause").textContent = whether ? "Continue" : "Pause";
 }
 
@@ -183,7 +201,8 @@ function strain(whether) {
 /** The velocity of a scene's wind, m/s; of one that changes with time, the first. */
 function steady(scene) {
   const velocity = scene.drag?.wind?.velocity;
-  return velocity?.keys?.[0].slice(1) ?? velocity;
+  // A list has a method of that name.
+  return Array.isArray(velocity) ? velocity : velocity?.keys[0].slice(1);
 }
 
 function wind(speed) {
@@ -205,6 +224,15 @@ function device() {
   });
 }
 
+/** Throws a ball from the eye, or from near the cloth if the eye is far, to the middle of the picture. */
+function fly() {
+  const { centre, eye, reach } = camera;
+  const way = eye.map((x, k) => x - centre[k]);
+  const part = Math.min(1, (1.5 * reach) / Math.hypot(...way));
+  const from = centre.map((x, k) => x + part * way[k]);
+  run.ask(() => run.fly([from[0], Math.max(from[1], 0.3), from[2]], camera.lit));
+}
+
 const KEYS = {
   " ": () => pause(!run.paused),
   ".": () => {
@@ -213,14 +241,24 @@ const KEYS = {
   },
   r: reset,
   s: () => strain(!picture.strain),
+  b: fly,
+  c: () => camera.frame(run.positions()),
 };
+
+/** Starts what the address asks for. */
+function visit() {
+  const asked = address.read();
+  Object.assign(state, { changes: {}, shown: {}, ...asked, scene: asked.scene ?? "ball" });
+  picture.strain = asked.shown.strain === "1";
+  return open(state.scene, asked.shown.text);
+}
 
 function listen() {
   const anew = (name, text) =>
-    attempt(() => {
+    attempt(async () => {
       state.changes = {};
       delete state.shown.material;
-      open(name, text);
+      await open(name, text);
     });
   el("scene").onchange = () => anew(el("scene").value, el("scene").value === OWN ? own : undefined);
   el("detail").onchange = () => {
@@ -233,10 +271,10 @@ function listen() {
   el("reset").onclick = reset;
   el("material").onchange = () => {
     const name = el("material").value;
-    attempt(() => {
+    attempt(async () => {
       const keys = Object.keys(materials.silk);
       const values = materials[name] ?? Object.fromEntries(keys.map((key) => [key, valueAt(base, key)]));
-      run.set(values);
+      await run.set(values);
       keep(values);
       if (materials[name]) state.shown.material = name;
       else {
@@ -248,8 +286,8 @@ function listen() {
     });
   };
   el("method").onchange = () => {
-    const method = { "integrator.method": el("method").value };
-    change({ ...method, "integrator.error": step_error(base, el("method").value) }, method);
+    const method = el("method").value;
+    change(settings_for(method), { "integrator.method": method });
   };
   el("length").onchange = () => {
     const step = el("length").valueAsNumber / 1000;
@@ -258,7 +296,7 @@ function listen() {
       const { stepError: error } = run.cloth;
       const own = { "integrator.step": step };
       const both = error ? { ...own, "integrator.error": error } : own;
-      // The error of a quick scene belongs to its level of detail.
+      // The error of `live` belongs to this machine.
       if (step > 0) change(both, state.shown.detail ? both : own);
       else show();
     });
@@ -267,8 +305,8 @@ function listen() {
   el("wind").onchange = () => wind(el("wind").valueAsNumber);
   el("strain").onchange = () => strain(el("strain").checked);
   el("compare").onchange = () =>
-    run.ask(() => {
-      run.compare(el("compare").checked);
+    run.ask(async () => {
+      await run.compare(el("compare").checked);
       if (el("compare").checked) delete state.shown.compare;
       else state.shown.compare = "0";
       show();
@@ -285,15 +323,17 @@ function listen() {
     });
   };
   el("use").onclick = () => anew(OWN, el("text").value);
-  addEventListener("keydown", (event) => {
+  el("throw").onclick = fly;
+  el("recentre").onclick = KEYS.c;
+  // Keys work where the picture has the focus, so that no letter surprises somebody who types or reads aloud.
+  pad.addEventListener("keydown", (event) => {
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    const typing = event.target.closest("select, textarea, input:not([type=checkbox])");
-    if (event.ctrlKey || event.metaKey || event.altKey || typing) return;
-    if (key === " " && event.target !== pad && event.target !== document.body) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (KEYS[key]) event.repeat || KEYS[key]();
     else if (!hand.key(key)) return;
     event.preventDefault();
   });
+  addEventListener("popstate", () => attempt(visit));
 }
 
 /** Creates a checkbox for each term. */
@@ -319,46 +359,39 @@ async function offered() {
 }
 
 async function start() {
-  await load();
-  list("scene", scenes());
+  texts = await run.ready;
+  list("scene", Object.keys(texts));
   list("detail", DETAILS);
   list("material", ["as in the scene", ...Object.keys(materials)]);
   list("method", METHODS);
   terms();
-  const asked = address.read();
-  Object.assign(state, { ...asked, scene: asked.scene ?? state.scene });
-  picture.strain = asked.shown.strain === "1";
-  try {
-    open(state.scene, asked.shown.text);
-  } catch (error) {
-    Object.assign(state, { changes: {}, shown: {} });
-    open("ball");
-    say(error.message, true);
-  }
-  listen();
-  await picture.ready;
-  el("banner").classList.contains("bad") || say("");
-  el("compare").checked = state.shown.compare !== "0";
-  run.compare(el("compare").checked);
-  let before = performance.now();
-  const frame = async (now) => {
+  el("compare").checked = address.read().shown.compare !== "0";
+  await run.compare(el("compare").checked);
+  // On a phone the numbers would hide the cloth.
+  el("measured").open = matchMedia("(min-width: 45rem)").matches;
+  let trouble;
+  const opened = visit().catch((error) => {
+    trouble = error.message;
+    Object.assign(state, { scene: "ball", changes: {}, shown: {} });
+    return open("ball");
+  });
+  const frame = () => {
     try {
-      await run.tick((now - before) / 1000);
+      run.draw();
     } catch (error) {
-      pause(true);
       say(error.message, true);
     }
-    before = now;
-    firstFrame ??= performance.now();
+    if (run.view && picture.name) firstFrame ??= performance.now();
     requestAnimationFrame(frame);
   };
   requestAnimationFrame(frame);
-  setInterval(() => {
-    // A run that diverges pauses itself; this updates the button.
-    pause();
-    run.cloth.busy || numbers.show(run);
-  }, 250);
-  addEventListener("hashchange", () => location.reload());
+  await opened;
+  if (STILL.matches) pause(true);
+  listen();
+  await picture.ready;
+  if (trouble) say(trouble, true);
+  else say(STILL.matches ? "paused, because this system asks for little motion" : "");
+  setInterval(() => run.numbers && showNumbers(el("numbers"), run.numbers), 250);
   const { some, worth } = await offered();
   el("device").disabled = !some;
   if (worth && run.cloth.scene.contact) {

@@ -1,18 +1,25 @@
 // The canvas, drawn with WebGPU or WebGL2.
 
-import { corners } from "./bodies.js";
+import { corners, pole } from "./bodies.js";
 import { webgl } from "./draw_webgl.js";
 import { webgpu } from "./draw_webgpu.js";
+import { STRAINED } from "./look.js";
 
 const DARK = matchMedia("(prefers-color-scheme: dark)");
-/** Strain at which the colours saturate. */
-const STRAINED = 0.05;
+/** Checks of the cloth per metre. */
+const CHECKS = 20;
 /** A strain that marks a pinned vertex. The shaders draw it dark. */
 const PINNED = 1e9;
 
 export class Picture {
   #renderer;
-  #triangles;
+  #mesh;
+  /** Columns of the mesh, where its texture has seams: it has more vertices than the cloth. */
+  #columns;
+  /** A pole that is drawn for the pins. */
+  #pole = [];
+  /** The state and the settings of the picture that is seen. */
+  #last = {};
   #only;
   #say;
 
@@ -38,8 +45,9 @@ export class Picture {
     const lost = (why) => this.#replace(`the picture was lost (${why}); redrawn`);
     const best = this.#only === "webgl" ? undefined : await webgpu(this.canvas, lost).catch(() => undefined);
     this.#renderer = best ?? webgl(this.canvas, lost);
+    this.#last = {};
     if (!this.#renderer) throw new Error("this browser has neither WebGPU nor WebGL2, or they are switched off");
-    if (this.#triangles) this.#renderer.triangles(this.#triangles);
+    if (this.#mesh) this.#renderer.mesh(this.#mesh);
   }
 
   // Makes a new canvas, because a canvas supports only one kind of context and is useless once that is lost.
@@ -64,20 +72,50 @@ export class Picture {
     this.camera.size = [Math.max(1, clientWidth), Math.max(1, clientHeight)];
   }
 
-  triangles(list) {
-    this.#triangles = list.slice();
-    this.#renderer?.triangles(this.#triangles);
+  /** Shows another cloth, with the surface {vertices, uvs, triangles} and its first state. */
+  show({ vertices, uvs, triangles }, { positions, pins }) {
+    this.#mesh = { vertices, triangles, uvs: uvs.map((x) => CHECKS * x) };
+    const hasSeams = vertices.length !== positions.length / 3;
+    this.#columns = hasSeams ? [3, 3, 1].map((size) => new Float32Array(size * vertices.length)) : undefined;
+    this.#pole = pole(positions, pins);
+    this.#renderer?.mesh(this.#mesh);
+  }
+
+  /** Columns of the cloth as those of the mesh. */
+  #gathered(all) {
+    const { vertices } = this.#mesh;
+    return this.#columns.map((out, column) => {
+      const [own, size] = [all[column], out.length / vertices.length];
+      vertices.forEach((vertex, k) => {
+        for (let i = 0; i < size; i++) out[size * k + i] = own[size * vertex + i];
+      });
+      return out;
+    });
+  }
+
+  /** Draws a state, unless the same picture is seen already. */
+  refresh(view) {
+    const { camera, canvas, strain, name } = this;
+    camera.follow(view.positions);
+    const key = JSON.stringify([camera, canvas.width, canvas.height, strain, name, DARK.matches]);
+    if (view === this.#last.view && key === this.#last.key) return;
+    this.draw(view);
+    this.#last = { view, key };
   }
 
   draw({ positions, normals, strains, bodies, pins }) {
     const marked = strains.slice();
     for (const pin of pins) marked[pin] = PINNED;
+    const columns = [positions, normals, marked];
+    const [places, ways, marks] = this.#columns ? this.#gathered(columns) : columns;
+    const fromZero = this.name === "WebGPU";
     this.#renderer?.draw({
-      positions,
-      normals,
-      strains: marked,
-      bodies: corners(bodies),
-      matrix: this.camera.matrix(this.name === "WebGPU"),
+      positions: places,
+      normals: ways,
+      strains: marks,
+      bodies: corners(bodies.concat(this.#pole)),
+      matrix: this.camera.matrix(fromZero),
+      light: this.camera.light(fromZero),
       look: [...this.camera.eye, this.strain ? STRAINED : 0],
       paper: DARK.matches ? [0.115, 0.12, 0.13] : [0.965, 0.957, 0.937],
     });

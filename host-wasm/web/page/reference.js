@@ -1,15 +1,23 @@
 // The current error of the run: a worker simulates the same scene with shorter steps, and repeats every action of
-// the user.
+// the user. It runs in the time that is left: on few cores it goes on only while the run keeps up with real time.
 
 import { rms } from "./error.js";
 
-/** Most frames that wait for the reference. Further frames are skipped until fewer wait. */
+/** Most states that wait for the reference. Further ones are skipped until fewer wait. */
 const MOST = 8;
+/** Most actions and states that wait. With more the reference would never be reached. */
+const FULL = 20_000;
+/** Cores from which the reference takes no time from the run: the page, the run and the reference have one each. */
+const CORES = 3;
 
 export class Reference {
   #worker;
+  /** Actions and states in the order of their times, and the positions of states that were sent. */
+  #queue = [];
   #waiting = new Map();
-  /** {time, error}, s and m, of the last frame that the reference has reached. */
+  /** States in the queue or sent. */
+  #states = 0;
+  /** {time, error}, s and m, of the last state that the reference has reached. */
   last;
   /** The reason why there is no reference. */
   why;
@@ -21,27 +29,41 @@ export class Reference {
     this.tell({ ask: "start", scene, ...accuracy });
   }
 
-  /** Sends an action to the worker, which advances the reference to the page's time and repeats the action there. */
+  /** Repeats an action of the user at its time. */
   tell(what) {
-    if (this.why === undefined) this.#worker.postMessage(what);
+    if (this.why !== undefined) return;
+    this.#queue.push(what);
+    if (this.#queue.length > FULL) this.#give_up("the run is too slow for a reference");
   }
 
-  /** Reports that the page's run has reached this time with these positions. */
+  /** Reports that the run has reached this time with these positions. */
   reached(time, positions) {
-    if (this.why !== undefined || this.#waiting.size >= MOST) return;
-    this.#waiting.set(time, positions.slice());
-    this.tell({ ask: "until", time });
+    if (this.why !== undefined || this.#states >= MOST) return;
+    this.#states += 1;
+    this.#queue.push({ ask: "until", time, positions: positions.slice() });
+  }
+
+  /** Goes on with what waits, up to the next state. `isFree`: the run leaves time for it. */
+  goOn(isFree = true) {
+    if (this.#waiting.size > 0 || !(isFree || navigator.hardwareConcurrency >= CORES)) return;
+    while (this.#queue.length > 0 && this.#waiting.size === 0) {
+      const { positions, ...what } = this.#queue.shift();
+      if (positions) this.#waiting.set(what.time, positions);
+      this.#worker.postMessage(what);
+    }
   }
 
   #hear({ kind, time, positions, why }) {
     if (kind === "failed") return this.#give_up(why);
     const own = this.#waiting.get(time);
     this.#waiting.delete(time);
+    this.#states -= 1;
     if (own?.length === positions.length) this.last = { time, error: rms(own, positions) };
   }
 
   #give_up(why) {
     this.why = why;
+    this.#queue = [];
     this.#waiting.clear();
     this.end();
   }

@@ -1,150 +1,161 @@
-// The current cloth and its time. Requests wait until no step is running.
+// The page's side of the run: it sends requests to the worker that takes the steps, and keeps the latest states.
 
-import { Cloth, changed } from "../muslin.js";
-import { Reference } from "./reference.js";
-
-/** Longest time that one frame may advance, s. After a stall or behind another tab the cloth does not catch up. */
-const LONGEST = 1 / 15;
-/** Time for steps before the next frame is drawn, ms. */
-const BUDGET = 24;
-
-/** What makes a run accurate: step, s, error of a step, m, and tolerance of the solver. */
-const accuracy = ({ stepLength: step, stepError: error, scene }) => ({ step, error, tolerance: scene.integrator?.tolerance });
+/** Longest step whose states are drawn as they come, s. Between those of longer steps the cloth moves evenly, as in the step. */
+const EVEN = 1 / 50;
 
 export class Run {
-  #todo = [];
-  #due = 0;
-  #ones = 0;
-  /** Whether a reference follows the run from its start on. */
-  comparing = false;
-  paused = false;
-  /** Simulated time over real time. */
-  speed = 1;
+  #worker = new Worker(new URL("simulator.js", import.meta.url), { type: "module" });
+  #answers = new Map();
+  #last = 0;
+  #todo = Promise.resolve();
+  #paused = false;
+  /** The state before the latest one, the time at which that came, ms, and a state between them. */
+  #before;
+  #came = 0;
+  #between = {};
+  /** Older states that the worker has not got back. */
+  #seen = [];
+  /** The settings of the cloth: its scene, its step, and the number of its vertices. */
+  cloth;
+  /** The latest state: the columns that are drawn, pins, colliders, steps taken and simulated time. */
+  view;
+  /** The latest numbers. */
+  numbers;
+  /** The name of the device that finds the candidates. */
+  device;
 
-  constructor(scene, changes, picture, hand, say) {
-    Object.assign(this, { picture, hand, say });
-    this.open(scene, changes);
+  /** `say(text, bad)` shows a message, `stopped()` is called when the run has stopped by itself. */
+  constructor(picture, say, stopped) {
+    Object.assign(this, { picture, say, stopped });
+    this.#worker.onmessage = ({ data }) => this.#hear[data.kind](data);
+    /** Resolves to the texts of the built-in scenes, by name. */
+    this.ready = new Promise((resolve, reject) => {
+      this.#hear.ready = ({ texts }) => resolve(texts);
+      this.#hear.failed = ({ why }) => reject(new Error(why));
+      this.#worker.onerror = ({ message }) => reject(new Error(message ?? "the worker does not start"));
+    });
+  }
+
+  #hear = {
+    state: ({ view }) => this.#look(view),
+    numbers: (numbers) => {
+      this.numbers = numbers;
+    },
+    answer: ({ id, told, why }) => {
+      const { resolve, reject } = this.#answers.get(id);
+      this.#answers.delete(id);
+      if (why === undefined) resolve(told);
+      else reject(new Error(why));
+    },
+    note: ({ note, device }) => {
+      this.device = device;
+      this.say(note, true);
+    },
+    stopped: ({ why }) => {
+      this.#paused = true;
+      this.stopped();
+      this.say(why, true);
+    },
+  };
+
+  #look(view) {
+    if (this.#before) this.#seen.push(this.#before);
+    this.#before = this.view;
+    this.view = view;
+    this.#came = performance.now();
+  }
+
+  /** Sends a request. The promise ends when it is done. */
+  #request(ask, given = {}) {
+    return new Promise((resolve, reject) => {
+      this.#last += 1;
+      this.#answers.set(this.#last, { resolve, reject });
+      this.#worker.postMessage({ id: this.#last, ask, ...given });
+    });
   }
 
   /** Starts a scene, a new one or the same again. Throws if the scene is not valid. */
-  open(scene, changes) {
-    const cloth = new Cloth(changed(scene, changes));
-    const last = this.cloth;
-    this.cloth = cloth;
+  async open(scene, changes) {
+    const { surface, view, ...settings } = await this.#request("open", { scene, changes });
     this.device = undefined;
-    try {
-      last?.free();
-    } catch {
-      // A cloth that failed inside the module cannot be freed.
-    }
-    this.picture.triangles(cloth.triangles());
-    this.#look();
-    this.compare(this.comparing);
+    this.cloth = settings;
+    this.#look({ ...view, isFirst: true });
+    // Nothing lies between the states of two cloths.
+    if (this.#before) this.#seen.push(this.#before);
+    this.#before = undefined;
+    this.picture.show(surface, view);
   }
 
-  /** Queues an action that runs between steps. */
-  ask(what) {
-    this.#todo.push(what);
-  }
+  /** Chooses the detail of a scene that this machine simulates in real time; the changes of the user stay. */
+  choose = (scene, changes, isImplicit) => this.#request("choose", { scene, changes, isImplicit });
 
-  // The interface for the hand.
-  positions = () => this.view.positions;
-  pins = () => this.view.pins;
-  moveTo = (...given) => this.ask(() => this.#moveTo(...given));
-  release = (vertex) =>
-    this.ask(() => {
-      this.cloth.release(vertex);
-      this.reference?.tell({ ask: "release", vertex, time: this.cloth.time });
-    });
-
-  #moveTo = (vertex, place, seconds) => {
-    this.cloth.moveTo(vertex, place, seconds);
-    this.reference?.tell({ ask: "moveTo", vertex, place, seconds, time: this.cloth.time });
-  };
-
-  /** Changes values at keys of the scene. Call it between steps. */
-  set(changes) {
-    const before = this.cloth.time;
-    this.cloth.set(changes);
-    this.reference?.tell({ ask: "change", changes, ...accuracy(this.cloth), time: before, after: this.cloth.time });
+  /** Changes values at keys of the scene. */
+  async set(changes) {
+    this.cloth = await this.#request("set", { changes });
   }
 
   /** Switches the reference on or off. It starts now if no step was taken, otherwise at the next start of the run. */
-  compare(whether) {
-    this.comparing = whether;
-    this.reference?.end();
-    this.reference = whether && this.cloth.steps === 0 ? new Reference(this.cloth.scene, accuracy(this.cloth)) : undefined;
-  }
+  compare = (whether) => this.#request("compare", { whether });
 
-  /** Switches detection on the GPU on or off. Call it between steps. */
+  /** Switches detection on the GPU on or off. */
   async detect(whether) {
-    this.device = whether ? await this.cloth.openDevice() : undefined;
+    ({ device: this.device } = await this.#request("detect", { whether }));
   }
 
-  #look() {
-    const { cloth } = this;
-    const view = { bodies: cloth.bodies(), pins: Array.from(cloth.pins()) };
-    // Copies, because the module's memory may move, and a step on a device may run while they are used.
-    for (const name of ["positions", "normals", "strains"]) view[name] = cloth[name]().slice();
-    this.view = view;
+  /** Queues an action, which begins when those before it have ended. Its error is shown. */
+  ask(what) {
+    this.#todo = this.#todo.then(what).catch((error) => this.say(error.message, true));
+    return this.#todo;
   }
 
-  async #drain() {
-    while (this.#todo.length > 0) {
-      try {
-        await this.#todo.shift()();
-      } catch (error) {
-        this.say(error.message, true);
-      }
+  get paused() {
+    return this.#paused;
+  }
+
+  set paused(whether) {
+    this.#paused = whether;
+    this.#request("pause", { whether });
+  }
+
+  /** Takes one step, paused or not. */
+  one = () => this.#request("one");
+
+  // The interface for the hand.
+  positions = () => this.view.positions;
+  pins = () => Array.from(this.view.pins);
+  lead = (vertex, to) => this.#request("lead", { vertex, to });
+  drop = () => this.#request("drop");
+  fly = (from, to) => this.#request("fly", { from, to });
+  moveTo = (vertex, place, seconds) => this.#request("moveTo", { vertex, place, seconds });
+  release = (vertex) => this.#request("release", { vertex });
+
+  /** Draws the latest state. The columns of those before go back, so that the worker allocates none. */
+  draw() {
+    for (const { positions, normals, strains, isFirst } of this.#seen.splice(0)) {
+      if (isFirst) continue;
+      const columns = { positions, normals, strains };
+      const buffers = Object.values(columns).map(({ buffer }) => buffer);
+      this.#worker.postMessage({ ask: "back", view: columns }, buffers);
     }
+    if (this.view) this.picture.refresh(this.#now());
   }
 
-  async #step(count) {
-    const { cloth } = this;
-    const began = performance.now();
-    let taken = 0;
-    while (taken < count && (taken === 0 || performance.now() - began < BUDGET)) {
-      this.hand.moveTo(cloth.stepLength, this.#moveTo);
-      if (this.device) await cloth.awaitStep();
-      else cloth.step();
-      taken += 1;
-    }
-    this.reference?.reached(cloth.time, cloth.positions());
-    return taken * cloth.stepLength;
-  }
-
-  /** Takes one step at the next frame, paused or not. */
-  one() {
-    this.#ones += 1;
-  }
-
-  async #advance(seconds) {
-    const count = Math.floor(seconds / this.cloth.stepLength + 1e-6);
-    if (count === 0) return 0;
-    try {
-      return await this.#step(count);
-    } catch (error) {
-      this.paused = true;
-      this.say(`${error.message}\nTry a shorter step, softer cloth or an implicit method, then Reset.`, true);
-      return 0;
-    }
-  }
-
-  /** Advances by the time of one frame, s, and draws. */
-  async tick(seconds) {
-    await this.#drain();
-    for (; this.#ones > 0; this.#ones--) await this.#advance(this.cloth.stepLength);
-    if (!this.paused) {
-      this.#due = Math.min(this.#due + Math.min(seconds, LONGEST), Math.max(LONGEST, this.cloth.stepLength));
-      const passed = await this.#advance(this.#due);
-      // Time that the budget did not suffice for is dropped, except for at most one step.
-      this.#due = passed > 0 ? Math.max(0, Math.min(this.#due - passed, this.cloth.stepLength)) : this.#due;
-      this.speed += 0.05 * (passed / Math.max(seconds, 1e-3) - this.speed);
-    }
-    const note = this.cloth.takeNote();
-    if (this.device && !this.cloth.hasDevice) this.device = undefined;
-    if (note) this.say(note, true);
-    this.#look();
-    this.picture.draw(this.view);
+  /** The state to draw at this time. */
+  #now() {
+    const [from, to, { stepLength }] = [this.#before, this.view, this.cloth];
+    const part = (performance.now() - this.#came) / 1000 / stepLength;
+    if (!from || stepLength <= EVEN || part >= 1 || from.steps >= to.steps) return to;
+    const mix = (name, from, to) => {
+      if (this.#between[name]?.length !== to.length) this.#between[name] = to.slice();
+      const out = this.#between[name];
+      for (let k = 0; k < out.length; k++) out[k] = from[k] + part * (to[k] - from[k]);
+      return out;
+    };
+    const [positions, normals] = ["positions", "normals"].map((name) => mix(name, from[name], to[name]));
+    const bodies = to.bodies.map((body, k) => ({
+      ...body,
+      points: mix(`body ${k}`, from.bodies[k]?.points ?? body.points, body.points).slice(),
+    }));
+    return { ...to, positions, normals, bodies };
   }
 }

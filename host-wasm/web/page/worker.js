@@ -42,6 +42,14 @@ const asks = {
     go_on(time);
     reference.moveTo(vertex, place, seconds);
   },
+  moveCollider({ collider, place, seconds, time }) {
+    go_on(time);
+    reference.moveCollider(collider, place, undefined, seconds);
+  },
+  switchCollider({ collider, isOn, time }) {
+    go_on(time);
+    reference.switchCollider(collider, isOn);
+  },
   release({ vertex, time }) {
     go_on(time);
     reference.release(vertex);

@@ -1,0 +1,130 @@
+// A ball that the user throws. It flies freely, the cloth slows it down, and it bounces off the other colliders.
+
+import { add, dot, sub, unit } from "./vector.js";
+
+/** Radius, m, mass, kg, and speed, m/s. A light ball would be stopped by the cloth at once. */
+const RADIUS = 0.07;
+const MASS = 0.4;
+const SPEED = 5;
+/** Time after which it is gone, s. */
+const LIFE = 3;
+/** Share of the speed that a bounce leaves. */
+const BOUNCE = 0.4;
+/** Layers of cloth that have room between the ball and another collider. */
+const LAYERS = 6;
+/** A place where nothing is, m. */
+const AWAY = [0, 100, 0];
+
+/** A scene with the ball as its last collider. Scenes without contact get none. */
+export function withBall(scene) {
+  if (!scene.contact) return scene;
+  return { ...scene, collider: [...(scene.collider ?? []), { shape: "sphere", center: AWAY, radius: RADIUS }] };
+}
+
+/** The bodies without the ball, unless it flies. */
+export const seen = (bodies, ball) => (ball && !ball.isFlying ? bodies.slice(0, -1) : bodies);
+
+export class Ball {
+  #cloth;
+  #number;
+  #tell;
+  #velocity;
+  #place;
+  #left = 0;
+  /** Whether it still moves to the place where it starts, switched off, so that it does not jump through the cloth. */
+  #isComing = false;
+
+  /** `tell(ask)` repeats what happens to the collider in the reference. */
+  constructor(cloth, tell) {
+    this.#cloth = cloth;
+    this.#number = cloth.bodies().length - 1;
+    this.#tell = tell;
+    cloth.measureImpulses();
+    this.#show(false);
+  }
+
+  get isFlying() {
+    return this.#left > 0;
+  }
+
+  #show(isOn) {
+    this.#cloth.switchCollider(this.#number, isOn);
+    this.#tell({ ask: "switchCollider", collider: this.#number, isOn });
+  }
+
+  #move(seconds) {
+    this.#cloth.moveCollider(this.#number, this.#place, undefined, seconds);
+    this.#tell({ ask: "moveCollider", collider: this.#number, place: this.#place, seconds });
+  }
+
+  /** Throws it from a place towards another, after the next step. */
+  fly(from, to) {
+    if (this.isFlying) this.stop();
+    this.#place = from;
+    this.#velocity = unit(sub(to, from)).map((x) => SPEED * x);
+    this.#isComing = true;
+  }
+
+  /** Moves it within the next step. */
+  before(seconds) {
+    if (this.#isComing) this.#move(seconds);
+    if (!this.isFlying) return;
+    this.#left -= seconds;
+    if (!this.isFlying) return this.stop();
+    const { gravity, contact } = this.#cloth.scene;
+    this.#velocity = add(this.#velocity, Array.isArray(gravity) ? gravity : [0, 0, 0], seconds);
+    const room = RADIUS + LAYERS * (contact?.thickness ?? 0);
+    for (const body of this.#cloth.bodies().slice(0, -1)) this.#bounce(body, room, seconds);
+    this.#place = add(this.#place, this.#velocity, seconds);
+    this.#move(seconds);
+  }
+
+  /** Turns the velocity back where the next step would lead too near to a body. */
+  #bounce(body, room, seconds) {
+    const next = add(this.#place, this.#velocity, seconds);
+    const off = sub(next, nearest(body, next));
+    const distance = body.shape === "plane" ? dot(sub(next, point(body, 0)), body.normal) : Math.hypot(...off) - body.radius;
+    if (distance > room) return;
+    const normal = body.shape === "plane" ? body.normal : unit(off);
+    const towards = dot(this.#velocity, normal);
+    if (towards < 0) this.#velocity = add(this.#velocity, normal, -(1 + BOUNCE) * towards);
+  }
+
+  /** Takes the impulse of the cloth in the last step. */
+  after() {
+    if (this.#isComing) {
+      this.#isComing = false;
+      this.#show(true);
+      this.#left = LIFE;
+    }
+    const { linear } = this.#cloth.takeImpulse(this.#number);
+    if (this.isFlying) this.#velocity = add(this.#velocity, linear, 1 / MASS);
+  }
+
+  /** Takes it away. */
+  stop() {
+    this.#left = 0;
+    this.#show(false);
+  }
+}
+
+const point = ({ points }, k) => Array.from(points.subarray(3 * k, 3 * k + 3));
+
+/** The point nearest to a place: of the middle of a sphere, of the axis of a capsule, or of a box. */
+function nearest(body, place) {
+  const from = point(body, 0);
+  if (body.shape === "capsule") return along(from, point(body, 1), place);
+  if (body.shape !== "box") return from;
+  // The corners 1, 2 and 4 lie along the edges from the corner 0.
+  return [1, 2, 4].reduce((near, k) => {
+    const edge = sub(point(body, k), from);
+    const part = Math.max(0, Math.min(1, dot(sub(place, from), edge) / dot(edge, edge)));
+    return add(near, edge, part);
+  }, from);
+}
+
+function along(a, b, place) {
+  const edge = sub(b, a);
+  const part = Math.max(0, Math.min(1, dot(sub(place, a), edge) / (dot(edge, edge) || 1)));
+  return add(a, edge, part);
+}

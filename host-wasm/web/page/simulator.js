@@ -1,0 +1,276 @@
+// The worker that takes the steps: it answers the page's requests, and sends states and numbers.
+
+import { Cloth, changed, load, scenes, source } from "../muslin.js";
+import { Ball, seen, withBall } from "./ball.js";
+import { Hold } from "./hold.js";
+import { choose } from "./live.js";
+import { Meter } from "./meter.js";
+import { Reference } from "./reference.js";
+import { Speed } from "./speed.js";
+
+/** Longest time that the cloth makes up for, s. After a stall or behind another tab it does not catch up. */
+const LONGEST = 1 / 8;
+/** Time after which the cloth waits for a page that takes no states, ms. */
+const PATIENCE = 250;
+/** States under way to the page. */
+const FRAMES = 3;
+/** Time between numbers, ms. */
+const BETWEEN = 250;
+const COLUMNS = ["positions", "normals", "strains"];
+
+const requests = [];
+let cloth;
+let reference;
+let hold;
+let ball;
+let paused = false;
+let comparing = false;
+/** Steps to take although the run is paused. */
+let ones = 0;
+/** Time that no step has covered yet, s, and the time of the clock up to which it was counted, ms. */
+let due = 0;
+let counted = performance.now();
+/** Columns that the page gave back, the number of coordinates of a state, the number of states that it still has, and the time of the last one, ms. */
+let spare = [];
+let coordinates = 0;
+let sent = 0;
+let sentAt = 0;
+/** Whether the page has not seen the latest state. */
+let isNew = false;
+/** Whether the page has drawn since the last step. */
+let drew = false;
+let numbersAt = 0;
+/** The name of the device that finds the candidates. */
+let device;
+const speed = new Speed();
+const meter = new Meter();
+
+/** What makes a run accurate: step, s, error of a step, m, and tolerance of the solver. */
+const accuracy = () => ({ step: cloth.stepLength, error: cloth.stepError, tolerance: cloth.scene.integrator?.tolerance });
+
+/** The settings of the cloth that the page shows. */
+const settings = () => ({
+  scene: cloth.scene,
+  hasBall: Boolean(ball),
+  stepLength: cloth.stepLength,
+  stepError: cloth.stepError,
+  vertexCount: cloth.vertexCount,
+});
+
+/** The present state, in columns that the page gave back. */
+function state() {
+  const columns = spare.pop() ?? {};
+  for (const name of COLUMNS) {
+    const own = cloth[name]();
+    if (columns[name]?.length === own.length) columns[name].set(own);
+    else columns[name] = own.slice();
+  }
+  const bodies = seen(cloth.bodies(), ball);
+  return { ...columns, pins: cloth.pins(), bodies, steps: cloth.steps, time: cloth.time, isStill: paused };
+}
+
+const buffers = (view) => COLUMNS.map((name) => view[name].buffer);
+
+function send() {
+  const view = state();
+  postMessage({ kind: "state", view }, buffers(view));
+  sent += 1;
+  sentAt = performance.now();
+  isNew = false;
+}
+
+function moveTo(vertex, place, seconds) {
+  cloth.moveTo(vertex, place, seconds);
+  reference?.tell({ ask: "moveTo", vertex, place, seconds, time: cloth.time });
+}
+
+function restart() {
+  speed.clear();
+  due = 0;
+  counted = performance.now();
+}
+
+function compare(whether) {
+  comparing = whether;
+  reference?.end();
+  reference = whether && cloth?.steps === 0 ? new Reference(cloth.scene, accuracy()) : undefined;
+}
+
+/** What the page asks for. An error is told to the page, and changes nothing. */
+const asks = {
+  // The changes of the user stay as they are.
+  choose: ({ scene, changes, isImplicit }) => choose((live) => new Cloth(changed(scene, { ...live, ...changes })), scene, isImplicit),
+  open({ scene, changes }) {
+    const next = new Cloth(withBall(changed(scene, changes)));
+    try {
+      cloth?.free();
+    } catch {
+      // A cloth that failed inside the module cannot be freed.
+    }
+    cloth = next;
+    coordinates = cloth.positions().length;
+    hold = undefined;
+    spare = [];
+    restart();
+    compare(comparing);
+    ball = scene.contact && new Ball(cloth, (what) => reference?.tell({ ...what, time: cloth.time }));
+    const view = state();
+    return { ...settings(), surface: cloth.surface(), view };
+  },
+  set({ changes }) {
+    const before = cloth.time;
+    cloth.set(changes);
+    reference?.tell({ ask: "change", changes, ...accuracy(), time: before, after: cloth.time });
+    isNew = true;
+    return settings();
+  },
+  compare: ({ whether }) => compare(whether),
+  pause({ whether }) {
+    if (paused !== whether) restart();
+    paused = whether;
+    isNew = true;
+  },
+  one() {
+    ones += 1;
+  },
+  lead({ vertex, to }) {
+    if (hold?.vertex === vertex) hold.to = to;
+    else hold = new Hold(vertex, to, cloth);
+  },
+  drop() {
+    hold = undefined;
+  },
+  fly({ from, to }) {
+    if (!ball) throw new Error("nothing touches the cloth of a scene without [contact]");
+    ball.fly(from, to);
+  },
+  moveTo({ vertex, place, seconds }) {
+    moveTo(vertex, place, seconds);
+    isNew = true;
+  },
+  release({ vertex }) {
+    cloth.release(vertex);
+    reference?.tell({ ask: "release", vertex, time: cloth.time });
+    isNew = true;
+  },
+  detect: async ({ whether }) => {
+    device = whether ? await cloth.openDevice() : undefined;
+    return { device };
+  },
+};
+
+async function answer({ id, ask, ...given }) {
+  try {
+    const told = await asks[ask](given);
+    postMessage({ kind: "answer", id, told }, told?.view ? buffers(told.view) : []);
+  } catch (error) {
+    postMessage({ kind: "answer", id, why: error.message });
+  }
+}
+
+async function step() {
+  if (hold) moveTo(hold.vertex, hold.next(cloth.stepLength), cloth.stepLength);
+  ball?.before(cloth.stepLength);
+  try {
+    if (device) await cloth.awaitStep();
+    else cloth.step();
+  } catch (error) {
+    // The cloth may have no room between the ball and a pin.
+    if (ball?.isFlying) return ball.stop();
+    paused = true;
+    postMessage({ kind: "stopped", why: `${error.message}\nTry a shorter step, softer cloth or an implicit method, then Reset.` });
+    return;
+  }
+  try {
+    ball?.after();
+  } catch {
+    // It cannot start inside the cloth.
+    ball.stop();
+  }
+  isNew = true;
+  reference?.reached(cloth.time, cloth.positions());
+}
+
+/** Takes a step if one is due. Returns the time until the next one, ms. */
+async function advance() {
+  const now = performance.now();
+  const waits = sent >= FRAMES && now - sentAt > PATIENCE;
+  const passed = (now - counted) / 1000;
+  counted = now;
+  if (ones > 0) {
+    ones -= 1;
+    await step();
+    return 0;
+  }
+  if (paused || waits) {
+    reference?.goOn();
+    return BETWEEN;
+  }
+  const length = cloth.stepLength;
+  due = Math.min(due + passed, Math.max(LONGEST, length));
+  // Up to half a step early when the page has just drawn, so that every picture has the same number of steps.
+  const early = drew ? length / 2 : 1e-6;
+  drew = false;
+  if (due < length - early) {
+    speed.add(now, 0);
+    reference?.goOn();
+    return 1000 * (length - due);
+  }
+  due -= length;
+  await step();
+  speed.add(performance.now(), paused ? 0 : length);
+  reference?.goOn(speed.isKept);
+  return 0;
+}
+
+function tell() {
+  const note = cloth.takeNote();
+  if (device && !cloth.hasDevice) device = undefined;
+  if (note) postMessage({ kind: "note", note, device });
+  const now = performance.now();
+  if (now - numbersAt < BETWEEN) return;
+  numbersAt = now;
+  const error = reference && (reference.why ? { why: reference.why } : (reference.last ?? {}));
+  postMessage({ kind: "numbers", ...meter.read(cloth), time: cloth.time, speed: speed.value, paused, comparing, error });
+}
+
+const channel = new MessageChannel();
+let wake = () => {};
+channel.port1.onmessage = () => wake();
+
+/** Waits for a time, ms, or for a message. Messages that have come are received even if the time is 0. */
+const rest = (ms) =>
+  new Promise((resolve) => {
+    const timer = ms > 0 && setTimeout(resolve, ms);
+    wake = () => {
+      clearTimeout(timer);
+      resolve();
+    };
+    if (!(ms > 0)) channel.port2.postMessage(0);
+  });
+
+self.onmessage = ({ data }) => {
+  if (data.ask === "back") {
+    sent -= 1;
+    drew = true;
+    if (data.view.positions.length === coordinates) spare.push(data.view);
+  } else requests.push(data);
+  wake();
+};
+
+async function start() {
+  await load();
+  postMessage({ kind: "ready", texts: Object.fromEntries(scenes().map((name) => [name, source(name)])) });
+  for (;;) {
+    while (requests.length > 0) await answer(requests.shift());
+    let pause = BETWEEN;
+    if (cloth) {
+      pause = await advance();
+      if (isNew && sent < FRAMES) send();
+      tell();
+    }
+    await rest(pause);
+  }
+}
+
+start().catch((error) => postMessage({ kind: "failed", why: error.message }));
