@@ -56,7 +56,7 @@ export async function withModule(chromium) {
 }
 
 /** ms after which a page counts as hung: long, because machines may be slow and busy. */
-const PATIENCE = 600_000;
+const PATIENCE = 40_000;
 
 /** Waits until the page's run has taken `count` steps. */
 export const steps = (page, count) => page.waitForFunction((count) => window.muslin?.run().view?.steps >= count, count);
@@ -76,6 +76,18 @@ export async function more(page, count) {
 /** Waits until the cloth in view has this number of pins. The state in view may be a few steps old. */
 export const pinned = (page, count) => page.waitForFunction((count) => muslin.run().pins().length === count, count);
 
+/** Waits until the hand holds a vertex, and returns it; `not` is the one that it held before. */
+export async function held(page, not = -1) {
+  const found = await page.waitForFunction(
+    (not) => ![undefined, not].includes(muslin.run().view.held) && String(muslin.run().view.held),
+    not,
+  );
+  return Number(await found.jsonValue());
+}
+
+/** Waits until the hand holds nothing. */
+export const free = (page) => page.waitForFunction(() => muslin.run().view.held === undefined);
+
 /** Position of a vertex in the page's picture, px; -1 is the last vertex. */
 export const spot = (page, vertex) =>
   page.evaluate((vertex) => {
@@ -89,7 +101,7 @@ export const spot = (page, vertex) =>
     );
   }, vertex);
 
-/** Whether a vertex is drawn darker than without pins; -1 is the last vertex. */
+/** Whether a vertex is drawn darker than without marks; -1 is the last vertex. */
 export const dark = (page, vertex) =>
   page.evaluate(async (vertex) => {
     const { camera, picture, run } = muslin;
@@ -101,16 +113,16 @@ export const dark = (page, vertex) =>
     const [x, y] = camera.project(camera.matrix(true), view.positions.slice(from, from + 3));
     const scale = picture.canvas.width / camera.size[0];
     // A WebGPU canvas shows one picture per frame.
-    const around = async (pins) => {
+    const around = async (marked) => {
       await new Promise(requestAnimationFrame);
-      picture.draw({ ...view, pins });
+      picture.draw({ ...view, marked });
       const context = Object.assign(document.createElement("canvas"), { width: 9, height: 9 }).getContext("2d");
       context.drawImage(picture.canvas, x * scale - 4, y * scale - 4, 9, 9, 0, 0, 9, 9);
       return context.getImageData(0, 0, 9, 9).data;
     };
-    const [marked, unpinned] = [await around(view.pins), await around([])];
+    const [marked, unmarked] = [await around(view.marked), await around([])];
     // A vertex's colour blends into its neighbours' colours, which may be only a few pixels away.
-    return marked.some((value, k) => k % 4 === 0 && unpinned[k] - value > 40);
+    return marked.some((value, k) => k % 4 === 0 && unmarked[k] - value > 40);
   }, vertex);
 
 /** Number of points, out of 30,000 in the page's picture, that are darker than the background. */

@@ -3,7 +3,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { browser, dark, drawn, more, shot, skip, spot, steps, still } from "./kit.mjs";
+import { browser, dark, drawn, free, held, more, shot, skip, spot, steps, still } from "./kit.mjs";
 
 let chromium;
 before(async () => {
@@ -52,14 +52,12 @@ test("the page detects on the device while a hand drags, and here again", { skip
   await page.mouse.down();
   await page.mouse.move(x, y - 150, { steps: 5 });
   await more(page, 20);
-  const pins = () => page.evaluate(() => muslin.run().pins());
-  const [held, ...others] = await pins();
-  assert.ok(held !== undefined && others.length === 0, `one vertex is held: ${held}, ${others}`);
+  await held(page);
   await page.mouse.up();
   await page.uncheck("#device");
   await page.waitForFunction(() => /detection: processor/.test(document.getElementById("banner").textContent));
   await more(page, 2);
-  assert.deepEqual(await pins(), []);
+  await free(page);
   assert.equal(await banner(), "detection: processor · picture: WebGPU");
   assert.deepEqual(errors, []);
   await page.close();

@@ -11,15 +11,12 @@ export class Hand {
   #cloth;
   #pointers = new Map();
   #held;
-  /**
-   * The vertex that the last press grabbed, and whether it was pinned before. During a double click the grab itself
-   * holds the vertex, so that an earlier pin could no longer be recognised.
-   */
+  /** The vertex that the last press grabbed, and whether it was pinned before. */
   #pressed;
-  /** The vertex that the hand released last. Until the next step it may still be listed as pinned. */
-  #free;
+  /** The vertices that the hand pinned or released, and whether they are pinned. The state in view may be older. */
+  #known = new Map();
 
-  /** `cloth` provides {positions, pins, lead, drop, moveTo, release} of the current cloth. */
+  /** `cloth` provides {positions, pins, lead, drop, pin, release} of the current cloth. */
   constructor(canvas, camera, cloth) {
     this.#canvas = canvas;
     this.#camera = camera;
@@ -37,7 +34,8 @@ export class Hand {
 
   /** Forgets the grabbed vertex, because another cloth is in view. */
   drop() {
-    this.#held = this.#pressed = this.#free = undefined;
+    this.#held = this.#pressed = undefined;
+    this.#known.clear();
     this.#pointers.clear();
   }
 
@@ -51,6 +49,8 @@ export class Hand {
     const vertex = this.#camera.pick(this.#cloth.positions(), x, y, within);
     if (vertex === undefined) return false;
     this.#held = { vertex, to: this.#place(vertex), pinned: this.#pinned(vertex) };
+    // A pin moves with the hand, and is pinned again where it is let go.
+    if (this.#held.pinned) this.#release(vertex);
     this.#cloth.lead(vertex, this.#held.to);
     return true;
   }
@@ -62,7 +62,7 @@ export class Hand {
   }
 
   #pinned(vertex) {
-    return vertex !== this.#free && this.#cloth.pins().includes(vertex);
+    return this.#known.get(vertex) ?? this.#cloth.pins().includes(vertex);
   }
 
   #place(vertex) {
@@ -73,12 +73,16 @@ export class Hand {
     const { vertex, pinned } = this.#held;
     this.#held = undefined;
     this.#cloth.drop();
-    if (!pinned) this.#release(vertex);
-    else if (vertex === this.#free) this.#free = undefined;
+    if (pinned) this.#pin(vertex);
+  }
+
+  #pin(vertex) {
+    this.#known.set(vertex, true);
+    this.#cloth.pin(vertex);
   }
 
   #release(vertex) {
-    this.#free = vertex;
+    this.#known.set(vertex, false);
     this.#cloth.release(vertex);
   }
 
@@ -94,8 +98,7 @@ export class Hand {
 
   #toggle({ vertex, pinned }) {
     if (pinned) return this.#release(vertex);
-    this.#free = undefined;
-    this.#cloth.moveTo(vertex, this.#place(vertex), 0);
+    this.#pin(vertex);
   }
 
   #move(event) {

@@ -8,8 +8,8 @@ import { STRAINED } from "./look.js";
 const DARK = matchMedia("(prefers-color-scheme: dark)");
 /** Checks of the cloth per metre. */
 const CHECKS = 20;
-/** A strain that marks a pinned vertex. The shaders draw it dark. */
-const PINNED = 1e9;
+/** A strain that marks a pinned or held vertex. The shaders draw it dark. */
+const MARKED = 1e9;
 
 export class Picture {
   #renderer;
@@ -103,10 +103,10 @@ export class Picture {
     this.#last = { view, key };
   }
 
-  draw({ positions, normals, strains, bodies, pins }) {
-    const marked = strains.slice();
-    for (const pin of pins) marked[pin] = PINNED;
-    const columns = [positions, normals, marked];
+  draw({ positions, normals, strains, bodies, marked }) {
+    const shown = strains.slice();
+    for (const vertex of marked) shown[vertex] = MARKED;
+    const columns = [positions, normals, shown];
     const [places, ways, marks] = this.#columns ? this.#gathered(columns) : columns;
     const fromZero = this.name === "WebGPU";
     this.#renderer?.draw({

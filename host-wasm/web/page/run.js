@@ -126,7 +126,7 @@ export class Run {
   lead = (vertex, to) => this.#request("lead", { vertex, to });
   drop = () => this.#request("drop");
   fly = (from, to) => this.#request("fly", { from, to });
-  moveTo = (vertex, place, seconds) => this.#request("moveTo", { vertex, place, seconds });
+  pin = (vertex) => this.#request("pin", { vertex });
   release = (vertex) => this.#request("release", { vertex });
 
   /** Draws the latest state. The columns of those before go back, so that the worker allocates none. */

@@ -66,7 +66,9 @@ function state() {
     else columns[name] = own.slice();
   }
   const bodies = seen(cloth.bodies(), ball);
-  return { ...columns, pins: cloth.pins(), bodies, steps: cloth.steps, time: cloth.time, isStill: paused };
+  const pins = cloth.pins();
+  const marked = hold ? [...pins, hold.vertex] : pins;
+  return { ...columns, pins, marked, held: hold?.vertex, bodies, steps: cloth.steps, time: cloth.time, isStill: paused };
 }
 
 const buffers = (view) => COLUMNS.map((name) => view[name].buffer);
@@ -79,9 +81,9 @@ function send() {
   isNew = false;
 }
 
-function moveTo(vertex, place, seconds) {
-  cloth.moveTo(vertex, place, seconds);
-  reference?.tell({ ask: "moveTo", vertex, place, seconds, time: cloth.time });
+function setForce(vertex, force) {
+  cloth.setForce(vertex, force);
+  reference?.tell({ ask: "setForce", vertex, force, time: cloth.time });
 }
 
 function restart() {
@@ -136,16 +138,21 @@ const asks = {
   lead({ vertex, to }) {
     if (hold?.vertex === vertex) hold.to = to;
     else hold = new Hold(vertex, to, cloth);
+    isNew = true;
   },
   drop() {
+    hold?.set([0, 0, 0], setForce);
     hold = undefined;
+    isNew = true;
   },
   fly({ from, to }) {
     if (!ball) throw new Error("nothing touches the cloth of a scene without [contact]");
     ball.fly(from, to);
   },
-  moveTo({ vertex, place, seconds }) {
-    moveTo(vertex, place, seconds);
+  pin({ vertex }) {
+    cloth.pin(vertex);
+    const place = Array.from(cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
+    reference?.tell({ ask: "moveTo", vertex, place, seconds: 0, time: cloth.time });
     isNew = true;
   },
   release({ vertex }) {
@@ -169,7 +176,7 @@ async function answer({ id, ask, ...given }) {
 }
 
 async function step() {
-  if (hold) moveTo(hold.vertex, hold.next(cloth.stepLength), cloth.stepLength);
+  hold?.set(hold.force(cloth.stepLength), setForce);
   ball?.before(cloth.stepLength);
   try {
     if (device) await cloth.awaitStep();

@@ -38,6 +38,10 @@ const asks = {
     reference.set({ ...changes, ...finer(accuracy, FINER) });
     ahead = after - reference.time;
   },
+  setForce({ vertex, force, time }) {
+    go_on(time);
+    reference.setForce(vertex, force);
+  },
   moveTo({ vertex, place, seconds, time }) {
     go_on(time);
     reference.moveTo(vertex, place, seconds);
