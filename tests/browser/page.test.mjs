@@ -368,7 +368,7 @@ test("the chart measures in a worker while the page goes on", { skip }, async ()
   const { page, errors } = await open("#scene=cantilever");
   await page.click("#chart");
   const before = await inPage(page, () => muslin.run().view.steps);
-  await page.waitForFunction(() => document.querySelectorAll("#plot circle").length >= 8);
+  await page.waitForFunction(() => document.querySelectorAll("#plot .point").length >= 8);
   assert.ok((await inPage(page, () => muslin.run().view.steps)) > before + 5, "the cloth moves meanwhile");
   await page.waitForFunction(() => document.getElementById("chart").textContent === "Speed against accuracy");
   assert.match(await page.locator("#plot figcaption").textContent(), /failed with.*RMS error after 0\.500 s/s);

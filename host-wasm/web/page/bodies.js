@@ -34,19 +34,17 @@ export function corners(bodies) {
 const out = { numbers: new Float32Array(1 << 12), length: 0, kind: SOLID };
 
 /** Appends a corner. */
-function put([x, y, z], [nx, ny, nz]) {
+function put(place, normal) {
   if (out.length + CORNER > out.numbers.length) {
     const more = new Float32Array(2 * out.numbers.length);
     more.set(out.numbers);
     out.numbers = more;
   }
   const { numbers, length } = out;
-  numbers[length] = x;
-  numbers[length + 1] = y;
-  numbers[length + 2] = z;
-  numbers[length + 3] = nx;
-  numbers[length + 4] = ny;
-  numbers[length + 5] = nz;
+  for (let k = 0; k < 3; k++) {
+    numbers[length + k] = place[k];
+    numbers[length + 3 + k] = normal[k];
+  }
   numbers[length + 6] = out.kind;
   out.length += CORNER;
 }
@@ -98,15 +96,29 @@ function round({ points, radius }) {
   const axis = points.length > 3 ? unit(sub(from, to)) : [0, 1, 0];
   const x = across(axis);
   const z = cross(axis, x);
-  const normals = rings.map(({ up, out }) => turns.map(([c, s]) => [0, 1, 2].map((k) => up * axis[k] + out * (c * x[k] + s * z[k]))));
-  const places = normals.map((ring, k) => {
-    const end = rings[k].isUpper ? from : to;
-    return ring.map((normal) => [end[0] + radius * normal[0], end[1] + radius * normal[1], end[2] + radius * normal[2]]);
-  });
+  // Without a list for each corner, because moving bodies are made anew for every picture.
+  const [place, normal] = [
+    [0, 0, 0],
+    [0, 0, 0],
+  ];
+  const corner = ({ isUpper, up, out }, [c, s]) => {
+    const end = isUpper ? from : to;
+    for (let k = 0; k < 3; k++) {
+      normal[k] = up * axis[k] + out * (c * x[k] + s * z[k]);
+      place[k] = end[k] + radius * normal[k];
+    }
+    put(place, normal);
+  };
   for (let ring = 1; ring < RINGS; ring++) {
-    for (let place = 0; place < AROUND; place++) {
-      const four = (all) => [all[ring - 1][place], all[ring][place], all[ring][place + 1], all[ring - 1][place + 1]];
-      quad(four(places), four(normals));
+    const [above, below] = [rings[ring - 1], rings[ring]];
+    for (let turn = 0; turn < AROUND; turn++) {
+      const [left, right] = [turns[turn], turns[turn + 1]];
+      corner(above, left);
+      corner(below, left);
+      corner(below, right);
+      corner(above, left);
+      corner(below, right);
+      corner(above, right);
     }
   }
 }

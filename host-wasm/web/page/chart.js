@@ -2,7 +2,15 @@
 
 import { length } from "./error.js";
 
-const COLOURS = ["#c33", "#e80", "#a70", "#380", "#07a", "#44c", "#a3a"];
+/** Colours that differ for all kinds of colour vision (M. Okabe, K. Ito), and a shape for each, in a square from -4 to 4. */
+const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444"];
+const SHAPES = ["M-4 -4H4V4H-4Z", "M0 -5L5 0L0 5L-5 0Z", "M0 -5L5 4H-5Z", "M0 5L5 -4H-5Z", "M-4 -1H-1V-4H1V-1H4V1H1V4H-1V1H-4Z"].concat([
+  "M-5 0A5 5 0 0 1 5 0A5 5 0 0 1 -5 0Z",
+  "M-4 -2L-2 -4L0 -2L2 -4L4 -2L2 0L4 2L2 4L0 2L-2 4L-4 2L-2 0Z",
+]);
+/** The mark of a method, by its number, at a place. */
+const mark = (k, x, y, title = "") =>
+  `<path class="point" d="${SHAPES[k]}" transform="translate(${x} ${y})" fill="${COLOURS[k]}">${title}</path>`;
 const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [360, 300, 56, 38, 10];
 
 /** Measures a cloth's scene in a worker and draws into a figure. Returns a function that ends it. */
@@ -20,7 +28,7 @@ export function chart(figure, { scene, stepLength: step, stepError: error }, sec
     state.doing = data.doing ?? state.doing;
     state.until = data.until ?? state.until;
     state.reference = data.reference ?? state.reference;
-    if (data.point) (data.point.failed || !(data.point.error < 1e3) ? state.failed : state.points).push(data.point);
+    if (data.point) put(data.point.failed || !(data.point.error < 1e3) ? state.failed : state.points, data.point);
     if (data.done || data.kind === "failed") end();
     else figure.innerHTML = drawn(state);
   };
@@ -29,6 +37,13 @@ export function chart(figure, { scene, stepLength: step, stepError: error }, sec
   figure.hidden = false;
   figure.innerHTML = drawn(state);
   return end;
+}
+
+/** Adds a point, or replaces the one of the same method and step. */
+function put(points, point) {
+  const at = points.findIndex(({ method, step }) => method === point.method && step === point.step);
+  if (at < 0) points.push(point);
+  else points[at] = point;
 }
 
 const escaped = (text) => text.replace(/[<&]/g, (letter) => (letter === "<" ? "&lt;" : "&amp;"));
@@ -60,7 +75,7 @@ export function drawn({ name = "untitled", points, doing, failed, until, referen
     parts.push(`<path d="${line}" fill="none" stroke="${COLOURS[k]}" stroke-width="1.5"/>`);
     for (const { ms, error, step } of own) {
       const title = `${method}, ${(1000 * step).toPrecision(3)} ms steps: error ${length(error)}, computing time ${ms.toPrecision(3)} ms per simulated second`;
-      parts.push(`<circle cx="${x(ms)}" cy="${y(error)}" r="4" fill="${COLOURS[k]}"><title>${title}</title></circle>`);
+      parts.push(mark(k, x(ms), y(error), `<title>${title}</title>`));
     }
   });
   if (reference > 0) {
@@ -68,7 +83,7 @@ export function drawn({ name = "untitled", points, doing, failed, until, referen
   }
   const legend = methods.map((method, k) => {
     const lost = failed.filter((point) => point.method === method).length;
-    return `<span style="color:${COLOURS[k]}">● ${method}</span>${lost ? ` (failed with ${lost} step${lost > 1 ? "s" : ""})` : ""}`;
+    return `<svg viewBox="-5 -5 10 10" aria-hidden="true">${mark(k, 0, 0).replace(' class="point"', "")}</svg> ${method}${lost ? ` (failed with ${lost} step${lost > 1 ? "s" : ""})` : ""}`;
   });
   return `<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label="Error against time for each method" font-size="11" font-family="system-ui">
     ${parts.join("")}<text x="${WIDTH / 2}" y="${HEIGHT - 5}" text-anchor="middle">computing time, ms per simulated second</text></svg>
