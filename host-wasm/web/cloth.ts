@@ -355,7 +355,7 @@ export class Cloth {
    * error control takes about as long as 200 solver iterations.
    */
   warnings(): Warning[] {
-    const all = this.#idle.warnings();
+    const all = this.#call((own) => own.warnings());
     return Array.from({ length: all.length / 4 }, (_, k) => {
       const [code, value, beside, doubtful] = all.slice(4 * k);
       return { code, value, beside, doubtful };
@@ -648,7 +648,7 @@ export class Cloth {
 
   /** Diagnostics of the state and of the work. */
   summary(): Summary {
-    const all = this.#idle.numbers();
+    const all = this.#call((own) => own.numbers());
     return {
       stretch: named(["max", "mean"], all),
       energy: named(ENERGIES, all, 2),

@@ -1,11 +1,11 @@
 // A ball that the user throws. It flies freely, the cloth slows it down, and it bounces off the other colliders.
 
-import { add, dot, sub, unit } from "./vector.js";
+import { add, dot, point, sub, unit } from "./vector.js";
 
 /** Radius, m, mass, kg, and speed, m/s. A light ball would be stopped by the cloth at once. */
-const RADIUS = 0.07;
-const MASS = 0.4;
-const SPEED = 5;
+const RADIUS = 0.09;
+const MASS = 1;
+const SPEED = 4;
 /** Time after which it is gone, s. */
 const LIFE = 3;
 /** Share of the speed that a bounce leaves. */
@@ -21,26 +21,47 @@ export function withBall(scene) {
   return { ...scene, collider: [...(scene.collider ?? []), { shape: "sphere", center: AWAY, radius: RADIUS }] };
 }
 
+/** A scene without the ball. */
+export function withoutBall({ collider, ...scene }) {
+  return collider.length > 1 ? { ...scene, collider: collider.slice(0, -1) } : scene;
+}
+
 /** The bodies without the ball, unless it flies. */
 export const seen = (bodies, ball) => (ball && !ball.isFlying ? bodies.slice(0, -1) : bodies);
 
 export class Ball {
   #cloth;
   #number;
-  #tell;
+  #repeat;
+  #gravity;
+  /** Distance from other colliders at which it bounces off, m. */
+  #room;
   #velocity;
   #place;
   #left = 0;
   /** Whether it still moves to the place where it starts, switched off, so that it does not jump through the cloth. */
   #isComing = false;
 
-  /** `tell(ask)` repeats what happens to the collider in the reference. */
-  constructor(cloth, tell) {
+  /** `repeat(action)` repeats an action on the collider in the reference. */
+  constructor(cloth, repeat) {
     this.#cloth = cloth;
     this.#number = cloth.bodies().length - 1;
-    this.#tell = tell;
+    this.#repeat = repeat;
+    const { gravity, contact } = cloth.scene;
+    this.#gravity = Array.isArray(gravity) ? gravity : [0, 0, 0];
+    this.#room = RADIUS + LAYERS * contact.thickness;
     cloth.measureImpulses();
-    this.#show(false);
+    cloth.switchCollider(this.#number, false);
+  }
+
+  /** The action that brings a reference to the present state: it is switched off. */
+  state() {
+    return { ask: "switchCollider", collider: this.#number, isOn: false };
+  }
+
+  /** Whether it flies, or comes to the place where it starts. */
+  get isHere() {
+    return this.isFlying || this.#isComing;
   }
 
   get isFlying() {
@@ -49,12 +70,12 @@ export class Ball {
 
   #show(isOn) {
     this.#cloth.switchCollider(this.#number, isOn);
-    this.#tell({ ask: "switchCollider", collider: this.#number, isOn });
+    this.#repeat({ ask: "switchCollider", collider: this.#number, isOn });
   }
 
   #move(seconds) {
     this.#cloth.moveCollider(this.#number, this.#place, undefined, seconds);
-    this.#tell({ ask: "moveCollider", collider: this.#number, place: this.#place, seconds });
+    this.#repeat({ ask: "moveCollider", collider: this.#number, place: this.#place, seconds });
   }
 
   /** Throws it from a place towards another, after the next step. */
@@ -71,20 +92,18 @@ export class Ball {
     if (!this.isFlying) return;
     this.#left -= seconds;
     if (!this.isFlying) return this.stop();
-    const { gravity, contact } = this.#cloth.scene;
-    this.#velocity = add(this.#velocity, Array.isArray(gravity) ? gravity : [0, 0, 0], seconds);
-    const room = RADIUS + LAYERS * (contact?.thickness ?? 0);
-    for (const body of this.#cloth.bodies().slice(0, -1)) this.#bounce(body, room, seconds);
+    this.#velocity = add(this.#velocity, this.#gravity, seconds);
+    for (const body of this.#cloth.bodies().slice(0, -1)) if (body.shape !== "mesh") this.#bounce(body, seconds);
     this.#place = add(this.#place, this.#velocity, seconds);
     this.#move(seconds);
   }
 
   /** Turns the velocity back where the next step would lead too near to a body. */
-  #bounce(body, room, seconds) {
+  #bounce(body, seconds) {
     const next = add(this.#place, this.#velocity, seconds);
     const off = sub(next, nearest(body, next));
-    const distance = body.shape === "plane" ? dot(sub(next, point(body, 0)), body.normal) : Math.hypot(...off) - body.radius;
-    if (distance > room) return;
+    const distance = body.shape === "plane" ? dot(sub(next, point(body.points, 0)), body.normal) : Math.hypot(...off) - body.radius;
+    if (distance > this.#room) return;
     const normal = body.shape === "plane" ? body.normal : unit(off);
     const towards = dot(this.#velocity, normal);
     if (towards < 0) this.#velocity = add(this.#velocity, normal, -(1 + BOUNCE) * towards);
@@ -104,20 +123,19 @@ export class Ball {
   /** Takes it away. */
   stop() {
     this.#left = 0;
+    this.#isComing = false;
     this.#show(false);
   }
 }
 
-const point = ({ points }, k) => Array.from(points.subarray(3 * k, 3 * k + 3));
-
 /** The point nearest to a place: of the middle of a sphere, of the axis of a capsule, or of a box. */
 function nearest(body, place) {
-  const from = point(body, 0);
-  if (body.shape === "capsule") return along(from, point(body, 1), place);
+  const from = point(body.points, 0);
+  if (body.shape === "capsule") return along(from, point(body.points, 1), place);
   if (body.shape !== "box") return from;
   // The corners 1, 2 and 4 lie along the edges from the corner 0.
   return [1, 2, 4].reduce((near, k) => {
-    const edge = sub(point(body, k), from);
+    const edge = sub(point(body.points, k), from);
     const part = Math.max(0, Math.min(1, dot(sub(place, from), edge) / dot(edge, edge)));
     return add(near, edge, part);
   }, from);

@@ -1,15 +1,13 @@
 // Colliders as triangles: the position, the normal and the kind of each corner. They are computed again when a collider
 // moves.
 
-import { add, cross, sub, unit } from "./vector.js";
+import { add, cross, point, sub, unit } from "./vector.js";
 
 const AROUND = 28;
 const RINGS = 14;
 const FLOOR = 4; // m, half the edge of the square that is drawn of a plane
 
 const across = (n) => unit(cross(n, Math.abs(n[1]) < 0.9 ? [0, 1, 0] : [1, 0, 0]));
-
-const point = (points, k) => Array.from(points.subarray(3 * k, 3 * k + 3));
 
 /** Numbers of a corner. */
 const CORNER = 7;
@@ -25,8 +23,11 @@ let last = { bodies: [], corners: new Float32Array(), floor: 0, glass: 0 };
  * from the corner `floor` on the solid ones, and from `glass` on those of glass.
  */
 export function corners(bodies) {
-  const rest = (body, k) => body.points.every((x, i) => x === last.bodies[k].points[i]);
-  if (bodies.length !== last.bodies.length || !bodies.every(rest)) last = { bodies, ...made(bodies) };
+  const isSame = ({ shape, radius, points }, k) => {
+    const { [k]: before } = last.bodies;
+    return shape === before.shape && radius === before.radius && points.every((x, i) => x === before.points[i]);
+  };
+  if (bodies.length !== last.bodies.length || !bodies.every(isSame)) last = { bodies, ...made(bodies) };
   return last;
 }
 
@@ -63,7 +64,7 @@ function made(bodies) {
 
 /** A pole for vertices that are pinned in a line upright, as those of a flag: from the ground to a little above them. */
 export function pole(positions, pins) {
-  const places = Array.from(pins, (pin) => Array.from(positions.subarray(3 * pin, 3 * pin + 3)));
+  const places = Array.from(pins, (pin) => point(positions, pin));
   if (places.length < 3) return [];
   const [low, ...others] = places.sort((a, b) => a[1] - b[1]);
   if (!others.every((place) => Math.hypot(place[0] - low[0], place[2] - low[2]) < 1e-3)) return [];

@@ -4,6 +4,8 @@ import { SHADOW } from "./look.js";
 import { add, cross, dot, sub, unit } from "./vector.js";
 
 const OPENING = 0.7; // rad, field of view of the shorter side
+/** The direction from which a cloth is seen at first, rad. */
+const FROM = { yaw: 0.6, pitch: 0.25 };
 /** The direction to the sun. */
 const SUN = unit(SHADOW.sun.split(",").map(Number));
 /** Share of the way per picture by which the view follows a cloth that leaves its middle. */
@@ -25,8 +27,9 @@ export class Camera {
     });
   }
 
-  /** Moves the camera so that all positions are in view. */
-  frame(positions) {
+  /** Moves the camera so that all positions are in view, from the first direction if the user asks for it. */
+  frame(positions, isAnew = false) {
+    if (isAnew) Object.assign(this, FROM);
     const { low, high } = bounds(positions);
     // Include the space below, down to the floor or 1 m, because cloth falls.
     low[1] = Math.min(low[1], Math.max(0, low[1] - 1));

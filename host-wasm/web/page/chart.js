@@ -53,7 +53,9 @@ const powers = (values) => [Math.floor(Math.log10(Math.min(...values))), Math.ce
 export function drawn({ name = "untitled", points, doing, failed, until, reference, done, why }) {
   // The clocks of browsers are coarse: a run that took 0 ms cannot be drawn on a logarithmic axis.
   const seen = points.filter(({ error, ms }) => error > 0 && ms > 0);
-  const now = done ? escaped(why ?? "") : `${escaped(doing || "Measuring")} …`;
+  const now = done
+    ? escaped(why ?? "")
+    : `The error of every method, and its time, in seconds to minutes. Now: ${escaped(doing || "start")} …`;
   if (seen.length === 0) return `<figcaption>${now || "There are no measurements to draw."}</figcaption>`;
   const [x0, x1] = powers(seen.map(({ ms }) => ms));
   const [y0, y1] = powers([...seen.map(({ error }) => error), reference || Infinity].filter(Number.isFinite));

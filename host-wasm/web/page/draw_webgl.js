@@ -17,6 +17,8 @@ precision highp float; precision highp sampler2DShadow;
 in vec3 p, n, l; in vec2 t; flat in int what; in float strain; uniform vec4 look, paper; uniform sampler2DShadow shadow; out vec4 seen;
 void main() {
   vec3 eye = normalize(look.xyz - p), m = normalize(n), sun = vec3(${SHADOW.sun}), colour = vec3(${COLOURS.cloth});
+  // From below the floor is not seen.
+  if (what == 3 && dot(m, eye) < 0.) discard;
   if (dot(m, eye) < 0.) m = -m;
   vec2 w = fwidth(t), stripe = mix(smoothstep(.25 - w, .25 + w, abs(fract(t) - .5)), vec2(.5), clamp(2. * w, 0., 1.));
   if (what == 0) colour *= mix(1., .84, stripe.x) * mix(1., .84, stripe.y);
@@ -52,7 +54,7 @@ function linked(gl, vertex, fragment) {
   return { program, at: Object.fromEntries(["matrix", "light", "look", "paper", "body"].map((name) => [name, at(name)])) };
 }
 
-/** The depth of what the light sees, as a texture that compares. */
+/** The depth in the view of the sun, as a texture that compares. */
 function depthMap(gl) {
   const map = gl.createTexture();
   gl.bindTexture(gl.TEXTURE_2D, map);

@@ -44,6 +44,8 @@ fn seen(place: vec3f, normal: vec3f, uv: vec2f, strain: f32, what: u32) -> Seen 
   }
   var light = .4 + .5 * lit * max(dot(n, vec3f(${SHADOW.sun})), 0.0) + .18 * max(dot(n, eye), 0.0);
   if (v.what == 3) { light = .78 + .22 * lit; }
+  // From below the floor is not seen.
+  if (v.what == 3 && dot(normalize(v.normal), eye) < 0.0) { discard; }
   return vec4f(colour * light, select(1.0, .15, v.what == 4));
 }`;
 

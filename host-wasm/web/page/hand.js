@@ -1,5 +1,7 @@
 // The user's hand: grabs vertices, moves and pins them, and turns the view.
 
+import { point } from "./vector.js";
+
 /** Distance within which a vertex is grabbed, px. */
 const REACH = 40;
 const KEY = 0.02; // move per key press, as a fraction of the height of the view
@@ -66,7 +68,7 @@ export class Hand {
   }
 
   #place(vertex) {
-    return Array.from(this.#cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
+    return point(this.#cloth.positions(), vertex);
   }
 
   #let_go() {

@@ -1,7 +1,7 @@
 // The hand that holds the cloth: a bounded force that draws the vertices around the held one to the hand. Contact stays
 // exact, and the cloth stretches no more than the force allows.
 
-import { cross, dot, sub } from "./vector.js";
+import { cross, dot, point, sub } from "./vector.js";
 
 /** Vertices that share the force: this part of all, but at least so many. */
 const SHARE = 0.015;
@@ -17,7 +17,6 @@ const MORE = 1.5;
 
 export class Hold {
   #cloth;
-  #patch;
   /** Masses of the held vertices and of all cloth, kg. */
   #own;
   #whole;
@@ -27,13 +26,15 @@ export class Hold {
   #last = { force: [0, 0, 0], velocity: [0, 0, 0] };
 
   constructor(vertex, to, cloth) {
-    Object.assign(this, { vertex, to });
+    if (!(vertex < cloth.vertexCount)) throw new Error(`there is no vertex ${vertex}`);
+    /** The held vertex, the place to which the hand draws it, m, and the vertices that share the force. */
+    Object.assign(this, { vertex, to, vertices: [] });
     this.#cloth = cloth;
     const triangles = cloth.triangles();
-    this.#patch = around(triangles, vertex, Math.max(LEAST, SHARE * cloth.vertexCount));
+    this.vertices = around(triangles, vertex, Math.max(LEAST, SHARE * cloth.vertexCount));
     const density = Math.min(...cloth.scene.cloth.map(({ density }) => density));
     this.#whole = density * area(cloth.positions(), triangles);
-    this.#own = (this.#whole * this.#patch.length) / cloth.vertexCount;
+    this.#own = (this.#whole * this.vertices.length) / cloth.vertexCount;
     this.#mass = this.#own;
   }
 
@@ -42,12 +43,12 @@ export class Hold {
     const off = sub(this.to, point(this.#cloth.positions(), this.vertex));
     const velocities = this.#cloth.velocities();
     const velocity = [0, 0, 0];
-    for (const vertex of this.#patch) for (let k = 0; k < 3; k++) velocity[k] += velocities[3 * vertex + k] / this.#patch.length;
+    for (const vertex of this.vertices) for (let k = 0; k < 3; k++) velocity[k] += velocities[3 * vertex + k] / this.vertices.length;
     this.#estimate(velocity, seconds);
     const wanted = off.map((x, k) => this.#mass * ((NEARER * x) / seconds ** 2 - velocity[k] / seconds));
     const force = bounded(wanted, STRONGEST * this.#whole * EARTH);
     this.#last = { force, velocity };
-    return force.map((x) => x / this.#patch.length);
+    return force.map((x) => x / this.vertices.length);
   }
 
   /** Estimates the mass from the change of velocity. It falls at once, because too much force would make the cloth swing. */
@@ -58,14 +59,7 @@ export class Hold {
     if (moved > MORE * this.#mass) this.#mass = Math.min(this.#whole, GROWTH * this.#mass);
     else if (moved < this.#mass) this.#mass = Math.max(this.#own, moved);
   }
-
-  /** Sets this force on all held vertices. `act(vertex, force)` sets one. */
-  set(force, act) {
-    for (const vertex of this.#patch) act(vertex, force);
-  }
 }
-
-const point = (columns, vertex) => Array.from(columns.subarray(3 * vertex, 3 * vertex + 3));
 
 /** A vector that is at most so long. */
 function bounded(a, most) {

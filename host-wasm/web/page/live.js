@@ -20,8 +20,9 @@ const SHARE = 0.85;
 /** Stretch from which a more accurate setting is tried, and the share of it that such a setting may leave. */
 const STRETCHED = 0.07;
 const LESS = 0.7;
-/** Simulated time of a run that measures, of the part of it that costs most, and between the beginnings of parts, s. */
+/** Simulated time of a run that measures, s. */
 const SECONDS = 4;
+/** Length of the part of it that costs most, and the time between the beginnings of parts, s. */
 const PART = 2;
 const BETWEEN = 0.25;
 /** Time of the machine for the first run and for each further one, ms, and before them, while the browser compiles the module. */
@@ -66,7 +67,7 @@ function measured(cloth, longest, now) {
     stretch = Math.max(stretch, cloth.summary().stretch.max - 1);
     if (cloth.time - times.at(-1)[0] >= BETWEEN) times.push([cloth.time, (now() - began) / 1000]);
   }
-  times.push([cloth.time, (now() - began) / 1000]);
+  if (cloth.time > times.at(-1)[0]) times.push([cloth.time, (now() - began) / 1000]);
   const parts = Math.max(1, Math.floor(Math.min(PART, cloth.time) / BETWEEN));
   const costs = times.slice(parts).map(([time, spent], k) => (spent - times[k][1]) / (time - times[k][0]));
   return { cost: Math.max(...costs), stretch, isWhole: cloth.time >= SECONDS };
@@ -74,7 +75,7 @@ function measured(cloth, longest, now) {
 
 /**
  * Chooses changes of a scene. `make(changes)` makes a cloth of it; `isImplicit` says whether its method divides steps by their
- * error. Returns the changes, the setting, and the speed that is expected, as simulated time over real time.
+ * error. Returns the changes and the setting.
  */
 export function choose(make, scene, isImplicit, now = () => performance.now()) {
   const using = (changes, act) => {
@@ -103,7 +104,7 @@ export function choose(make, scene, isImplicit, now = () => performance.now()) {
     if (best && vertices < enough && !(best.stretch > STRETCHED && stretch < LESS * best.stretch)) break;
     const factor = Math.sqrt(vertices / all);
     const changes = { ...(factor < 1 ? cells(scene, factor) : {}), ...timed(setting) };
-    best = { changes, setting, stretch, speed: 1 / (cost * (vertices / few) ** POWER) };
+    best = { changes, setting, stretch };
   }
-  return best;
+  return { changes: best.changes, setting: best.setting };
 }

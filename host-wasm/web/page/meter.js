@@ -6,11 +6,13 @@ export class Meter {
   #before = {};
   #last;
 
-  /** Counts and times per step since the last reading. They start over with another cloth or a longer step. */
+  /** Counts and times per step since the last reading. They start over with another cloth or step. */
   read(cloth) {
     const { stretch, energy, proximity, impacts } = cloth.summary();
-    const now = { cloth, steps: cloth.steps, contacts: proximity + impacts };
-    const taken = now.cloth === this.#before.cloth ? now.steps - this.#before.steps : -1;
+    const now = { cloth, steps: cloth.steps, step: cloth.stepLength, contacts: proximity + impacts };
+    // The number of steps is the simulated time divided by their length.
+    const isSame = now.cloth === this.#before.cloth && now.step === this.#before.step;
+    const taken = isSame ? now.steps - this.#before.steps : -1;
     if (taken < 0) this.#last = { contacts: 0, times: NONE };
     if (taken !== 0) {
       const times = cloth.takeTimes();

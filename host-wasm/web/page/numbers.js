@@ -21,6 +21,8 @@ const WARNINGS = {
   exceeding: "the error of a step was too large",
   newton: "Newton's method leaves contacts out",
 };
+/** The warning of an error that the page chose. */
+const LIVE = "live allows large errors here; the detail “as in the scene” is exact and slower";
 const PARTS = [
   ["predict", "forces, solver"],
   ["broadPhase", "broad phase"],
@@ -29,17 +31,17 @@ const PARTS = [
 ];
 
 /** The state of the error, as text. */
-function compared({ error, comparing, paused, speed }) {
+function compared({ error, comparing }) {
   if (!error) return comparing ? "shown after the next reset" : "off";
   if (error.why) return error.why;
   if (error.time !== undefined) return `${length(error.error)} at ${error.time.toFixed(2)} s`;
-  return paused || !(speed < 0.98) ? "…" : "waits: the run is slower than real time";
+  return error.waits ? "waits: the run is slower than real time" : "…";
 }
 
-function rows(numbers) {
-  const { time, paused, speed = 1, stretch, energy, contacts, times, warnings } = numbers;
+function rows(numbers, isLive) {
+  const { time, paused, speed, stretch, energy, contacts, times, warnings } = numbers;
   return [
-    ["time", `${time.toFixed(2)} s, ${paused ? "paused" : `${speed.toFixed(2)} × real time`}`],
+    ["time", `${time.toFixed(2)} s, ${paused ? "paused" : speed === undefined ? "…" : `${speed.toFixed(2)} × real time`}`],
     ["error (RMS distance to a run with step / 4)", compared(numbers)],
     ["largest stretch", `${(100 * (stretch - 1)).toFixed(2)} %`],
     ["energy", `${energy.toPrecision(4)} J`],
@@ -48,12 +50,12 @@ function rows(numbers) {
       name,
       `${times[part].toFixed(2)} ms per step`,
     ]),
-    ...warnings.map(({ code, doubtful }) => [doubtful ? "doubtful" : "warning", WARNINGS[code]]),
+    ...warnings.map(({ code, doubtful }) => [doubtful ? "doubtful" : "warning", isLive && code === "error" ? LIVE : WARNINGS[code]]),
   ];
 }
 
-/** Shows the numbers in a list. */
-export function show(list, numbers) {
+/** Shows the numbers in a list. `isLive`: the page chose the allowed error. */
+export function show(list, numbers, isLive) {
   const item = (tag, text) => Object.assign(document.createElement(tag), { textContent: text });
-  list.replaceChildren(...rows(numbers).flatMap(([name, text]) => [item("dt", name), item("dd", text)]));
+  list.replaceChildren(...rows(numbers, isLive).flatMap(([name, text]) => [item("dt", name), item("dd", text)]));
 }

@@ -36,7 +36,7 @@ const FIRST = 0.35;
 const STILL = matchMedia("(prefers-reduced-motion: reduce)");
 
 const state = { scene: "ball", changes: {}, shown: {} };
-/** What was chosen for the detail `live`: {changes, setting, speed}, by scene and changes of the user, and now. */
+/** Choices for the detail `live`, {changes, setting}, by scene and changes of the user; and the present one. */
 const choices = new Map();
 let live;
 /** The text of the scene that the user typed in last. */
@@ -59,6 +59,9 @@ function say(text, bad = false) {
   banner.classList.toggle("bad", bad);
 }
 
+/** Shows the usual line again, unless an error is shown. */
+const quiet = () => el("banner").classList.contains("bad") || say("");
+
 const picture = new Picture(el("picture"), camera, new URLSearchParams(location.hash.slice(1)).get("draw"), say);
 const run = new Run(picture, say, () => pause());
 const hand = new Hand(pad, camera, run);
@@ -80,10 +83,11 @@ function settings_for(method) {
 
 /** Chooses the detail that this machine simulates in real time. */
 async function choose(scene) {
-  const name = JSON.stringify([scene, state.changes]);
+  // A key that the user removed is part of the name.
+  const name = JSON.stringify([scene, state.changes], (_, value) => (value === undefined ? "none" : value));
   if (!choices.has(name)) {
     if (!run.view) {
-      await run.open(scene, { ...cells(scene, FIRST), ...state.changes });
+      await run.open(scene, { ...cells(scene, FIRST), ...state.changes }, true);
       camera.frame(run.positions());
     }
     say("measuring how fast this machine is …");
@@ -124,9 +128,13 @@ function show() {
   el("strain").checked = picture.strain;
   el("legend").hidden = !picture.strain;
   el("throw").disabled = !run.cloth.hasBall;
+  address.write(state);
+}
+
+/** Writes the scene in view with the changes of the user as text. A text that was refused stays until then. */
+function write() {
   const own = Object.keys(state.changes).length > 0;
   el("text").value = own ? stringify(changed(base, state.changes)) : given;
-  address.write(state);
 }
 
 /** Stores changes, the latest ones last. A new value for a key removes older values for keys inside it. */
@@ -142,28 +150,41 @@ function keep(changes) {
 /** Changes values, and stores those in `kept`. If one is refused, the scene and the controls stay as before. */
 function change(changes, kept = changes) {
   attempt(async () => {
-    await run.set(changes);
-    keep(kept);
+    await apply(changes, kept);
     say("");
     show();
+    write();
   });
+}
+
+/** Changes values, or starts the scene anew with them if the run has stopped by itself. */
+async function apply(changes, kept = changes) {
+  if (!run.hasStopped) await run.set(changes);
+  keep(kept);
+  if (run.hasStopped) await open(state.scene, state.shown.text);
 }
 
 /** Starts a built-in scene, or a scene from a text. */
 async function open(name, text = texts[name]) {
   if (text === undefined) throw new Error(`there is no scene ${name}; there are ${Object.keys(texts).join(", ")}`);
+  if (!/[=[]/.test(text))
+    throw new Error("a scene has keys and sections, such as duration = 1 and [[cloth]]: see the text of a built-in one");
   const scene = read(text);
+  say("");
   live = state.shown.detail ? undefined : await choose(scene);
+  const hadStopped = run.hasStopped;
   await run.open(scene, { ...live?.changes, ...state.changes });
+  if (hadStopped) pause(false);
   [base, given] = [scene, text];
   state.scene = name;
   hand.drop();
   camera.frame(run.positions());
+  quiet();
   // The text of a scene that the user typed in is part of the address.
   if (name === OWN) state.shown.text = own = text;
   else delete state.shown.text;
-  say("");
   show();
+  write();
   if (el("device").checked) device();
 }
 
@@ -171,10 +192,13 @@ async function open(name, text = texts[name]) {
 function attempt(what) {
   run.ask(async () => {
     const before = { ...state, changes: { ...state.changes }, shown: { ...state.shown } };
+    const [choice, strained] = [live, picture.strain];
     try {
       await what();
     } catch (error) {
       Object.assign(state, before);
+      live = choice;
+      picture.strain = strained;
       if (base) show();
       throw error;
     }
@@ -182,8 +206,10 @@ function attempt(what) {
 }
 
 function reset() {
-  pause(false);
-  attempt(() => open(state.scene, state.shown.text));
+  attempt(async () => {
+    await open(state.scene, state.shown.text);
+    pause(false);
+  });
 }
 
 function pause(whether = run.paused) {
@@ -220,7 +246,7 @@ function device() {
       el("device").checked = false;
       throw error;
     });
-    say("");
+    quiet();
   });
 }
 
@@ -242,15 +268,17 @@ const KEYS = {
   r: reset,
   s: () => strain(!picture.strain),
   b: fly,
-  c: () => camera.frame(run.positions()),
+  c: () => camera.frame(run.positions(), true),
 };
 
-/** Starts what the address asks for. */
-function visit() {
+/** Starts the scene of the address. */
+async function visit() {
   const asked = address.read();
   Object.assign(state, { changes: {}, shown: {}, ...asked, scene: asked.scene ?? "ball" });
   picture.strain = asked.shown.strain === "1";
-  return open(state.scene, asked.shown.text);
+  el("compare").checked = asked.shown.compare !== "0";
+  await run.compare(el("compare").checked);
+  await open(state.scene, asked.shown.text);
 }
 
 function listen() {
@@ -262,9 +290,12 @@ function listen() {
     });
   el("scene").onchange = () => anew(el("scene").value, el("scene").value === OWN ? own : undefined);
   el("detail").onchange = () => {
-    if (el("detail").value === DETAILS[0]) delete state.shown.detail;
-    else state.shown.detail = "scene";
-    reset();
+    const isLive = el("detail").value === DETAILS[0];
+    attempt(async () => {
+      if (isLive) delete state.shown.detail;
+      else state.shown.detail = "scene";
+      await open(state.scene, state.shown.text);
+    });
   };
   el("pause").onclick = KEYS[" "];
   el("step").onclick = KEYS["."];
@@ -274,8 +305,8 @@ function listen() {
     attempt(async () => {
       const keys = Object.keys(materials.silk);
       const values = materials[name] ?? Object.fromEntries(keys.map((key) => [key, valueAt(base, key)]));
-      await run.set(values);
-      keep(values);
+      if (materials[name]) state.shown.material = name;
+      await apply(values);
       if (materials[name]) state.shown.material = name;
       else {
         delete state.shown.material;
@@ -283,6 +314,7 @@ function listen() {
       }
       say("");
       show();
+      write();
     });
   };
   el("method").onchange = () => {
@@ -291,14 +323,18 @@ function listen() {
   };
   el("length").onchange = () => {
     const step = el("length").valueAsNumber / 1000;
-    // With the error that the run has: a step alone would fix the length of all steps.
-    run.ask(() => {
+    attempt(async () => {
+      if (!(step > 0)) throw new Error("a step is longer than 0 ms");
+      // With the error that the run has: a step alone would fix the length of all steps.
       const { stepError: error } = run.cloth;
       const own = { "integrator.step": step };
       const both = error ? { ...own, "integrator.error": error } : own;
       // The error of `live` belongs to this machine.
-      if (step > 0) change(both, state.shown.detail ? both : own);
-      else show();
+      await apply(both, state.shown.detail ? both : own);
+      const { stepLength } = run.cloth;
+      say(Math.abs(stepLength / step - 1) > 2e-3 ? `steps divide a frame evenly: ${+(1000 * stepLength).toPrecision(4)} ms` : "");
+      show();
+      write();
     });
   };
   el("wind").oninput = () => (el("speed").value = el("wind").value);
@@ -365,8 +401,7 @@ async function start() {
   list("material", ["as in the scene", ...Object.keys(materials)]);
   list("method", METHODS);
   terms();
-  el("compare").checked = address.read().shown.compare !== "0";
-  await run.compare(el("compare").checked);
+  listen();
   // On a phone the numbers would hide the cloth.
   el("measured").open = matchMedia("(min-width: 45rem)").matches;
   let trouble;
@@ -386,12 +421,13 @@ async function start() {
   };
   requestAnimationFrame(frame);
   await opened;
+  el("controls").inert = false;
   if (STILL.matches) pause(true);
-  listen();
   await picture.ready;
   if (trouble) say(trouble, true);
-  else say(STILL.matches ? "paused, because this system asks for little motion" : "");
-  setInterval(() => run.numbers && showNumbers(el("numbers"), run.numbers), 250);
+  else if (STILL.matches) say("paused, because this system asks for little motion");
+  else quiet();
+  setInterval(() => run.numbers && showNumbers(el("numbers"), run.numbers, Boolean(live)), 250);
   const { some, worth } = await offered();
   el("device").disabled = !some;
   if (worth && run.cloth.scene.contact) {

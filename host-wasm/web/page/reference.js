@@ -21,6 +21,8 @@ export class Reference {
   last;
   /** The reason why there is no reference. */
   why;
+  /** Whether it waits until the run leaves time for it. */
+  waits = false;
 
   constructor(scene, accuracy) {
     this.#worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
@@ -33,7 +35,7 @@ export class Reference {
   tell(what) {
     if (this.why !== undefined) return;
     this.#queue.push(what);
-    if (this.#queue.length > FULL) this.#give_up("the run is too slow for a reference");
+    if (this.#queue.length > FULL) this.#give_up("the reference is too slow to follow");
   }
 
   /** Reports that the run has reached this time with these positions. */
@@ -43,9 +45,10 @@ export class Reference {
     this.#queue.push({ ask: "until", time, positions: positions.slice() });
   }
 
-  /** Goes on with what waits, up to the next state. `isFree`: the run leaves time for it. */
+  /** Goes on with the queue, up to the next state. `isFree`: the run leaves time for it. */
   goOn(isFree = true) {
-    if (this.#waiting.size > 0 || !(isFree || navigator.hardwareConcurrency >= CORES)) return;
+    this.waits = !isFree && navigator.hardwareConcurrency < CORES;
+    if (this.#waiting.size > 0 || this.waits) return;
     while (this.#queue.length > 0 && this.#waiting.size === 0) {
       const { positions, ...what } = this.#queue.shift();
       if (positions) this.#waiting.set(what.time, positions);

@@ -1,18 +1,28 @@
 // The page's side of the run: it sends requests to the worker that takes the steps, and keeps the latest states.
 
-/** Longest step whose states are drawn as they come, s. Between those of longer steps the cloth moves evenly, as in the step. */
+/** Longest step whose states are drawn as they come, s. States of longer steps are interpolated. */
 const EVEN = 1 / 50;
+/** Longest time between two states that are interpolated, ms. */
+const LONGEST = 250;
+/** Time after which a worker that does not begin with a scene is replaced, ms: a step may take very long. */
+const PATIENCE = 5000;
 
 export class Run {
-  #worker = new Worker(new URL("simulator.js", import.meta.url), { type: "module" });
+  #worker;
   #answers = new Map();
   #last = 0;
   #todo = Promise.resolve();
   #paused = false;
-  /** The state before the latest one, the time at which that came, ms, and a state between them. */
+  #comparing = false;
+  /** The numbers of the cloth in view and of the latest one. The hand's requests name theirs, and others are ignored. */
+  #number = 0;
+  #latest = 0;
+  /** The state before the latest one, and a state between them. */
   #before;
-  #came = 0;
   #between = {};
+  /** The time at which the latest state came, and the time between it and the one before, ms. */
+  #came = 0;
+  #gap = 0;
   /** Older states that the worker has not got back. */
   #seen = [];
   /** The settings of the cloth: its scene, its step, and the number of its vertices. */
@@ -23,17 +33,41 @@ export class Run {
   numbers;
   /** The name of the device that finds the candidates. */
   device;
+  /** Whether the run has stopped by itself. */
+  hasStopped = false;
 
   /** `say(text, bad)` shows a message, `stopped()` is called when the run has stopped by itself. */
   constructor(picture, say, stopped) {
     Object.assign(this, { picture, say, stopped });
-    this.#worker.onmessage = ({ data }) => this.#hear[data.kind](data);
     /** Resolves to the texts of the built-in scenes, by name. */
     this.ready = new Promise((resolve, reject) => {
       this.#hear.ready = ({ texts }) => resolve(texts);
-      this.#hear.failed = ({ why }) => reject(new Error(why));
-      this.#worker.onerror = ({ message }) => reject(new Error(message ?? "the worker does not start"));
+      // Later failures are said, because the promise is settled then.
+      this.#hear.failed = ({ why }) => {
+        reject(new Error(why));
+        this.#replace(`${why}\nPress Reset.`);
+      };
     });
+    this.#begin();
+  }
+
+  #begin() {
+    this.#worker = new Worker(new URL("simulator.js", import.meta.url), { type: "module" });
+    this.#worker.onmessage = ({ data }) => this.#hear[data.kind](data);
+    this.#worker.onerror = ({ message }) => this.#hear.failed({ why: message ?? "the worker does not start" });
+  }
+
+  /** Starts another worker in place of one that failed. The last state stays in view. */
+  #replace(why) {
+    this.#worker.terminate();
+    this.#seen = [];
+    this.#before = undefined;
+    if (this.view) this.view = { ...this.view, isKept: true };
+    for (const { reject } of this.#answers.values()) reject(new Error(why));
+    this.#answers.clear();
+    this.#begin();
+    this.compare(this.#comparing);
+    this.say(why, true);
   }
 
   #hear = {
@@ -42,17 +76,17 @@ export class Run {
       this.numbers = numbers;
     },
     answer: ({ id, told, why }) => {
-      const { resolve, reject } = this.#answers.get(id);
+      const { resolve, reject } = this.#answers.get(id) ?? {};
       this.#answers.delete(id);
-      if (why === undefined) resolve(told);
-      else reject(new Error(why));
+      if (why === undefined) resolve?.(told);
+      else reject?.(new Error(why));
     },
     note: ({ note, device }) => {
       this.device = device;
       this.say(note, true);
     },
     stopped: ({ why }) => {
-      this.#paused = true;
+      this.#paused = this.hasStopped = true;
       this.stopped();
       this.say(why, true);
     },
@@ -62,7 +96,9 @@ export class Run {
     if (this.#before) this.#seen.push(this.#before);
     this.#before = this.view;
     this.view = view;
-    this.#came = performance.now();
+    const now = performance.now();
+    this.#gap = Math.min(now - this.#came, LONGEST);
+    this.#came = now;
   }
 
   /** Sends a request. The promise ends when it is done. */
@@ -74,12 +110,36 @@ export class Run {
     });
   }
 
-  /** Starts a scene, a new one or the same again. Throws if the scene is not valid. */
-  async open(scene, changes) {
-    const { surface, view, ...settings } = await this.#request("open", { scene, changes });
+  /** Sends a request that begins with a scene. If the worker does not come to it, another one does. */
+  async #anew(ask, given) {
+    let timer;
+    const late = new Promise((resolve) => {
+      timer = setTimeout(resolve, PATIENCE, "late");
+    });
+    const answer = this.#request(ask, given);
+    const first = await Promise.race([answer, late]).finally(() => clearTimeout(timer));
+    if (first !== "late") return first;
+    answer.catch(() => {});
+    this.#replace("the step took too long and was given up");
+    return this.#request(ask, given);
+  }
+
+  /** Sends a request of the hand, about the cloth in view. */
+  #about(ask, given) {
+    this.#request(ask, { ...given, number: this.#number }).catch((error) => this.say(error.message, true));
+  }
+
+  /** Starts a scene, a new one or the same again. Throws if the scene is not valid. `isFirst`: another follows at once. */
+  async open(scene, changes, isFirst = false) {
+    this.#latest += 1;
+    const number = this.#latest;
+    const { surface, view, ...settings } = await this.#anew("open", { scene, changes, isFirst, number });
+    this.#number = number;
     this.device = undefined;
+    this.numbers = undefined;
+    this.hasStopped = false;
     this.cloth = settings;
-    this.#look({ ...view, isFirst: true });
+    this.#look({ ...view, isKept: true });
     // Nothing lies between the states of two cloths.
     if (this.#before) this.#seen.push(this.#before);
     this.#before = undefined;
@@ -87,15 +147,18 @@ export class Run {
   }
 
   /** Chooses the detail of a scene that this machine simulates in real time; the changes of the user stay. */
-  choose = (scene, changes, isImplicit) => this.#request("choose", { scene, changes, isImplicit });
+  choose = (scene, changes, isImplicit) => this.#anew("choose", { scene, changes, isImplicit });
 
   /** Changes values at keys of the scene. */
   async set(changes) {
     this.cloth = await this.#request("set", { changes });
   }
 
-  /** Switches the reference on or off. It starts now if no step was taken, otherwise at the next start of the run. */
-  compare = (whether) => this.#request("compare", { whether });
+  /** Switches the reference on or off. It starts with the next scene. */
+  compare(whether) {
+    this.#comparing = whether;
+    return this.#request("compare", { whether });
+  }
 
   /** Switches detection on the GPU on or off. */
   async detect(whether) {
@@ -114,25 +177,25 @@ export class Run {
 
   set paused(whether) {
     this.#paused = whether;
-    this.#request("pause", { whether });
+    this.#about("pause", { whether });
   }
 
   /** Takes one step, paused or not. */
-  one = () => this.#request("one");
+  one = () => this.#about("one");
 
   // The interface for the hand.
-  positions = () => this.view.positions;
+  positions = () => this.view?.positions ?? new Float32Array();
   pins = () => Array.from(this.view.pins);
-  lead = (vertex, to) => this.#request("lead", { vertex, to });
-  drop = () => this.#request("drop");
+  lead = (vertex, to) => this.#about("lead", { vertex, to });
+  drop = () => this.#about("drop");
   fly = (from, to) => this.#request("fly", { from, to });
-  pin = (vertex) => this.#request("pin", { vertex });
-  release = (vertex) => this.#request("release", { vertex });
+  pin = (vertex) => this.#about("pin", { vertex });
+  release = (vertex) => this.#about("release", { vertex });
 
   /** Draws the latest state. The columns of those before go back, so that the worker allocates none. */
   draw() {
-    for (const { positions, normals, strains, isFirst } of this.#seen.splice(0)) {
-      if (isFirst) continue;
+    for (const { positions, normals, strains, isKept } of this.#seen.splice(0)) {
+      if (isKept) continue;
       const columns = { positions, normals, strains };
       const buffers = Object.values(columns).map(({ buffer }) => buffer);
       this.#worker.postMessage({ ask: "back", view: columns }, buffers);
@@ -143,7 +206,7 @@ export class Run {
   /** The state to draw at this time. */
   #now() {
     const [from, to, { stepLength }] = [this.#before, this.view, this.cloth];
-    const part = (performance.now() - this.#came) / 1000 / stepLength;
+    const part = (performance.now() - this.#came) / this.#gap;
     if (!from || stepLength <= EVEN || part >= 1 || from.steps >= to.steps) return to;
     const mix = (name, from, to) => {
       if (this.#between[name]?.length !== to.length) this.#between[name] = to.slice();

@@ -1,12 +1,13 @@
 // The worker that takes the steps: it answers the page's requests, and sends states and numbers.
 
 import { Cloth, changed, load, scenes, source } from "../muslin.js";
-import { Ball, seen, withBall } from "./ball.js";
+import { Ball, seen, withBall, withoutBall } from "./ball.js";
 import { Hold } from "./hold.js";
 import { choose } from "./live.js";
 import { Meter } from "./meter.js";
 import { Reference } from "./reference.js";
 import { Speed } from "./speed.js";
+import { point } from "./vector.js";
 
 /** Longest time that the cloth makes up for, s. After a stall or behind another tab it does not catch up. */
 const LONGEST = 1 / 8;
@@ -20,6 +21,8 @@ const COLUMNS = ["positions", "normals", "strains"];
 
 const requests = [];
 let cloth;
+/** The number of the cloth, which the page gives. */
+let number = 0;
 let reference;
 let hold;
 let ball;
@@ -30,11 +33,15 @@ let ones = 0;
 /** Time that no step has covered yet, s, and the time of the clock up to which it was counted, ms. */
 let due = 0;
 let counted = performance.now();
-/** Columns that the page gave back, the number of coordinates of a state, the number of states that it still has, and the time of the last one, ms. */
+/** Columns that the page gave back. */
 let spare = [];
+/** Coordinates of a state. */
 let coordinates = 0;
+/** States that the page has, and the time at which the last one was sent, ms. */
 let sent = 0;
 let sentAt = 0;
+/** Whether the cloth waits because the page takes no states. */
+let waits = false;
 /** Whether the page has not seen the latest state. */
 let isNew = false;
 /** Whether the page has drawn since the last step. */
@@ -50,7 +57,7 @@ const accuracy = () => ({ step: cloth.stepLength, error: cloth.stepError, tolera
 
 /** The settings of the cloth that the page shows. */
 const settings = () => ({
-  scene: cloth.scene,
+  scene: ball ? withoutBall(cloth.scene) : cloth.scene,
   hasBall: Boolean(ball),
   stepLength: cloth.stepLength,
   stepError: cloth.stepError,
@@ -81,9 +88,17 @@ function send() {
   isNew = false;
 }
 
-function setForce(vertex, force) {
-  cloth.setForce(vertex, force);
-  reference?.tell({ ask: "setForce", vertex, force, time: cloth.time });
+/** Lets the held vertex go. */
+function drop() {
+  const last = hold;
+  hold = undefined;
+  if (last) pull(last, [0, 0, 0]);
+}
+
+/** Sets the force on each vertex that is held. */
+function pull({ vertices }, force) {
+  for (const vertex of vertices) cloth.setForce(vertex, force);
+  repeat({ ask: "pull", vertices, force });
 }
 
 function restart() {
@@ -92,30 +107,33 @@ function restart() {
   counted = performance.now();
 }
 
-function compare(whether) {
-  comparing = whether;
-  reference?.end();
-  reference = whether && cloth?.steps === 0 ? new Reference(cloth.scene, accuracy()) : undefined;
-}
+/** Repeats an action in the reference. */
+const repeat = (what) => reference?.tell({ ...what, time: cloth.time });
 
-/** What the page asks for. An error is told to the page, and changes nothing. */
+/** The requests of the page. An error is told to the page, and changes nothing. */
 const asks = {
   // The changes of the user stay as they are.
   choose: ({ scene, changes, isImplicit }) => choose((live) => new Cloth(changed(scene, { ...live, ...changes })), scene, isImplicit),
-  open({ scene, changes }) {
+  open({ scene, changes, isFirst, number: given }) {
     const next = new Cloth(withBall(changed(scene, changes)));
+    let thrown;
     try {
-      cloth?.free();
-    } catch {
-      // A cloth that failed inside the module cannot be freed.
+      thrown = next.scene.contact && new Ball(next, repeat);
+    } catch (error) {
+      next.free();
+      throw error;
     }
-    cloth = next;
+    cloth?.free();
+    reference?.end();
+    [cloth, ball, number] = [next, thrown, given];
     coordinates = cloth.positions().length;
-    hold = undefined;
+    [hold, device] = [undefined, undefined];
     spare = [];
+    [ones, numbersAt] = [0, 0];
     restart();
-    compare(comparing);
-    ball = scene.contact && new Ball(cloth, (what) => reference?.tell({ ...what, time: cloth.time }));
+    // The cloth of the first picture is not compared: the reference would disturb the measurement of the machine.
+    reference = comparing && !isFirst ? new Reference(cloth.scene, accuracy()) : undefined;
+    if (ball) repeat(ball.state());
     const view = state();
     return { ...settings(), surface: cloth.surface(), view };
   },
@@ -126,7 +144,12 @@ const asks = {
     isNew = true;
     return settings();
   },
-  compare: ({ whether }) => compare(whether),
+  compare({ whether }) {
+    comparing = whether;
+    if (whether) return;
+    reference?.end();
+    reference = undefined;
+  },
   pause({ whether }) {
     if (paused !== whether) restart();
     paused = whether;
@@ -136,13 +159,15 @@ const asks = {
     ones += 1;
   },
   lead({ vertex, to }) {
-    if (hold?.vertex === vertex) hold.to = to;
-    else hold = new Hold(vertex, to, cloth);
+    if (hold?.vertex !== vertex) {
+      drop();
+      hold = new Hold(vertex, to, cloth);
+    }
+    hold.to = to;
     isNew = true;
   },
   drop() {
-    hold?.set([0, 0, 0], setForce);
-    hold = undefined;
+    drop();
     isNew = true;
   },
   fly({ from, to }) {
@@ -151,13 +176,12 @@ const asks = {
   },
   pin({ vertex }) {
     cloth.pin(vertex);
-    const place = Array.from(cloth.positions().subarray(3 * vertex, 3 * vertex + 3));
-    reference?.tell({ ask: "moveTo", vertex, place, seconds: 0, time: cloth.time });
+    repeat({ ask: "moveTo", vertex, place: point(cloth.positions(), vertex), seconds: 0 });
     isNew = true;
   },
   release({ vertex }) {
     cloth.release(vertex);
-    reference?.tell({ ask: "release", vertex, time: cloth.time });
+    repeat({ ask: "release", vertex });
     isNew = true;
   },
   detect: async ({ whether }) => {
@@ -168,7 +192,9 @@ const asks = {
 
 async function answer({ id, ask, ...given }) {
   try {
-    const told = await asks[ask](given);
+    // Requests of the hand may be about the cloth before.
+    const isOld = ask !== "open" && given.number !== undefined && given.number !== number;
+    const told = isOld ? undefined : await asks[ask](given);
     postMessage({ kind: "answer", id, told }, told?.view ? buffers(told.view) : []);
   } catch (error) {
     postMessage({ kind: "answer", id, why: error.message });
@@ -176,23 +202,21 @@ async function answer({ id, ask, ...given }) {
 }
 
 async function step() {
-  hold?.set(hold.force(cloth.stepLength), setForce);
-  ball?.before(cloth.stepLength);
   try {
+    if (hold) pull(hold, hold.force(cloth.stepLength));
+    ball?.before(cloth.stepLength);
     if (device) await cloth.awaitStep();
     else cloth.step();
+    ball?.after();
   } catch (error) {
-    // The cloth may have no room between the ball and a pin.
-    if (ball?.isFlying) return ball.stop();
+    // The module failed, and the cloth is lost.
+    if (error.cause instanceof WebAssembly.RuntimeError) throw error;
+    // The cloth may have no room between the ball and a pin, or be where the ball starts.
+    if (ball?.isHere) return ball.stop();
+    drop();
     paused = true;
     postMessage({ kind: "stopped", why: `${error.message}\nTry a shorter step, softer cloth or an implicit method, then Reset.` });
     return;
-  }
-  try {
-    ball?.after();
-  } catch {
-    // It cannot start inside the cloth.
-    ball.stop();
   }
   isNew = true;
   reference?.reached(cloth.time, cloth.positions());
@@ -201,7 +225,9 @@ async function step() {
 /** Takes a step if one is due. Returns the time until the next one, ms. */
 async function advance() {
   const now = performance.now();
-  const waits = sent >= FRAMES && now - sentAt > PATIENCE;
+  const did = waits;
+  waits = sent >= FRAMES && now - sentAt > PATIENCE;
+  if (did && !waits) restart();
   const passed = (now - counted) / 1000;
   counted = now;
   if (ones > 0) {
@@ -237,7 +263,7 @@ function tell() {
   const now = performance.now();
   if (now - numbersAt < BETWEEN) return;
   numbersAt = now;
-  const error = reference && (reference.why ? { why: reference.why } : (reference.last ?? {}));
+  const error = reference && { why: reference.why, waits: reference.waits, ...reference.last };
   postMessage({ kind: "numbers", ...meter.read(cloth), time: cloth.time, speed: speed.value, paused, comparing, error });
 }
 

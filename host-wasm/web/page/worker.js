@@ -38,9 +38,9 @@ const asks = {
     reference.set({ ...changes, ...finer(accuracy, FINER) });
     ahead = after - reference.time;
   },
-  setForce({ vertex, force, time }) {
+  pull({ vertices, force, time }) {
     go_on(time);
-    reference.setForce(vertex, force);
+    for (const vertex of vertices) reference.setForce(vertex, force);
   },
   moveTo({ vertex, place, seconds, time }) {
     go_on(time);
