@@ -9,14 +9,14 @@ const SETTINGS = [
   { step: 1 / 60, error: 0.001 },
   undefined,
 ];
-/** Vertices from which time is better spent on accuracy than on more of them. */
+/** The largest number of vertices, unless the machine runs the whole scene: time is better spent on accuracy then. */
 const ENOUGH = 1600;
 /** Vertices of the runs that measure. */
 const FEW = 300;
 /** The cost of a step grows with this power of the number of vertices. */
-const POWER = 1.12;
+const POWER = 1.08;
 /** Share of real time that steps may take. The rest is for the hand, for drawing, and for mistakes of the estimate. */
-const SHARE = 0.85;
+const SHARE = 0.92;
 /** Stretch from which a more accurate setting is tried, and the share of it that such a setting may leave. */
 const STRETCHED = 0.07;
 const LESS = 0.7;
@@ -99,7 +99,9 @@ export function choose(make, scene, isImplicit, now = () => performance.now()) {
     if (best && !run.isWhole) break;
     const { stretch } = run;
     const cost = run.isWhole ? run.cost : WORSE * run.cost;
-    const vertices = Math.min(all, few * (SHARE / cost) ** (1 / POWER));
+    const held = few * (SHARE / cost) ** (1 / POWER);
+    // All of them only with the settings of the scene.
+    const vertices = setting || held < all ? Math.min(enough, held) : all;
     // Fewer vertices are right only where the setting before lets the cloth stretch.
     if (best && vertices < enough && !(best.stretch > STRETCHED && stretch < LESS * best.stretch)) break;
     const factor = Math.sqrt(vertices / all);

@@ -22,7 +22,7 @@ const WARNINGS = {
   newton: "Newton's method leaves contacts out",
 };
 /** The warning of an error that the page chose. */
-const LIVE = "live allows large errors here; the detail “as in the scene” is exact and slower";
+const LIVE = "live allows large errors here; “as in the scene” has smaller ones, and is slower";
 const PARTS = [
   ["predict", "forces, solver"],
   ["broadPhase", "broad phase"],
