@@ -140,7 +140,7 @@ test("a finger drags the cloth, two come nearer, and the page stays where it is"
 });
 
 test("one hand holds one vertex, and its pins are seen", { skip }, async () => {
-  const { page } = await open("#scene=cantilever&compare=0");
+  const { page } = await open("#scene=cantilever&compare=0&detail=scene");
   const pins = () => inPage(page, () => Array.from(muslin.run().pins()));
   const before = await pins();
   assert.deepEqual([await dark(page, before[0]), await dark(page, -1)], [true, false], "pins are dark, and they alone");
@@ -161,7 +161,7 @@ test("one hand holds one vertex, and its pins are seen", { skip }, async () => {
 });
 
 test("a double click pins, and another lets go", { skip }, async () => {
-  const { page } = await open("#scene=cantilever");
+  const { page } = await open("#scene=cantilever&detail=scene");
   const pins = () => inPage(page, () => Array.from(muslin.run().pins()));
   const press = async (vertex, count) => {
     // The run is paused while the pointer aims; a grabbed vertex follows the pointer only if the run continues.
@@ -271,7 +271,7 @@ step = 0.002
 });
 
 test("a value that is refused changes neither controls nor address", { skip }, async () => {
-  const { page } = await open("#scene=cantilever");
+  const { page } = await open("#scene=cantilever&detail=scene");
   const address = page.url();
   const length = await page.inputValue("#length");
   await page.fill("#length", "1e300");
@@ -283,7 +283,7 @@ test("a value that is refused changes neither controls nor address", { skip }, a
 });
 
 test("what is wrong with a scene that was typed in is said by the core", { skip }, async () => {
-  const { page } = await open("#scene=cantilever");
+  const { page } = await open("#scene=cantilever&detail=scene");
   await page.locator("summary", { hasText: "Scene as text" }).click();
   await page.fill("#text", "[[cloth]]\ngrid = { size = [1, 1], cells = 5 }\n");
   await page.click("#use");
@@ -292,7 +292,7 @@ test("what is wrong with a scene that was typed in is said by the core", { skip 
 });
 
 test("two choices at once are both done", { skip }, async () => {
-  const { page } = await open("#scene=cantilever");
+  const { page } = await open("#scene=cantilever&detail=scene");
   await inPage(page, () => {
     for (const [id, value] of [
       ["length", "2"],
@@ -312,7 +312,7 @@ test("two choices at once are both done", { skip }, async () => {
 });
 
 test("a run that stops by itself can be gone on with", { skip }, async () => {
-  const { page } = await open("#scene=hanging&compare=0");
+  const { page } = await open("#scene=hanging&compare=0&detail=scene");
   await page.selectOption("#method", "explicit-euler");
   await page.locator("#pause", { hasText: "Continue" }).waitFor();
   assert.match(await page.locator("#banner").textContent(), /then Reset/);
@@ -320,7 +320,7 @@ test("a run that stops by itself can be gone on with", { skip }, async () => {
 });
 
 test("a mistake is told and the cloth in view goes on", { skip }, async () => {
-  const { page } = await open("#scene=cantilever");
+  const { page } = await open("#scene=cantilever&detail=scene");
   await page.locator("summary", { hasText: "Scene as text" }).click();
   await page.fill("#text", 'name = "x"\nduration = 1\n[[clot]]\n');
   await page.click("#use");
@@ -339,7 +339,7 @@ test("a mistake is told and the cloth in view goes on", { skip }, async () => {
 });
 
 test("keys do what buttons do", { skip }, async () => {
-  const { page, errors } = await open("#scene=cantilever");
+  const { page, errors } = await open("#scene=cantilever&detail=scene");
   await page.locator("#pad").focus();
   await page.keyboard.press(" ");
   await still(page);
@@ -365,7 +365,7 @@ test("keys do what buttons do", { skip }, async () => {
 });
 
 test("the chart measures in a worker while the page goes on", { skip }, async () => {
-  const { page, errors } = await open("#scene=cantilever");
+  const { page, errors } = await open("#scene=cantilever&detail=scene");
   await page.click("#chart");
   const before = await inPage(page, () => muslin.run().view.steps);
   await page.waitForFunction(() => document.querySelectorAll("#plot .point").length >= 8);
@@ -392,7 +392,7 @@ test("it fits a phone", { skip }, async () => {
 });
 
 test("a stall is not caught up; a lost context is drawn anew", { skip }, async () => {
-  const { page } = await open("#scene=cantilever");
+  const { page } = await open("#scene=cantilever&detail=scene");
   // Blocks frames for a while, as in a background tab.
   const [before, after] = await inPage(page, async () => {
     const before = muslin.run().view.time;
@@ -443,12 +443,11 @@ test("the detail live goes with the method, and the user's own step stays", { sk
 });
 
 test("every built-in scene opens without a message", { skip }, async () => {
-  const { page, errors } = await open("#compare=0");
+  const { page, errors } = await open("#scene=cantilever&compare=0&detail=scene");
   for (const scene of await page.locator("#scene option").allTextContents()) {
     await page.selectOption("#scene", scene);
     await page.waitForFunction((scene) => muslin.run().cloth.scene.name === scene && muslin.run().view.steps > 1, scene);
     assert.equal(await page.locator("#banner.bad").count(), 0, `${scene}: ${await page.locator("#banner").textContent()}`);
-    await shot(page, `scene-${scene}`);
   }
   // Each scene is an entry of the history.
   await page.goBack();
@@ -518,7 +517,7 @@ test("it opens at an address without a slash, and stands still for who asks for 
 });
 
 test("a worker that fails is replaced, and so is one whose step takes too long", { skip }, async () => {
-  const { page } = await open("#scene=cantilever&compare=0");
+  const { page } = await open("#scene=cantilever&compare=0&detail=scene");
   // An answer that the page cannot have asked for stands for a failure inside the worker.
   await inPage(page, () => {
     const { prototype } = Worker;
@@ -587,7 +586,7 @@ test("a text that is refused stays, and a smaller sphere is drawn smaller", { sk
 });
 
 test("settings that are changed after a run has stopped start it anew", { skip }, async () => {
-  const { page } = await open("#scene=hanging&compare=0");
+  const { page } = await open("#scene=hanging&compare=0&detail=scene");
   await page.selectOption("#method", "explicit-euler");
   await page.locator("#pause", { hasText: "Continue" }).waitFor();
   await page.selectOption("#method", "backward-euler");
