@@ -127,7 +127,7 @@ impl Simulation {
                 }
             }
             Call::Teleport => {
-                let colliders: Vec<_> = given.iter().skip(7).map(|&number| index(number)).collect();
+                let colliders: Vec<_> = given.iter().skip(7).copied().map(index).collect();
                 own.teleport(pose(given, 0), &colliders)?;
             }
             Call::Touches => return Ok(own.touches().flat_map(|touch| numbers(&touch)).collect()),

@@ -594,3 +594,36 @@ test("settings that are changed after a run has stopped start it anew", { skip }
   await page.waitForFunction(() => muslin.run().numbers?.stretch < 1.1 && document.getElementById("banner").className === "");
   await page.close();
 });
+
+test("a page whose module does not come says so, and does not try for ever", { skip }, async () => {
+  const { page } = await chromium.open("blank.html");
+  await page.addInitScript(() => {
+    window.begun = 0;
+    const Own = Worker;
+    window.Worker = class extends Own {
+      constructor(...given) {
+        super(...given);
+        window.begun += 1;
+      }
+    };
+  });
+  await page.context().route("**/muslin_wasm_bg.wasm", (route) => route.abort());
+  await page.goto(new URL(PAGE, page.url()).href);
+  await page.locator("#banner.bad").waitFor();
+  await page.waitForTimeout(500);
+  assert.equal(await inPage(page, () => window.begun), 1);
+  await page.context().unroute("**/muslin_wasm_bg.wasm");
+  await page.close();
+});
+
+test("a pause while a scene opens is a pause of the scene that opens", { skip }, async () => {
+  const { page } = await open("#scene=cantilever&compare=0&detail=scene");
+  await page.selectOption("#scene", "hanging");
+  await page.click("#pause");
+  await page.waitForFunction(() => muslin.run().cloth.scene.name === "hanging");
+  await still(page);
+  const at = await inPage(page, () => muslin.run().view.steps);
+  await page.waitForTimeout(300);
+  assert.equal(await inPage(page, () => muslin.run().view.steps), at);
+  await page.close();
+});

@@ -27,10 +27,11 @@ export class Hold {
 
   constructor(vertex, to, cloth) {
     if (!(vertex < cloth.vertexCount)) throw new Error(`there is no vertex ${vertex}`);
-    /** The held vertex, the place to which the hand draws it, m, and the vertices that share the force. */
-    Object.assign(this, { vertex, to, vertices: [] });
-    this.#cloth = cloth;
     const triangles = cloth.triangles();
+    /** The held vertex, and the place to which the hand draws it, m. */
+    Object.assign(this, { vertex, to });
+    this.#cloth = cloth;
+    /** The vertices that share the force. */
     this.vertices = around(triangles, vertex, Math.max(LEAST, SHARE * cloth.vertexCount));
     const density = Math.min(...cloth.scene.cloth.map(({ density }) => density));
     this.#whole = density * area(cloth.positions(), triangles);

@@ -306,12 +306,9 @@ function listen() {
       const keys = Object.keys(materials.silk);
       const values = materials[name] ?? Object.fromEntries(keys.map((key) => [key, valueAt(base, key)]));
       if (materials[name]) state.shown.material = name;
+      else delete state.shown.material;
       await apply(values);
-      if (materials[name]) state.shown.material = name;
-      else {
-        delete state.shown.material;
-        keys.forEach((key) => delete state.changes[key]);
-      }
+      if (!materials[name]) keys.forEach((key) => delete state.changes[key]);
       say("");
       show();
       write();

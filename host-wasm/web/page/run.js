@@ -9,6 +9,8 @@ const PATIENCE = 5000;
 
 export class Run {
   #worker;
+  /** Whether the worker has started. */
+  #isReady = false;
   #answers = new Map();
   #last = 0;
   #todo = Promise.resolve();
@@ -41,17 +43,22 @@ export class Run {
     Object.assign(this, { picture, say, stopped });
     /** Resolves to the texts of the built-in scenes, by name. */
     this.ready = new Promise((resolve, reject) => {
-      this.#hear.ready = ({ texts }) => resolve(texts);
-      // Later failures are said, because the promise is settled then.
+      this.#hear.ready = ({ texts }) => {
+        this.#isReady = true;
+        resolve(texts);
+      };
       this.#hear.failed = ({ why }) => {
         reject(new Error(why));
-        this.#replace(`${why}\nPress Reset.`);
+        // One that does not start would fail again.
+        if (this.#isReady) this.#replace(`${why}\nPress Reset.`);
+        else this.say(why, true);
       };
     });
     this.#begin();
   }
 
   #begin() {
+    this.#isReady = false;
     this.#worker = new Worker(new URL("simulator.js", import.meta.url), { type: "module" });
     this.#worker.onmessage = ({ data }) => this.#hear[data.kind](data);
     this.#worker.onerror = ({ message }) => this.#hear.failed({ why: message ?? "the worker does not start" });
@@ -67,6 +74,7 @@ export class Run {
     this.#answers.clear();
     this.#begin();
     this.compare(this.#comparing);
+    this.paused = this.#paused;
     this.say(why, true);
   }
 
@@ -124,9 +132,14 @@ export class Run {
     return this.#request(ask, given);
   }
 
+  /** Sends a request whose end nothing waits for. Its error is shown. */
+  #tell(ask, given) {
+    this.#request(ask, given).catch((error) => this.say(error.message, true));
+  }
+
   /** Sends a request of the hand, about the cloth in view. */
   #about(ask, given) {
-    this.#request(ask, { ...given, number: this.#number }).catch((error) => this.say(error.message, true));
+    this.#tell(ask, { ...given, number: this.#number });
   }
 
   /** Starts a scene, a new one or the same again. Throws if the scene is not valid. `isFirst`: another follows at once. */
@@ -177,11 +190,11 @@ export class Run {
 
   set paused(whether) {
     this.#paused = whether;
-    this.#about("pause", { whether });
+    this.#tell("pause", { whether });
   }
 
   /** Takes one step, paused or not. */
-  one = () => this.#about("one");
+  one = () => this.#tell("one");
 
   // The interface for the hand.
   positions = () => this.view?.positions ?? new Float32Array();
