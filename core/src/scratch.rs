@@ -112,6 +112,8 @@ impl Scratch<'_> {
             coarse: CoarseFactor {
                 values: self.coarse.values,
                 own: self.coarse.own,
+                elastic_values: self.coarse.elastic_values,
+                elastic_own: self.coarse.elastic_own,
                 inverse_diagonal: self.coarse.inverse_diagonal,
                 rounded: self.coarse.rounded,
                 vector: self.coarse.vector,
@@ -174,6 +176,8 @@ mod owned {
         patches: PatchColumns,
         coarse_values: Vec<Sum>,
         coarse_own: Vec<Dense>,
+        elastic_values: Vec<Sum>,
+        elastic_own: Vec<Dense>,
         coarse_inverse_diagonal: Vec<Sum>,
         coarse_rounded: Vec<Real>,
         coarse_vector: Vec<Real>,
@@ -217,6 +221,7 @@ mod owned {
                 PatchColumns::default()
             };
             let [coarse_rows, coarse_values] = patches.sizes();
+            let [elastic_rows, elastic_values] = if scene.contact.is_some() { patches.sizes() } else { [0; 2] };
             let solved = if implicit { cloths(scene) } else { Vec::new() };
             Self {
                 forces: column(has_more),
@@ -248,6 +253,8 @@ mod owned {
                 patches,
                 coarse_values: vec![0.0; coarse_values],
                 coarse_own: vec![[[0.0; MODES]; MODES]; coarse_rows / MODES],
+                elastic_values: vec![0.0; elastic_values],
+                elastic_own: vec![[[0.0; MODES]; MODES]; elastic_rows / MODES],
                 coarse_inverse_diagonal: vec![0.0; coarse_rows],
                 coarse_rounded: vec![0.0; coarse_values],
                 coarse_vector: vec![0.0; coarse_rows],
@@ -329,6 +336,8 @@ mod owned {
                 + self.patches.bytes()
                 + size_of_val(&self.coarse_values[..])
                 + size_of_val(&self.coarse_own[..])
+                + size_of_val(&self.elastic_values[..])
+                + size_of_val(&self.elastic_own[..])
                 + size_of_val(&self.coarse_inverse_diagonal[..])
                 + size_of_val(&self.coarse_rounded[..])
                 + size_of_val(&self.coarse_vector[..])
@@ -377,6 +386,8 @@ mod owned {
                 coarse: CoarseFactor {
                     values: &mut self.coarse_values,
                     own: &mut self.coarse_own,
+                    elastic_values: &mut self.elastic_values,
+                    elastic_own: &mut self.elastic_own,
                     inverse_diagonal: &mut self.coarse_inverse_diagonal,
                     rounded: &mut self.coarse_rounded,
                     vector: &mut self.coarse_vector,

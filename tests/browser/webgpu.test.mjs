@@ -2,8 +2,10 @@
 // processor.
 
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { browser, dark, drawn, free, held, more, shot, skip, spot, steps, still } from "./kit.mjs";
+import { browser, dark, dist, drawn, free, held, more, shot, skip, spot, steps, still } from "./kit.mjs";
 
 let chromium;
 before(async () => {
@@ -59,6 +61,38 @@ test("the page detects on the device while a hand drags, and here again", { skip
   await more(page, 2);
   await free(page);
   assert.equal(await banner(), "detection: processor · picture: WebGPU");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+/** Added to the page's worker: `lose` in its channel destroys every device that the worker has, as a driver that stops does. */
+const LOSABLE = `{
+  const ask = GPUAdapter.prototype.requestDevice;
+  const devices = [];
+  GPUAdapter.prototype.requestDevice = async function (...given) {
+    devices.push(await ask.apply(this, given));
+    return devices.at(-1);
+  };
+  new BroadcastChannel("lose").onmessage = () => devices.splice(0).forEach((device) => device.destroy());
+}
+`;
+
+test("a device that is lost while it detects is opened again, and the run goes on", { skip }, async () => {
+  const { page, errors } = await chromium.open("blank.html");
+  const source = await readFile(join(dist, "page/simulator.js"), "utf8");
+  await page.route("**/page/simulator.js", (route) => route.fulfill({ contentType: "text/javascript", body: LOSABLE + source }));
+  await page.goto(page.url().replace("blank.html", "dist/page/index.html#scene=ball&compare=0&cloth.0.grid.cells=[12,14]"));
+  await steps(page, 2);
+  await page.check("#device");
+  await page.waitForFunction(() => /detection: .+, WebGPU/.test(document.getElementById("banner").textContent));
+  const device = await page.evaluate(() => muslin.run().device);
+  await more(page, 3);
+  await page.evaluate(() => new BroadcastChannel("lose").postMessage(""));
+  await page.waitForFunction(() => /opened it again/.test(document.getElementById("banner").textContent));
+  await more(page, 10);
+  assert.equal(await page.isChecked("#device"), true);
+  assert.equal(await page.evaluate(() => muslin.run().device), device, "it detects on the device again");
+  assert.equal(await page.evaluate(() => muslin.run().hasStopped), false);
   assert.deepEqual(errors, []);
   await page.close();
 });

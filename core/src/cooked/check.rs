@@ -236,6 +236,8 @@ fn check_patches(s: &Scratch<'_>, two_level: bool, n: usize) -> Checked {
     let sizes = [s.coarse.inverse_diagonal.len(), s.coarse.vector.len()];
     ensure(are(&sizes, rows) && s.coarse.rounded.len() == values && rows.is_multiple_of(MODES))?;
     ensure(are(&[s.coarse.own.len(), s.coarse.motions.len()], patches))?;
+    let elastic = [s.coarse.elastic_values.len(), s.coarse.elastic_own.len()];
+    ensure(elastic == [0; 2] || elastic == [values, patches])?;
     if !two_level {
         return ensure(labels.is_empty() && rows == 0);
     }

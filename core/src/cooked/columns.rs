@@ -116,7 +116,8 @@ columns! { BlockMatrix {
 } }
 columns! { Patches { constant labels, constant coordinates, constant held, constant first_columns, constant offsets } }
 columns! { CoarseFactor {
-    scratch values, scratch own, scratch inverse_diagonal, scratch rounded, scratch vector, scratch motions,
+    scratch values, scratch own, scratch elastic_values, scratch elastic_own, scratch inverse_diagonal, scratch rounded,
+    scratch vector, scratch motions,
 } }
 
 columns! { Surface {

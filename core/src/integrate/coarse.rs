@@ -45,6 +45,11 @@ pub struct CoarseFactor<'a> {
     pub values: &'a mut [Sum],
     /// The diagonal block B of each patch while the matrix is summed, stored as X with B = X + X^T.
     pub own: &'a mut [Dense],
+    /// `values` and `own` before the term is added: factors of one matrix with other contacts begin with them. Empty
+    /// without contact.
+    pub elastic_values: &'a mut [Sum],
+    /// See `elastic_values`.
+    pub elastic_own: &'a mut [Dense],
     /// 1 / diagonal; zero for motions that are left out.
     pub inverse_diagonal: &'a mut [Sum],
     /// The factor, rounded: a solve takes as long as reading it.
@@ -113,16 +118,27 @@ impl CoarseFactor<'_> {
 }
 
 /// Writes the small matrix `P^T (M + S' + C) P`, where C is the curvature of the term, and
-/// factorises it.
-pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, term: &dyn ConvexTerm, factor: &mut CoarseFactor<'_>) {
-    factor.values.fill(0.0);
-    factor.own.fill([[0.0; MODES]; MODES]);
+/// factorises it. `is_same_matrix`: S' is that of the call before.
+pub fn write_factor(
+    patches: &Patches<'_>,
+    system: &System<'_>,
+    term: &dyn ConvexTerm,
+    is_same_matrix: bool,
+    factor: &mut CoarseFactor<'_>,
+) {
+    let keeps = !factor.elastic_values.is_empty();
+    if keeps && is_same_matrix {
+        factor.values.copy_from(factor.elastic_values);
+        factor.own.copy_from(factor.elastic_own);
+    } else {
+        write_matrix(patches, system, factor);
+    }
+    if keeps && !is_same_matrix {
+        factor.elastic_values.copy_from(factor.values);
+        factor.elastic_own.copy_from(factor.own);
+    }
     for patches in patches.levels() {
-        let patches = &patches;
-        for vertex in 0..system.masses.len() {
-            add_row(patches, system, vertex, factor);
-        }
-        term.visit_curvature(&mut |part| add_curvature(patches, part, factor));
+        term.visit_curvature(&mut |part| add_curvature(&patches, part, factor));
     }
     for (patch, own) in factor.own.iter().enumerate() {
         for (r, row) in own.iter().enumerate() {
@@ -136,6 +152,17 @@ pub fn write_factor(patches: &Patches<'_>, system: &System<'_>, term: &dyn Conve
     factorise(patches, factor);
     for (rounded, &value) in factor.rounded.iter_mut().zip(&*factor.values) {
         *rounded = value as Real;
+    }
+}
+
+/// Writes `P^T (M + S') P` to `values` and `own`.
+fn write_matrix(patches: &Patches<'_>, system: &System<'_>, factor: &mut CoarseFactor<'_>) {
+    factor.values.fill(0.0);
+    factor.own.fill([[0.0; MODES]; MODES]);
+    for patches in patches.levels() {
+        for vertex in 0..system.masses.len() {
+            add_row(&patches, system, vertex, factor);
+        }
     }
 }
 

@@ -155,7 +155,7 @@ pub(crate) fn solve<D: Dispatch>(
     c.dispatch.enter(Stage::Solve);
     let mut i = Iterate::new(c, s);
     if goal.is_new() {
-        i.factorise(term, c.dispatch);
+        i.factorise(term, false, c.dispatch);
         per_cloth::start(i.cloths, c.masses, i.positions, c.pins);
     }
     i.solution.fill(Vec3::ZERO);
@@ -206,7 +206,7 @@ pub(crate) fn solve<D: Dispatch>(
         if is_balanced {
             term.update(false);
             if last_updates == 0 {
-                i.factorise(term, c.dispatch);
+                i.factorise(term, true, c.dispatch);
             }
             rho = i.gradient(term, c.dispatch);
             last_updates += 1;
@@ -246,7 +246,7 @@ pub(crate) fn solve<D: Dispatch>(
             term.update(updates < MULTIPLIER_UPDATES);
             (updated_at, since_update, updates) = (rho, 0, updates + 1);
             if updates == 1 {
-                i.factorise(term, c.dispatch);
+                i.factorise(term, true, c.dispatch);
                 rho = i.gradient(term, c.dispatch);
                 i.restart(rho);
                 continue;
@@ -286,11 +286,11 @@ impl<'a, 'b> Iterate<'a, 'b> {
     /// before, a large residual would look small.
     #[cfg_attr(small, optimize(size))]
     #[inline(never)]
-    fn factorise(&mut self, term: &dyn ConvexTerm, dispatch: &impl Dispatch) {
+    fn factorise(&mut self, term: &dyn ConvexTerm, is_same_matrix: bool, dispatch: &impl Dispatch) {
         let Self { system, preconditioner, .. } = self;
         write_inverse_diagonal(system, term, preconditioner.inverse_diagonal, dispatch);
         if let Some((patches, factor)) = &mut preconditioner.coarse {
-            coarse::write_factor(patches, system, term, factor);
+            coarse::write_factor(patches, system, term, is_same_matrix, factor);
         }
     }
 

@@ -2,20 +2,15 @@
 // Runs with few vertices measure the cost of the scene here.
 
 /** Settings, from the fastest to the most accurate: the step, s, and the largest error of a step, m. The last is the scene's own. */
-const SETTINGS = [
-  { step: 1 / 30, error: 0.016 },
-  { step: 1 / 30, error: 0.008 },
-  { step: 1 / 60, error: 0.004 },
-  { step: 1 / 60, error: 0.001 },
-  undefined,
-];
+const SETTINGS = [{ step: 1 / 30, error: 0.008 }, { step: 1 / 60, error: 0.004 }, { step: 1 / 60, error: 0.001 }, undefined];
 /** The largest number of vertices, unless the machine runs the whole scene: time is better spent on accuracy then. */
-const ENOUGH = 1600;
+const ENOUGH = 1560;
 /** Vertices of the runs that measure. */
 const FEW = 300;
-/** The cost of a step grows with this power of the number of vertices. */
-const POWER = 1.08;
-/** Share of real time that steps may take. The rest is for the hand, for drawing, and for mistakes of the estimate. */
+/**
+ * Share of real time that steps may take, if their cost grows with the number of vertices. The rest is for the hand, for drawing, and
+ * for mistakes of the estimate.
+ */
 const SHARE = 0.92;
 /** Stretch from which a more accurate setting is tried, and the share of it that such a setting may leave. */
 const STRETCHED = 0.07;
@@ -32,15 +27,22 @@ const WARM = 150;
 /** The part of a run that was not reached may cost so many times as much as the part that was. */
 const WORSE = 1.5;
 
-const scaled = (count, factor, least) => Math.max(least, Math.round(factor * count));
+const scaled = (count, factor, least = 1) => Math.max(least, Math.round(factor * count));
+
+/** Scales both counts of cells. The larger one makes up for the rounding of the smaller one, so that their product is as asked. */
+function bothScaled([a, b], factor, least) {
+  if (a > b) return bothScaled([b, a], factor, least).reverse();
+  const few = scaled(a, factor, least);
+  return [few, scaled(b, (factor ** 2 * a) / few, least)];
+}
 
 /** Changes that scale the cells of all cloths in each direction. Cloths from files keep their meshes. */
 export function cells(scene, factor) {
   const changes = {};
   scene.cloth?.forEach?.(({ grid, tube, disc }, k) => {
-    if (Array.isArray(grid?.cells)) changes[`cloth.${k}.grid.cells`] = grid.cells.map((count) => scaled(count, factor, 1));
-    if (Array.isArray(tube?.cells)) changes[`cloth.${k}.tube.cells`] = tube.cells.map((count) => scaled(count, factor, 3));
-    if (disc) changes[`cloth.${k}.disc.rings`] = scaled(disc.rings, factor, 1);
+    if (Array.isArray(grid?.cells)) changes[`cloth.${k}.grid.cells`] = bothScaled(grid.cells, factor);
+    if (Array.isArray(tube?.cells)) changes[`cloth.${k}.tube.cells`] = bothScaled(tube.cells, factor, 3);
+    if (disc) changes[`cloth.${k}.disc.rings`] = scaled(disc.rings, factor);
   });
   return changes;
 }
@@ -99,7 +101,7 @@ export function choose(make, scene, isImplicit, now = () => performance.now()) {
     if (best && !run.isWhole) break;
     const { stretch } = run;
     const cost = run.isWhole ? run.cost : WORSE * run.cost;
-    const held = few * (SHARE / cost) ** (1 / POWER);
+    const held = (few * SHARE) / cost;
     // All of them only with the settings of the scene.
     const vertices = setting || held < all ? Math.min(enough, held) : all;
     // Fewer vertices are right only where the setting before lets the cloth stretch.
