@@ -8,14 +8,12 @@
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { root } from "../browser/kit.mjs";
-import { installed, joltSheet } from "./jolt.mjs";
+import { joltSheet } from "./jolt.mjs";
+import { rapierSheet } from "./rapier.mjs";
 import { middle, muslin, say, stretchOf } from "./sheet.mjs";
 
 const TURNS = Number(process.argv[2] ?? 3);
 const FRAMES = 120;
-const Rapier = await installed("@dimforge/rapier3d-compat", "0.21.0");
-await Rapier.init();
-
 const scene = muslin.scene(readFileSync(join(root, "tests/scenes/drape.toml"), "utf8"));
 const model = new muslin.Cloth(scene);
 const [rest, triangles] = [model.positions().slice(), model.triangles().slice()];
@@ -23,7 +21,6 @@ model.free();
 const {
   density,
   grid,
-  position,
   stretch: { stiffness },
 } = scene.cloth[0];
 const mass = density * grid.size[0] * grid.size[1];
@@ -36,29 +33,10 @@ function ours(error, self = true) {
   return { step: () => cloth.step(), positions: () => cloth.positions(), free: () => cloth.free() };
 }
 
-/** Rapier's cloth: springs of this natural frequency, Hz, and so many iterations of its solver a step. */
-function rapierSheet(frequency, iterations) {
-  const world = new Rapier.World({ x: 0, y: scene.gravity[1], z: 0 });
-  world.timestep = 1 / 60;
-  world.integrationParameters.numSolverIterations = iterations;
-  world.createCollider(Rapier.ColliderDesc.ball(radius).setFriction(friction));
-  const [[width, depth], [columns, rows]] = [grid.size, grid.cells];
-  const origin = { x: position[0] - width / 2, y: position[1], z: position[2] - depth / 2 };
-  const [along, across] = [
-    { x: width / columns, y: 0, z: 0 },
-    { x: 0, y: 0, z: depth / rows },
-  ];
-  const cloth = Rapier.SoftBodyDesc.cloth(origin, along, across, columns + 1, rows + 1)
-    .setMass(mass)
-    .setSoftness(frequency, 1)
-    .setSelfContacts(true)
-    .setParticleRadius(thickness / 2)
-    .setCanSleep(false);
-  const body = world.createSoftBody(cloth);
-  return { step: () => world.step(), positions: () => body.particlePositions(), free: () => world.free() };
-}
-
-const jolt = (iterations) => joltSheet({ rest, triangles, mass, stiffness, iterations, radius, thickness, friction });
+const common = { rest, mass, radius, thickness, friction };
+const jolt = (iterations) => joltSheet({ ...common, triangles, stiffness, iterations });
+const rapier = (frequency, iterations) =>
+  rapierSheet({ ...common, columns: grid.cells[0] + 1, gravity: scene.gravity[1], frequency, iterations });
 
 const SHEETS = {
   "Muslin, error 1 mm": () => ours(0.001),
@@ -67,8 +45,8 @@ const SHEETS = {
   "Jolt, 80 substeps, no self-contact": () => jolt(80),
   "Jolt, 160 substeps, no self-contact": () => jolt(160),
   "Jolt, 280 substeps, no self-contact": () => jolt(280),
-  "Rapier, 200 Hz, 4 iterations": () => rapierSheet(200, 4),
-  "Rapier, 1000 Hz, 16 iterations": () => rapierSheet(1000, 16),
+  "Rapier, 200 Hz, 4 iterations": () => rapier(200, 4),
+  "Rapier, 1000 Hz, 16 iterations": () => rapier(1000, 16),
 };
 
 function measure({ step, positions, free }) {

@@ -1,12 +1,21 @@
-// `hanging` (64x64, two corners) with this module and with the soft body of Jolt Physics, one thread each in Node.js:
-// cost of a step of 1/60 s, and largest stretch of an edge during the second second.
-//     cargo run -p muslin-pack && npm install --no-save --prefix host-wasm jolt-physics@1.1.0 && node tests/peers/hanging.mjs
+// `hanging` (64x64, two corners) with this module and with the soft bodies of Jolt Physics and of Rapier, one thread each in
+// Node.js: cost of a step of 1/60 s, and largest stretch of an edge during the second second.
+//     cargo run -p muslin-pack
+//     npm install --no-save --prefix host-wasm jolt-physics@1.1.0 @dimforge/rapier3d-compat@0.21.0
+//     node tests/peers/hanging.mjs
 
 import { joltSheet } from "./jolt.mjs";
+import { rapierSheet } from "./rapier.mjs";
 import { middle, muslin, say, stretchOf } from "./sheet.mjs";
 
 const SECOND = 60;
 const ITERATIONS = [20, 80, 160, 240, 280, 320];
+/** Of Rapier: natural frequency of the springs, Hz, and iterations of the solver. */
+const SPRINGS = [
+  [200, 4],
+  [1000, 16],
+  [2000, 64],
+];
 
 // Fixed steps to one tolerance: the figures of the manual.
 const fixed = { "integrator.step": 1 / 60, "integrator.tolerance": 1e-3 };
@@ -32,6 +41,12 @@ function measure({ step, positions }) {
 
 const ours = measure({ step: () => sheet.step(), positions: () => sheet.positions() });
 say("Muslin, backward Euler", ours);
+for (const [frequency, iterations] of SPRINGS) {
+  const [columns, gravity] = [cloth.grid.cells[0] + 1, sheet.scene.gravity[1]];
+  const rapier = rapierSheet({ rest, columns, pins, mass, gravity, frequency, iterations });
+  say(`Rapier, ${frequency} Hz, ${iterations} iterations`, measure(rapier));
+  rapier.free();
+}
 const theirs = ITERATIONS.map((iterations) => {
   const jolt = joltSheet({ rest, triangles, pins, mass, stiffness: cloth.stretch.stiffness, iterations });
   const measured = measure(jolt);

@@ -8,10 +8,10 @@ const ENOUGH = 1560;
 /** Vertices of the runs that measure. */
 const FEW = 300;
 /**
- * Share of real time that steps may take, if their cost grows with the number of vertices. The rest is for the hand, for drawing, and
- * for mistakes of the estimate.
+ * The whole scene must take so much less time than there is. The estimate takes the cost per vertex as that of few vertices; that of
+ * many is larger.
  */
-const SHARE = 0.92;
+const SPARE = 1.3;
 /** Stretch from which a more accurate setting is tried, and the share of it that such a setting may leave. */
 const STRETCHED = 0.07;
 const LESS = 0.7;
@@ -101,9 +101,9 @@ export function choose(make, scene, isImplicit, now = () => performance.now()) {
     if (best && !run.isWhole) break;
     const { stretch } = run;
     const cost = run.isWhole ? run.cost : WORSE * run.cost;
-    const held = (few * SHARE) / cost;
+    const held = few / cost;
     // All of them only with the settings of the scene.
-    const vertices = setting || held < all ? Math.min(enough, held) : all;
+    const vertices = setting || held < SPARE * all ? Math.min(enough, held) : all;
     // Fewer vertices are right only where the setting before lets the cloth stretch.
     if (best && vertices < enough && !(best.stretch > STRETCHED && stretch < LESS * best.stretch)) break;
     const factor = Math.sqrt(vertices / all);
