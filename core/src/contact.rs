@@ -129,6 +129,8 @@ pub struct ContactScratch<'a> {
     pub searched: &'a mut Searched,
     /// Numbers of candidates.
     pub counts: &'a mut Counts,
+    /// Numbers of candidates that may be contacts of the step. They come first; the others were tested.
+    pub open: &'a mut Counts,
     /// Pairs of a vertex and a triangle.
     pub vertex_triangle: Pairs<'a>,
     /// Pairs of edges.
@@ -236,6 +238,7 @@ impl ContactScratch<'_> {
             ends: self.ends,
             searched: self.searched,
             counts: self.counts,
+            open: self.open,
             lengths: self.lengths,
             constraints: self.constraints,
             contacts: self.contacts,
@@ -312,6 +315,15 @@ pub struct Pairs<'a> {
 }
 
 impl Pairs<'_> {
+    /// Swaps two candidates and their distances. Their times of impact are left where they are.
+    pub(crate) fn swap(&mut self, a: usize, b: usize) {
+        let (candidate, distance) = (self.candidates.at(a), self.distances.at(a));
+        self.candidates.set(a, self.candidates.at(b));
+        self.distances.set(a, self.distances.at(b));
+        self.candidates.set(b, candidate);
+        self.distances.set(b, distance);
+    }
+
     fn reborrow(&mut self) -> Pairs<'_> {
         Pairs { candidates: self.candidates, distances: self.distances, times: self.times }
     }
@@ -472,6 +484,7 @@ mod owned {
         ends: Vec<Aabb>,
         searched: Searched,
         counts: Counts,
+        open: Counts,
         vertex_triangle: PairColumns,
         edge_edge: PairColumns,
         lengths: Lengths,
@@ -620,6 +633,7 @@ mod owned {
                 ends: &mut self.ends,
                 searched: &mut self.searched,
                 counts: &mut self.counts,
+                open: &mut self.open,
                 vertex_triangle: self.vertex_triangle.view(),
                 edge_edge: self.edge_edge.view(),
                 lengths: &mut self.lengths,

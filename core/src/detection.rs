@@ -340,6 +340,7 @@ fn narrow(model: &ContactModel<'_>, contact: &mut ContactScratch<'_>, new: bool,
     if is_near {
         drop_far(reach, contact);
     }
+    *contact.open = *contact.counts;
     *contact.counts
 }
 

@@ -128,8 +128,8 @@ columns! { Sewn { constant offsets, constant others } }
 
 columns! { ContactScratch {
     scratch start, scratch end, scratch displacements, scratch turns, scratch boxes, scratch ends, cell searched,
-    cell counts, part vertex_triangle, part edge_edge, cell lengths, scratch constraints, scratch contacts, scratch lines,
-    scratch multipliers, scratch order, part grid, part kept, part room,
+    cell counts, cell open, part vertex_triangle, part edge_edge, cell lengths, scratch constraints, scratch contacts,
+    scratch lines, scratch multipliers, scratch order, part grid, part kept, part room,
 } }
 columns! { Pairs { scratch candidates, scratch distances, scratch times } }
 columns! { Grid {

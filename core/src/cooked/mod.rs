@@ -32,7 +32,7 @@ pub const ALIGNMENT: usize = 32;
 const MAGIC: u64 = u64::from_le_bytes(*b"MuslinCl");
 
 /// Changes with every change of the columns.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// The beginning of a block.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -145,15 +145,15 @@ fn find_near(
     margin: Real,
 ) -> Result<usize, usize> {
     scratch.set_motion(prediction);
-    let ContactScratch { start, end, displacements, turns, boxes, counts, constraints, order, .. } = scratch;
+    let ContactScratch { start, end, displacements, turns, boxes, open, constraints, order, .. } = scratch;
     let ResponseColumns { corrections, rounds, .. } = ResponseColumns::within(boxes);
     corrections.fill(Vec3::ZERO);
     rounds.fill(0);
     let mut list = List { all: constraints, count: before, touching: 0 };
     let known = repulsion::Known::sort(list.all.part(..list.count), order);
-    let pairs = [counts.vertex_triangle, counts.edge_edge];
+    let pairs = [&mut scratch.vertex_triangle, &mut scratch.edge_edge];
     let motion = Motion { start, end, displacements, turns, rounds, round: 0, step };
-    repulsion::find(model, &scratch.vertex_triangle, &scratch.edge_edge, pairs, &motion, &known, margin, &mut list);
+    repulsion::find(model, pairs, open, &motion, &known, margin, &mut list);
     list.count()
 }
 

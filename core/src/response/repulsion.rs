@@ -5,6 +5,7 @@
 use super::constraint::{self, Constraint};
 use super::roll::roll;
 use super::work::{List, Motion, Work, relax};
+use crate::broad_phase::Counts;
 use crate::colliders::Form;
 use crate::column::Column;
 use crate::contact::{ContactModel, Pairs};
@@ -31,19 +32,21 @@ pub const MOST_LEVER_RATIO: Real = 4.0;
 pub const REACH: Real = 2.0;
 
 /// Adds a constraint for each near pair that overlaps or comes nearer than the thickness plus `margin`, m, if the
-/// surfaces are nearest there, or if the pair sinks deeper into the thickness of a round collider.
+/// surfaces are nearest there, or if the pair sinks deeper into the thickness of a round collider. Only the first
+/// candidates are `open`. Those that cannot be a contact from this start of the step, whatever the motion, move behind
+/// them.
 pub(crate) fn find(
     model: &ContactModel<'_>,
-    vertex_triangle: &Pairs<'_>,
-    edge_edge: &Pairs<'_>,
-    counts: [usize; 2],
+    [vertex_triangle, edge_edge]: [&mut Pairs<'_>; 2],
+    open: &mut Counts,
     motion: &Motion<'_>,
     known: &Known<'_>,
     margin: Real,
     list: &mut List<'_>,
 ) {
-    find_pairs(Kind::VertexTriangle, model, vertex_triangle, counts[0], motion, known, margin, list);
-    find_pairs(Kind::EdgeEdge, model, edge_edge, counts[1], motion, known, margin, list);
+    let Counts { vertex_triangle: of_triangles, edge_edge: of_edges } = open;
+    find_pairs(Kind::VertexTriangle, model, vertex_triangle, of_triangles, motion, known, margin, list);
+    find_pairs(Kind::EdgeEdge, model, edge_edge, of_edges, motion, known, margin, list);
     find_planes(model, motion, |_| model.thickness + margin, known, list);
 }
 
@@ -80,44 +83,71 @@ impl<'a> Known<'a> {
 fn find_pairs(
     kind: Kind,
     model: &ContactModel<'_>,
-    pairs: &Pairs<'_>,
-    count: usize,
+    pairs: &mut Pairs<'_>,
+    open: &mut usize,
     motion: &Motion<'_>,
     known: &Known<'_>,
     margin: Real,
     list: &mut List<'_>,
 ) {
-    let (start, first) = (list.count, with_pairing!(kind, P => P::FIRST));
-    for (&candidate, &distance) in pairs.candidates.part(..count).iter().zip(&*pairs.distances) {
-        if distance > REACH * model.thickness {
-            continue;
-        }
-        let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
-        let may_push = |end| distance < model.thickness || end < model.thickness + margin;
-        let nearest_end = distance - fastest(first, &gather(vertices, motion.displacements));
-        if !may_push(nearest_end) || known.first(list.all, vertices).is_some() {
-            continue;
-        }
-        let x = gather(vertices, motion.start);
-        let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
-        let Some(contact) = contact(kind, vertices, &x, &x, radius) else { continue };
-        let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
-        // Only round colliders have a radius. Inside their thickness all pairs that come nearer are contacts: otherwise
-        // only the deepest vertices would be moved out, and their neighbours would sink meanwhile. On other surfaces
-        // such pairs would hinder sliding, because their normals are tilted.
-        let sinks = radius > 0.0 && distance < model.thickness && ends < contact.gap;
-        let is_nearest = || is_local_minimum(kind, &model.surface, motion.start, &contact);
-        // Few pairs are a local minimum. To find the part that they can keep takes longer.
-        if !may_push(ends) || !(sinks || is_nearest()) {
-            continue;
-        }
-        let reach = least_at_rest(kind, model, vertices, model.thickness + margin);
-        let least = reach.min(model.thickness);
-        if distance < least || ends < reach {
-            list.push(constraint(model, contact, least.min(contact.gap), motion, MOST_LEVER_RATIO));
+    let (first, mut k) = (list.count, 0);
+    while k < *open {
+        let (candidate, distance) = (pairs.candidates.at(k), pairs.distances.at(k));
+        if may_be_contact(kind, model, candidate, distance, motion, known, margin, list) {
+            k += 1;
+        } else {
+            *open -= 1;
+            pairs.swap(k, *open);
         }
     }
-    list.sort_from(start);
+    list.sort_from(first);
+}
+
+/// Adds the constraint of a pair if it needs one. Returns false if the pair cannot be a contact from this start of the
+/// step.
+#[inline(always)]
+fn may_be_contact(
+    kind: Kind,
+    model: &ContactModel<'_>,
+    candidate: [u32; 2],
+    distance: Real,
+    motion: &Motion<'_>,
+    known: &Known<'_>,
+    margin: Real,
+    list: &mut List<'_>,
+) -> bool {
+    if distance > REACH * model.thickness {
+        return false;
+    }
+    let vertices = with_pairing!(kind, P => P::vertices(&model.surface, candidate));
+    let may_push = |end| distance < model.thickness || end < model.thickness + margin;
+    let first = with_pairing!(kind, P => P::FIRST);
+    let nearest_end = distance - fastest(first, &gather(vertices, motion.displacements));
+    if !may_push(nearest_end) || known.first(list.all, vertices).is_some() {
+        return true;
+    }
+    let x = gather(vertices, motion.start);
+    let radius = with_pairing!(kind, P => P::radius(gather(vertices, model.radii)));
+    let Some(contact) = contact(kind, vertices, &x, &x, radius) else { return false };
+    let ends = contact.gap + constraint::weighted(&contact, motion.displacements).dot(contact.normal);
+    if !may_push(ends) {
+        return true;
+    }
+    // Only round colliders have a radius. Inside their thickness all pairs that come nearer are contacts: otherwise
+    // only the deepest vertices would be moved out, and their neighbours would sink meanwhile. On other surfaces
+    // such pairs would hinder sliding, because their normals are tilted.
+    let may_sink = radius > 0.0 && distance < model.thickness;
+    let sinks = may_sink && ends < contact.gap;
+    // Few pairs are a local minimum. To find the part that they can keep takes longer.
+    if !sinks && !is_local_minimum(kind, &model.surface, motion.start, &contact) {
+        return may_sink;
+    }
+    let reach = least_at_rest(kind, model, vertices, model.thickness + margin);
+    let least = reach.min(model.thickness);
+    if distance < least || ends < reach {
+        list.push(constraint(model, contact, least.min(contact.gap), motion, MOST_LEVER_RATIO));
+    }
+    true
 }
 
 /// Adds a constraint for each vertex that ends nearer to a plane than `least`, which depends on the gap at its start.
