@@ -336,7 +336,8 @@ impl fmt::Display for LiveError {
             Self::NoWind => write!(f, "the scene has no wind; give it [drag.wind] with coefficients, at velocity 0"),
             Self::NotMeasured => write!(
                 f,
-                "impulses are not measured; call measure_reactions once before the steps, or cook the scene with --impulses"
+                "impulses are not measured; measure them from before the steps on: measure_reactions in Rust, measureImpulses in \
+                 JavaScript, --impulses for a scene that is cooked"
             ),
             Self::OtherScene => {
                 write!(

@@ -10,6 +10,9 @@ export function scenes(): string[] {
 
 /** Parses a scene from TOML text, returns the built-in scene with that name, or copies an object. */
 export function scene(given: string | Scene): Scene {
+  if (typeof given !== "string" && (typeof given !== "object" || given === null)) {
+    throw new TypeError(`a scene is a text, the name of a built-in one, or an object, not ${given}`);
+  }
   if (typeof given !== "string") return structuredClone(given);
   if (/[=[\n]/.test(given)) return read(given);
   const { wasm } = loaded();

@@ -11,6 +11,7 @@ import type {
   Divergence,
   Hit,
   Impulse,
+  Motion,
   Pose,
   Quaternion,
   Side,
@@ -86,8 +87,8 @@ export class Cloth {
   #failure: Error | undefined;
   /** Time that no step of `advance` has covered yet, s: at most half a step, more or less. */
   #due = 0;
-  /** Motions of colliders that end with the next steps: calls that give them a time, s. */
-  #arrivals = new Map<number, (seconds: number) => void>();
+  /** Motions of colliders that end with the next steps. */
+  #arrivals = new Map<number, Motion>();
   /** The latest copy of a good state. */
   #good: Snapshot | undefined;
   #hasDiverged = false;
@@ -102,12 +103,12 @@ export class Cloth {
   /** From TOML text, the name of a built-in scene, or an object. Call it after `await load()`. */
   constructor(given: string | Scene, options: Options = {}) {
     this.#scene = scene(given);
-    this.#options = options;
+    this.#options = keys("the options", options, ["meshes", "mostVertices"]);
     this.#own = this.#build();
   }
 
   #build() {
-    const { meshes, mostVertices = MOST_VERTICES } = keys("the options", this.#options, ["meshes", "mostVertices"]);
+    const { meshes, mostVertices = MOST_VERTICES } = this.#options;
     if (mostVertices !== Number.POSITIVE_INFINITY) whole("mostVertices", mostVertices);
     const given = namedMeshes(this.#scene, meshes, mostVertices);
     try {
@@ -179,9 +180,10 @@ export class Cloth {
    * `budget` ms it drops the rest of the time, so that a slow scene runs in slow motion: subtract `dropped` from the time of
    * what moves the colliders. If a step fails, it does not throw but calls `onDiverge`.
    */
-  advance(seconds: number, { budget = 12 }: { budget?: number } = {}): Advanced {
+  advance(seconds: number, options: { budget?: number } = {}): Advanced {
+    const { budget = 12 } = keys("the options of advance", options, ["budget"]);
     amount("the time", seconds);
-    amount("the budget", budget);
+    if (budget !== Number.POSITIVE_INFINITY) amount("the budget", budget);
     const own = this.#idle;
     if (this.#hasDiverged) return { steps: 0, dropped: seconds };
     this.#keepGood();
@@ -212,12 +214,12 @@ export class Cloth {
       return error instanceof Error ? error.message : String(error);
     }
     const stretch = this.#idle.stretch();
-    return stretch < DIVERGED ? undefined : `an edge is stretched to ${stretch.toPrecision(3)} times its length`;
+    return stretch < DIVERGED ? undefined : `diverged: an edge is stretched to ${stretch.toPrecision(3)} times its length`;
   }
 
   /** Gives motions that end with the next steps the time of those steps. */
   #arrive(count: number) {
-    if (count > 1) for (const move of this.#arrivals.values()) move(count * this.stepLength);
+    if (count > 1) for (const [call, given] of this.#arrivals.values()) this.#live(call, given(count * this.stepLength));
     if (count > 0) this.#arrivals.clear();
   }
 
@@ -466,8 +468,9 @@ export class Cloth {
 
   /**
    * Moves a collider evenly to a pose. Then it rests there. Without `seconds` of simulated time it arrives at the end of the
-   * next `step`, `awaitStep` or `advance`, so call it before each of them. A call replaces the motion before, also that of the
-   * scene. Steps find everything in the way of the collider.
+   * next `step`, `awaitStep` or `advance`, so call it before each of them. If `advance` drops time, it is still on its way then:
+   * draw it at `colliderPose`. A call replaces the motion before, also that of the scene. Steps find everything in the way of the
+   * collider.
    *
    * `position` is its centre: the middle of a sphere, a capsule or a box, the point of a plane, the zero of the coordinates of a
    * mesh. `rotation` counts from the orientation in the scene. If it is absent, the collider has that orientation.
@@ -475,14 +478,15 @@ export class Cloth {
   moveCollider(collider: number, position: Coordinates, rotation: Coordinates = AT_REST, seconds?: number): void {
     whole("the collider", collider);
     const to = pose(position, rotation);
-    this.#move(collider, seconds, (seconds) => this.#live(Call.MoveCollider, [collider, ...to, seconds]));
+    this.#move(collider, seconds, [Call.MoveCollider, (seconds) => [collider, ...to, seconds]]);
   }
 
   /** Makes a motion of a collider, which may end with the next steps. */
-  #move(collider: number, seconds: number | undefined, make: (seconds: number) => void) {
+  #move(collider: number, seconds: number | undefined, motion: Motion) {
+    const [call, given] = motion;
     // At once, so that a motion that cannot be is refused here.
-    make(seconds === undefined ? this.stepLength : amount("the time", seconds));
-    if (seconds === undefined) this.#arrivals.set(collider, make);
+    this.#live(call, given(seconds === undefined ? this.stepLength : amount("the time", seconds)));
+    if (seconds === undefined) this.#arrivals.set(collider, motion);
     else this.#arrivals.delete(collider);
   }
 
@@ -496,7 +500,7 @@ export class Cloth {
   deformCollider(collider: number, positions: ArrayLike<number>, seconds?: number): void {
     whole("the collider", collider);
     const to = list("the positions", positions);
-    this.#move(collider, seconds, (seconds) => this.#live(Call.DeformCollider, [collider, seconds, ...to]));
+    this.#move(collider, seconds, [Call.DeformCollider, (seconds) => [collider, seconds, ...to]]);
   }
 
   /** Switches a collider off or on. Nothing touches one that is off. It is not switched on where cloth intersects it. */
@@ -575,6 +579,7 @@ export class Cloth {
       this.scene,
       this.time,
       this.#due,
+      new Map(this.#arrivals),
     );
   }
 
@@ -589,16 +594,28 @@ export class Cloth {
     this.#hasDiverged = false;
   }
 
-  #goBack({ saved, scene, due }: Snapshot) {
+  #goBack({ saved, scene, due, arrivals }: Snapshot) {
     if (!hasSameBodies(this.#scene, scene)) {
       throw new Error("the snapshot is of another scene: its cloths or colliders have other meshes, places, pins or motions");
     }
     this.#call((own) => {
-      if (!isAlike(this.#scene, scene)) own.goOnAs(scene, false);
-      this.#scene = structuredClone(scene);
-      own.goBack(saved, scene);
+      const isOther = !isAlike(this.#scene, scene);
+      const before = isOther ? own.snapshot() : undefined;
+      try {
+        if (isOther) own.goOnAs(scene, false);
+        own.goBack(saved, scene);
+      } catch (error) {
+        if (before && !isTrap(error)) {
+          own.goOnAs(this.#scene, false);
+          own.goBack(before, this.#scene);
+        }
+        throw error;
+      } finally {
+        before?.free();
+      }
     });
-    this.#arrivals.clear();
+    this.#scene = structuredClone(scene);
+    this.#arrivals = new Map(arrivals);
     this.#due = due;
   }
 

@@ -22,6 +22,9 @@ export function load(source?: Source): Promise<void> {
     (error) => {
       // Another attempt may succeed.
       loading = undefined;
+      if (source === undefined && !("document" in globalThis) && /fetch/.test(error.message)) {
+        throw new Error(`${error.message}: in Node.js, give load() the bytes of the module, or import muslin/inline`, { cause: error });
+      }
       if (!/magic word|MIME/.test(error.message)) throw error;
       throw new Error(`the address of the module leads to another file: ${error.message}`, { cause: error });
     },

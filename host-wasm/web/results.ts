@@ -2,7 +2,7 @@
 
 // Results of the calls of a cloth. Units are SI.
 
-import type { Saved } from "./muslin_wasm.js";
+import type { Call, Saved } from "./muslin_wasm.js";
 import type { Scene } from "./scene.js";
 
 /** A vector x, y, z. */
@@ -88,6 +88,9 @@ export interface Hit {
   distance: number;
 }
 
+/** @internal A motion of a collider: the call, and its numbers for a time, s. */
+export type Motion = readonly [Call, (seconds: number) => number[]];
+
 /** A copy of the state of a cloth, by `Cloth.snapshot`. */
 export class Snapshot {
   /** @internal */
@@ -96,14 +99,17 @@ export class Snapshot {
   readonly time: number;
   /** @internal */
   readonly due: number;
+  /** @internal */
+  readonly arrivals: ReadonlyMap<number, Motion>;
   #saved: Saved | undefined;
 
   /** @internal */
-  constructor(saved: Saved, scene: Scene, time: number, due: number) {
+  constructor(saved: Saved, scene: Scene, time: number, due: number, arrivals: ReadonlyMap<number, Motion>) {
     this.#saved = saved;
     this.scene = scene;
     this.time = time;
     this.due = due;
+    this.arrivals = arrivals;
   }
 
   /** @internal The copy in the module. */

@@ -14,8 +14,8 @@ function chosen(ms, stretch = 1) {
     const [across, along] = changes["cloth.0.grid.cells"] ?? [60, 60];
     const vertexCount = (across + 1) * (along + 1);
     const step = changes["integrator.step"] ?? 1 / 60;
-    const cloth = { vertexCount, time: 0, summary: () => ({ stretch: { max: stretch } }), free() {} };
-    cloth.step = () => {
+    const cloth = { vertexCount, time: 0, stepLength: step, summary: () => ({ stretch: { max: stretch } }), free() {} };
+    cloth.advance = () => {
       clock += ms * vertexCount;
       cloth.time += step;
     };

@@ -103,6 +103,10 @@ export const cases = {
         why(() => new m.Cloth(ball(), { mostVertices: "x" })),
         why(() => new m.Cloth(ball(), { mostvertices: 5 })),
         why(() => new m.Cloth(ball(), 5)),
+        why(() => cloth.advance(1, { budgt: 5 })),
+        why(() => cloth.advance(1, null)),
+        why(() => new m.Cloth()),
+        why(() => new m.Cloth(null)),
       ];
       const same = cloth.stateHash() === before && cloth.steps === 0;
       cloth.free();
@@ -153,6 +157,10 @@ export const cases = {
         /^mostVertices must be a whole number/,
         /^the options has no mostvertices; it has meshes, mostVertices$/,
         /^the options must be an object with meshes, mostVertices, not 5$/,
+        /^the options of advance has no budgt; it has budget$/,
+        /^the options of advance must be an object with budget, not null$/,
+        /^a scene is a text, the name of a built-in one, or an object, not undefined$/,
+        /^a scene is a text, the name of a built-in one, or an object, not null$/,
       ];
       assert.equal(told.length, expected.length);
       told.forEach((text, k) => {
@@ -516,6 +524,54 @@ export const cases = {
       assert.ok(same);
       assert.deepEqual(steps, [0, -9.81, 0]);
       assert.match(refused, /^the snapshot is of another scene/);
+    },
+  },
+
+  "a snapshot keeps the motions that end with the next steps": {
+    run(m, { ball }) {
+      const cloth = new m.Cloth(ball());
+      cloth.step(5);
+      cloth.moveCollider(0, [0, 0.01, 0]);
+      const snapshot = cloth.snapshot();
+      const play = (cloth) => {
+        cloth.step(4);
+        return [...cloth.positions(), ...cloth.colliderPose(0).position].join();
+      };
+      const first = play(cloth);
+      cloth.moveCollider(0, [0, -1, 0]);
+      cloth.goBack(snapshot);
+      const second = play(cloth);
+      // In another cloth it moves that one's collider.
+      const [other, at] = [new m.Cloth(ball()), cloth.colliderPose(0).position];
+      other.goBack(snapshot);
+      const third = play(other);
+      const after = cloth.colliderPose(0).position;
+      [snapshot, cloth, other].forEach((it) => it.free());
+      return { same: first === second && first === third, stays: at.join() === after.join() };
+    },
+    check({ same, stays }) {
+      assert.ok(same, "other bits after going back");
+      assert.ok(stays, "the collider of the first cloth moved");
+    },
+  },
+
+  "a snapshot that does not fit changes nothing": {
+    run(m, { why, sheet }) {
+      const scene = { duration: 1, cloth: [{ mesh: "s", density: 0.2, stretch: { model: "membrane", stiffness: 1000 } }] };
+      const other = { ...scene, integrator: { step: 1 / 120, error: 0.003 }, cloth: [{ ...scene.cloth[0], density: 0.7 }] };
+      const [cloth, finer] = [new m.Cloth(scene, { meshes: { s: sheet(5, 1) } }), new m.Cloth(other, { meshes: { s: sheet(6, 1) } })];
+      cloth.step(3);
+      const told = () => JSON.stringify([cloth.scene, cloth.stepLength, cloth.stepError, cloth.stateHash(), cloth.time]);
+      const before = told();
+      const refused = why(() => cloth.goBack(finer.snapshot()));
+      const after = told();
+      cloth.step();
+      [cloth, finer].forEach((it) => it.free());
+      return { refused, same: before === after };
+    },
+    check({ refused, same }) {
+      assert.match(refused, /the snapshot is damaged, or the scene has other meshes/);
+      assert.ok(same, "the cloth has changed");
     },
   },
 

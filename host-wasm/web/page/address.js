@@ -25,11 +25,14 @@ function valued(text) {
   }
 }
 
-/** Stores the state. Another scene is an entry of the history of its own, so that the browser goes back to the one before. */
-export function write({ scene, changes, shown }) {
+/**
+ * Stores the state. Another scene is an entry of the history of its own, so that the browser goes back to the one before; `stays`:
+ * it takes the place of the present entry, whose scene was refused.
+ */
+export function write({ scene, changes, shown }, stays) {
   const parts = new URLSearchParams({ scene, ...shown });
   for (const [key, value] of Object.entries(changes)) parts.set(key, value === undefined ? "none" : JSON.stringify(value));
   const last = read();
-  const isOther = last.scene !== undefined && (last.scene !== scene || last.shown.text !== shown.text);
+  const isOther = !stays && last.scene !== undefined && (last.scene !== scene || last.shown.text !== shown.text);
   history[isOther ? "pushState" : "replaceState"](null, "", `#${parts}`);
 }

@@ -112,8 +112,9 @@ export class Ball {
   /** Takes the impulse of the cloth in the last step. */
   after() {
     if (this.#isComing) {
-      this.#isComing = false;
+      // It stays where it is if the cloth has no room for it: the caller stops it.
       this.#show(true);
+      this.#isComing = false;
       this.#left = LIFE;
     }
     const { linear } = this.#cloth.takeImpulse(this.#number);

@@ -3,34 +3,35 @@
 import { COLOURS, SHADOW } from "./look.js";
 
 const PLACE = `#version 300 es
-layout(location=0) in vec3 place; layout(location=1) in vec3 normal; layout(location=2) in float kind; layout(location=3) in vec2 uv;
+layout(location=0) in vec3 place; layout(location=1) in vec3 normal; layout(location=2) in float given; layout(location=3) in vec2 uv;
 uniform mat4 matrix, light; uniform vec4 look; uniform bool body;
-out vec3 p, n, l; out vec2 t; flat out int what; out float strain;
+out vec3 p, n, l; out vec2 t; flat out int kind; out float strain, mark;
 void main() {
-  // 0 cloth, 1 strained cloth, 2 body, 3 floor, 4 glass, 5 held vertex
-  what = body ? 2 + int(kind) : kind > 1e8 ? 5 : look.w > 0. ? 1 : 0;
-  strain = clamp(kind / max(look.w, 1e-9), -1., 1.);
+  // 0 cloth, 1 strained cloth, 2 body, 3 floor, 4 glass
+  kind = body ? 2 + int(given) : look.w > 0. ? 1 : 0;
+  mark = given > 1e8 ? 1. : 0.;
+  strain = mark > 0. ? 0. : clamp(given / max(look.w, 1e-9), -1., 1.);
   p = place; n = normal; t = uv; l = (light * vec4(place, 1.)).xyz * .5 + .5; gl_Position = matrix * vec4(place, 1.);
 }`;
 const SHADE = `#version 300 es
 precision highp float; precision highp sampler2DShadow;
-in vec3 p, n, l; in vec2 t; flat in int what; in float strain; uniform vec4 look, paper; uniform sampler2DShadow shadow; out vec4 seen;
+in vec3 p, n, l; in vec2 t; flat in int kind; in float strain, mark; uniform vec4 look, paper; uniform sampler2DShadow shadow; out vec4 seen;
 void main() {
   vec3 eye = normalize(look.xyz - p), m = normalize(n), sun = vec3(${SHADOW.sun}), colour = vec3(${COLOURS.cloth});
   // From below the floor is not seen.
-  if (what == 3 && dot(m, eye) < 0.) discard;
+  if (kind == 3 && dot(m, eye) < 0.) discard;
   if (dot(m, eye) < 0.) m = -m;
   vec2 w = fwidth(t), stripe = mix(smoothstep(.25 - w, .25 + w, abs(fract(t) - .5)), vec2(.5), clamp(2. * w, 0., 1.));
-  if (what == 0) colour *= mix(1., .84, stripe.x) * mix(1., .84, stripe.y);
-  if (what == 1) colour = mix(vec3(.93), strain > 0. ? vec3(${COLOURS.stretched}) : vec3(${COLOURS.compressed}), abs(strain));
-  if (what == 2 || what == 4) colour = vec3(${COLOURS.body});
-  if (what == 3) colour = paper.rgb;
-  if (what == 5) colour = vec3(.1);
+  if (kind == 0) colour *= mix(1., .84, stripe.x) * mix(1., .84, stripe.y);
+  if (kind == 1) colour = mix(vec3(.93), strain > 0. ? vec3(${COLOURS.stretched}) : vec3(${COLOURS.compressed}), abs(strain));
+  if (kind == 2 || kind == 4) colour = vec3(${COLOURS.body});
+  if (kind == 3) colour = paper.rgb;
+  if (mark > .6) colour = vec3(.1);
   float lit = all(lessThan(abs(l - .5), vec3(.5))) ? texture(shadow, l - vec3(0., 0., .004)) : 1.;
   float shade = .4 + .5 * lit * max(dot(m, sun), 0.) + .18 * max(dot(m, eye), 0.);
-  if (what == 3) shade = .78 + .22 * lit;
+  if (kind == 3) shade = .78 + .22 * lit;
   seen = vec4(colour * shade, 1.);
-  if (what == 4) seen = vec4(colour * shade, .15);
+  if (kind == 4) seen = vec4(colour * shade, .15);
 }`;
 const DEPTH = `#version 300 es
 layout(location=0) in vec3 place; uniform mat4 light;

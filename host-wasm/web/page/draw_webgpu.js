@@ -10,18 +10,19 @@ struct Look { matrix: mat4x4f, light: mat4x4f, look: vec4f, paper: vec4f }
 @group(0) @binding(2) var compare: sampler_comparison;
 struct Seen {
   @builtin(position) clip: vec4f, @location(0) place: vec3f, @location(1) normal: vec3f, @location(2) uv: vec2f,
-  @location(3) strain: f32, @location(4) @interpolate(flat) what: u32,
+  @location(3) strain: f32, @location(4) mark: f32, @location(5) @interpolate(flat) kind: u32,
 }
-// 0 cloth, 1 strained cloth, 2 body, 3 floor, 4 glass, 5 held vertex
-fn seen(place: vec3f, normal: vec3f, uv: vec2f, strain: f32, what: u32) -> Seen {
-  return Seen(u.matrix * vec4f(place, 1.0), place, normal, uv, strain, what);
+// 0 cloth, 1 strained cloth, 2 body, 3 floor, 4 glass
+fn seen(place: vec3f, normal: vec3f, uv: vec2f, strain: f32, mark: f32, kind: u32) -> Seen {
+  return Seen(u.matrix * vec4f(place, 1.0), place, normal, uv, strain, mark, kind);
 }
 @vertex fn cloth(@location(0) place: vec3f, @location(1) normal: vec3f, @location(2) strain: f32, @location(3) uv: vec2f) -> Seen {
-  let what = select(select(0u, 1u, u.look.w > 0.0), 5u, strain > 1e8);
-  return seen(place, normal, uv, clamp(strain / max(u.look.w, 1e-9), -1.0, 1.0), what);
+  let isMarked = strain > 1e8;
+  let shown = select(clamp(strain / max(u.look.w, 1e-9), -1.0, 1.0), 0.0, isMarked);
+  return seen(place, normal, uv, shown, f32(isMarked), u32(u.look.w > 0.0));
 }
 @vertex fn body(@location(0) place: vec3f, @location(1) normal: vec3f, @location(2) kind: f32) -> Seen {
-  return seen(place, normal, vec2f(), 0.0, 2u + u32(kind));
+  return seen(place, normal, vec2f(), 0.0, 0.0, 2u + u32(kind));
 }
 @vertex fn depth(@location(0) place: vec3f) -> @builtin(position) vec4f { return u.light * vec4f(place, 1.0); }
 @fragment fn shade(v: Seen) -> @location(0) vec4f {
@@ -35,18 +36,18 @@ fn seen(place: vec3f, normal: vec3f, uv: vec2f, strain: f32, what: u32) -> Seen 
   let sampled = textureSampleCompareLevel(map, compare, at, l.z - .004);
   let lit = select(1.0, sampled, all(abs(l.xy) < vec2f(1)) && l.z < 1.0);
   var colour = vec3f(${COLOURS.cloth});
-  switch v.what {
+  switch v.kind {
     case 0: { colour *= mix(1.0, .84, stripe.x) * mix(1.0, .84, stripe.y); }
     case 1: { colour = mix(vec3f(.93), select(vec3f(${COLOURS.compressed}), vec3f(${COLOURS.stretched}), v.strain > 0.0), abs(v.strain)); }
     case 3: { colour = u.paper.rgb; }
-    case 5: { colour = vec3f(.1); }
     default: { colour = vec3f(${COLOURS.body}); }
   }
+  if (v.mark > .6) { colour = vec3f(.1); }
   var light = .4 + .5 * lit * max(dot(n, vec3f(${SHADOW.sun})), 0.0) + .18 * max(dot(n, eye), 0.0);
-  if (v.what == 3) { light = .78 + .22 * lit; }
+  if (v.kind == 3) { light = .78 + .22 * lit; }
   // From below the floor is not seen.
-  if (v.what == 3 && dot(normalize(v.normal), eye) < 0.0) { discard; }
-  return vec4f(colour * light, select(1.0, .15, v.what == 4));
+  if (v.kind == 3 && dot(normalize(v.normal), eye) < 0.0) { discard; }
+  return vec4f(colour * light, select(1.0, .15, v.kind == 4));
 }`;
 
 const SAMPLES = 4;

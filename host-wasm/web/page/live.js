@@ -64,12 +64,17 @@ function measured(cloth, longest, now) {
   const began = now();
   const times = [[0, 0]];
   let stretch = 0;
-  while (cloth.time < SECONDS && now() - began < longest) {
-    cloth.step();
+  let hasDiverged = false;
+  cloth.onDiverge = () => {
+    hasDiverged = true;
+  };
+  while (cloth.time < SECONDS && now() - began < longest && !hasDiverged) {
+    cloth.advance(cloth.stepLength);
     stretch = Math.max(stretch, cloth.summary().stretch.max - 1);
     if (cloth.time - times.at(-1)[0] >= BETWEEN) times.push([cloth.time, (now() - began) / 1000]);
   }
   if (cloth.time > times.at(-1)[0]) times.push([cloth.time, (now() - began) / 1000]);
+  if (hasDiverged) throw new Error("the scene diverges with fewer vertices");
   const parts = Math.max(1, Math.floor(Math.min(PART, cloth.time) / BETWEEN));
   const costs = times.slice(parts).map(([time, spent], k) => (spent - times[k][1]) / (time - times[k][0]));
   return { cost: Math.max(...costs), stretch, isWhole: cloth.time >= SECONDS };
@@ -91,7 +96,7 @@ export function choose(make, scene, isImplicit, now = () => performance.now()) {
   const all = using({}, (cloth) => cloth.vertexCount);
   const coarse = cells(scene, Math.min(1, Math.sqrt(FEW / all)));
   const few = using(coarse, (cloth) => {
-    for (const began = now(); now() - began < WARM; ) cloth.step();
+    for (const began = now(); now() - began < WARM && !cloth.hasDiverged; ) cloth.advance(cloth.stepLength);
     return cloth.vertexCount;
   });
   const enough = Math.min(all, ENOUGH);

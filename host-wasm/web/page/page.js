@@ -85,16 +85,27 @@ function settings_for(method) {
 async function choose(scene) {
   // A key that the user removed is part of the name.
   const name = JSON.stringify([scene, state.changes], (_, value) => (value === undefined ? "none" : value));
-  if (!choices.has(name)) {
+  if (!choices.has(name)) choices.set(name, await measured(scene));
+  return choices.get(name);
+}
+
+/** Measures this machine. Scenes that other cells do not suit run as they are: `why` says the reason. */
+async function measured(scene) {
+  picture.canvas.classList.add("waits");
+  try {
     if (!run.view) {
       await run.open(scene, { ...cells(scene, FIRST), ...state.changes }, true);
       camera.frame(run.positions());
     }
+    el("about").textContent = scene.description ?? "";
     say("measuring how fast this machine is …");
     const isImplicit = IMPLICIT.includes(state.changes["integrator.method"] ?? method_of(scene));
-    choices.set(name, await run.choose(scene, state.changes, isImplicit));
+    return await run.choose(scene, state.changes, isImplicit);
+  } catch (error) {
+    return { changes: {}, why: error.message };
+  } finally {
+    picture.canvas.classList.remove("waits");
   }
-  return choices.get(name);
 }
 
 /** The detail in words. */
@@ -105,14 +116,18 @@ function detail() {
   return `${count} vertices, steps of ${+(1000 * stepLength).toPrecision(3)} ms${error}`;
 }
 
-/** Sets the controls to the values of the scene. */
-function show() {
+/** Whether the error is shown. */
+const compares = () => state.shown.compare !== "0";
+
+/** Sets the controls to the values of the scene; `stays`: for an address that was refused. */
+function show(stays = false) {
   const { scene } = run.cloth;
   if (state.scene === OWN && !el("scene").querySelector(`[value=${OWN}]`)) list("scene", [OWN]);
   el("scene").value = state.scene;
   el("about").textContent = scene.description ?? "";
   el("detail").value = state.shown.detail ? DETAILS[1] : DETAILS[0];
   el("cost").textContent = detail();
+  el("again").hidden = Boolean(state.shown.detail);
   el("material").value = state.shown.material ?? "as in the scene";
   el("method").value = method_of(scene);
   el("length").value = +(1000 * run.cloth.stepLength).toPrecision(4);
@@ -125,10 +140,12 @@ function show() {
     box.checked = Boolean(value ?? assumed) && value !== 0;
     box.disabled = key.startsWith("contact.") && scene.contact === undefined;
   }
+  picture.strain = state.shown.strain === "1";
   el("strain").checked = picture.strain;
   el("legend").hidden = !picture.strain;
+  el("compare").checked = compares();
   el("throw").disabled = !run.cloth.hasBall;
-  address.write(state);
+  address.write(state, stays);
 }
 
 /** Writes the scene in view with the changes of the user as text. A text that was refused stays until then. */
@@ -165,11 +182,12 @@ async function apply(changes, kept = changes) {
 }
 
 /** Starts a built-in scene, or a scene from a text. */
-async function open(name, text = texts[name]) {
+async function open(name, text = Object.hasOwn(texts, name) ? texts[name] : undefined) {
   if (text === undefined) throw new Error(`there is no scene ${name}; there are ${Object.keys(texts).join(", ")}`);
   if (!/[=[]/.test(text))
     throw new Error("a scene has keys and sections, such as duration = 1 and [[cloth]]: see the text of a built-in one");
   const scene = read(text);
+  if (scene.cloth?.some?.(({ mesh }) => mesh)) throw new Error("the page reads no files: describe the cloth by a grid, a tube or a disc");
   say("");
   live = state.shown.detail ? undefined : await choose(scene);
   const hadStopped = run.hasStopped;
@@ -179,7 +197,8 @@ async function open(name, text = texts[name]) {
   state.scene = name;
   hand.drop();
   camera.frame(run.positions());
-  quiet();
+  if (live?.why) say(`the scene runs as it is, because live does not suit it: ${live.why}`);
+  else quiet();
   // The text of a scene that the user typed in is part of the address.
   if (name === OWN) state.shown.text = own = text;
   else delete state.shown.text;
@@ -189,17 +208,17 @@ async function open(name, text = texts[name]) {
 }
 
 /** Runs an action between steps. An error is shown, and the state and the cloth stay as before. */
-function attempt(what) {
+function attempt(action) {
   run.ask(async () => {
     const before = { ...state, changes: { ...state.changes }, shown: { ...state.shown } };
-    const [choice, strained] = [live, picture.strain];
+    const choice = live;
     try {
-      await what();
+      await action();
     } catch (error) {
       Object.assign(state, before);
       live = choice;
-      picture.strain = strained;
-      if (base) show();
+      if (base) show(true);
+      await run.compare(compares());
       throw error;
     }
   });
@@ -213,12 +232,13 @@ function reset() {
 }
 
 function pause(whether = run.paused) {
+  // Who continues has read why the run stopped.
+  if (!whether && run.hasStopped) say("");
   if (whether !== run.paused) run.paused = whether;
   el("pause").textContent = whether ? "Continue" : "Pause";
 }
 
 function strain(whether) {
-  picture.strain = whether;
   if (whether) state.shown.strain = "1";
   else delete state.shown.strain;
   show();
@@ -237,6 +257,15 @@ function wind(speed) {
   const size = Math.hypot(...way);
   const velocity = way.map((x) => (x / size) * speed);
   change({ "drag.wind": windy(scene, velocity) });
+}
+
+/** The keys that materials change. */
+const OF_MATERIAL = /^cloth\.(\d+\.)?(density|stretch|shear|bend)\b/;
+
+/** The values of these keys in the scene, for each cloth. */
+function ofScene() {
+  const of = (cloth, k) => ["density", "stretch", "shear", "bend"].map((key) => [`cloth.${k}.${key}`, cloth[key]]);
+  return Object.fromEntries(base.cloth.flatMap(of));
 }
 
 /** From the next step on, detects on the GPU if this is chosen and the scene has contact. */
@@ -266,7 +295,7 @@ const KEYS = {
     run.one();
   },
   r: reset,
-  s: () => strain(!picture.strain),
+  s: () => strain(!el("strain").checked),
   b: fly,
   c: () => camera.frame(run.positions(), true),
 };
@@ -275,9 +304,7 @@ const KEYS = {
 async function visit() {
   const asked = address.read();
   Object.assign(state, { changes: {}, shown: {}, ...asked, scene: asked.scene ?? "ball" });
-  picture.strain = asked.shown.strain === "1";
-  el("compare").checked = asked.shown.compare !== "0";
-  await run.compare(el("compare").checked);
+  await run.compare(compares());
   await open(state.scene, asked.shown.text);
 }
 
@@ -303,12 +330,10 @@ function listen() {
   el("material").onchange = () => {
     const name = el("material").value;
     attempt(async () => {
-      const keys = Object.keys(materials.silk);
-      const values = materials[name] ?? Object.fromEntries(keys.map((key) => [key, valueAt(base, key)]));
       if (materials[name]) state.shown.material = name;
       else delete state.shown.material;
-      await apply(values);
-      if (!materials[name]) keys.forEach((key) => delete state.changes[key]);
+      await apply(materials[name] ?? ofScene());
+      if (!materials[name]) for (const key of Object.keys(state.changes)) if (OF_MATERIAL.test(key)) delete state.changes[key];
       say("");
       show();
       write();
@@ -356,10 +381,15 @@ function listen() {
     });
   };
   el("use").onclick = () => anew(OWN, el("text").value);
+  el("again").onclick = () => {
+    choices.clear();
+    reset();
+  };
   el("throw").onclick = fly;
   el("recentre").onclick = KEYS.c;
   // Keys work where the picture has the focus, so that no letter surprises somebody who types or reads aloud.
   pad.addEventListener("keydown", (event) => {
+    if (el("controls").inert) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (KEYS[key]) event.repeat || KEYS[key]();
@@ -376,7 +406,9 @@ function terms() {
     const box = Object.assign(document.createElement("input"), { type: "checkbox", id: name });
     box.onchange = () => {
       const off = key === "contact.self" ? false : key === "contact.friction" ? 0 : undefined;
-      change({ [key]: box.checked ? valueAt(base, key) || fallback : off });
+      // With the material that was chosen.
+      const scene = changed(base, materials[state.shown.material] ?? {});
+      change({ [key]: box.checked ? valueAt(scene, key) || fallback : off });
     };
     label.append(box, ` ${name}`);
     el("terms").append(label);
@@ -399,13 +431,13 @@ async function start() {
   list("method", METHODS);
   terms();
   listen();
-  // On a phone the numbers would hide the cloth.
-  el("measured").open = matchMedia("(min-width: 45rem)").matches;
+  // On a phone the numbers would hide the cloth, upright or not.
+  el("measured").open = matchMedia("(min-width: 45rem) and (min-height: 36rem)").matches;
   let trouble;
   const opened = visit().catch((error) => {
     trouble = error.message;
     Object.assign(state, { scene: "ball", changes: {}, shown: {} });
-    return open("ball");
+    return run.compare(true).then(() => open("ball"));
   });
   const frame = () => {
     try {

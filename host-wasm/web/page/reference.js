@@ -32,9 +32,9 @@ export class Reference {
   }
 
   /** Repeats an action of the user at its time. */
-  tell(what) {
+  tell(action) {
     if (this.why !== undefined) return;
-    this.#queue.push(what);
+    this.#queue.push(action);
     if (this.#queue.length > FULL) this.#give_up("the reference is too slow to follow");
   }
 
@@ -50,9 +50,9 @@ export class Reference {
     this.waits = !isFree && navigator.hardwareConcurrency < CORES;
     if (this.#waiting.size > 0 || this.waits) return;
     while (this.#queue.length > 0 && this.#waiting.size === 0) {
-      const { positions, ...what } = this.#queue.shift();
-      if (positions) this.#waiting.set(what.time, positions);
-      this.#worker.postMessage(what);
+      const { positions, ...action } = this.#queue.shift();
+      if (positions) this.#waiting.set(action.time, positions);
+      this.#worker.postMessage(action);
     }
   }
 

@@ -4,8 +4,8 @@
 const EVEN = 1 / 50;
 /** Longest time between two states that are interpolated, ms. */
 const LONGEST = 250;
-/** Time after which a worker that does not begin with a scene is replaced, ms: a step may take very long. */
-const PATIENCE = 5000;
+/** Time after which a worker that does not answer is replaced, ms. A step is given up after two seconds, on the device later. */
+const PATIENCE = 12_000;
 
 export class Run {
   #worker;
@@ -35,7 +35,7 @@ export class Run {
   numbers;
   /** The name of the device that finds the candidates. */
   device;
-  /** Whether the run has stopped by itself. */
+  /** Whether the run has stopped by itself, and nobody has continued it. */
   hasStopped = false;
 
   /** `say(text, bad)` shows a message, `stopped()` is called when the run has stopped by itself. */
@@ -118,18 +118,19 @@ export class Run {
     });
   }
 
-  /** Sends a request that begins with a scene. If the worker does not come to it, another one does. */
-  async #anew(ask, given) {
-    let timer;
-    const late = new Promise((resolve) => {
-      timer = setTimeout(resolve, PATIENCE, "late");
+  /** Sends a request, and replaces the worker if it does not answer. */
+  async #timely(ask, given) {
+    const timer = setTimeout(() => this.#replace("a step took too long and was given up: press Reset"), PATIENCE);
+    return this.#request(ask, given).finally(() => clearTimeout(timer));
+  }
+
+  /** Sends a request that begins with a scene. If the worker does not come to it, another one tries once. */
+  #anew(ask, given) {
+    const worker = this.#worker;
+    return this.#timely(ask, given).catch((error) => {
+      if (this.#worker === worker) throw error;
+      return this.#timely(ask, given);
     });
-    const answer = this.#request(ask, given);
-    const first = await Promise.race([answer, late]).finally(() => clearTimeout(timer));
-    if (first !== "late") return first;
-    answer.catch(() => {});
-    this.#replace("the step took too long and was given up");
-    return this.#request(ask, given);
   }
 
   /** Sends a request whose end nothing waits for. Its error is shown. */
@@ -164,23 +165,23 @@ export class Run {
 
   /** Changes values at keys of the scene. */
   async set(changes) {
-    this.cloth = await this.#request("set", { changes });
+    this.cloth = await this.#timely("set", { changes });
   }
 
   /** Switches the reference on or off. It starts with the next scene. */
   compare(whether) {
     this.#comparing = whether;
-    return this.#request("compare", { whether });
+    return this.#timely("compare", { whether });
   }
 
   /** Switches detection on the GPU on or off. */
   async detect(whether) {
-    ({ device: this.device } = await this.#request("detect", { whether }));
+    ({ device: this.device } = await this.#timely("detect", { whether }));
   }
 
   /** Queues an action, which begins when those before it have ended. Its error is shown. */
-  ask(what) {
-    this.#todo = this.#todo.then(what).catch((error) => this.say(error.message, true));
+  ask(action) {
+    this.#todo = this.#todo.then(action).catch((error) => this.say(error.message, true));
     return this.#todo;
   }
 
@@ -190,6 +191,7 @@ export class Run {
 
   set paused(whether) {
     this.#paused = whether;
+    if (!whether) this.hasStopped = false;
     this.#tell("pause", { whether });
   }
 

@@ -49,6 +49,8 @@ let drew = false;
 let numbersAt = 0;
 /** The name of the device that finds the candidates. */
 let device;
+/** Why the last step was taken back. */
+let trouble;
 const speed = new Speed();
 const meter = new Meter();
 
@@ -108,7 +110,7 @@ function restart() {
 }
 
 /** Repeats an action in the reference. */
-const repeat = (what) => reference?.tell({ ...what, time: cloth.time });
+const repeat = (action) => reference?.tell({ ...action, time: cloth.time });
 
 /** The requests of the page. An error is told to the page, and changes nothing. */
 const asks = {
@@ -126,6 +128,9 @@ const asks = {
     cloth?.free();
     reference?.end();
     [cloth, ball, number] = [next, thrown, given];
+    cloth.onDiverge = ({ message }) => {
+      trouble = message;
+    };
     coordinates = cloth.positions().length;
     [hold, device] = [undefined, undefined];
     spare = [];
@@ -190,8 +195,12 @@ const asks = {
   },
 };
 
+/** Requests that need no cloth. */
+const FREE = ["choose", "open", "compare", "pause"];
+
 async function answer({ id, ask, ...given }) {
   try {
+    if (!cloth && !FREE.includes(ask)) throw new Error("there is no cloth: press Reset");
     // Requests of the hand may be about the cloth before.
     const isOld = ask !== "open" && given.number !== undefined && given.number !== number;
     const told = isOld ? undefined : await asks[ask](given);
@@ -201,16 +210,29 @@ async function answer({ id, ask, ...given }) {
   }
 }
 
+/** Takes a step. One that takes too long, or diverges, is taken back to a good state. */
+async function taken() {
+  if (device) return cloth.awaitStep();
+  trouble = undefined;
+  cloth.advance(cloth.stepLength);
+  if (trouble === undefined) return;
+  cloth.resume();
+  // The reference is ahead of this state.
+  reference?.end();
+  reference = undefined;
+  throw new Error(trouble);
+}
+
 async function step() {
   try {
     if (hold) pull(hold, hold.force(cloth.stepLength));
     ball?.before(cloth.stepLength);
-    if (device) await cloth.awaitStep();
-    else cloth.step();
+    await taken();
     ball?.after();
   } catch (error) {
     // The module failed, and the cloth is lost.
     if (error.cause instanceof WebAssembly.RuntimeError) throw error;
+    isNew = true;
     // The cloth may have no room between the ball and a pin, or be where the ball starts.
     if (ball?.isHere) return ball.stop();
     drop();

@@ -95,7 +95,7 @@ function chart(scene, step, seconds) {
   const best = changed(scene, { "integrator.method": method });
   // Steps divide the time of a frame: after whole frames all runs end at the same time.
   const until = Math.max(1, Math.round(seconds * scene.frame_rate)) / scene.frame_rate;
-  const tell = (what) => postMessage({ kind: "chart", until, ...what });
+  const tell = (message) => postMessage({ kind: "chart", until, ...message });
   const says = (by) => tell({ doing: `the reference: ${method} in steps of ${((1000 * step) / by).toPrecision(3)} ms` });
   says(TRUTH / 2);
   const reached = (by) => ran(changed(best, finer({ step, tolerance: scene.integrator?.tolerance }, by)), until).positions;
