@@ -56,7 +56,7 @@ export async function withModule(chromium) {
 }
 
 /** ms after which a page counts as hung: long, because machines may be slow and busy. */
-const PATIENCE = 40_000;
+const PATIENCE = 600_000;
 
 /** Waits until the page's run has taken `count` steps. */
 export const steps = (page, count) => page.waitForFunction((count) => window.muslin?.run().view?.steps >= count, count);

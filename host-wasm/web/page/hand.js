@@ -13,8 +13,8 @@ export class Hand {
   #cloth;
   #pointers = new Map();
   #held;
-  /** The vertex that the last press grabbed, and whether it was pinned before. */
-  #pressed;
+  /** The vertices that the last two presses grabbed, and whether they were pinned before. */
+  #presses = [];
   /** The vertices that the hand pinned or released, and whether they are pinned. The state in view may be older. */
   #known = new Map();
 
@@ -26,7 +26,7 @@ export class Hand {
     canvas.addEventListener("pointerdown", (event) => this.#down(event));
     canvas.addEventListener("pointermove", (event) => this.#move(event));
     for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => this.#up(event));
-    canvas.addEventListener("dblclick", () => this.#pressed && this.#toggle(this.#pressed));
+    canvas.addEventListener("dblclick", () => this.#double());
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
@@ -36,7 +36,8 @@ export class Hand {
 
   /** Forgets the grabbed vertex, because another cloth is in view. */
   drop() {
-    this.#held = this.#pressed = undefined;
+    this.#held = undefined;
+    this.#presses = [];
     this.#known.clear();
     this.#pointers.clear();
   }
@@ -94,8 +95,14 @@ export class Hand {
     const [x, y] = this.#at(event);
     this.#pointers.set(event.pointerId, [x, y]);
     if (this.#pointers.size === 1 && event.button === 0 && !event.shiftKey) {
-      this.#pressed = this.#take(x, y, REACH) ? this.#held : undefined;
+      this.#presses = [this.#presses.at(-1), this.#take(x, y, REACH) ? this.#held : undefined];
     } else if (this.#held) this.#let_go();
+  }
+
+  /** Pins or releases the vertex of the first of two presses: between them the cloth moves. */
+  #double() {
+    const pressed = this.#presses.find(Boolean);
+    if (pressed) this.#toggle(pressed);
   }
 
   #toggle({ vertex, pinned }) {
