@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { dist } from "./kit.mjs";
 
-const MOST = 336_000;
+const MOST = 338_000;
 
 test(`page and module are less than ${MOST / 1000} kB`, () => {
   // A page fetches the module itself, not the bundle that has it inside.

@@ -211,7 +211,7 @@ async function answer({ id, ask, ...given }) {
 }
 
 /** Takes a step. One that takes too long, or diverges, is taken back to a good state. */
-async function taken() {
+async function takeStep() {
   if (device) return cloth.awaitStep();
   trouble = undefined;
   cloth.advance(cloth.stepLength);
@@ -227,7 +227,7 @@ async function step() {
   try {
     if (hold) pull(hold, hold.force(cloth.stepLength));
     ball?.before(cloth.stepLength);
-    await taken();
+    await takeStep();
     ball?.after();
   } catch (error) {
     // The module failed, and the cloth is lost.
