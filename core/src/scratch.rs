@@ -282,9 +282,12 @@ mod owned {
             keep(&mut self.forces, has_more);
         }
 
-        /// Removes the column of the forces of elements: they are computed for each vertex.
-        pub(crate) fn remove_elements(&mut self) {
+        /// Removes the column of the forces of elements, which are computed for each vertex then, and the elastic part of the
+        /// coarse factor, which is summed for each factor then.
+        pub(crate) fn remove_spare(&mut self) {
             self.elements.clear();
+            self.elastic_values.clear();
+            self.elastic_own.clear();
         }
 
         /// The held axes of each vertex, empty without patches, and the changes in the last step.

@@ -58,7 +58,7 @@ pub fn cook(simulation: &Simulation, room: Room) -> Vec<u8> {
         scratch.remove_work(scheme.method);
     }
     if room.is_lean {
-        scratch.remove_elements();
+        scratch.remove_spare();
     }
     let is_implicit = scheme.method.is_implicit();
     let bodies = built.contact.as_ref().map_or(0, |contact| contact.colliders.bodies.len());
