@@ -22,7 +22,7 @@ export function load(source?: Source): Promise<void> {
     (error) => {
       // Another attempt may succeed.
       loading = undefined;
-      if (source === undefined && !("document" in globalThis) && /fetch/.test(error.message)) {
+      if (source === undefined && "process" in globalThis && /fetch/.test(error.message)) {
         throw new Error(`${error.message}: in Node.js, give load() the bytes of the module, or import muslin/inline`, { cause: error });
       }
       if (!/magic word|MIME/.test(error.message)) throw error;

@@ -743,8 +743,8 @@ async function type(page, text) {
 
 test("the material of the scene comes back, for each cloth; terms keep the material", { skip }, async () => {
   const { page } = await open("#scene=cantilever&compare=0&detail=scene");
-  const sheet = (z, density, more) =>
-    `[[cloth]]\nposition = [0, 1, ${z}]\ngrid = { size = [1, 1], cells = [4, 4] }\ndensity = ${density}\nstretch = { model = "membrane", stiffness = 3000 }\n${more}`;
+  const sheet = (z, density, rest) =>
+    `[[cloth]]\nposition = [0, 1, ${z}]\ngrid = { size = [1, 1], cells = [4, 4] }\ndensity = ${density}\nstretch = { model = "membrane", stiffness = 3000 }\n${rest}`;
   await type(page, `duration = 1\n${sheet(0, 0.3, "")}${sheet(2, 0.5, "shear = { stiffness = 50 }\n")}`);
   await page.waitForFunction(() => muslin.run().cloth.scene.cloth.length === 2);
   const cloths = () => inPage(page, () => muslin.run().cloth.scene.cloth.map(({ density, shear, bend }) => ({ density, shear, bend })));
@@ -754,7 +754,7 @@ test("the material of the scene comes back, for each cloth; terms keep the mater
   await page.uncheck("#bend");
   await page.waitForFunction(() => muslin.run().cloth.scene.cloth.every(({ bend }) => !bend));
   await page.check("#bend");
-  await page.waitForFunction(() => muslin.run().cloth.scene.cloth.every(({ bend }) => bend?.rigidity === 1e-4), undefined, {});
+  await page.waitForFunction(() => muslin.run().cloth.scene.cloth.every(({ bend }) => bend?.rigidity === 1e-4));
   await page.selectOption("#material", "as in the scene");
   await page.waitForFunction(() => muslin.run().cloth.scene.cloth[0].density === 0.3);
   assert.deepEqual(await cloths(), before);

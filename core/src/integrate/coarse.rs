@@ -132,10 +132,10 @@ pub fn write_factor(
         factor.own.copy_from(factor.elastic_own);
     } else {
         write_matrix(patches, system, factor);
-    }
-    if keeps && !is_same_matrix {
-        factor.elastic_values.copy_from(factor.values);
-        factor.elastic_own.copy_from(factor.own);
+        if keeps {
+            factor.elastic_values.copy_from(factor.values);
+            factor.elastic_own.copy_from(factor.own);
+        }
     }
     for patches in patches.levels() {
         term.visit_curvature(&mut |part| add_curvature(&patches, part, factor));

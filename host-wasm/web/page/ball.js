@@ -112,7 +112,7 @@ export class Ball {
   /** Takes the impulse of the cloth in the last step. */
   after() {
     if (this.#isComing) {
-      // It stays where it is if the cloth has no room for it: the caller stops it.
+      // Throws where the cloth leaves no room for it. The caller stops it then.
       this.#show(true);
       this.#isComing = false;
       this.#left = LIFE;

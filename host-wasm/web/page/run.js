@@ -73,7 +73,8 @@ export class Run {
     for (const { reject } of this.#answers.values()) reject(new Error(why));
     this.#answers.clear();
     this.#begin();
-    this.compare(this.#comparing);
+    // Without a limit: a worker that does not start must not be replaced again and again.
+    this.#tell("compare", { whether: this.#comparing });
     this.paused = this.#paused;
     this.say(why, true);
   }
