@@ -8,7 +8,6 @@ const FASTEST = 1;
 
 await load();
 const cloth = new Cloth({
-  duration: 1,
   gravity: [0, -9.81, 0],
   contact: { thickness: 0.005, friction: 0.3 },
   collider: [{ shape: "sphere", center: [0, -0.25, 0], radius: 0.1 }],

@@ -1,7 +1,7 @@
 // Scenes by name, as text or as an object.
 
 import { loaded } from "./module.js";
-import { read, type Scene } from "./scene.js";
+import { complete, type Given, plain, read, type Scene } from "./scene.js";
 
 /** The names of the built-in scenes. Call it after `await load()`. */
 export function scenes(): string[] {
@@ -9,11 +9,11 @@ export function scenes(): string[] {
 }
 
 /** Parses a scene from TOML text, returns the built-in scene with that name, or copies an object. */
-export function scene(given: string | Scene): Scene {
+export function scene(given: string | Given<Scene>): Scene {
   if (typeof given !== "string" && (typeof given !== "object" || given === null)) {
     throw new TypeError(`a scene is a text, the name of a built-in one, or an object, not ${given}`);
   }
-  if (typeof given !== "string") return structuredClone(given);
+  if (typeof given !== "string") return complete(plain(given) as Scene);
   if (/[=[\n]/.test(given)) return read(given);
   const { wasm } = loaded();
   const text = wasm.sceneText(given.trim());

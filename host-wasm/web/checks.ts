@@ -3,8 +3,11 @@
 /** Coordinates: a list, or an object with x, y, z, and w for a rotation, as those of three.js. */
 export type Coordinates = ArrayLike<number> | { x: number; y: number; z: number; w?: number };
 
-/** How a value reads in an error message. */
-const shown = (given: unknown) => (isList(given) ? `[${Array.from(given).join(", ")}]` : String(given));
+/** How a value reads in an error message: texts in quotes. */
+export function shown(given: unknown): string {
+  if (isList(given)) return `[${Array.from(given, shown).join(", ")}]`;
+  return typeof given === "string" ? JSON.stringify(given) : String(given);
+}
 
 function isList(given: unknown): given is ArrayLike<number> {
   return Array.isArray(given) || (ArrayBuffer.isView(given) && !(given instanceof DataView));
@@ -36,8 +39,7 @@ export function array(name: string, given: ArrayLike<number>): ArrayLike<number>
 
 /** A list of finite numbers. */
 export function list(name: string, given: ArrayLike<number>): Float64Array {
-  const all = isList(given) ? Float64Array.from(given) : undefined;
-  if (all?.every(Number.isFinite)) return all;
+  if (isList(given) && Array.from(given).every(Number.isFinite)) return Float64Array.from(given);
   throw new TypeError(`${name} must be a list of finite numbers, not ${shown(given)}`);
 }
 

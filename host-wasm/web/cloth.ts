@@ -1,7 +1,7 @@
 // A simulated cloth: steps, views of its columns, and the calls by which a program changes and reads it.
 
 import { scene } from "./built_in.js";
-import { amount, type Coordinates, coordinates, keys, list, truth, whole } from "./checks.js";
+import { amount, type Coordinates, coordinates, keys, list, shown, truth, whole } from "./checks.js";
 import { type Meshes, named as namedMeshes } from "./meshes.js";
 import { explained, isTrap, loaded } from "./module.js";
 import { Call, type Simulation as Own, Simulation } from "./muslin_wasm.js";
@@ -24,7 +24,18 @@ import type {
   Warning,
 } from "./results.js";
 import { Snapshot } from "./results.js";
-import { type Changes, changed, hasSameBodies, hasSameColliders, isAlike, type Scene, windy } from "./scene.js";
+import {
+  type Changes,
+  changed,
+  type Given,
+  hasSameBodies,
+  hasSameColliders,
+  isAlike,
+  type Key,
+  type Scene,
+  type Value,
+  windy,
+} from "./scene.js";
 
 const ENERGIES = ["kinetic", "stretch", "shear", "bend", "seam", "gravity"];
 const COUNTS = ["candidates", "proximity", "impacts", "zones", "rejected", "forceEvaluations", "cgIterations"];
@@ -52,10 +63,11 @@ const named = (names: string[], all: ArrayLike<number>, from = 0) => Object.from
 
 const vector = (all: Float64Array, at = 0) => [...all.subarray(at, at + 3)] as Vector;
 
-const pose = (position: Coordinates, rotation: Coordinates) => [
-  ...coordinates("the position", position),
-  ...coordinates("the rotation", rotation, 4),
-];
+function pose(position: Coordinates, rotation: Coordinates) {
+  const quaternion = coordinates("the rotation", rotation, 4);
+  if (quaternion.every((x) => x === 0)) throw new TypeError("the rotation must be a quaternion x, y, z, w, not zeros");
+  return [...coordinates("the position", position), ...quaternion];
+}
 
 const side = (kind = 0, index = 0): Side => ({ kind: kind === 0 ? "cloth" : "collider", index });
 
@@ -101,7 +113,7 @@ export class Cloth {
   onDiverge?: (divergence: Divergence) => void;
 
   /** From TOML text, the name of a built-in scene, or an object. Call it after `await load()`. */
-  constructor(given: string | Scene, options: Options = {}) {
+  constructor(given: string | Given<Scene>, options: Options = {}) {
     this.#scene = scene(given);
     this.#options = keys("the options", options, ["meshes", "mostVertices"]);
     this.#own = this.#build();
@@ -163,7 +175,7 @@ export class Cloth {
   #vertex(vertex: number) {
     const count = this.#idle.vertexCount;
     if (Number.isInteger(vertex) && vertex >= 0 && vertex < count) return vertex;
-    throw new TypeError(`there is no vertex ${String(vertex)}; there are ${count}, from 0`);
+    throw new TypeError(`there is no vertex ${shown(vertex)}; there are ${count}, from 0`);
   }
 
   /** Takes steps on this thread. */
@@ -370,12 +382,13 @@ export class Cloth {
    * vertices stays the same, the cloth keeps its state, pins and colliders; otherwise it starts again. Colliders change only
    * before the first step: then move them with `moveCollider` and switch them off with `switchCollider`.
    */
-  set(key: string, value: unknown): void;
+  set<K extends Key>(key: K, value: Value<K> | undefined): void;
   set(changes: Changes): void;
-  set(key: string | Changes, value?: unknown): void {
-    const isObject = typeof key === "object" && key !== null;
-    if (!isObject && typeof key !== "string") throw new TypeError(`the key must be a word such as "integrator.step", not ${key}`);
-    const next = changed(this.#scene, isObject ? key : { [key]: value });
+  set(key: unknown, value?: unknown): void {
+    const isObject = typeof key === "object" && key !== null && !Array.isArray(key) && !(key instanceof Map);
+    if (!isObject && typeof key !== "string") throw new TypeError(`the key must be a word such as "integrator.step", not ${shown(key)}`);
+    const changes = isObject ? key : { [String(key)]: value };
+    const next = changed(this.#scene, changes as Changes);
     this.#call((own) => {
       if (isAlike(this.#scene, next) && own.setMaterials(next)) return;
       this.#goOnAs(own, next);
@@ -396,7 +409,7 @@ export class Cloth {
   }
 
   /** Starts again, with another scene or the present one. The meshes stay the same. */
-  restart(given?: string | Scene): void {
+  restart(given?: string | Given<Scene>): void {
     if (!this.#failure) this.#idle;
     const before = this.#scene;
     const old = this.#own;

@@ -9,7 +9,8 @@ export type Meshes = { [name: string]: Mesh };
 
 /** The meshes that a scene names, after a look at their kinds and sizes. The module checks their numbers. */
 export function named(scene: Scene, meshes: Meshes = {}, mostVertices: number): Meshes {
-  const names = [...sections(scene.cloth).map(({ mesh }) => mesh), ...sections(scene.collider).map(({ file }) => file)];
+  const files = sections(scene.collider).map((collider) => ("file" in collider ? collider.file : undefined));
+  const names = [...sections(scene.cloth).map(({ mesh }) => mesh), ...files];
   const isPlain = typeof meshes === "object" && meshes !== null && !Array.isArray(meshes) && !(meshes instanceof Map);
   if (!isPlain) throw new TypeError(`meshes must be an object with a mesh by name, not ${meshes}`);
   const found: Meshes = {};

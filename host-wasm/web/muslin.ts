@@ -8,8 +8,8 @@ export { Cloth, type Options } from "./cloth.js";
 export type { Meshes } from "./meshes.js";
 export { load, type Source } from "./module.js";
 export type * from "./results.js";
-export { type Changes, changed, value, windy } from "./scene.js";
-export type * from "./scene_types.js";
+export type * from "./scene.js";
+export { changed, value, windy } from "./scene.js";
 
 /** @internal The number of allocations, if the module was built to count them. */
 export const { allocations } = wasm as { allocations?: () => number };

@@ -1,19 +1,96 @@
 // Scenes as objects: reads them from TOML, changes values at keys, and compares them.
 
 import { parse } from "smol-toml";
-import type { ClothDesc, ColliderDesc, Scene, WindDesc } from "./scene_types.js";
+import type { ClothDesc as AnyCloth, ColliderDesc as AnyCollider, Scene as AnyScene, WindDesc } from "./scene_types.js";
 
 export type * from "./scene_types.js";
 
-/** New values for keys such as "integrator.step". If a part of the key is a list, such as `cloth`, every item is changed. `undefined` removes a key. */
-export type Changes = { [key: string]: unknown };
+type MeshKey = "grid" | "tube" | "disc" | "mesh";
+
+type NoMesh = { [K in MeshKey]?: undefined };
+
+interface Grid extends Omit<AnyCloth, MeshKey>, Omit<NoMesh, "grid">, Required<Pick<AnyCloth, "grid">> {}
+interface Tube extends Omit<AnyCloth, MeshKey>, Omit<NoMesh, "tube">, Required<Pick<AnyCloth, "tube">> {}
+interface Disc extends Omit<AnyCloth, MeshKey>, Omit<NoMesh, "disc">, Required<Pick<AnyCloth, "disc">> {}
+interface Own extends Omit<AnyCloth, MeshKey>, Omit<NoMesh, "mesh">, Required<Pick<AnyCloth, "mesh">> {}
+
+/** One sheet: its mesh, its placement and its material. It has exactly one of `grid`, `tube`, `disc` and `mesh`. */
+export type ClothDesc = Grid | Tube | Disc | Own;
+
+type Shaped<S extends AnyCollider["shape"], Needed extends keyof AnyCollider, Free extends keyof AnyCollider = never> = {
+  shape: S;
+} & Required<Pick<AnyCollider, Needed>> &
+  Pick<AnyCollider, Free | "motion" | "friction">;
+
+/** An object that the cloth collides with: its shape, and the keys that the shape needs. */
+export type ColliderDesc =
+  | Shaped<"plane", "point" | "normal">
+  | Shaped<"sphere", "center" | "radius">
+  | Shaped<"capsule", "a" | "b" | "radius">
+  | Shaped<"box", "center" | "half", "rotation">
+  | Shaped<"mesh", "file", "motion_rate">;
+
+/** A whole scene. Its duration, 1 s by default, counts for the command line only. */
+export type Scene = Omit<AnyScene, "cloth" | "collider" | "duration"> & {
+  cloth: ClothDesc[];
+  collider?: ColliderDesc[];
+  duration?: number;
+};
+
+/** A part of a scene as a program may give it: lists may be read-only, and vectors typed arrays. */
+export type Given<T> = T extends string | number | boolean | undefined
+  ? T
+  : T extends [number, ...number[]]
+    ? Readonly<T> | Float32Array | Float64Array
+    : T extends readonly (infer Item)[]
+      ? readonly Given<Item>[]
+      : { readonly [K in keyof T]: Given<T[K]> };
+
+type Index = `${number}`;
+
+type KeysOf<T> = T extends string | number | boolean | undefined
+  ? never
+  : T extends readonly (infer Item)[]
+    ? Index | KeysOf<Item> | `${Index}.${KeysOf<Item>}`
+    : { [K in keyof T & string]: K | `${K}.${KeysOf<T[K]>}` }[keyof T & string];
+
+/** A key of a scene, such as "integrator.step", "cloth.density" of all cloths, or "cloth.0.density" of the first one. */
+export type Key = KeysOf<Scene>;
+
+type ValueAt<T, K extends string> = T extends readonly (infer Item)[]
+  ? K extends `${Index}.${infer Rest}`
+    ? ValueAt<Item, Rest>
+    : K extends Index
+      ? Item
+      : ValueAt<Item, K>
+  : K extends keyof T
+    ? T[K]
+    : K extends `${infer First}.${infer Rest}`
+      ? First extends keyof T
+        ? ValueAt<NonNullable<T[First]>, Rest>
+        : never
+      : never;
+
+/** The value of a key. */
+export type Value<K extends Key> = Given<ValueAt<Scene, K>>;
+
+/** New values for keys. If a part of a key is a list, such as `cloth`, every item is changed. `undefined` removes a key. */
+export type Changes = { [K in Key]?: Value<K> };
 
 /** A section of a scene, while its keys are changed. */
 type Section = { [key: string]: unknown };
 
+/** A copy of a part of a scene, with lists in place of typed arrays. */
+export function plain(given: unknown): unknown {
+  if (ArrayBuffer.isView(given) && !(given instanceof DataView)) return Array.from(given as Float64Array);
+  if (Array.isArray(given)) return given.map(plain);
+  if (typeof given !== "object" || given === null) return given;
+  return Object.fromEntries(Object.entries(given).map(([key, value]) => [key, plain(value)]));
+}
+
 /** Parses the TOML text of a scene. A syntax error names line and column. */
 export function read(text: string): Scene {
-  return parse(text) as unknown as Scene;
+  return complete(parse(text) as unknown as Scene);
 }
 
 /** Parses a value as the command line does: TOML, or a bare word. */
@@ -25,8 +102,14 @@ export function value(text: string): unknown {
   }
 }
 
+/** A scene with the duration of 1 s if it has none: a program goes on as long as it likes. */
+export const complete = (scene: Scene): Scene => ({ ...scene, duration: scene.duration ?? 1 });
+
 /** Parts of a key that are refused: the empty one, and names that would change more than the scene. */
 const FORBIDDEN = ["", "__proto__", "constructor", "prototype"];
+
+/** Keys of lists whose items a key cannot make. */
+const LISTS = ["collider", "pin", "load", "mass", "seam", "start"];
 
 /** A copy of the scene with changed values. */
 export function changed(scene: Scene, changes: Changes): Scene {
@@ -36,7 +119,7 @@ export function changed(scene: Scene, changes: Changes): Scene {
     if (path.some((part) => FORBIDDEN.includes(part))) throw new Error(`"${key}" is no key; write one such as integrator.step`);
     put(copy as unknown as Section, path, value, key);
   }
-  return copy;
+  return complete(copy);
 }
 
 /**
@@ -64,13 +147,16 @@ function put(owner: unknown, [first = "", ...rest]: string[], value: unknown, ke
   const section = owner as Section;
   if (rest.length > 0) {
     if (section[index] === undefined && value === undefined) return;
+    if (section[index] === undefined && (/^\d+$/.test(rest[0] ?? "") || LISTS.includes(first))) {
+      throw new Error(`${key}: there is no ${first} yet; set it as a whole`);
+    }
     section[index] ??= {};
     put(section[index], rest, value, key);
   } else if (value === undefined) {
     delete section[index];
   } else {
     // Each item of a list gets a copy of its own.
-    section[index] = structuredClone(value);
+    section[index] = plain(value);
   }
 }
 

@@ -12,10 +12,10 @@ const host = join(root, "host-wasm");
 let chromium;
 before(async () => {
   if (skip) return;
-  // The command that the example itself names.
-  const [, command] = readFileSync(join(host, "examples/react/flag.jsx"), "utf8").match(/npx esbuild (.*?) && /s);
-  const options = command.replace(/\\\n\/\//g, " ").split(/\s+/);
-  execFileSync(join(host, "node_modules/.bin/esbuild"), [...options, "--log-level=warning"], { cwd: host, stdio: "inherit" });
+  // The command that the example itself names, with the package of this folder.
+  const [, command] = readFileSync(join(host, "examples/react/flag.jsx"), "utf8").match(/npx esbuild (.*?) && /);
+  const options = [...command.split(" "), "--alias:muslin/inline=../../dist/inline.js", "--log-level=warning"];
+  execFileSync(join(host, "node_modules/.bin/esbuild"), options, { cwd: join(host, "examples/react"), stdio: "inherit" });
   chromium = await browser({ webgpu: false });
 });
 after(() => chromium?.close());

@@ -107,6 +107,13 @@ export const cases = {
         why(() => cloth.advance(1, null)),
         why(() => new m.Cloth()),
         why(() => new m.Cloth(null)),
+        why(() => cloth.set("cloth.0.pin.0.select", "left")),
+        why(() => cloth.set("cloth.pin.from", 1)),
+        why(() => cloth.set([])),
+        why(() => cloth.moveTo(0, ["0", 0, 0])),
+        why(() => cloth.moveCollider(0, [0, 0, 0], { x: 0, y: 0, z: 0 })),
+        why(() => cloth.moveTo("0", [0, 0, 0])),
+        why(() => cloth.teleport([0, 0, 0], undefined, [null])),
       ];
       const same = cloth.stateHash() === before && cloth.steps === 0;
       cloth.free();
@@ -124,7 +131,7 @@ export const cases = {
         /^the position must be 3 finite numbers, not \[0, 0\]$/,
         /^there is no collider 1: the last one is 0$/,
         /^the collider must be a whole number, 0 or more, not 0\.5$/,
-        /./,
+        /^the rotation must be a quaternion x, y, z, w, not zeros$/,
         /./,
         /^the wind must be 3 finite numbers/,
         /^gravity must be 3 finite numbers, not undefined$/,
@@ -140,9 +147,9 @@ export const cases = {
         /^a collider must be a whole number/,
         /^the colliders must be a list of finite numbers, not 5$/,
         /^the wind must be 3 finite numbers, not 5$/,
-        /^the wind must be 3 finite numbers, not 123$/,
-        /^the wind must be 3 finite numbers, not \[1, 2, \]$/,
-        /^the time must be a finite number, 0 or more, not 1$/,
+        /^the wind must be 3 finite numbers, not "123"$/,
+        /^the wind must be 3 finite numbers, not \[1, 2, undefined\]$/,
+        /^the time must be a finite number, 0 or more, not "1"$/,
         /^the time must be a finite number, 0 or more, not true$/,
         /^isOn must be true or false, not 1$/,
         /^the positions must be a list of finite numbers, not undefined$/,
@@ -161,6 +168,13 @@ export const cases = {
         /^the options of advance must be an object with budget, not null$/,
         /^a scene is a text, the name of a built-in one, or an object, not undefined$/,
         /^a scene is a text, the name of a built-in one, or an object, not null$/,
+        /^cloth\.0\.pin\.0\.select: there is no pin yet; set it as a whole$/,
+        /^cloth\.pin\.from: there is no pin yet; set it as a whole$/,
+        /^the key must be a word such as "integrator\.step", not \[\]$/,
+        /^the place must be 3 finite numbers, not \["0", 0, 0\]$/,
+        /^the rotation must be 4 finite numbers, not \[0, 0, 0, undefined\]$/,
+        /^there is no vertex "0"; there are 175, from 0$/,
+        /^the colliders must be a list of finite numbers, not \[null\]$/,
       ];
       assert.equal(told.length, expected.length);
       told.forEach((text, k) => {
@@ -168,6 +182,29 @@ export const cases = {
         assert.match(text, expected[k], `call ${k}`);
       });
       assert.ok(same, "a refused call changes nothing");
+    },
+  },
+
+  "vectors of a scene are lists or typed arrays, and a duration is not needed": {
+    run(m, { ball }) {
+      const hash = (change) => {
+        const { duration, ...scene } = ball();
+        const cloth = new m.Cloth(change(scene));
+        cloth.step(3);
+        cloth.set({ gravity: new Float32Array([0, -5, 0]), duration: undefined });
+        cloth.step();
+        const told = { hash: cloth.stateHash(), gravity: cloth.scene.gravity, duration: cloth.duration, had: duration };
+        cloth.free();
+        return told;
+      };
+      const arrays = (scene) => ({ ...scene, gravity: new Float64Array(scene.gravity), duration: undefined });
+      return [hash((scene) => scene), hash(arrays)];
+    },
+    check([lists, arrays]) {
+      assert.deepEqual(arrays, lists);
+      assert.deepEqual(lists.gravity, [0, -5, 0]);
+      assert.equal(lists.duration, 1);
+      assert.ok(lists.had > 0);
     },
   },
 

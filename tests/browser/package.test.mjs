@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
@@ -18,9 +18,18 @@ console.log(scenes().length, cloth.positions().length, cloth.steps);
 console.log(await cloth.openDevice().catch(({ message }) => message));
 `;
 const TYPED = `
-import { Cloth, load, type Scene, type Summary, type Warning } from "muslin";
+import { Cloth, type ColliderDesc, type Given, load, type Scene, type Summary, type Warning } from "muslin";
 import { load as loadInline } from "muslin/inline";
-const sheet: Scene = { duration: 1, cloth: [{ mesh: "sheet", density: 0.2 }], gravity: [0, -9.81, 0] };
+const sheet: Scene = { cloth: [{ mesh: "sheet", density: 0.2 }], gravity: [0, -9.81, 0] };
+const ball: ColliderDesc = { shape: "sphere", center: [0, 0, 0], radius: 0.2 };
+// @ts-expect-error: a sphere has a radius
+const point: ColliderDesc = { shape: "sphere", center: [0, 0, 0] };
+// @ts-expect-error: a sphere has no half size
+const half: ColliderDesc = { ...ball, half: [1, 1, 1] };
+// @ts-expect-error: a cloth has a mesh
+const bare: Scene = { cloth: [{ density: 0.2 }] };
+// @ts-expect-error: a cloth has one mesh
+const double: Scene = { cloth: [{ mesh: "sheet", grid: { size: [1, 1], cells: [4, 4] }, density: 0.2 }] };
 // @ts-expect-error: a list of sheets is no word
 const word: Scene = { duration: 1, cloth: "x" };
 // @ts-expect-error: density is misspelt
@@ -29,7 +38,10 @@ const misspelt: Scene = { duration: 1, cloth: [{ densty: 0.2 }] };
 const method: Scene = { ...sheet, integrator: { method: "rk5" } };
 // @ts-expect-error: gravity has three coordinates
 const flat: Scene = { ...sheet, gravity: [0, -9.81] };
-console.log(word, misspelt, method, flat);
+// Read-only lists and typed arrays are scenes, too.
+const fixed = { cloth: [{ mesh: "sheet", density: 0.2 }], collider: [{ shape: "sphere", center: [0, 0, 0], radius: 1 }] } as const;
+const given: Given<Scene> = { ...fixed, gravity: new Float32Array(3), duration: undefined };
+console.log(given, word, misspelt, method, flat, point, half, bare, double);
 export async function run(): Promise<Summary> {
   await load();
   await loadInline();
@@ -39,7 +51,16 @@ export async function run(): Promise<Summary> {
   const { steps, dropped }: { steps: number; dropped: number } = own.advance(1 / 60, { budget: 8 });
   console.log(steps, dropped, own.hit([0, 1, 0], [0, -1, 0])?.weights[2]);
   const cloth = new Cloth("flag");
-  cloth.set({ "integrator.step": 0.005 });
+  cloth.set({ "integrator.step": 0.005, "cloth.density": 0.3, "cloth.0.grid.cells": [8, 8] });
+  const k: number = cloth.steps;
+  cloth.set(\`cloth.\${k}.bend.rigidity\`, 1e-5);
+  // @ts-expect-error: the key is misspelt
+  cloth.set("integrator.stp", 0.005);
+  // @ts-expect-error: the key is misspelt
+  cloth.set({ "cloth.0.densty": 0.3 });
+  cloth.set("gravity", new Float32Array([0, -9.81, 0]));
+  // @ts-expect-error: a density is a number
+  cloth.set("cloth.density", "heavy");
   cloth.wind([1, 0, 0]);
   const x: Float32Array = cloth.positions();
   cloth.moveTo(0, x.subarray(0, 3), 0.1);
@@ -78,6 +99,22 @@ async function typedScenes() {
   return `import type { Scene } from "muslin";\nexport const all: Scene[] = [\n${all.map((scene) => JSON.stringify(scene)).join(",\n")}\n];\n`;
 }
 
+/** Checks that all files which the examples name are there, once the packages of others lie beside this one. */
+function checkExamples(modules) {
+  for (const name of ["three", "playcanvas"]) symlinkSync(join(root, "host-wasm/node_modules", name), join(modules, name));
+  const folder = join(modules, "muslin/examples");
+  const files = readdirSync(folder).filter((file) => /\.(html|js)$/.test(file));
+  assert.ok(files.length >= 5, `${files}`);
+  for (const file of files) {
+    const text = readFileSync(join(folder, file), "utf8");
+    const named = [...text.matchAll(/"(\.\.\/[^"]*)"|src="([^"]*)"|Worker\("([^"]*)"|load(?:Async)?\("([^"]*)"/g)];
+    assert.ok(named.length > 0, `${file} names no file`);
+    for (const path of named.map((found) => found.slice(1).find(Boolean))) {
+      assert.ok(existsSync(join(folder, path)), `${file} names ${path}, which is not in the package`);
+    }
+  }
+}
+
 test("it is installed from its tarball, runs in Node.js and has types", async () => {
   const folder = mkdtempSync(join(tmpdir(), "muslin-package-"));
   try {
@@ -95,6 +132,7 @@ test("it is installed from its tarball, runs in Node.js and has types", async ()
     // A flag after a frame, twice, and a cloak after a second.
     assert.deepEqual(printed, ["5643 5643 10767\n1\n", "5643 5643 10767\n1\n", "867 867 1536\n60\n"]);
     assert.match(readFileSync(join(folder, "node_modules/muslin/README.md"), "utf8"), /^# muslin in the browser/);
+    checkExamples(join(folder, "node_modules"));
     writeFileSync(join(folder, "typed.ts"), TYPED);
     writeFileSync(join(folder, "scenes.ts"), await typedScenes());
     const tsc = join(root, "host-wasm/node_modules/.bin/tsc");

@@ -1,7 +1,7 @@
 // Muslin and React Three Fiber: a component that simulates a flag, and a slider for its wind.
-// The inlined module needs no setting of the bundler. In the folder host-wasm:
-//     npx esbuild examples/react/flag.jsx --bundle --format=esm --jsx=automatic --alias:muslin/inline=./dist/inline.js \
-//         --outfile=examples/react/flag.js && npx serve .    # then open /examples/react
+// The inlined module needs no setting of the bundler. Copy the folder into your project, then:
+//     npm install react react-dom three @react-three/fiber esbuild
+//     npx esbuild flag.jsx --bundle --format=esm --jsx=automatic --outfile=flag.js && npx serve .
 
 import { Canvas, useFrame } from "@react-three/fiber";
 import { Cloth, load } from "muslin/inline";

@@ -47,6 +47,18 @@ const COPIED: [(&str, &str); 7] = [
     ("../LICENSE-APACHE", "LICENSE-APACHE"),
 ];
 
+/// The examples. In the package, other packages lie beside it.
+const EXAMPLES: [&str; 8] = [
+    "three.html",
+    "cape.html",
+    "walker.gltf",
+    "playcanvas.html",
+    "worker.html",
+    "worker.js",
+    "react/flag.jsx",
+    "react/index.html",
+];
+
 fn main() -> ExitCode {
     let (options, folders): (Vec<_>, Vec<_>) = env::args().skip(1).partition(|argument| argument.starts_with("--"));
     if options.iter().any(|option| option != "--count") || folders.len() > 1 {
@@ -83,7 +95,7 @@ fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
         let path = path.display().to_string();
         move |why| format!("{path}: {why}")
     };
-    for part in ["page", "pictures"] {
+    for part in ["page", "pictures", "examples/react"] {
         fs::create_dir_all(folder.join(part)).map_err(failed(folder))?;
     }
     for (from, to) in BUNDLES {
@@ -93,6 +105,12 @@ fn pack(own: &Path, folder: &Path, count: bool) -> Result<(), String> {
     declare(own, &folder.join("types"))?;
     for (from, to) in COPIED {
         fs::copy(own.join(from), folder.join(to)).map_err(failed(&own.join(from)))?;
+    }
+    for name in EXAMPLES {
+        let from = own.join("examples").join(name);
+        let text = fs::read_to_string(&from).map_err(failed(&from))?;
+        let text = text.replace("../dist/", "../").replace("../node_modules/", "../../");
+        fs::write(folder.join("examples").join(name), text).map_err(failed(folder))?;
     }
     let page = web.join("page/index.html");
     let text = fs::read_to_string(&page).map_err(failed(&page))?;

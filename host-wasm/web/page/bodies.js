@@ -3,8 +3,8 @@
 
 import { add, cross, point, sub, unit } from "./vector.js";
 
-const AROUND = 28;
-const RINGS = 14;
+const AROUND = 44;
+const RINGS = 22;
 const FLOOR = 4; // m, half the edge of the square that is drawn of a plane
 
 const across = (n) => unit(cross(n, Math.abs(n[1]) < 0.9 ? [0, 1, 0] : [1, 0, 0]));

@@ -10,6 +10,10 @@ const FROM = { yaw: 0.6, pitch: 0.25 };
 const SUN = unit(SHADOW.sun.split(",").map(Number));
 /** Share of the way per picture by which the view follows a cloth that leaves its middle. */
 const FOLLOW = 0.05;
+/** Part of its first size from which the view goes nearer to a cloth that becomes smaller. */
+const SMALL = 0.55;
+/** Share of the distance within which the view stays. */
+const CLOSE = 0.02;
 /** Distance of the middle of the cloth from the middle of the picture up to which it stays, as a share of half the picture. */
 const MIDDLE = 0.4;
 
@@ -22,7 +26,9 @@ export class Camera {
       centre: [0, 0.5, 0],
       lit: [0, 0.5, 0],
       reach: 1,
+      first: { size: 1, distance: 3 },
       follows: true,
+      zooms: true,
       size: [1, 1],
     });
   }
@@ -31,22 +37,30 @@ export class Camera {
   frame(positions, isAnew = false) {
     if (isAnew) Object.assign(this, FROM);
     const { low, high } = bounds(positions);
+    const size = Math.hypot(...sub(high, low));
     // Include the space below, down to the floor or 1 m, because cloth falls.
     low[1] = Math.min(low[1], Math.max(0, low[1] - 1));
     this.centre = low.map((x, k) => (x + high[k]) / 2);
     this.reach = Math.hypot(...sub(high, low)) / 2;
     this.distance = 3 * this.reach + 0.1;
-    this.follows = true;
+    this.first = { size, distance: this.distance };
+    this.follows = this.zooms = true;
   }
 
-  /** Moves the view after a cloth that leaves its middle, unless the user has moved it. */
+  /** Moves the view after a cloth that leaves its middle, and nearer to one that becomes small, unless the user has moved it. */
   follow(positions) {
     const { low, high } = bounds(positions);
     this.lit = low.map((x, k) => (x + high[k]) / 2);
     if (!this.follows) return;
     const at = this.project(this.matrix(true), this.lit).slice(0, 2);
     const off = at.map((pixel, k) => (2 * pixel) / this.size[k] - 1);
-    if (Math.max(...off.map(Math.abs)) > MIDDLE) this.centre = add(this.centre, sub(this.lit, this.centre), FOLLOW);
+    // Seen from nearer, a cloth is kept nearer to the middle.
+    const most = (MIDDLE * this.distance) / Math.max(this.distance, this.first.distance);
+    if (Math.max(...off.map(Math.abs)) > most) this.centre = add(this.centre, sub(this.lit, this.centre), FOLLOW);
+    if (!this.zooms) return;
+    const { size, distance } = this.first;
+    const near = distance * Math.min(1, Math.hypot(...sub(high, low)) / (SMALL * size));
+    if (Math.abs(near / this.distance - 1) > CLOSE) this.distance += FOLLOW * (near - this.distance);
   }
 
   /** Moves the view parallel to the screen by a number of pixels. */
@@ -61,6 +75,7 @@ export class Camera {
   }
 
   zoom(factor) {
+    this.zooms = false;
     this.distance = Math.max(0.05, Math.min(100, this.distance * factor));
   }
 

@@ -7,6 +7,20 @@ export function rms(a, b) {
   return Math.sqrt((3 * sum) / a.length);
 }
 
+/** Share of a cloth's size from which two runs are far apart. */
+const FAR = 0.1;
+
+/** Whether an error is large beside the cloth: its steps are too long, or small differences have grown in folds or in wind. */
+export function areFarApart(error, positions) {
+  const middle = [0, 1, 2].map((axis) => {
+    let sum = 0;
+    for (let k = axis; k < positions.length; k += 3) sum += positions[k];
+    return (3 * sum) / positions.length;
+  });
+  const around = positions.map((_, k) => middle[k % 3]);
+  return error > FAR * rms(positions, around);
+}
+
 /** A length as text, in µm, mm or m. */
 export function length(metres) {
   const [factor, unit] = metres < 1e-4 ? [1e6, "µm"] : metres < 0.1 ? [1e3, "mm"] : [1, "m"];

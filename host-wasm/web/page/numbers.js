@@ -34,7 +34,8 @@ const PARTS = [
 function compared({ error, comparing }) {
   if (!error) return comparing ? "shown after the next reset" : "off";
   if (error.why) return error.why;
-  if (error.time !== undefined) return `${length(error.error)} at ${error.time.toFixed(2)} s`;
+  const far = error.isFar ? ", over a tenth of the cloth's size" : "";
+  if (error.time !== undefined) return `${length(error.error)} at ${error.time.toFixed(2)} s${far}`;
   return error.waits ? "waits: the run is slower than real time" : "…";
 }
 

@@ -1,7 +1,7 @@
 // The current error of the run: a worker simulates the same scene with shorter steps, and repeats every action of
 // the user. It runs in the time that is left: on few cores it goes on only while the run keeps up with real time.
 
-import { rms } from "./error.js";
+import { areFarApart, rms } from "./error.js";
 
 /** Most states that wait for the reference. Further ones are skipped until fewer wait. */
 const MOST = 8;
@@ -17,7 +17,7 @@ export class Reference {
   #waiting = new Map();
   /** States in the queue or sent. */
   #states = 0;
-  /** {time, error}, s and m, of the last state that the reference has reached. */
+  /** {time, error, isFar}, s and m, of the last state that the reference has reached. */
   last;
   /** The reason why there is no reference. */
   why;
@@ -61,7 +61,9 @@ export class Reference {
     const own = this.#waiting.get(time);
     this.#waiting.delete(time);
     this.#states -= 1;
-    if (own?.length === positions.length) this.last = { time, error: rms(own, positions) };
+    if (own?.length !== positions.length) return;
+    const error = rms(own, positions);
+    this.last = { time, error, isFar: areFarApart(error, positions) };
   }
 
   #give_up(why) {
