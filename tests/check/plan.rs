@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::RangeInclusive;
 
-use crate::suites::Suite;
+use crate::suites::{Suite, packages};
 
 /// The level of checking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -78,9 +78,11 @@ pub fn steps(suites: &[Suite]) -> Vec<Step> {
         command(All, "lints of every package", &lints("--workspace")),
         command(Everyday, "lints without an allocator", &without_alloc),
         step(Everyday, "tests", Task::Suites(TESTED, suites.to_vec())),
-        // Includes the other packages, so that the libraries built for the suites are reused.
-        command(Everyday, "manual", "cargo test --doc -p muslin-tests-harness -p muslin-tests -p muslin-cli"),
     ];
+    // With the packages of the suites, so that the libraries built for them are reused.
+    let manual = |level| format!("cargo test --doc -p muslin-tests-harness{}", packages(level));
+    steps.push(Step { levels: Everyday..=Everyday, ..command(Everyday, "manual", &manual(Everyday)) });
+    steps.push(command(All, "manual", &manual(All)));
     let docs = Task::Command("cargo doc --workspace --no-deps".to_owned(), &[("RUSTDOCFLAGS", "-D warnings")]);
     steps.push(step(All, "docs", docs));
     // A package checked alone has only the features that it requests itself.

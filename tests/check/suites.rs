@@ -47,6 +47,11 @@ pub fn all(root: &Path) -> Result<Vec<Suite>, String> {
     Ok(suites)
 }
 
+/// The packages of a level, as options of cargo, with a space before each.
+pub fn packages(level: Level) -> String {
+    PACKAGES.iter().filter(|(_, own)| *own <= level).map(|(name, _)| format!(" -p {name}")).collect()
+}
+
 fn list(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
@@ -101,9 +106,7 @@ pub fn build<'a>(root: &Path, profile: &str, suites: &'a [Suite]) -> Result<Vec<
     cargo.args(["test", "--no-run", "--message-format=json-render-diagnostics", "--profile", profile]);
     // Always builds all packages of the level: libraries are then built only once, with the union of the
     // features.
-    for (name, _) in PACKAGES.iter().filter(|(_, own)| *own <= level) {
-        cargo.args(["-p", name]);
-    }
+    cargo.args(packages(level).split_whitespace());
     // Of two packages with a library, cargo takes one `--lib`.
     let targets: BTreeSet<String> = suites.iter().map(Suite::target).collect();
     for target in &targets {
