@@ -39,7 +39,10 @@ export function array(name: string, given: ArrayLike<number>): ArrayLike<number>
 
 /** A list of finite numbers. */
 export function list(name: string, given: ArrayLike<number>): Float64Array {
-  if (isList(given) && Array.from(given).every(Number.isFinite)) return Float64Array.from(given);
+  const all = isList(given) ? Float64Array.from(given) : undefined;
+  // The conversion makes numbers of texts and of null.
+  const isNumber = (x: unknown) => typeof x === "number";
+  if (all?.every(Number.isFinite) && Array.prototype.every.call(given, isNumber)) return all;
   throw new TypeError(`${name} must be a list of finite numbers, not ${shown(given)}`);
 }
 

@@ -7,12 +7,13 @@ export type * from "./scene_types.js";
 
 type MeshKey = "grid" | "tube" | "disc" | "mesh";
 
-type NoMesh = { [K in MeshKey]?: undefined };
+type With<K extends MeshKey> = Omit<AnyCloth, MeshKey> & Required<Pick<AnyCloth, K>> & { [Other in Exclude<MeshKey, K>]?: undefined };
 
-interface Grid extends Omit<AnyCloth, MeshKey>, Omit<NoMesh, "grid">, Required<Pick<AnyCloth, "grid">> {}
-interface Tube extends Omit<AnyCloth, MeshKey>, Omit<NoMesh, "tube">, Required<Pick<AnyCloth, "tube">> {}
-interface Disc extends Omit<AnyCloth, MeshKey>, Omit<NoMesh, "disc">, Required<Pick<AnyCloth, "disc">> {}
-interface Own extends Omit<AnyCloth, MeshKey>, Omit<NoMesh, "mesh">, Required<Pick<AnyCloth, "mesh">> {}
+// Names for the messages of the compiler.
+interface Grid extends With<"grid"> {}
+interface Tube extends With<"tube"> {}
+interface Disc extends With<"disc"> {}
+interface Own extends With<"mesh"> {}
 
 /** One sheet: its mesh, its placement and its material. It has exactly one of `grid`, `tube`, `disc` and `mesh`. */
 export type ClothDesc = Grid | Tube | Disc | Own;
@@ -30,7 +31,7 @@ export type ColliderDesc =
   | Shaped<"box", "center" | "half", "rotation">
   | Shaped<"mesh", "file", "motion_rate">;
 
-/** A whole scene. Its duration, 1 s by default, counts for the command line only. */
+/** A whole scene. Steps go on after its duration, 1 s by default: the command line and the warning `motion` use it. */
 export type Scene = Omit<AnyScene, "cloth" | "collider" | "duration"> & {
   cloth: ClothDesc[];
   collider?: ColliderDesc[];

@@ -103,8 +103,9 @@ async function typedScenes() {
 function checkExamples(modules) {
   for (const name of ["three", "playcanvas"]) symlinkSync(join(root, "host-wasm/node_modules", name), join(modules, name));
   const folder = join(modules, "muslin/examples");
-  const files = readdirSync(folder).filter((file) => /\.(html|js)$/.test(file));
-  assert.ok(files.length >= 5, `${files}`);
+  const shownIn = (folder) => readdirSync(folder).filter((file) => /\.(html|js)$/.test(file));
+  const files = shownIn(folder);
+  assert.deepEqual(files, shownIn(join(root, "host-wasm/examples")), "name a new example in host-wasm/pack");
   for (const file of files) {
     const text = readFileSync(join(folder, file), "utf8");
     const named = [...text.matchAll(/"(\.\.\/[^"]*)"|src="([^"]*)"|Worker\("([^"]*)"|load(?:Async)?\("([^"]*)"/g)];

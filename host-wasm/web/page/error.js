@@ -11,14 +11,15 @@ export function rms(a, b) {
 const FAR = 0.1;
 
 /** Whether an error is large beside the cloth: its steps are too long, or small differences have grown in folds or in wind. */
-export function areFarApart(error, positions) {
-  const middle = [0, 1, 2].map((axis) => {
-    let sum = 0;
-    for (let k = axis; k < positions.length; k += 3) sum += positions[k];
-    return (3 * sum) / positions.length;
-  });
-  const around = positions.map((_, k) => middle[k % 3]);
-  return error > FAR * rms(positions, around);
+export const areFarApart = (error, positions) => error > FAR * size(positions);
+
+/** The root mean square distance of the vertices from their middle. */
+function size(positions) {
+  const [count, middle] = [positions.length / 3, [0, 0, 0]];
+  for (let k = 0; k < positions.length; k++) middle[k % 3] += positions[k] / count;
+  let sum = 0;
+  for (let k = 0; k < positions.length; k++) sum += (positions[k] - middle[k % 3]) ** 2;
+  return Math.sqrt(sum / count);
 }
 
 /** A length as text, in µm, mm or m. */
